@@ -1,0 +1,327 @@
+#include "protocol/message.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "frames are written as they lie in memory: little-endian");
+
+static const uint8_t magic[4] = {'T', 'N', 'D', 'M'};
+
+/* ---- buffers ---- */
+
+void tdm_frame_free(tdm_frame *frame) {
+  free(frame->data);
+  *frame = (tdm_frame){0};
+}
+
+/* Make room for `size` bytes; the content is kept. */
+static tdm_status frame_reserve(tdm_frame *frame, size_t size, tdm_error *err) {
+  if (size <= frame->capacity)
+    return TDM_OK;
+  size_t capacity = size + size / 2 + 256;
+  uint8_t *data = realloc(frame->data, capacity);
+  if (!data)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a message of %zu bytes", size);
+  frame->data = data;
+  frame->capacity = capacity;
+  return TDM_OK;
+}
+
+/* A cursor over a buffer that is large enough. */
+static uint8_t *put(uint8_t *at, const void *data, size_t size) {
+  if (size)
+    memcpy(at, data, size);
+  return at + size;
+}
+
+static uint8_t *put_u32(uint8_t *at, uint32_t value) {
+  return put(at, &value, 4);
+}
+
+static uint8_t *put_u64(uint8_t *at, uint64_t value) {
+  return put(at, &value, 8);
+}
+
+static uint8_t *put_f64(uint8_t *at, double value) {
+  return put(at, &value, 8);
+}
+
+static const uint8_t *get(const uint8_t *at, void *out, size_t size) {
+  memcpy(out, at, size);
+  return at + size;
+}
+
+/* ---- header ---- */
+
+const char *tdm_message_name(int type) {
+  switch (type) {
+#define X(name, number, from) \
+  case number:                \
+    return #name;
+    TDM_MESSAGE_LIST(X)
+#undef X
+  }
+  return "?";
+}
+
+static tdm_status header_write(tdm_frame *frame, tdm_message_type type, uint64_t window, size_t payload,
+                               tdm_error *err) {
+  if (payload + TDM_HEADER_BYTES > TDM_FRAME_MAX)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "a %s of %zu bytes is larger than the protocol's limit of %d",
+                    tdm_message_name(type), payload, TDM_FRAME_MAX);
+  tdm_status status = frame_reserve(frame, TDM_HEADER_BYTES + payload, err);
+  if (status != TDM_OK)
+    return status;
+  frame->size = TDM_HEADER_BYTES + payload;
+  uint16_t words[2] = {TDM_PROTOCOL_VERSION, (uint16_t)type};
+  uint8_t *at = put(frame->data, magic, 4);
+  at = put(at, words, 4);
+  at = put_u64(at, window);
+  at = put_u32(at, (uint32_t)payload);
+  put_u32(at, 0);
+  return TDM_OK;
+}
+
+tdm_status tdm_header_read(tdm_header *header, const void *frame, size_t size, tdm_error *err) {
+  uint16_t words[2];
+  uint32_t payload, reserved;
+  if (size < TDM_HEADER_BYTES)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed frame: %zu bytes, shorter than a header (%d)", size,
+                    TDM_HEADER_BYTES);
+  if (memcmp(frame, magic, 4) != 0)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed frame: it does not begin with TNDM");
+  const uint8_t *at = (const uint8_t *)frame + 4;
+  at = get(at, words, 4);
+  at = get(at, &header->window, 8);
+  at = get(at, &payload, 4);
+  at = get(at, &reserved, 4);
+  if (words[0] != TDM_PROTOCOL_VERSION)
+    return tdm_fail(err, TDM_ERR_VERSION, NULL,
+                    "it speaks protocol version %u, here it is %u; use a solver and a tandem of the same version",
+                    words[0], TDM_PROTOCOL_VERSION);
+  if (size > TDM_FRAME_MAX)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "oversized frame: %zu bytes, the limit is %d", size, TDM_FRAME_MAX);
+  if (payload != size - TDM_HEADER_BYTES)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed frame: %u bytes of payload announced, %zu came", payload,
+                    size - TDM_HEADER_BYTES);
+  if (tdm_message_name(words[1])[0] == '?')
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed frame: %u is no message type", words[1]);
+  header->type = (tdm_message_type)words[1];
+  header->payload = at;
+  header->size = payload;
+  return TDM_OK;
+}
+
+/* ---- control messages ---- */
+
+tdm_status tdm_control_write(tdm_frame *frame, tdm_message_type type, uint64_t window, const json_t *json,
+                             tdm_error *err) {
+  size_t n = json ? json_dumpb(json, NULL, 0, JSON_COMPACT) : 0;
+  if (json && n == 0)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "a %s cannot be written as JSON", tdm_message_name(type));
+  if (header_write(frame, type, window, n, err) != TDM_OK)
+    return err ? err->status : TDM_ERR_PROTOCOL;
+  if (n)
+    json_dumpb(json, (char *)frame->data + TDM_HEADER_BYTES, n, JSON_COMPACT);
+  return TDM_OK;
+}
+
+tdm_status tdm_control_read(const tdm_header *header, json_t **json, tdm_error *err) {
+  json_error_t json_error;
+  *json = header->size ? json_loadb((const char *)header->payload, header->size, JSON_REJECT_DUPLICATES, &json_error)
+                       : json_object();
+  if (!*json)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: its payload is not JSON: %s",
+                    tdm_message_name(header->type), json_error.text);
+  if (!json_is_object(*json)) {
+    json_decref(*json);
+    *json = NULL;
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: its payload is not a JSON object",
+                    tdm_message_name(header->type));
+  }
+  return TDM_OK;
+}
+
+json_t *tdm_error_to_json(const tdm_error *err) {
+  json_t *json = json_object();
+  json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
+  json_object_set_new(json, "path", json_string(err->path));
+  json_object_set_new(json, "message", json_string(err->message));
+  return json;
+}
+
+void tdm_error_from_json(const json_t *json, tdm_error *err) {
+  const char *status = json_string_value(json_object_get(json, "status"));
+  const char *path = json_string_value(json_object_get(json, "path"));
+  const char *message = json_string_value(json_object_get(json, "message"));
+  tdm_status code = TDM_ERR_NUMERIC;
+  for (int i = 1; status && i < TDM_STATUS_COUNT; i++)
+    if (strcmp(status, tdm_status_name((tdm_status)i)) == 0)
+      code = (tdm_status)i;
+  tdm_fail(err, code, path, "%s", message ? message : "no reason given");
+}
+
+/* ---- STEP and RESULT ---- */
+
+/* doubles behind the fixed block */
+static size_t step_doubles(const tdm_step *s) {
+  return 2 * (size_t)s->nstate * TDM_STATE_DOUBLES + (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES +
+         (size_t)s->nsample;
+}
+
+static size_t result_doubles(const tdm_result *r) {
+  size_t sample = (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nchannel;
+  if (r->nload > 0)
+    sample += (size_t)r->nbody * TDM_WRENCH_DOUBLES;
+  return (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES +
+         (size_t)r->nsample * sample;
+}
+
+/* Cut the next n doubles off a block. */
+static void *cut(double **at, size_t n) {
+  double *part = *at;
+  *at += n;
+  return part;
+}
+
+static void result_point(tdm_result *r, double *at) {
+  r->state = cut(&at, (size_t)r->nstate * TDM_STATE_DOUBLES);
+  r->load = cut(&at, (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES);
+  r->sample_state = cut(&at, (size_t)r->nsample * (size_t)r->nstate * TDM_STATE_DOUBLES);
+  r->sample_load = cut(&at, (size_t)r->nsample * (r->nload > 0 ? (size_t)r->nbody : 0) * TDM_WRENCH_DOUBLES);
+  r->channel = at;
+}
+
+static tdm_status check_counts(const tdm_header *header, const uint32_t *counts, int n, tdm_error *err) {
+  for (int i = 0; i < n; i++)
+    if (counts[i] > TDM_COUNT_MAX)
+      return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: a count of %u", tdm_message_name(header->type),
+                      counts[i]);
+  return TDM_OK;
+}
+
+/* The arrays behind the fixed block, copied to where doubles are aligned. */
+static tdm_status copy_doubles(tdm_frame *store, const tdm_header *header, size_t fixed, size_t ndouble,
+                               tdm_error *err) {
+  if (header->size != fixed + 8 * ndouble)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: %zu bytes, its counts need %zu",
+                    tdm_message_name(header->type), header->size, fixed + 8 * ndouble);
+  if (frame_reserve(store, 8 * ndouble + 8, err) != TDM_OK)
+    return TDM_ERR_MEMORY;
+  store->size = 8 * ndouble;
+  if (ndouble)
+    memcpy(store->data, header->payload + fixed, 8 * ndouble);
+  return TDM_OK;
+}
+
+tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
+  assert(s->nstate == 0 || s->nstate == s->nbody);
+  tdm_status status = header_write(frame, TDM_STEP, s->window, TDM_STEP_BYTES + 8 * step_doubles(s), err);
+  if (status != TDM_OK)
+    return status;
+  uint8_t *at = frame->data + TDM_HEADER_BYTES;
+  at = put_f64(at, s->t0);
+  at = put_f64(at, s->t1);
+  at = put_u64(at, s->nstep);
+  at = put_u32(at, (uint32_t)s->nbody);
+  at = put_u32(at, (uint32_t)s->nstate);
+  at = put_u32(at, (uint32_t)s->nload);
+  at = put_u32(at, (uint32_t)s->nsample);
+  at = put_u64(at, 0);
+  at = put(at, s->start, (size_t)s->nstate * sizeof(tdm_state));
+  at = put(at, s->end, (size_t)s->nstate * sizeof(tdm_state));
+  at = put(at, s->load, (size_t)s->nbody * (size_t)s->nload * sizeof(tdm_wrench));
+  put(at, s->sample_time, (size_t)s->nsample * sizeof(double));
+  return TDM_OK;
+}
+
+tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store, tdm_error *err) {
+  uint32_t counts[4];
+  *s = (tdm_step){.window = header->window};
+  if (header->size < TDM_STEP_BYTES)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %zu bytes", header->size);
+  const uint8_t *at = get(header->payload, &s->t0, 8);
+  at = get(at, &s->t1, 8);
+  at = get(at, &s->nstep, 8);
+  get(at, counts, sizeof counts);
+  tdm_status status = check_counts(header, counts, 4, err);
+  if (status != TDM_OK)
+    return status;
+  s->nbody = (int)counts[0];
+  s->nstate = (int)counts[1];
+  s->nload = (int)counts[2];
+  s->nsample = (int)counts[3];
+  if (!(s->t1 > s->t0) || !isfinite(s->t1 - s->t0) || s->nstep == 0 || (s->nstate != 0 && s->nstate != s->nbody))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a window from %g s to %g s in %llu steps", s->t0,
+                    s->t1, (unsigned long long)s->nstep);
+  status = copy_doubles(store, header, TDM_STEP_BYTES, step_doubles(s), err);
+  if (status != TDM_OK)
+    return status;
+  double *data = (double *)(void *)store->data;
+  if (!tdm_finite(data, (int)step_doubles(s)))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a number in it is not finite");
+  s->start = cut(&data, (size_t)s->nstate * TDM_STATE_DOUBLES);
+  s->end = cut(&data, (size_t)s->nstate * TDM_STATE_DOUBLES);
+  s->load = cut(&data, (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES);
+  s->sample_time = data;
+  return TDM_OK;
+}
+
+tdm_status tdm_result_layout(tdm_result *r, tdm_frame *store, tdm_error *err) {
+  size_t n = result_doubles(r);
+  if (frame_reserve(store, 8 * n + 8, err) != TDM_OK)
+    return TDM_ERR_MEMORY;
+  store->size = 8 * n;
+  memset(store->data, 0, 8 * n);
+  result_point(r, (double *)(void *)store->data);
+  return TDM_OK;
+}
+
+tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *err) {
+  size_t n = result_doubles(r);
+  tdm_status status = header_write(frame, TDM_RESULT, r->window, TDM_RESULT_BYTES + 8 * n, err);
+  if (status != TDM_OK)
+    return status;
+  uint8_t *at = frame->data + TDM_HEADER_BYTES;
+  at = put_f64(at, r->t);
+  at = put_f64(at, r->wall);
+  at = put_u32(at, (uint32_t)r->nbody);
+  at = put_u32(at, (uint32_t)r->nstate);
+  at = put_u32(at, (uint32_t)r->nload);
+  at = put_u32(at, (uint32_t)r->nsample);
+  at = put_u32(at, (uint32_t)r->nchannel);
+  at = put_u32(at, 0);
+  at = put(at, r->state, (size_t)r->nstate * sizeof(tdm_state));
+  at = put(at, r->load, (size_t)r->nbody * (size_t)r->nload * sizeof(tdm_wrench));
+  at = put(at, r->sample_state, (size_t)r->nsample * (size_t)r->nstate * sizeof(tdm_state));
+  if (r->nload > 0)
+    at = put(at, r->sample_load, (size_t)r->nsample * (size_t)r->nbody * sizeof(tdm_wrench));
+  put(at, r->channel, (size_t)r->nsample * (size_t)r->nchannel * sizeof(double));
+  return TDM_OK;
+}
+
+tdm_status tdm_result_read(tdm_result *r, const tdm_header *header, tdm_frame *store, tdm_error *err) {
+  uint32_t counts[5];
+  *r = (tdm_result){.window = header->window};
+  if (header->size < TDM_RESULT_BYTES)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %zu bytes", header->size);
+  const uint8_t *at = get(header->payload, &r->t, 8);
+  at = get(at, &r->wall, 8);
+  get(at, counts, sizeof counts);
+  tdm_status status = check_counts(header, counts, 5, err);
+  if (status != TDM_OK)
+    return status;
+  r->nbody = (int)counts[0];
+  r->nstate = (int)counts[1];
+  r->nload = (int)counts[2];
+  r->nsample = (int)counts[3];
+  r->nchannel = (int)counts[4];
+  if (r->nstate != 0 && r->nstate != r->nbody)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %d states of %d bodies", r->nstate, r->nbody);
+  status = copy_doubles(store, header, TDM_RESULT_BYTES, result_doubles(r), err);
+  if (status != TDM_OK)
+    return status;
+  result_point(r, (double *)(void *)store->data);
+  return TDM_OK;
+}

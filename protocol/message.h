@@ -1,0 +1,128 @@
+/* Messages: what goes over the wire. PROTOCOL.md is the specification; this file is its C side.
+ *
+ * A message is one frame: a header of 24 bytes and a payload. Control messages carry JSON, STEP and RESULT a fixed
+ * block of counts followed by raw float64 arrays. All little-endian. Every size is checked against the frame before it
+ * is used, so a frame from anywhere can be handed to these functions.
+ */
+#ifndef TDM_MESSAGE_H
+#define TDM_MESSAGE_H
+
+#include "pose.h"
+#include "status.h"
+
+#include <jansson.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define TDM_PROTOCOL_VERSION 1
+
+/* one row a message: name, number, who sends it */
+#define TDM_MESSAGE_LIST(X)  \
+  X(HELLO, 1, "solver")      \
+  X(ASSIGN, 2, "server")     \
+  X(READY, 3, "solver")      \
+  X(STEP, 4, "server")       \
+  X(RESULT, 5, "solver")     \
+  X(SAVE, 6, "server")       \
+  X(RESTORE, 7, "server")    \
+  X(CHECKPOINT, 8, "server") \
+  X(FINISH, 9, "server")     \
+  X(ERROR, 10, "both")       \
+  X(HEARTBEAT, 11, "both")
+
+typedef enum {
+#define X(name, number, from) TDM_##name = number,
+  TDM_MESSAGE_LIST(X)
+#undef X
+} tdm_message_type;
+
+enum {
+  TDM_HEADER_BYTES = 24,
+  TDM_FRAME_MAX = 64 * 1024 * 1024, /* larger frames are refused */
+  TDM_STEP_BYTES = 48,              /* fixed blocks behind the header */
+  TDM_RESULT_BYTES = 40,
+  TDM_COUNT_MAX = 1 << 20 /* of any count in STEP or RESULT */
+};
+
+typedef struct {
+  tdm_message_type type;
+  uint64_t window;        /* window that the message belongs to, from 0 */
+  const uint8_t *payload; /* inside the frame */
+  size_t size;            /* of the payload [bytes] */
+} tdm_header;
+
+/* A growing buffer that holds one outgoing frame. Zero-initialise; free with tdm_frame_free. */
+typedef struct {
+  uint8_t *data;
+  size_t size, capacity;
+} tdm_frame;
+
+void tdm_frame_free(tdm_frame *frame);
+
+/* Name of a message type ("STEP"), "?" when it is none. */
+const char *tdm_message_name(int type);
+
+/* Check a frame and read its header. TDM_ERR_VERSION for another protocol version, else TDM_ERR_PROTOCOL. */
+tdm_status tdm_header_read(tdm_header *header, const void *frame, size_t size, tdm_error *err);
+
+/* ---- control messages ---- */
+
+/* Encode `json` (borrowed; NULL: no payload) into frame. */
+tdm_status tdm_control_write(tdm_frame *frame, tdm_message_type type, uint64_t window, const json_t *json,
+                             tdm_error *err);
+/* The JSON object in the payload (new reference, the caller decrefs; an empty payload is an empty object). */
+tdm_status tdm_control_read(const tdm_header *header, json_t **json, tdm_error *err);
+
+/* An error as a control message's JSON and back: {"status": "TDM_ERR_SCENE", "path": …, "message": …}. */
+json_t *tdm_error_to_json(const tdm_error *err);
+void tdm_error_from_json(const json_t *json, tdm_error *err);
+
+/* ---- STEP and RESULT ---- */
+
+/* One window, as the solver gets it. Arrays belong to the message buffer and live until the next receive. */
+typedef struct {
+  uint64_t window;           /* from 0 */
+  double t0, t1;             /* start and end of the window [s] */
+  uint64_t nstep;            /* DEM steps in it, at least 1 */
+  int nbody;                 /* coupled bodies, in the order of ASSIGN */
+  int nstate;                /* nbody, or 0 when no path is sent (to mbd) */
+  int nload;                 /* coefficients of the load polynomial, 0 when no load is sent (to dem) */
+  int nsample;               /* output times inside (t0, t1] */
+  const tdm_state *start;    /* (nstate) bodies at t0 */
+  const tdm_state *end;      /* (nstate) bodies at t1 */
+  const tdm_wrench *load;    /* (nbody x nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
+  const double *sample_time; /* (nsample) [s], ascending */
+} tdm_step;
+
+/* What a solver gives back: mbd states, dem loads. For a solver written with participant.h the arrays are there,
+ * zeroed, with their sizes set. */
+typedef struct {
+  uint64_t window;
+  double t;                /* time reached [s] */
+  double wall;             /* wall time of the solver's own work on this window [s] */
+  int nbody;               /* coupled bodies */
+  int nstate;              /* nbody (mbd) or 0 */
+  int nload;               /* loads a body: 1 = mean over the window; 0 (mbd) */
+  int nsample;             /* as in the STEP */
+  int nchannel;            /* further outputs a sample, as announced in READY */
+  tdm_state *state;        /* (nstate) at t1 */
+  tdm_wrench *load;        /* (nbody x nload) */
+  tdm_state *sample_state; /* (nsample x nstate) at the sample times */
+  tdm_wrench *sample_load; /* (nsample x nbody, only if nload > 0) mean since the sample time before */
+  double *channel;         /* (nsample x nchannel) at the sample times */
+} tdm_result;
+
+tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *step, tdm_error *err);
+
+/* The arrays of *step point into `store`, which is grown as needed (aligned copies; the caller frees it). Refuses
+ * numbers that are not finite, and windows that run backwards. */
+tdm_status tdm_step_read(tdm_step *step, const tdm_header *header, tdm_frame *store, tdm_error *err);
+
+tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *result, tdm_error *err);
+/* As tdm_step_read; numbers that are not finite pass here: the server names the body and the solver. */
+tdm_status tdm_result_read(tdm_result *result, const tdm_header *header, tdm_frame *store, tdm_error *err);
+
+/* Point the arrays of a result, whose counts are set, into `store` (zeroed). */
+tdm_status tdm_result_layout(tdm_result *result, tdm_frame *store, tdm_error *err);
+
+#endif

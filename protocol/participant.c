@@ -1,0 +1,338 @@
+#include "protocol/participant.h"
+
+#include "protocol/log.h"
+#include "protocol/scene.h"
+#include "protocol/transport.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SLICE_MS = 100 };
+static const double alive_interval = 0.5; /* [s] between two HEARTBEATs */
+
+struct tdm_participant {
+  tdm_participant_def def;
+  tdm_transport *transport;
+  tdm_frame out, step_store, result_store;
+  json_t *assign; /* the ASSIGN message: the assignment points into it */
+  tdm_assigned_body *body;
+  int nbody, nchannel;
+  bool is_mbd, finished; /* finished: the server said FINISH or was lost */
+  double last_sent, last_heard, step_start;
+  uint64_t window;
+  double t1; /* end of the window under way */
+};
+
+tdm_participant_def tdm_participant_default_def(void) {
+  return (tdm_participant_def){.name = "solver", .role = "dem", .software = "unknown", .timeout = 30};
+}
+
+/* ---- sending and receiving ---- */
+
+static tdm_status send_frame(tdm_participant *p, tdm_error *err) {
+  p->last_sent = tdm_clock();
+  return tdm_transport_send(p->transport, NULL, &p->out, err);
+}
+
+static tdm_status send_control(tdm_participant *p, tdm_message_type type, const json_t *json, tdm_error *err) {
+  tdm_status status = tdm_control_write(&p->out, type, p->window, json, err);
+  return status == TDM_OK ? send_frame(p, err) : status;
+}
+
+/* Wait for the next message other than HEARTBEAT; ERROR from the server becomes err. */
+static tdm_status receive(tdm_participant *p, tdm_header *header, tdm_error *err) {
+  p->last_heard = tdm_clock();
+  while (true) {
+    const void *data;
+    size_t size;
+    tdm_status status = tdm_transport_receive(p->transport, SLICE_MS, NULL, &data, &size, err);
+    if (status != TDM_OK)
+      return status;
+    if (!data) {
+      if (tdm_clock() - p->last_heard > p->def.timeout)
+        return tdm_fail(err, TDM_ERR_TIMEOUT, NULL, "nothing heard from the server at %s for %g s: it ended or hangs",
+                        p->def.endpoint, p->def.timeout);
+      continue;
+    }
+    p->last_heard = tdm_clock();
+    status = tdm_header_read(header, data, size, err);
+    if (status != TDM_OK)
+      return status;
+    if (header->type == TDM_ERROR) {
+      json_t *json = NULL;
+      if (tdm_control_read(header, &json, err) == TDM_OK)
+        tdm_error_from_json(json, err);
+      json_decref(json);
+      return err ? err->status : TDM_ERR_PROTOCOL;
+    }
+    if (header->type != TDM_HEARTBEAT)
+      return TDM_OK;
+  }
+}
+
+static tdm_status unexpected(const tdm_header *header, const char *expected, tdm_error *err) {
+  return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "the server sent %s where %s was expected",
+                  tdm_message_name(header->type), expected);
+}
+
+tdm_status tdm_participant_alive(tdm_participant *p) {
+  double now = tdm_clock();
+  if (p->finished)
+    return TDM_ERR_INTERRUPTED;
+  if (now - p->last_sent < alive_interval)
+    return TDM_OK;
+  tdm_error err = {0};
+  if (send_control(p, TDM_HEARTBEAT, NULL, &err) != TDM_OK)
+    p->finished = true;
+  const void *data;
+  size_t size;
+  tdm_header header;
+  while (tdm_transport_receive(p->transport, 0, NULL, &data, &size, &err) == TDM_OK && data) {
+    p->last_heard = now;
+    if (tdm_header_read(&header, data, size, &err) != TDM_OK || header.type != TDM_HEARTBEAT)
+      p->finished = true; /* FINISH or ERROR; nothing else may come while the solver works */
+  }
+  if (now - p->last_heard > p->def.timeout)
+    p->finished = true;
+  return p->finished ? TDM_ERR_INTERRUPTED : TDM_OK;
+}
+
+/* ---- HELLO, ASSIGN, READY ---- */
+
+tdm_status tdm_participant_connect(tdm_participant **participant, const tdm_participant_def *def, tdm_error *err) {
+  assert(strcmp(def->role, "mbd") == 0 || strcmp(def->role, "dem") == 0);
+  tdm_participant *p = calloc(1, sizeof *p);
+  if (!p)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  p->def = *def;
+  p->is_mbd = strcmp(def->role, "mbd") == 0;
+  tdm_status status = tdm_transport_connect(&p->transport, def->endpoint, def->context, err);
+  if (status == TDM_OK) {
+    json_t *capabilities = json_array();
+    for (int i = 0; i < def->ncapability; i++)
+      json_array_append_new(capabilities, json_string(def->capabilities[i]));
+    json_t *hello = json_pack("{s:s, s:s, s:s, s:o}", "name", def->name, "role", def->role, "software", def->software,
+                              "capabilities", capabilities);
+    status = send_control(p, TDM_HELLO, hello, err);
+    json_decref(hello);
+  }
+  if (status != TDM_OK) {
+    tdm_participant_finalize(&p, NULL);
+    return status;
+  }
+  *participant = p;
+  return TDM_OK;
+}
+
+static void read_body(tdm_participant *p, tdm_assigned_body *body, json_t *json, const char *path, tdm_error *err) {
+  tdm_object o = tdm_object_open(json, path, err);
+  body->name = tdm_get_string(&o, "name", NULL);
+  if (!p->is_mbd) {
+    bool movable = tdm_has(&o, "mass") && !json_is_null(json_object_get(json, "mass"));
+    body->mass = movable ? tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE) : INFINITY;
+    tdm_get_numbers(&o, "inertia", &body->inertia.m[0][0], 9, true);
+    tdm_get_numbers(&o, "state", (double *)(void *)&body->state, TDM_STATE_DOUBLES, true);
+  }
+}
+
+/* Keys that this version does not know are left alone: a newer server may send more. */
+static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *err) {
+  static const char *const interpolations[] = {"linear", "hermite"};
+  tdm_object o = tdm_object_open(p->assign, "", err);
+  tdm_object scene = tdm_get_object(&o, "scene", true);
+  a->scene = scene.json;
+  a->time_start = tdm_get_number(&o, "start", 0, TDM_ANY);
+  a->time_end = tdm_get_number(&o, "end", TDM_REQUIRED, TDM_ANY);
+  a->dt = tdm_get_number(&o, "dt", TDM_REQUIRED, TDM_POSITIVE);
+  a->n = tdm_get_integer(&o, "n", TDM_REQUIRED_INT, 1);
+  a->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
+  p->def.timeout = tdm_get_number(&o, "timeout", p->def.timeout, TDM_POSITIVE);
+  json_t *bodies = tdm_get_array(&o, "bodies", true);
+  p->nbody = (int)json_array_size(bodies);
+  p->body = calloc((size_t)p->nbody + 1, sizeof *p->body);
+  if (!p->body)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  for (int i = 0; i < p->nbody && p->body; i++) {
+    char path[TDM_PATH_MAX];
+    read_body(p, &p->body[i], json_array_get(bodies, (size_t)i), tdm_path(path, &o, "bodies", i), err);
+  }
+  a->nbody = p->nbody;
+  a->body = p->body;
+}
+
+tdm_status tdm_participant_initialize(tdm_participant *p, tdm_assignment *a, tdm_error *err) {
+  tdm_error local = {0};
+  err = err ? err : &local;
+  tdm_header header;
+  *a = (tdm_assignment){0};
+  if (receive(p, &header, err) != TDM_OK)
+    return err->status;
+  if (header.type == TDM_FINISH) {
+    p->finished = true;
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "the server ended the session before it began");
+  }
+  if (header.type != TDM_ASSIGN)
+    return unexpected(&header, "ASSIGN", err);
+  if (tdm_control_read(&header, &p->assign, err) != TDM_OK)
+    return err->status;
+  read_assignment(p, a, err);
+  if (err->status == TDM_ERR_SCENE) { /* it is the server's message, not the user's scene, that is wrong */
+    tdm_error scene = *err;
+    *err = (tdm_error){0};
+    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed ASSIGN: %s: %.800s", scene.path, scene.message);
+  }
+  return err->status;
+}
+
+/* n doubles as a JSON array; numbers that are not finite as null */
+static json_t *numbers(const double *values, int n) {
+  json_t *array = json_array();
+  for (int i = 0; i < n; i++)
+    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
+  return array;
+}
+
+static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
+  json_t *bodies = json_array();
+  for (int i = 0; p->is_mbd && i < p->nbody; i++) {
+    const tdm_assigned_body *b = &ready->body[i];
+    json_t *mass = isfinite(b->mass) ? json_real(b->mass) : json_null();
+    json_array_append_new(bodies, json_pack("{s:s, s:o, s:o, s:o}", "name", b->name, "mass", mass, "inertia",
+                                            numbers(&b->inertia.m[0][0], 9), "state",
+                                            numbers((const double *)(const void *)&b->state, TDM_STATE_DOUBLES)));
+  }
+  return bodies;
+}
+
+static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
+  json_t *loads = json_array(), *channels = json_array(), *warnings = json_array();
+  for (int i = 0; !p->is_mbd && i < p->nbody; i++)
+    json_array_append_new(loads, numbers((const double *)(const void *)&ready->load[i], TDM_WRENCH_DOUBLES));
+  for (int i = 0; i < ready->nchannel; i++) {
+    const tdm_channel *c = &ready->channel[i];
+    double initial = ready->initial[i];
+    json_array_append_new(channels, json_pack("{s:s, s:s, s:o}", "name", c->name, "unit", c->unit, "initial",
+                                              isfinite(initial) ? json_real(initial) : json_null()));
+  }
+  for (int i = 0; i < ready->nwarning; i++)
+    json_array_append_new(
+        warnings, json_pack("{s:s, s:s}", "path", ready->warning[i].path, "message", ready->warning[i].message));
+  json_t *report = ready->report ? json_incref(ready->report) : json_object();
+  return json_pack("{s:o, s:o, s:o, s:o, s:o}", "bodies", ready_bodies(p, ready), "loads", loads, "channels", channels,
+                   "warnings", warnings, "report", report);
+}
+
+tdm_status tdm_participant_ready(tdm_participant *p, const tdm_ready *ready, tdm_error *err) {
+  json_t *json = ready_to_json(p, ready);
+  if (!json)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "READY cannot be written: a name in it is not UTF-8");
+  p->nchannel = ready->nchannel;
+  tdm_status status = send_control(p, TDM_READY, json, err);
+  json_decref(json);
+  return status;
+}
+
+/* ---- the loop ---- */
+
+bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result, tdm_error *err) {
+  tdm_header header;
+  if (p->finished || receive(p, &header, err) != TDM_OK)
+    return false;
+  if (header.type == TDM_FINISH) {
+    p->finished = true;
+    return false;
+  }
+  p->step_start = tdm_clock();
+  if (header.type != TDM_STEP) {
+    unexpected(&header, "STEP", err);
+    return false;
+  }
+  if (tdm_step_read(step, &header, &p->step_store, err) != TDM_OK)
+    return false;
+  if (step->nbody != p->nbody || (p->is_mbd ? step->nload == 0 && p->nbody > 0 : step->nstate != p->nbody)) {
+    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %d bodies, %d states, %d load coefficients for %d bodies",
+             step->nbody, step->nstate, step->nload, p->nbody);
+    return false;
+  }
+  p->window = step->window;
+  p->t1 = step->t1;
+  *result = (tdm_result){.window = step->window,
+                         .nbody = p->nbody,
+                         .nstate = p->is_mbd ? p->nbody : 0,
+                         .nload = p->is_mbd ? 0 : 1,
+                         .nsample = step->nsample,
+                         .nchannel = p->nchannel};
+  return tdm_result_layout(result, &p->result_store, err) == TDM_OK;
+}
+
+tdm_status tdm_participant_advance(tdm_participant *p, const tdm_result *result, tdm_error *err) {
+  tdm_result r = *result;
+  r.window = p->window;
+  r.t = p->t1;
+  r.wall = tdm_clock() - p->step_start;
+  tdm_status status = tdm_result_write(&p->out, &r, err);
+  return status == TDM_OK ? send_frame(p, err) : status;
+}
+
+void tdm_participant_finalize(tdm_participant **participant, const tdm_error *err) {
+  tdm_participant *p = participant ? *participant : NULL;
+  if (!p)
+    return;
+  if (p->transport && err && err->status != TDM_OK) {
+    json_t *json = tdm_error_to_json(err);
+    send_control(p, TDM_ERROR, json, NULL);
+    json_decref(json);
+  }
+  tdm_transport_close(&p->transport);
+  tdm_frame_free(&p->out);
+  tdm_frame_free(&p->step_store);
+  tdm_frame_free(&p->result_store);
+  json_decref(p->assign);
+  free(p->body);
+  free(p);
+  *participant = NULL;
+}
+
+/* ---- a solver as a table of operations ---- */
+
+tdm_status tdm_participant_run(const tdm_solver_ops *ops, const tdm_participant_def *def, tdm_error *err) {
+  tdm_participant *p = NULL;
+  tdm_assignment assignment;
+  tdm_ready ready = {0};
+  void *self = NULL;
+  char quoted[TDM_MESSAGE_MAX];
+  tdm_status status = tdm_participant_connect(&p, def, err);
+  if (status == TDM_OK)
+    status = tdm_participant_initialize(p, &assignment, err);
+  if (status == TDM_OK) {
+    tdm_log(TDM_LOG_INFO, "assigned", "bodies=%d dt=%g n=%ld end=%g", assignment.nbody, assignment.dt, assignment.n,
+            assignment.time_end);
+    status = ops->create(&self, &assignment, &ready, p, err);
+  }
+  if (status == TDM_OK)
+    status = tdm_participant_ready(p, &ready, err);
+  if (status == TDM_OK) {
+    for (int i = 0; i < ready.nwarning; i++)
+      tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", ready.warning[i].path,
+              tdm_log_quote(quoted, sizeof quoted, ready.warning[i].message));
+    tdm_log(TDM_LOG_INFO, "ready", "channels=%d warnings=%d", ready.nchannel, ready.nwarning);
+    tdm_step step;
+    tdm_result result;
+    while (status == TDM_OK && tdm_participant_next(p, &step, &result, err)) {
+      status = ops->step(self, &step, &result, err);
+      if (status == TDM_OK)
+        status = tdm_participant_advance(p, &result, err);
+    }
+    status = err->status;
+  }
+  if (status != TDM_OK)
+    tdm_log(TDM_LOG_ERROR, "failed", "status=%s path=%s message=%s", tdm_status_name(status), err->path,
+            tdm_log_quote(quoted, sizeof quoted, err->message));
+  else
+    tdm_log(TDM_LOG_INFO, "finished", "windows=%llu", (unsigned long long)(p->window + 1));
+  tdm_participant_finalize(&p, err);
+  ops->destroy(self);
+  return status;
+}

@@ -1,0 +1,86 @@
+/* Running the tandem executable as a user would, with its output caught. */
+#ifndef TEST_COMMAND_H
+#define TEST_COMMAND_H
+
+#include <check.h>
+#include <ctype.h>
+#include <dirent.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static char command_output[16384]; /* of the last command, standard output and error together */
+
+/* Run a shell command line ("tandem" stands for the executable just built). Returns its exit status, 128 + n after
+ * signal n, 124 when it took longer than a minute. */
+static inline int command(const char *format, ...) {
+  char words[4096], line[8192];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(words, sizeof words, format, args);
+  va_end(args);
+  snprintf(line, sizeof line, "PATH=" TANDEM_BIN_DIR ":" TANDEM_TEST_DIR ":$PATH; exec 2>&1; timeout 60 %s", words);
+  FILE *pipe = popen(line, "r");
+  ck_assert_ptr_nonnull(pipe);
+  size_t n = fread(command_output, 1, sizeof command_output - 1, pipe);
+  command_output[n] = 0;
+  char rest[4096];
+  while (fread(rest, 1, sizeof rest, pipe) > 0)
+    ;
+  int status = pclose(pipe);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/* The output of the last command has this text. */
+#define expect_output(text) \
+  ck_assert_msg(strstr(command_output, text) != NULL, "no \"%s\" in the output:\n%s", text, command_output)
+
+/* A directory that a test may fill; removed by directory_remove. */
+static inline const char *directory_make(void) {
+  static char name[64];
+  strcpy(name, "/tmp/tandem-test-XXXXXX");
+  ck_assert_ptr_nonnull(mkdtemp(name));
+  return name;
+}
+
+static inline void directory_remove(const char *name) {
+  char line[256];
+  snprintf(line, sizeof line, "rm -rf '%s'", name);
+  ck_assert_int_eq(system(line), 0);
+}
+
+static inline void write_file(const char *dir, const char *name, const char *text) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  FILE *f = fopen(path, "w");
+  ck_assert_ptr_nonnull(f);
+  fputs(text, f);
+  fclose(f);
+}
+
+/* How many processes run (zombies left out) whose command line has this text. */
+static inline int processes_with(const char *text) {
+  DIR *proc = opendir("/proc");
+  int found = 0;
+  for (struct dirent *entry; proc && (entry = readdir(proc)) != NULL;) {
+    char path[300], line[4096] = "";
+    if (!isdigit((unsigned char)entry->d_name[0]))
+      continue;
+    snprintf(path, sizeof path, "/proc/%s/cmdline", entry->d_name);
+    FILE *f = fopen(path, "r");
+    size_t n = f ? fread(line, 1, sizeof line - 1, f) : 0; /* empty for a zombie */
+    if (f)
+      fclose(f);
+    for (size_t i = 0; i + 1 < n; i++)
+      line[i] = line[i] ? line[i] : ' ';
+    found += strstr(line, text) != NULL;
+  }
+  if (proc)
+    closedir(proc);
+  return found;
+}
+
+#endif

@@ -1,0 +1,147 @@
+/* A solver that misbehaves on purpose, in the place of dem. FAULT in the environment says how:
+ *
+ *   version, garbage, truncated, oversized, multipart-like short frames   instead of HELLO or of the first RESULT
+ *   silent     says HELLO, then nothing           quits     says HELLO and exits with status 3
+ *   killed     kills itself in window FAULT_WINDOW          hangs   stops answering in that window
+ *   nan        returns a load that is no number in that window
+ *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
+ *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
+ */
+#include "protocol/log.h"
+#include "protocol/participant.h"
+#include "protocol/transport.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *fault;
+static uint64_t fault_window;
+static tdm_transport *transport;
+static tdm_frame frame;
+static int nbody;
+
+static int is(const char *name) {
+  return strcmp(fault, name) == 0;
+}
+
+static void sleep_forever(void) {
+  while (1)
+    pause();
+}
+
+static void send_frame(void) {
+  tdm_error err = {0};
+  if (tdm_transport_send(transport, NULL, &frame, &err) != TDM_OK)
+    exit(4);
+}
+
+static void send_json(tdm_message_type type, json_t *json) {
+  tdm_control_write(&frame, type, 0, json, NULL);
+  json_decref(json);
+}
+
+/* A frame that nobody should believe; false when the fault is another one. */
+static int spoil(void) {
+  if (is("version"))
+    frame.data[4] = 77;
+  else if (is("garbage"))
+    memset(frame.data, 0xA5, frame.size);
+  else if (is("truncated"))
+    frame.size -= 3;
+  else if (is("oversized")) {
+    frame.data = realloc(frame.data, (size_t)TDM_FRAME_MAX + 4096);
+    memset(frame.data + frame.size, 0, (size_t)TDM_FRAME_MAX + 4096 - frame.size);
+    frame.size = frame.capacity = (size_t)TDM_FRAME_MAX + 4096;
+  } else
+    return 0;
+  return 1;
+}
+
+static void answer_step(const tdm_header *header) {
+  tdm_step step;
+  tdm_frame step_store = {0}, result_store = {0};
+  tdm_error err = {0};
+  if (tdm_step_read(&step, header, &step_store, &err) != TDM_OK)
+    exit(5);
+  tdm_result r = {.window = step.window, .t = step.t1, .nbody = nbody, .nload = 1, .nsample = step.nsample};
+  if (step.window >= fault_window) {
+    r.nload = is("counts") ? 3 : 1;
+    r.window += is("late");
+    if (is("killed"))
+      raise(SIGKILL);
+    if (is("hangs"))
+      sleep_forever();
+  }
+  tdm_result_layout(&r, &result_store, &err);
+  if (is("nan") && step.window >= fault_window)
+    r.load[0].force.y = NAN;
+  tdm_result_write(&frame, &r, &err);
+  if (step.window >= fault_window)
+    spoil();
+  if (is("wordy") && step.window >= fault_window) {
+    tdm_log(TDM_LOG_INFO, "words", "last=words");
+    send_json(TDM_ERROR, json_pack("{s:s, s:s, s:s}", "status", "TDM_ERR_SCENE", "path", "dem.depth", "message",
+                                   "too deep; raise it"));
+  }
+  send_frame();
+  tdm_frame_free(&step_store);
+  tdm_frame_free(&result_store);
+}
+
+static void answer_assign(const tdm_header *header) {
+  json_t *json, *loads = json_array();
+  tdm_error err = {0};
+  if (tdm_control_read(header, &json, &err) != TDM_OK)
+    exit(6);
+  nbody = (int)json_array_size(json_object_get(json, "bodies"));
+  json_decref(json);
+  for (int i = 0; i < nbody; i++)
+    json_array_append_new(loads, json_pack("[f,f,f,f,f,f]", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+  send_json(TDM_READY, json_pack("{s:o}", "loads", loads));
+  send_frame();
+}
+
+int main(int argc, char **argv) {
+  const char *window = getenv("FAULT_WINDOW"), *endpoint = argc > 2 ? argv[2] : "";
+  tdm_error err = {0};
+  fault = getenv("FAULT") ? getenv("FAULT") : "";
+  fault_window = window ? strtoull(window, NULL, 10) : 0;
+  tdm_log_open(stderr, "faulty");
+  tdm_log(TDM_LOG_INFO, "start", "fault=%s", fault);
+  if (is("deaf"))
+    signal(SIGTERM, SIG_IGN);
+  if (tdm_transport_connect(&transport, endpoint, NULL, &err) != TDM_OK)
+    return 2;
+  send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s}", "name", "faulty", "role", "dem", "software", "faulty 1.0"));
+  if (!window)
+    spoil();
+  send_frame();
+  if (is("quits")) {
+    tdm_log(TDM_LOG_ERROR, "quits", "reason=mood");
+    tdm_transport_close(&transport);
+    return 3;
+  }
+  if (is("silent"))
+    sleep_forever();
+  while (1) {
+    const void *data;
+    size_t size;
+    tdm_header header;
+    if (tdm_transport_receive(transport, 1000, NULL, &data, &size, &err) != TDM_OK)
+      return 7;
+    if (!data || tdm_header_read(&header, data, size, &err) != TDM_OK)
+      continue;
+    if (header.type == TDM_ASSIGN)
+      answer_assign(&header);
+    if (header.type == TDM_STEP)
+      answer_step(&header);
+    if ((header.type == TDM_FINISH || header.type == TDM_ERROR) && !is("deaf"))
+      break;
+  }
+  tdm_transport_close(&transport);
+  tdm_frame_free(&frame);
+  return 0;
+}

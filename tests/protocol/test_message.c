@@ -1,0 +1,206 @@
+/* Messages: what is written reads back; whatever else comes is refused, never believed. */
+#include "protocol/message.h"
+#include "tests/test_main.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static tdm_status read_header(tdm_header *header, const tdm_frame *frame, tdm_error *err) {
+  *err = (tdm_error){0};
+  return tdm_header_read(header, frame->data, frame->size, err);
+}
+
+START_TEST(control_round_trip) {
+  tdm_frame frame = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  json_t *back, *json = json_pack("{s:f, s:s}", "x", 0.1, "name", "box");
+  ck_assert_int_eq(tdm_control_write(&frame, TDM_READY, 7, json, &err), TDM_OK);
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+  ck_assert_int_eq(header.type, TDM_READY);
+  ck_assert_uint_eq(header.window, 7);
+  ck_assert_int_eq(tdm_control_read(&header, &back, &err), TDM_OK);
+  ck_assert(json_equal(json, back)); /* doubles survive the text exactly */
+  json_decref(back);
+  json_decref(json);
+  tdm_frame_free(&frame);
+}
+END_TEST
+
+static tdm_step example_step(void) {
+  static tdm_state start[2], end[2];
+  static tdm_wrench load[6];
+  static double times[3] = {1.25, 1.5, 2};
+  for (int i = 0; i < 26; i++) {
+    ((double *)(void *)start)[i] = i;
+    ((double *)(void *)end)[i] = 100 + i;
+  }
+  for (int i = 0; i < 36; i++)
+    ((double *)(void *)load)[i] = -i;
+  return (tdm_step){.window = 3,
+                    .t0 = 1,
+                    .t1 = 2,
+                    .nstep = 10,
+                    .nbody = 2,
+                    .nstate = 2,
+                    .nload = 3,
+                    .nsample = 3,
+                    .start = start,
+                    .end = end,
+                    .load = load,
+                    .sample_time = times};
+}
+
+START_TEST(step_round_trip) {
+  tdm_frame frame = {0}, store = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  tdm_step out = example_step(), in;
+  ck_assert_int_eq(tdm_step_write(&frame, &out, &err), TDM_OK);
+  ck_assert_uint_eq(frame.size, TDM_HEADER_BYTES + TDM_STEP_BYTES + 8 * (52 + 36 + 3));
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+  ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_OK);
+  ck_assert_uint_eq(in.window, 3);
+  ck_assert_double_eq(in.t0, 1);
+  ck_assert_double_eq(in.t1, 2);
+  ck_assert_uint_eq(in.nstep, 10);
+  ck_assert_mem_eq(in.start, out.start, 2 * sizeof(tdm_state));
+  ck_assert_mem_eq(in.end, out.end, 2 * sizeof(tdm_state));
+  ck_assert_mem_eq(in.load, out.load, 6 * sizeof(tdm_wrench));
+  ck_assert_mem_eq(in.sample_time, out.sample_time, 3 * sizeof(double));
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+}
+END_TEST
+
+START_TEST(result_round_trip) {
+  tdm_frame frame = {0}, store = {0}, store2 = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  /* both kinds of solver: states (mbd) and loads (dem) */
+  for (int nstate = 0; nstate <= 2; nstate += 2) {
+    tdm_result out = {.window = 5, .t = 2, .wall = 0.5, .nbody = 2, .nstate = nstate, .nload = nstate ? 0 : 1};
+    out.nsample = 3;
+    out.nchannel = 4;
+    tdm_result in;
+    ck_assert_int_eq(tdm_result_layout(&out, &store, &err), TDM_OK);
+    for (size_t i = 0; i < store.size / 8; i++)
+      ((double *)(void *)store.data)[i] = (double)i;
+    ck_assert_int_eq(tdm_result_write(&frame, &out, &err), TDM_OK);
+    ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_OK);
+    ck_assert_double_eq(in.wall, 0.5);
+    ck_assert_int_eq(in.nstate, nstate);
+    ck_assert_uint_eq(store2.size, store.size);
+    ck_assert_mem_eq(store2.data, store.data, store.size);
+    ck_assert_double_eq(in.channel[11], (double)(store.size / 8 - 1)); /* channels come last */
+  }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+  tdm_frame_free(&store2);
+}
+END_TEST
+
+START_TEST(malformed_headers_are_refused) {
+  tdm_frame frame = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  ck_assert_int_eq(tdm_control_write(&frame, TDM_FINISH, 0, NULL, &err), TDM_OK);
+  for (size_t n = 0; n < frame.size; n++) {
+    tdm_error short_err = {0};
+    ck_assert_int_eq(tdm_header_read(&header, frame.data, n, &short_err), TDM_ERR_PROTOCOL);
+  }
+  frame.data[4] = 2; /* version */
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_ERR_VERSION);
+  ck_assert_ptr_nonnull(strstr(err.message, "version 2"));
+  frame.data[4] = 1;
+  frame.data[6] = 99; /* type */
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_ERR_PROTOCOL);
+  frame.data[6] = TDM_FINISH;
+  frame.data[16] = 1; /* size */
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_ERR_PROTOCOL);
+  frame.data[16] = 0;
+  frame.data[0] = 'X';
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_ERR_PROTOCOL);
+  tdm_frame_free(&frame);
+  size_t large = (size_t)TDM_FRAME_MAX + 1;
+  char *oversized = calloc(1, large);
+  memcpy(oversized, "TNDM\1\0\11\0", 8);
+  err = (tdm_error){0};
+  ck_assert_int_eq(tdm_header_read(&header, oversized, large, &err), TDM_ERR_PROTOCOL);
+  ck_assert_ptr_nonnull(strstr(err.message, "oversized"));
+  free(oversized);
+}
+END_TEST
+
+/* Every byte of a STEP and of a RESULT changed, every length: read or refused, never a crash (run under ASan). */
+START_TEST(any_damage_is_survived) {
+  tdm_frame frame = {0}, store = {0};
+  tdm_error err = {0};
+  tdm_step step = example_step();
+  ck_assert_int_eq(tdm_step_write(&frame, &step, &err), TDM_OK);
+  for (int type = TDM_STEP; type <= TDM_RESULT; type++) {
+    frame.data[6] = (uint8_t)type;
+    for (size_t i = 0; i < frame.size; i++)
+      for (int bit = 0; bit < 8; bit++) {
+        tdm_header header;
+        tdm_step s;
+        tdm_result r;
+        err = (tdm_error){0};
+        frame.data[i] ^= (uint8_t)(1 << bit);
+        uint8_t *exact = malloc(frame.size); /* a block of its own, so that ASan sees a read past its end */
+        memcpy(exact, frame.data, frame.size);
+        if (tdm_header_read(&header, exact, frame.size, &err) == TDM_OK) {
+          tdm_step_read(&s, &header, &store, &err);
+          err = (tdm_error){0};
+          tdm_result_read(&r, &header, &store, &err);
+        }
+        free(exact);
+        frame.data[i] ^= (uint8_t)(1 << bit);
+      }
+  }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+}
+END_TEST
+
+START_TEST(absurd_steps_are_refused) {
+  tdm_frame frame = {0}, store = {0};
+  tdm_header header;
+  tdm_step in;
+  tdm_step bad[4];
+  for (int i = 0; i < 4; i++)
+    bad[i] = example_step();
+  bad[0].t1 = 0.5;      /* backwards */
+  bad[1].nstep = 0;     /* without steps */
+  bad[2].t1 = INFINITY; /* without end */
+  tdm_wrench nan = {{NAN, 0, 0}, {0, 0, 0}};
+  bad[3].nbody = 1;
+  bad[3].nstate = 0;
+  bad[3].nload = 1;
+  bad[3].load = &nan; /* not a number */
+  for (int i = 0; i < 4; i++) {
+    tdm_error err = {0};
+    ck_assert_int_eq(tdm_step_write(&frame, &bad[i], &err), TDM_OK);
+    ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+    ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
+  }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+}
+END_TEST
+
+START_TEST(errors_travel) {
+  tdm_error err = {0}, back = {0};
+  tdm_fail(&err, TDM_ERR_SCENE, "dem.materials[0].density", "is -1 but must be greater than 0");
+  json_t *json = tdm_error_to_json(&err);
+  tdm_error_from_json(json, &back);
+  ck_assert_int_eq(back.status, TDM_ERR_SCENE);
+  ck_assert_str_eq(back.path, err.path);
+  ck_assert_str_eq(back.message, err.message);
+  json_decref(json);
+}
+END_TEST
+
+TEST_MAIN("message", 60, control_round_trip, step_round_trip, result_round_trip, malformed_headers_are_refused,
+          any_damage_is_survived, absurd_steps_are_refused, errors_travel)

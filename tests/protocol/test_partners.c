@@ -1,0 +1,190 @@
+/* The real server against a dummy solver that behaves, and one that does not. */
+#include "coupler/table.h"
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <math.h>
+#include <signal.h>
+#include <time.h>
+
+/* A free body of 1 kg, started at 1 m/s; dem is a foreign solver. */
+static const char scene[] = "{\"time\": {\"end\": 0.2, \"dt\": 1e-4},\n"
+                            " \"coupling\": {\"n\": 1, \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}],\n"
+                            "  \"timeout\": 1.5, \"solvers\": {\"dem\": \"SOLVER\"}},\n"
+                            " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
+                            "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
+                            " \"dem\": {\"stiffness\": 100}}\n";
+
+static const char *dir;
+
+static void setup(void) {
+  dir = directory_make();
+  write_file(dir, "scene.json", scene);
+}
+
+static int run_with(const char *fault, const char *window) {
+  const char *section = strcmp(fault, "") == 0 ? "dummy_solver" : "faulty_solver";
+  return command("env FAULT=%s %s%s tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=%s", fault,
+                 window ? "FAULT_WINDOW=" : "", window ? window : "", dir, dir, section);
+}
+
+/* No solver of this test runs any more. */
+static void expect_nothing_left(void) {
+  ck_assert_int_eq(processes_with("faulty_solver"), 0);
+  ck_assert_int_eq(processes_with("dummy_solver"), 0);
+}
+
+START_TEST(dummy_is_an_oscillator) {
+  setup();
+  int status = run_with("", NULL);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+  char file[256];
+  cpl_table t;
+  tdm_error err = {0};
+  snprintf(file, sizeof file, "%s/out/body_mass.csv", dir);
+  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  const double *time = cpl_table_column(&t, "time", &err), *x = cpl_table_column(&t, "x", &err);
+  const double *fx = cpl_table_column(&t, "fx", &err);
+  ck_assert_int_eq(t.nrow, 201);
+  for (int i = 0; i < t.nrow; i++) /* x = sin(w t)/w, w = 10 1/s; the load is a mean over 1e-3 s */
+    ck_assert_double_eq_tol(x[i], sin(10 * time[i]) / 10, 2e-6);
+  for (int i = 1; i < t.nrow; i++)
+    ck_assert_double_eq_tol(fx[i], -10 * sin(10 * (time[i] - 0.45e-3)), 2e-3);
+  cpl_table_free(&t);
+  snprintf(file, sizeof file, "%s/out/dem.csv", dir);
+  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  ck_assert_double_eq_tol(cpl_table_column(&t, "dummy.time", &err)[200], 0.2, 1e-12);
+  cpl_table_free(&t);
+  expect_nothing_left();
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(unknown_key_of_a_foreign_section) {
+  setup();
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver "
+                           "--set dem.stifness=3",
+                           dir, dir),
+                   1);
+  expect_output("dem.stifness");
+  expect_output("did you mean \"stiffness\"");
+  expect_output("scene.json:6:2:"); /* --set made it: the place is its parent's */
+  directory_remove(dir);
+}
+END_TEST
+
+/* A fault, the window that it comes in (NULL: at HELLO), and words that the message must have. */
+static const struct {
+  const char *fault, *window, *words[3];
+} faults[] = {
+    {"version", NULL, {"protocol version 77", NULL}},
+    {"garbage", NULL, {"dem: ", "refused: malformed frame: it does not begin with TNDM"}},
+    {"silent", NULL, {"faulty (faulty 1.0): no answer for 1.5 s", "fault=silent"}},
+    {"quits", NULL, {"faulty (faulty 1.0): the solver ended", "exit status 3", "reason=mood"}},
+    {"garbage", "2", {"faulty (faulty 1.0): malformed frame", "fault=garbage"}},
+    {"truncated", "2", {"faulty (faulty 1.0): malformed frame", NULL}},
+    {"oversized", "2", {"faulty (faulty 1.0): oversized frame", NULL}},
+    {"version", "2", {"faulty (faulty 1.0): it speaks protocol version 77", NULL}},
+    {"counts", "2", {"faulty (faulty 1.0): malformed RESULT", NULL}},
+    {"late", "2", {"faulty (faulty 1.0): malformed RESULT: window 3", NULL}},
+    {"killed", "0", {"faulty (faulty 1.0): the solver ended", "killed by signal 9", "fault=killed"}},
+    {"killed", "777", {"faulty (faulty 1.0): the solver ended", "killed by signal 9", "fault=killed"}},
+    {"hangs", "5", {"faulty (faulty 1.0): no answer for 1.5 s; it hangs", "fault=hangs"}},
+    {"nan", "5", {"faulty returned a load of body \"mass\" that is not finite", "0.0005"}},
+    {"wordy", "5", {"scene.json:6:2: dem.depth: faulty (faulty 1.0): too deep; raise it", NULL}},
+};
+enum { NFAULT = sizeof faults / sizeof faults[0] };
+
+START_TEST(faults_are_named) {
+  setup();
+  for (int i = 0; i < NFAULT; i++) {
+    time_t begin = time(NULL);
+    int status = run_with(faults[i].fault, faults[i].window);
+    ck_assert_msg(status == 1, "%s: exit status %d: %s", faults[i].fault, status, command_output);
+    for (int w = 0; w < 3 && faults[i].words[w]; w++)
+      ck_assert_msg(strstr(command_output, faults[i].words[w]) != NULL, "%s %s: no \"%s\" in: %s", faults[i].fault,
+                    faults[i].window ? faults[i].window : "", faults[i].words[w], command_output);
+    ck_assert_msg(time(NULL) - begin < 20, "%s took too long", faults[i].fault);
+    expect_nothing_left();
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(what_was_computed_is_kept) {
+  setup();
+  ck_assert_int_eq(run_with("killed", "1000"), 1);
+  char file[256];
+  cpl_table t;
+  tdm_error err = {0};
+  snprintf(file, sizeof file, "%s/out/body_mass.csv", dir);
+  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  ck_assert_int_eq(t.nrow, 101); /* windows 0 ... 999 are 0.1 s, and the row of t = 0 */
+  cpl_table_free(&t);
+  ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
+  expect_output("\"status\": \"TDM_ERR_LOST\"");
+  expect_output("\"windows\": 1000");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_deaf_solver_is_ended) {
+  setup();
+  int status = run_with("deaf", NULL);
+  ck_assert_msg(status == 0, "%s", command_output);
+  expect_nothing_left();
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_solver_that_is_not_there) {
+  setup();
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=no_such_solver", dir, dir),
+                   1);
+  expect_output("no_such_solver");
+  expect_output("neither beside this program nor on PATH");
+  expect_nothing_left();
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_server_that_dies_takes_its_solvers) {
+  setup();
+  pid_t pid = fork();
+  if (pid == 0) {
+    char arguments[256];
+    setenv("FAULT", "hangs", 1);
+    setenv("FAULT_WINDOW", "3", 1);
+    snprintf(arguments, sizeof arguments, "%s/scene.json", dir);
+    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", arguments, "--out", dir, "--set",
+          "coupling.solvers.dem=" TANDEM_TEST_DIR "/faulty_solver", "--set", "coupling.timeout=50", NULL);
+    _exit(127);
+  }
+  for (int i = 0; i < 100 && processes_with("faulty_solver --connect") == 0; i++)
+    usleep(50000);
+  usleep(300000);
+  ck_assert_int_eq(processes_with("faulty_solver --connect"), 1);
+  ck_assert_int_eq(kill(pid, SIGKILL), 0);
+  waitpid(pid, NULL, 0);
+  usleep(300000);
+  ck_assert_int_eq(processes_with("faulty_solver"), 0);
+  ck_assert_int_eq(processes_with("tandem-mbd"), 0);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_solver_without_a_server_gives_up) {
+  time_t begin = time(NULL);
+  ck_assert_int_eq(command("tandem-mbd --connect ipc:///tmp/tandem-test-nobody --timeout 0.5"), 1);
+  expect_output("nothing heard from the server");
+  ck_assert_int_lt((int)(time(NULL) - begin), 10);
+  ck_assert_int_eq(command("tandem-dem --conect ipc:///tmp/x"), 2);
+  expect_output("wrong option");
+  ck_assert_int_eq(command("tandem-dem"), 2);
+  expect_output("no server given");
+}
+END_TEST
+
+TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section, faults_are_named,
+          what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
+          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)

@@ -1,0 +1,28 @@
+/* main() of a test file: TEST_MAIN("suite", seconds_a_test, test, test, ...) */
+#ifndef TEST_MAIN_H
+#define TEST_MAIN_H
+
+#include <check.h>
+#include <stdlib.h>
+
+static inline int test_run(const char *name, double seconds, const TTest *const *tests, size_t ntest) {
+  Suite *suite = suite_create(name);
+  TCase *tests_of_file = tcase_create(name);
+  tcase_set_timeout(tests_of_file, seconds);
+  for (size_t i = 0; i < ntest; i++)
+    tcase_add_test(tests_of_file, tests[i]);
+  suite_add_tcase(suite, tests_of_file);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+#define TEST_MAIN(name, seconds, ...)                                    \
+  int main(void) {                                                       \
+    const TTest *const tests[] = {__VA_ARGS__};                          \
+    return test_run(name, seconds, tests, sizeof tests / sizeof *tests); \
+  }
+
+#endif
