@@ -1,0 +1,275 @@
+#include "mbd/ida.h"
+
+#include "mbd/jacobian.h"
+#include "mbd/residual.h"
+#include "protocol/log.h"
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_newton.h>
+
+struct mbd_ida {
+  const mbd_model *model; /* borrowed */
+  mbd_data *data;         /* borrowed */
+  mbd_kkt *kkt;           /* borrowed */
+  SUNContext context;
+  void *mem;
+  N_Vector y, yp, sample, id, atol;
+  SUNMatrix matrix;
+  SUNLinearSolver solver;
+  SUNNonlinearSolver newton;
+  double first_correction; /* weighted norm, of the current step */
+  bool started;
+  double stop;       /* stop time that IDA knows [s] */
+  mbd_stats before;  /* counters from before the last (re)start */
+  char message[256]; /* IDA's last complaint */
+};
+
+/* The multipliers converge with the velocities they act on: loose weights leave them out of the Newton test too. */
+static const double multiplier_tolerance = 1e10;
+/* Newton's iteration stops at this share of the tolerances: smaller than IDA's 0.33 so that the constraints hold well.
+ */
+static const double newton_coefficient = 0.003;
+
+/* ---- callbacks ---- */
+
+static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user) {
+  mbd_ida *ida = user;
+  mbd_residual(ida->model, ida->data, t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), N_VGetArrayPointer(r));
+  return 0;
+}
+
+static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *user,
+                    N_Vector w1, N_Vector w2, N_Vector w3) {
+  (void)t, (void)r, (void)w1, (void)w2, (void)w3; /* IDA hands the matrix over zeroed */
+  mbd_ida *ida = user;
+  mbd_sink sink = {SUNDenseMatrix_Data(matrix), mbd_nunknown(ida->model)};
+  mbd_jacobian(ida->model, ida->data, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), &sink);
+  return 0;
+}
+
+/* Newton's convergence test. IDA's own takes the rate of an earlier step for the first iteration; on constraints, which
+ * a stale Jacobian and a scaled correction leave open, that rate is too good. Here a step has two iterations unless the
+ * first correction is negligible itself, and the rate is always its own. */
+static int converged(SUNNonlinearSolver newton, N_Vector y, N_Vector correction, realtype tolerance, N_Vector weight,
+                     void *user) {
+  (void)y;
+  mbd_ida *ida = user;
+  int iteration = 0;
+  double norm = N_VWrmsNorm(correction, weight);
+  SUNNonlinSolGetCurIter(newton, &iteration);
+  if (iteration == 0) {
+    ida->first_correction = norm;
+    return norm <= 0.01 * tolerance ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
+  }
+  double rate = pow(norm / ida->first_correction, 1.0 / iteration);
+  if (rate > 0.9)
+    return SUN_NLS_CONV_RECVR;
+  return rate / (1 - rate) * norm <= tolerance ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
+}
+
+static void complain(int code, const char *module, const char *function, char *text, void *user) {
+  (void)code, (void)module, (void)function;
+  mbd_ida *ida = user;
+  snprintf(ida->message, sizeof ida->message, "%s", text);
+  for (char *c = ida->message; *c; c++)
+    if (*c == '\n' || *c == '\r')
+      *c = ' ';
+}
+
+/* ---- life ---- */
+
+static void weights(mbd_ida *ida) {
+  const mbd_model *m = ida->model;
+  double *id = N_VGetArrayPointer(ida->id), *atol = N_VGetArrayPointer(ida->atol);
+  for (int i = 0; i < mbd_nunknown(m); i++) {
+    bool differential = i < MBD_BODY_UNKNOWNS * m->nbody;
+    id[i] = differential;
+    atol[i] = differential ? m->solver.absolute_tolerance : multiplier_tolerance;
+  }
+}
+
+tdm_status mbd_ida_create(mbd_ida **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
+  mbd_ida *ida = *out = calloc(1, sizeof *ida);
+  if (!ida || SUNContext_Create(NULL, &ida->context))
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator");
+  sunindextype n = mbd_nunknown(model);
+  ida->model = model;
+  ida->data = data;
+  ida->kkt = kkt;
+  ida->y = N_VNew_Serial(n, ida->context);
+  ida->yp = N_VNew_Serial(n, ida->context);
+  ida->sample = N_VNew_Serial(n, ida->context);
+  ida->id = N_VNew_Serial(n, ida->context);
+  ida->atol = N_VNew_Serial(n, ida->context);
+  ida->matrix = SUNDenseMatrix(n, n, ida->context);
+  if (!ida->y || !ida->yp || !ida->sample || !ida->id || !ida->atol || !ida->matrix)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
+  ida->solver = SUNLinSol_Dense(ida->y, ida->matrix, ida->context);
+  ida->newton = SUNNonlinSol_Newton(ida->y, ida->context);
+  ida->mem = IDACreate(ida->context);
+  if (!ida->solver || !ida->newton || !ida->mem)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
+  weights(ida);
+  return TDM_OK;
+}
+
+void mbd_ida_destroy(mbd_ida **out) {
+  mbd_ida *ida = out ? *out : NULL;
+  if (!ida)
+    return;
+  if (ida->mem)
+    IDAFree(&ida->mem);
+  if (ida->newton)
+    SUNNonlinSolFree(ida->newton);
+  if (ida->solver)
+    SUNLinSolFree(ida->solver);
+  if (ida->matrix)
+    SUNMatDestroy(ida->matrix);
+  N_Vector vectors[] = {ida->y, ida->yp, ida->sample, ida->id, ida->atol};
+  for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
+    if (vectors[i])
+      N_VDestroy(vectors[i]);
+  if (ida->context)
+    SUNContext_Free(&ida->context);
+  free(ida);
+  *out = NULL;
+}
+
+/* ---- start ---- */
+
+/* The settings that IDA takes after IDAInit; 0 on success. */
+static int configure(mbd_ida *ida) {
+  const mbd_settings *s = &ida->model->solver;
+  int bad = IDASetErrHandlerFn(ida->mem, complain, ida);
+  bad |= IDASetUserData(ida->mem, ida);
+  bad |= IDASVtolerances(ida->mem, s->relative_tolerance, ida->atol);
+  bad |= IDASetId(ida->mem, ida->id);
+  bad |= IDASetSuppressAlg(ida->mem, SUNTRUE);
+  bad |= IDASetNonlinearSolver(ida->mem, ida->newton);
+  bad |= SUNNonlinSolSetConvTestFn(ida->newton, converged, ida); /* after IDA has set its own */
+  bad |= IDASetLinearSolver(ida->mem, ida->solver, ida->matrix);
+  bad |= IDASetJacFn(ida->mem, jacobian);
+  bad |= IDASetMaxOrd(ida->mem, s->max_order);
+  bad |= IDASetNonlinConvCoef(ida->mem, newton_coefficient);
+  bad |= IDASetMaxErrTestFails(ida->mem, 30);
+  bad |= IDASetMaxConvFails(ida->mem, 30);
+  if (s->max_step > 0)
+    bad |= IDASetMaxStep(ida->mem, s->max_step);
+  return bad;
+}
+
+/* Make ida->y consistent with the load at t and hand it to IDA. */
+static bool restart(mbd_ida *ida, double t) {
+  double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
+  if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
+    return false;
+  if (ida->started) {
+    mbd_ida_stats(ida); /* IDAReInit clears IDA's counters */
+    ida->before = ida->data->stats;
+    return IDAReInit(ida->mem, t, ida->y, ida->yp) == IDA_SUCCESS;
+  }
+  ida->started = true;
+  return IDAInit(ida->mem, residual, t, ida->y, ida->yp) == IDA_SUCCESS && configure(ida) == 0;
+}
+
+tdm_status mbd_ida_start(mbd_ida *ida, double t, tdm_error *err) {
+  size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
+  memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
+  if (!restart(ida, t))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "no consistent accelerations at the start, t = %g s %s; check joints and masses", t, ida->message);
+  ida->data->t = t;
+  memcpy(ida->data->yp, N_VGetArrayPointer(ida->yp), size);
+  return TDM_OK;
+}
+
+/* ---- a window ---- */
+
+/* Tell IDA where the next step must end at the latest: at t1, or half way when the step that IDA wants would leave a
+ * rest smaller than itself, so that no window ends with a sliver that the next step has to grow out of. */
+static int set_stop(mbd_ida *ida, double t, double t1) {
+  double h = 0, stop = t1;
+  if (IDAGetCurrentStep(ida->mem, &h) == IDA_SUCCESS && h > 0 && h < 0.999 * (t1 - t) && 2 * h > t1 - t)
+    stop = t + 0.5 * (t1 - t);
+  ida->stop = stop;
+  return IDASetStopTime(ida->mem, stop);
+}
+
+/* Start IDA again from the last good state, which IDA left in ida->y. */
+static tdm_status recover(mbd_ida *ida, double t, double t1, int flag, bool again, tdm_error *err) {
+  tdm_log(TDM_LOG_WARNING, "integrator_failed", "time_s=%.9g flag=%d retry=%s", t, flag, again ? "no" : "yes");
+  double *y = N_VGetArrayPointer(ida->y);
+  if (!again && tdm_finite(y, mbd_nunknown(ida->model)) && mbd_project(ida->model, ida->data, ida->kkt, y) &&
+      restart(ida, t)) {
+    ida->data->stats.restarts++;
+    return TDM_OK;
+  }
+  return tdm_fail(
+      err, TDM_ERR_NUMERIC, "mbd",
+      "the integration failed at t = %.9g s in the window to %.9g s (IDA %d: %s). The load on a body jumped or "
+      "grew without bound, or the mechanism is in a singular position: try a smaller coupling.n, or a larger "
+      "mbd.solver.relative_tolerance",
+      t, t1, flag, ida->message);
+}
+
+/* Hand out the samples up to t, which lie inside the last step. */
+static tdm_status samples(mbd_ida *ida, double t, int *next, int nsample, const double *time, mbd_sample_fn sample,
+                          void *context, tdm_error *err) {
+  for (; *next < nsample && time[*next] <= t; ++*next) {
+    bool here = time[*next] == t; /* the same numbers as the state at the end of the window */
+    if (!here && IDAGetDky(ida->mem, time[*next], 0, ida->sample) != IDA_SUCCESS)
+      return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no dense output at t = %.9g s (%s)", time[*next], ida->message);
+    if (sample(context, *next, time[*next], N_VGetArrayPointer(here ? ida->y : ida->sample), err))
+      return err->status;
+  }
+  return TDM_OK;
+}
+
+tdm_status mbd_ida_advance(mbd_ida *ida, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
+                           void *context, tdm_error *err) {
+  mbd_data *data = ida->data;
+  const double *y = N_VGetArrayPointer(ida->y);
+  double t = data->t;
+  int next = 0;
+  bool again = false;
+  ida->message[0] = 0;
+  while (t < t1) {
+    double reached = t;
+    int flag = set_stop(ida, t, t1);
+    if (flag == IDA_SUCCESS)
+      flag = IDASolve(ida->mem, t1, &reached, ida->y, ida->yp, IDA_ONE_STEP);
+    if (flag < 0) {
+      t = reached;
+      if (recover(ida, t, t1, flag, again, err))
+        return err->status;
+      again = true;
+      continue;
+    }
+    t = flag == IDA_TSTOP_RETURN ? ida->stop : reached;
+    mbd_accept(ida->model, data, y);
+    if (samples(ida, t, &next, nsample, sample_time, sample, context, err))
+      return err->status;
+  }
+  data->t = t1;
+  memcpy(data->y, y, (size_t)mbd_nunknown(ida->model) * sizeof(double));
+  memcpy(data->yp, N_VGetArrayPointer(ida->yp), (size_t)mbd_nunknown(ida->model) * sizeof(double));
+  return TDM_OK;
+}
+
+void mbd_ida_stats(mbd_ida *ida) {
+  long steps = 0, residuals, setups, failures = 0, unconverged = 0;
+  int last, current;
+  realtype h0, hlast, hcur, tcur;
+  if (!ida || !ida->started)
+    return;
+  IDAGetIntegratorStats(ida->mem, &steps, &residuals, &setups, &failures, &last, &current, &h0, &hlast, &hcur, &tcur);
+  IDAGetNumStepSolveFails(ida->mem, &unconverged);
+  ida->data->stats.steps = ida->before.steps + steps;
+  ida->data->stats.error_failures = ida->before.error_failures + failures;
+  ida->data->stats.convergence_failures = ida->before.convergence_failures + unconverged;
+}

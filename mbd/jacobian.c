@@ -1,0 +1,218 @@
+#include "mbd/jacobian.h"
+
+#include <string.h>
+
+/* T of dtheta = T dp */
+static void quaternion_map(tdm_quat p, double T[3][4]) {
+  double s = 2 / (p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
+  const double map[3][4] = {{-p.x, p.w, -p.z, p.y}, {-p.y, p.z, p.w, -p.x}, {-p.z, -p.y, p.x, p.w}};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++)
+      T[i][j] = s * map[i][j];
+}
+
+/* row += c . (dr, dtheta) of one body; c has 6 entries */
+static void add_position(mbd_sink *sink, const mbd_data *data, int row, int body, const double *c) {
+  const double(*T)[4] = data->quaternion[body];
+  int col = MBD_BODY_UNKNOWNS * body;
+  for (int i = 0; i < 3; i++)
+    if (c[i] != 0)
+      mbd_jac_add(sink, row, col + MBD_R + i, c[i]);
+  for (int j = 0; j < 4; j++)
+    mbd_jac_add(sink, row, col + MBD_P + j, c[3] * T[0][j] + c[4] * T[1][j] + c[5] * T[2][j]);
+}
+
+/* row += c . (dv, dw) of one body */
+static void add_twist(mbd_sink *sink, int row, int body, const double *c) {
+  int col = MBD_BODY_UNKNOWNS * body + MBD_V;
+  for (int i = 0; i < 6; i++)
+    if (c[i] != 0)
+      mbd_jac_add(sink, row, col + i, c[i]);
+}
+
+static void add_pair_position(mbd_sink *sink, const mbd_data *data, int row, const int body[2], const double *c) {
+  for (int side = 0; side < 2; side++)
+    if (body[side] != MBD_GROUND)
+      add_position(sink, data, row, body[side], c + 6 * side);
+}
+
+static void add_pair_twist(mbd_sink *sink, int row, const int body[2], const double *c) {
+  for (int side = 0; side < 2; side++)
+    if (body[side] != MBD_GROUND)
+      add_twist(sink, row, body[side], c + 6 * side);
+}
+
+/* 1/2 Q with (0, a) o p = Q a: rows w x y z */
+static void half_product(tdm_quat p, double Q[4][3]) {
+  const double q[4][3] = {{-p.x, -p.y, -p.z}, {p.w, p.z, -p.y}, {-p.z, p.w, p.x}, {p.y, -p.x, p.w}};
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 3; j++)
+      Q[i][j] = 0.5 * q[i][j];
+}
+
+/* ---- bodies ---- */
+
+static void kinematic_rows(const mbd_model *model, const mbd_data *data, int b, double cj, const double *y,
+                           mbd_sink *sink) {
+  const int at = MBD_BODY_UNKNOWNS * b, col_eta = mbd_index_eta(model, b);
+  tdm_quat p = mbd_quat_of(y, b);
+  const double pv[4] = {p.w, p.x, p.y, p.z};
+  tdm_vec3 a = tdm_sub(data->kin[b + 1].w, mbd_get3(data->shift + 6 * b + 3));
+  const double turn[4][4] = {{0, -a.x, -a.y, -a.z}, {a.x, 0, -a.z, a.y}, {a.y, a.z, 0, -a.x}, {a.z, -a.y, a.x, 0}};
+  double Q[4][3], eta = y[col_eta];
+  half_product(p, Q);
+  for (int i = 0; i < 3; i++) {
+    mbd_jac_add(sink, at + MBD_R + i, at + MBD_R + i, cj);
+    mbd_jac_add(sink, at + MBD_R + i, at + MBD_V + i, -1);
+  }
+  for (int i = 0; i < 4; i++) {
+    for (int j = 0; j < 4; j++)
+      mbd_jac_add(sink, at + MBD_P + i, at + MBD_P + j, (i == j ? cj - eta : 0) - 0.5 * turn[i][j]);
+    for (int j = 0; j < 3; j++)
+      mbd_jac_add(sink, at + MBD_P + i, at + MBD_W + j, -Q[i][j]);
+    mbd_jac_add(sink, at + MBD_P + i, col_eta, -pv[i]);
+    mbd_jac_add(sink, col_eta, at + MBD_P + i, 2 * pv[i]);
+  }
+}
+
+/* m vdot; J wdot + w x J w with d(J a) = (-[J a] + J [a]) dtheta */
+static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, double cj, const double *yp,
+                         mbd_sink *sink) {
+  const int at = MBD_BODY_UNKNOWNS * b;
+  const mbd_kin *k = &data->kin[b + 1];
+  tdm_mat3 J = mbd_inertia_world(&model->body[b], k), W = tdm_m3_skew(k->w);
+  tdm_vec3 acc = mbd_get3(yp + at + MBD_W), Jacc = tdm_m3_mul(J, acc), Jw = tdm_m3_mul(J, k->w);
+  tdm_mat3 J_acc = tdm_m3_mat(J, tdm_m3_skew(acc)), JW = tdm_m3_mat(J, W), WJ = tdm_m3_mat(W, J);
+  tdm_mat3 sJacc = tdm_m3_skew(Jacc), sJw = tdm_m3_skew(Jw), inner;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      inner.m[i][j] = JW.m[i][j] - sJw.m[i][j];
+  tdm_mat3 gyro = tdm_m3_mat(W, inner);
+  for (int i = 0; i < 3; i++) {
+    double c[6] = {0};
+    mbd_jac_add(sink, at + MBD_V + i, at + MBD_V + i, cj * model->body[b].mass);
+    for (int j = 0; j < 3; j++) {
+      c[3 + j] = J_acc.m[i][j] - sJacc.m[i][j] + gyro.m[i][j];
+      mbd_jac_add(sink, at + MBD_W + i, at + MBD_W + j, cj * J.m[i][j] + WJ.m[i][j] - sJw.m[i][j]);
+    }
+    add_position(sink, data, at + MBD_W + i, b, c);
+  }
+}
+
+/* ---- joints ---- */
+
+/* Rows of the constraints: G dq, and G dV + (V^T H) dq. */
+static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_joint *j, const mbd_rows *rows,
+                            mbd_sink *sink) {
+  double twist[MBD_PAIR];
+  mbd_pair_twist(&data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], twist);
+  for (int k = 0; k < rows->n; k++) {
+    double c[MBD_PAIR] = {0};
+    for (int i = 0; i < MBD_PAIR; i++)
+      for (int l = 0; l < MBD_PAIR; l++)
+        c[l] += twist[i] * rows->H[k][i][l];
+    add_pair_position(sink, data, mbd_index_mu(model, j->row + k), j->body, rows->G[k]);
+    add_pair_twist(sink, mbd_index_lambda(model, j->row + k), j->body, rows->G[k]);
+    add_pair_position(sink, data, mbd_index_lambda(model, j->row + k), j->body, c);
+  }
+}
+
+/* Rows of one body (side) of a joint: G^T lambda in the dynamics, G^T mu in the kinematics. */
+static void multiplier_rows(const mbd_model *model, const mbd_data *data, const mbd_joint *j, const mbd_rows *rows,
+                            int side, const double *y, double L[MBD_PAIR][MBD_PAIR], double U[MBD_PAIR][MBD_PAIR],
+                            mbd_sink *sink) {
+  const int b = j->body[side], at = MBD_BODY_UNKNOWNS * b, half = 6 * side;
+  double Q[4][3];
+  half_product(mbd_quat_of(y, b), Q);
+  for (int i = 0; i < 6; i++) {
+    add_pair_position(sink, data, at + MBD_V + i, j->body, L[half + i]);
+    for (int k = 0; k < rows->n; k++)
+      mbd_jac_add(sink, at + MBD_V + i, mbd_index_lambda(model, j->row + k), rows->G[k][half + i]);
+  }
+  for (int i = 0; i < 3; i++) {
+    add_pair_position(sink, data, at + MBD_R + i, j->body, U[half + i]);
+    for (int k = 0; k < rows->n; k++)
+      mbd_jac_add(sink, at + MBD_R + i, mbd_index_mu(model, j->row + k), rows->G[k][half + i]);
+  }
+  for (int i = 0; i < 4; i++) {
+    double c[MBD_PAIR];
+    for (int l = 0; l < MBD_PAIR; l++)
+      c[l] = Q[i][0] * U[half + 3][l] + Q[i][1] * U[half + 4][l] + Q[i][2] * U[half + 5][l];
+    add_pair_position(sink, data, at + MBD_P + i, j->body, c);
+    for (int k = 0; k < rows->n; k++) {
+      const double *G = rows->G[k] + half + 3;
+      mbd_jac_add(sink, at + MBD_P + i, mbd_index_mu(model, j->row + k),
+                  Q[i][0] * G[0] + Q[i][1] * G[1] + Q[i][2] * G[2]);
+    }
+  }
+}
+
+static void joint_rows(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sink *sink) {
+  const mbd_joint *j = &model->joint[index];
+  const mbd_rows *rows = mbd_joint_at(model, data, index, true);
+  const double *lambda = y + mbd_index_lambda(model, j->row), *mu = y + mbd_index_mu(model, j->row);
+  double L[MBD_PAIR][MBD_PAIR] = {{0}}, U[MBD_PAIR][MBD_PAIR] = {{0}}; /* d(G^T lambda)/dq, d(G^T mu)/dq */
+  for (int k = 0; k < rows->n; k++)
+    for (int i = 0; i < MBD_PAIR; i++)
+      for (int l = 0; l < MBD_PAIR; l++) {
+        L[i][l] += lambda[k] * rows->H[k][i][l];
+        U[i][l] += mu[k] * rows->H[k][i][l];
+      }
+  constraint_rows(model, data, j, rows, sink);
+  for (int side = 0; side < 2; side++)
+    if (j->body[side] != MBD_GROUND)
+      multiplier_rows(model, data, j, rows, side, y, L, U, sink);
+}
+
+/* ---- forces ---- */
+
+static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_sink *sink) {
+  const mbd_force *f = &model->force[index];
+  const mbd_force_value *value = mbd_force_at(model, data, index, true);
+  for (int side = 0; side < 2; side++) {
+    if (f->body[side] == MBD_GROUND)
+      continue;
+    for (int i = 0; i < 6; i++) {
+      int row = MBD_BODY_UNKNOWNS * f->body[side] + MBD_V + i;
+      double K[MBD_PAIR], C[MBD_PAIR];
+      for (int l = 0; l < MBD_PAIR; l++) {
+        K[l] = -value->K[6 * side + i][l];
+        C[l] = -value->C[6 * side + i][l];
+      }
+      add_pair_position(sink, data, row, f->body, K);
+      add_pair_twist(sink, row, f->body, C);
+    }
+  }
+}
+
+/* ---- all ---- */
+
+/* G^T mu of all joints, as in the residual. */
+static void shifts(const mbd_model *model, mbd_data *data, const double *y) {
+  memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
+  for (int i = 0; i < model->njoint; i++) {
+    const mbd_joint *j = &model->joint[i];
+    const mbd_rows *rows = mbd_joint_at(model, data, i, false);
+    for (int side = 0; side < 2; side++)
+      for (int c = 0; c < 6 && j->body[side] != MBD_GROUND; c++)
+        for (int k = 0; k < rows->n; k++)
+          data->shift[6 * j->body[side] + c] += rows->G[k][6 * side + c] * y[mbd_index_mu(model, j->row + k)];
+  }
+}
+
+void mbd_jacobian(const mbd_model *model, mbd_data *data, double cj, const double *y, const double *yp,
+                  mbd_sink *sink) {
+  mbd_kinematics(model, data, y);
+  shifts(model, data, y);
+  for (int b = 0; b < model->nbody; b++)
+    quaternion_map(mbd_quat_of(y, b), data->quaternion[b]);
+  for (int b = 0; b < model->nbody; b++) {
+    kinematic_rows(model, data, b, cj, y, sink);
+    dynamic_rows(model, data, b, cj, yp, sink);
+  }
+  for (int i = 0; i < model->njoint; i++)
+    joint_rows(model, data, i, y, sink);
+  for (int i = 0; i < model->nforce; i++)
+    force_rows(model, data, i, sink);
+  data->stats.jacobians++;
+}

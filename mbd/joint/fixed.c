@@ -1,0 +1,18 @@
+/* Fixed joint: no relative motion. Six rows. */
+#include "mbd/joint/joint.h"
+
+static const char *const equation[] = {"point x", "point y", "point z", "rotation 3", "rotation 1", "rotation 2"};
+
+static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+  mbd_joint_load_frame(joint, o, model, false);
+}
+
+static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {
+  mbd_rows_point(rows, a, b, mbd_joint_arm(j, 0, a), mbd_joint_arm(j, 1, b));
+  mbd_rows_perpendicular(rows, mbd_joint_axis(j, 0, 0, a), mbd_joint_axis(j, 1, 1, b));
+  mbd_rows_perpendicular(rows, mbd_joint_axis(j, 0, 1, a), mbd_joint_axis(j, 1, 2, b));
+  mbd_rows_perpendicular(rows, mbd_joint_axis(j, 0, 2, a), mbd_joint_axis(j, 1, 0, b));
+}
+
+extern const mbd_joint_ops mbd_joint_fixed;
+const mbd_joint_ops mbd_joint_fixed = {"fixed", 6, equation, load, eval};

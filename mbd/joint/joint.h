@@ -1,0 +1,54 @@
+/* Joints: constraint equations between two bodies.
+ *
+ * A joint gives, row by row, its violation g, its Jacobian G with respect to the pair's twist coordinates (gdot = G V)
+ * and the derivative H of each row of G (dG_i = (H_i dq)^T). Everything else follows from these in one place: reactions
+ * G^T lambda and their derivative sum lambda_i H_i, the derivative of G V, which is V^T H_i, and the acceleration term
+ * Gdot V = V^T H_i V. So a new joint is one file that composes rows (rows.h) and one row in table.c.
+ */
+#ifndef MBD_JOINT_H
+#define MBD_JOINT_H
+
+#include "mbd/joint/rows.h"
+#include "protocol/scene.h"
+
+typedef struct mbd_joint mbd_joint;
+
+typedef struct {
+  const char *name;
+  int nrow;                    /* at most MBD_ROWS_MAX */
+  const char *const *equation; /* (nrow) what each row holds, for messages */
+  /* Read the joint's own keys (after name, type and bodies, which are set) and fill the geometry. */
+  void (*load)(mbd_joint *joint, tdm_object *o, const mbd_model *model);
+  /* Append nrow rows; a and b are the joint's first and second body. */
+  void (*eval)(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows);
+} mbd_joint_ops;
+
+struct mbd_joint {
+  char name[40];
+  const mbd_joint_ops *ops;
+  int body[2];      /* MBD_GROUND: the fixed world */
+  int row;          /* its first row among those of all joints */
+  tdm_vec3 arm[2];  /* joint point from each centre of mass, body axes [m] */
+  tdm_mat3 axes[2]; /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
+};
+
+enum { MBD_JOINT_TYPES_MAX = 32 };
+extern const mbd_joint_ops *const mbd_joint_table[];
+extern const int mbd_joint_ntype;
+
+/* Read "point" (or "points") and, if asked, "axis" (or "axes") into arm and axes. */
+void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis);
+
+/* A right-handed triad whose e3 is along `axis` (unit); columns e1, e2, e3. */
+tdm_mat3 mbd_triad(tdm_vec3 axis);
+
+/* e1, e2 or e3 (k = 0, 1, 2) of side 0 or 1 in world axes, and the joint point's arm. */
+static inline tdm_vec3 mbd_joint_axis(const mbd_joint *joint, int side, int k, const mbd_kin *body) {
+  const tdm_mat3 *e = &joint->axes[side];
+  return tdm_m3_mul(body->A, tdm_v3(e->m[0][k], e->m[1][k], e->m[2][k]));
+}
+static inline tdm_vec3 mbd_joint_arm(const mbd_joint *joint, int side, const mbd_kin *body) {
+  return tdm_m3_mul(body->A, joint->arm[side]);
+}
+
+#endif

@@ -1,0 +1,317 @@
+/* Reading a model from its scene section. README.md lists the keys. */
+#include "mbd/model.h"
+
+#include <gsl/gsl_eigen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- helpers ---- */
+
+int mbd_model_find_body(const mbd_model *model, const char *name) {
+  if (strcmp(name, "ground") == 0)
+    return MBD_GROUND;
+  for (int i = 0; i < model->nbody; i++)
+    if (strcmp(model->body[i].name, name) == 0)
+      return i;
+  return -2;
+}
+
+/* The body name nearest to `name`, or NULL; the ground counts if asked. */
+static const char *nearest_body(const mbd_model *model, const char *name, bool ground) {
+  const char **names = calloc((size_t)model->nbody + 1, sizeof *names);
+  if (!names)
+    return NULL;
+  for (int i = 0; i < model->nbody; i++)
+    names[i] = model->body[i].name;
+  if (ground)
+    names[model->nbody] = "ground";
+  const char *found = tdm_nearest(name, names, model->nbody + 1);
+  free(names);
+  return found;
+}
+
+tdm_pose mbd_model_pose(const mbd_model *model, int body) {
+  if (body == MBD_GROUND)
+    return (tdm_pose){{0, 0, 0}, {1, 0, 0, 0}};
+  return model->body[body].start.pose;
+}
+
+tdm_vec3 mbd_model_arm(const mbd_model *model, int body, tdm_vec3 world_point) {
+  return mbd_model_direction(model, body, tdm_sub(world_point, mbd_model_pose(model, body).position));
+}
+
+tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_direction) {
+  return tdm_m3_tmul(tdm_quat_to_matrix(mbd_model_pose(model, body).orientation), world_direction);
+}
+
+void mbd_load_name(tdm_object *o, char *out) {
+  const char *name = tdm_get_string(o, "name", NULL);
+  out[0] = 0;
+  if (o->err->status)
+    return;
+  size_t n = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");
+  if (n == 0 || name[n] != 0)
+    tdm_object_fail(o, "name",
+                    "the name \"%s\" must be made of letters, digits, '_' and '-': it becomes part of a column name "
+                    "in the results; rename it",
+                    name);
+  else if (n >= MBD_NAME_MAX)
+    tdm_object_fail(o, "name", "the name \"%s\" is too long; use at most %d characters", name, MBD_NAME_MAX - 1);
+  else
+    memcpy(out, name, n + 1);
+}
+
+void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
+  body[0] = body[1] = MBD_GROUND;
+  json_t *array = tdm_get_array(o, "bodies", true);
+  if (o->err->status)
+    return;
+  if (json_array_size(array) != 2) {
+    tdm_object_fail(o, "bodies", "must name two bodies, such as [\"ground\", \"box\"]");
+    return;
+  }
+  for (int i = 0; i < 2; i++) {
+    char path[TDM_PATH_MAX];
+    tdm_path(path, o, "bodies", i);
+    const char *name = json_string_value(json_array_get(array, (size_t)i));
+    if (!name) {
+      tdm_fail(o->err, TDM_ERR_SCENE, path, "must be the name of a body, in quotes");
+      return;
+    }
+    body[i] = mbd_model_find_body(model, name);
+    if (body[i] < MBD_GROUND) {
+      const char *near = nearest_body(model, name, true);
+      tdm_fail(o->err, TDM_ERR_SCENE, path, "there is no body \"%s\"%s%s%s; name one of mbd.bodies or \"ground\"", name,
+               near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+      body[i] = MBD_GROUND; /* the loader reads on */
+      return;
+    }
+  }
+  if (body[0] == body[1])
+    tdm_object_fail(o, "bodies", "connects \"%s\" to itself; name two different bodies",
+                    json_string_value(json_array_get(array, 0)));
+}
+
+void mbd_load_pair(tdm_object *o, const char *single, const char *twice, tdm_vec3 out[2]) {
+  out[0] = out[1] = tdm_v3(0, 0, 0);
+  if (!single || tdm_has(o, twice)) {
+    json_t *array = tdm_get_array(o, twice, true);
+    if (o->err->status)
+      return;
+    if (single && tdm_has(o, single)) {
+      tdm_object_fail(o, twice, "stands beside \"%s\"; keep one of the two", single);
+      return;
+    }
+    if (json_array_size(array) != 2) {
+      tdm_object_fail(o, twice, "must be two vectors, one for each body: [[x, y, z], [x, y, z]]");
+      return;
+    }
+    for (int i = 0; i < 2; i++) {
+      json_t *wrapped = json_pack("{s:O}", twice, json_array_get(array, (size_t)i));
+      char path[TDM_PATH_MAX];
+      tdm_path(path, o, twice, i);
+      tdm_error inner = {0};
+      tdm_object v = tdm_object_open(wrapped, "", &inner);
+      out[i] = tdm_get_vec3(&v, twice, NULL);
+      if (inner.status)
+        tdm_fail(o->err, inner.status, path, "%s", inner.message);
+      json_decref(wrapped);
+    }
+    return;
+  }
+  out[0] = out[1] = tdm_get_vec3(o, single, NULL);
+}
+
+/* ---- bodies ---- */
+
+/* Principal moments must be positive and fulfil the triangle inequality: no rigid body violates them. */
+static void check_inertia(tdm_object *o, const tdm_mat3 *inertia) {
+  double a[9], e[3];
+  memcpy(a, inertia->m, sizeof a);
+  gsl_matrix_view matrix = gsl_matrix_view_array(a, 3, 3);
+  gsl_vector_view value = gsl_vector_view_array(e, 3);
+  gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(3);
+  gsl_eigen_symm(&matrix.matrix, &value.vector, work);
+  gsl_eigen_symm_free(work);
+  double least = fmin(e[0], fmin(e[1], e[2])), most = fmax(e[0], fmax(e[1], e[2])), sum = e[0] + e[1] + e[2];
+  if (!(least > 0))
+    tdm_object_fail(
+        o, "inertia",
+        "the principal moments of inertia are %g, %g, %g kg m2: they must all be positive (a thin rod needs "
+        "a small value about its axis)",
+        e[0], e[1], e[2]);
+  else if (2 * most > sum * (1 + 1e-9))
+    tdm_object_fail(o, "inertia",
+                    "the principal moments of inertia are %g, %g, %g kg m2: no rigid body has one larger than the sum "
+                    "of the other two; check the values and their units",
+                    e[0], e[1], e[2]);
+}
+
+static void load_inertia(tdm_object *o, tdm_mat3 *inertia) {
+  double i[6] = {0};
+  json_t *array = tdm_get_array(o, "inertia", true);
+  bool full = json_array_size(array) == 6;
+  tdm_get_numbers(o, "inertia", i, full ? 6 : 3, true);
+  *inertia = (tdm_mat3){{{i[0], i[3], i[4]}, {i[3], i[1], i[5]}, {i[4], i[5], i[2]}}};
+  if (!o->err->status)
+    check_inertia(o, inertia);
+}
+
+static void load_body(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
+  tdm_object o = tdm_object_open(json, path, err);
+  mbd_body *b = &model->body[model->nbody];
+  const tdm_vec3 zero = {0, 0, 0};
+  mbd_load_name(&o, b->name);
+  b->mass = tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
+  load_inertia(&o, &b->inertia);
+  b->start.pose.position = tdm_get_vec3(&o, "position", NULL);
+  b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
+  b->start.twist.velocity = tdm_get_vec3(&o, "velocity", &zero);
+  b->start.twist.angular = tdm_get_vec3(&o, "angular_velocity", &zero);
+  tdm_object_close(&o);
+  if (err->status)
+    return;
+  if (strcmp(b->name, "ground") == 0)
+    tdm_object_fail(&o, "name", "\"ground\" is the name of the fixed world; give the body another name");
+  else if (mbd_model_find_body(model, b->name) != -2)
+    tdm_object_fail(&o, "name", "a second body is called \"%s\"; give every body its own name", b->name);
+  else
+    model->nbody++;
+}
+
+/* ---- joints and forces: the common part; the table's entry reads the rest ---- */
+
+/* Read "type" and leave the index in the table; -1 after an error. */
+static int load_type(tdm_object *o, const char *const *names, int n) {
+  return tdm_get_choice(o, "type", names, n, -1);
+}
+
+static void load_joint(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
+  tdm_object o = tdm_object_open(json, path, err);
+  mbd_joint *j = &model->joint[model->njoint];
+  const char *names[MBD_JOINT_TYPES_MAX];
+  for (int i = 0; i < mbd_joint_ntype; i++)
+    names[i] = mbd_joint_table[i]->name;
+  mbd_load_name(&o, j->name);
+  int type = load_type(&o, names, mbd_joint_ntype);
+  mbd_load_bodies(&o, model, j->body);
+  if (err->status)
+    return;
+  j->ops = mbd_joint_table[type];
+  j->row = model->nrow;
+  j->ops->load(j, &o, model);
+  tdm_object_close(&o);
+  for (int i = 0; i < model->njoint; i++)
+    if (strcmp(model->joint[i].name, j->name) == 0)
+      tdm_object_fail(&o, "name", "a second joint is called \"%s\"; give every joint its own name", j->name);
+  model->njoint++;
+  model->nrow += j->ops->nrow;
+}
+
+static void load_force(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
+  tdm_object o = tdm_object_open(json, path, err);
+  mbd_force *f = &model->force[model->nforce];
+  const char *names[MBD_FORCE_TYPES_MAX];
+  for (int i = 0; i < mbd_force_ntype; i++)
+    names[i] = mbd_force_table[i]->name;
+  mbd_load_name(&o, f->name);
+  int type = load_type(&o, names, mbd_force_ntype);
+  if (err->status)
+    return;
+  f->ops = mbd_force_table[type];
+  f->ops->load(f, &o, model);
+  tdm_object_close(&o);
+  for (int i = 0; i < model->nforce; i++)
+    if (strcmp(model->force[i].name, f->name) == 0)
+      tdm_object_fail(&o, "name", "a second force is called \"%s\"; give every force its own name", f->name);
+  model->nforce++;
+}
+
+static void load_solver(mbd_settings *s, tdm_object *section) {
+  tdm_object o = tdm_get_object(section, "solver", false);
+  s->relative_tolerance = tdm_get_number(&o, "relative_tolerance", 1e-8, TDM_POSITIVE);
+  s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance", 0.01 * s->relative_tolerance, TDM_POSITIVE);
+  s->max_order = (int)tdm_get_integer(&o, "max_order", 5, 1);
+  s->max_step = tdm_get_number(&o, "max_step", 0, TDM_NOT_NEGATIVE);
+  tdm_object_close(&o);
+  if (!o.err->status && s->max_order > 5)
+    tdm_object_fail(&o, "max_order", "must be 1 to 5: backward differentiation formulas above 5 are not stable enough");
+  if (!o.err->status && (s->relative_tolerance < 1e-13 || s->relative_tolerance > 0.1))
+    tdm_object_fail(&o, "relative_tolerance", "is %g; use 1e-13 to 0.1", s->relative_tolerance);
+}
+
+/* Hand every element of the array `key` to `load`. */
+static void load_array(tdm_object *o, const char *key, bool required, mbd_model *model,
+                       void (*load)(mbd_model *, json_t *, const char *, tdm_error *)) {
+  json_t *array = tdm_get_array(o, key, required);
+  for (size_t i = 0; i < json_array_size(array) && !o->err->status; i++) {
+    char path[TDM_PATH_MAX];
+    load(model, json_array_get(array, i), tdm_path(path, o, key, (int)i), o->err);
+  }
+}
+
+/* Elements of the array `key`, at least 1 so that calloc never gets 0. */
+static size_t array_room(json_t *json, const char *key) {
+  size_t n = json_array_size(json_object_get(json, key));
+  return n > 0 ? n : 1;
+}
+
+tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
+  mbd_model *m = *model = calloc(1, sizeof *m);
+  if (!m)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
+  m->body = calloc(array_room(json, "bodies"), sizeof *m->body);
+  m->joint = calloc(array_room(json, "joints"), sizeof *m->joint);
+  m->force = calloc(array_room(json, "forces"), sizeof *m->force);
+  if (!m->body || !m->joint || !m->force)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
+
+  const tdm_vec3 earth = {0, 0, -9.81};
+  tdm_object o = tdm_object_open(json, "mbd", err);
+  m->gravity = tdm_get_vec3(&o, "gravity", &earth);
+  load_array(&o, "bodies", true, m, load_body);
+  if (!err->status && m->nbody == 0)
+    tdm_object_fail(&o, "bodies", "is empty; give at least one body");
+  load_array(&o, "joints", false, m, load_joint);
+  load_array(&o, "forces", false, m, load_force);
+  load_solver(&m->solver, &o);
+  tdm_object_close(&o);
+  return err->status;
+}
+
+tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int nbody, tdm_error *err) {
+  model->coupled = calloc((size_t)nbody + 1, sizeof *model->coupled);
+  if (!model->coupled)
+    return tdm_fail(err, TDM_ERR_MEMORY, "coupling.bodies", "no memory for %d coupled bodies", nbody);
+  for (int i = 0; i < nbody; i++) {
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "coupling.bodies[%d].mbd", i);
+    int b = mbd_model_find_body(model, body[i].name);
+    if (b == MBD_GROUND)
+      return tdm_fail(err, TDM_ERR_SCENE, path, "the ground cannot be coupled; name one of mbd.bodies");
+    if (b < 0) {
+      const char *near = nearest_body(model, body[i].name, false);
+      return tdm_fail(err, TDM_ERR_SCENE, path, "mbd.bodies has no body \"%s\"%s%s%s; name one of its bodies",
+                      body[i].name, near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+    }
+    for (int k = 0; k < i; k++)
+      if (model->coupled[k] == b)
+        return tdm_fail(err, TDM_ERR_SCENE, path, "the body \"%s\" is coupled already; couple every body once",
+                        body[i].name);
+    model->coupled[i] = b;
+  }
+  model->ncoupled = nbody;
+  return TDM_OK;
+}
+
+void mbd_model_destroy(mbd_model **model) {
+  if (!model || !*model)
+    return;
+  free((*model)->body);
+  free((*model)->joint);
+  free((*model)->force);
+  free((*model)->coupled);
+  free(*model);
+  *model = NULL;
+}

@@ -1,0 +1,71 @@
+/* The multibody model: what a scene fixes. Immutable after mbd_model_load; the run's own state is an mbd_data.
+ *
+ * Bodies are numbered from 0, the fixed world ("ground") is body -1. World axes unless a comment says body axes.
+ */
+#ifndef MBD_MODEL_H
+#define MBD_MODEL_H
+
+#include "mbd/force/force.h"
+#include "mbd/joint/joint.h"
+#include "protocol/participant.h"
+
+enum { MBD_GROUND = -1, MBD_NAME_MAX = 40, MBD_LOAD_MAX = 8 };
+
+typedef struct {
+  char name[MBD_NAME_MAX];
+  double mass;      /* [kg] */
+  tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2] */
+  tdm_state start;  /* as given in the scene, orientation normalised */
+} mbd_body;
+
+/* settings of the integrator, scene key "solver" */
+typedef struct {
+  double relative_tolerance; /* of positions, Euler parameters and velocities */
+  double absolute_tolerance; /* of the same [m, 1, m/s, rad/s] */
+  int max_order;             /* of the BDF, 1 to 5 */
+  double max_step;           /* [s], 0: no limit */
+} mbd_settings;
+
+struct mbd_model {
+  tdm_vec3 gravity; /* [m/s2] */
+  int nbody;
+  mbd_body *body; /* (nbody) */
+  int njoint;
+  mbd_joint *joint; /* (njoint) */
+  int nforce;
+  mbd_force *force; /* (nforce) */
+  int nrow;         /* constraint rows of all joints */
+  int ncoupled;
+  int *coupled; /* (ncoupled) body index of each coupled body, in the order of the assignment */
+  mbd_settings solver;
+};
+
+/* Read the scene section `json` (borrowed, JSON path "mbd"). The model belongs to the caller, also after an error:
+ * destroy it. */
+tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err);
+
+/* Name the bodies that take a load from outside; errors are at "coupling.bodies[i].mbd". */
+tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int nbody, tdm_error *err);
+
+void mbd_model_destroy(mbd_model **model);
+
+/* ---- helpers of the loaders of joints and forces ---- */
+
+/* The index of a body (MBD_GROUND for "ground"), -2 when there is none of that name. */
+int mbd_model_find_body(const mbd_model *model, const char *name);
+
+/* Read "bodies": [first, second] into body; both must exist and differ. */
+void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]);
+
+/* Read one vector `single` for both bodies, or a pair `twice` with one each: "point" or "points". */
+void mbd_load_pair(tdm_object *o, const char *single, const char *twice, tdm_vec3 out[2]);
+
+/* Read and check "name": fit for a column of a CSV file. out has MBD_NAME_MAX bytes. */
+void mbd_load_name(tdm_object *o, char *out);
+
+/* Start pose of a body or of the ground, and a world point or direction in that body's axes. */
+tdm_pose mbd_model_pose(const mbd_model *model, int body);
+tdm_vec3 mbd_model_arm(const mbd_model *model, int body, tdm_vec3 world_point);
+tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_direction);
+
+#endif

@@ -1,0 +1,88 @@
+#include "mbd/output.h"
+
+#include "mbd/energy.h"
+
+#include <stdio.h>
+
+static bool is_coupled(const mbd_model *model, int body) {
+  for (int i = 0; i < model->ncoupled; i++)
+    if (model->coupled[i] == body)
+      return true;
+  return false;
+}
+
+enum { JOINT_CHANNELS = 6, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, OTHER_CHANNELS = 3 };
+
+int mbd_output_count(const mbd_model *model) {
+  return JOINT_CHANNELS * model->njoint + FORCE_CHANNELS * model->nforce +
+         BODY_CHANNELS * (model->nbody - model->ncoupled) + OTHER_CHANNELS;
+}
+
+static tdm_channel *name(tdm_channel *c, const char *group, const char *of, const char *what, const char *unit) {
+  snprintf(c->name, sizeof c->name, "%s.%s%s%s", group, of, *of ? "." : "", what);
+  snprintf(c->unit, sizeof c->unit, "%s", unit);
+  return c + 1;
+}
+
+void mbd_output_names(const mbd_model *model, tdm_channel *c) {
+  static const char *const wrench[JOINT_CHANNELS][2] = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
+                                                        {"mx", "N m"}, {"my", "N m"}, {"mz", "N m"}};
+  static const char *const state[BODY_CHANNELS][2] = {
+      {"x", "m"},    {"y", "m"},    {"z", "m"},    {"qw", "1"},     {"qx", "1"},     {"qy", "1"},    {"qz", "1"},
+      {"vx", "m/s"}, {"vy", "m/s"}, {"vz", "m/s"}, {"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
+  for (int i = 0; i < model->njoint; i++)
+    for (int k = 0; k < JOINT_CHANNELS; k++)
+      c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
+  for (int i = 0; i < model->nforce; i++) {
+    const mbd_force_ops *ops = model->force[i].ops;
+    c = name(c, "force", model->force[i].name, "value", ops->value_unit);
+    c = name(c, "force", model->force[i].name, ops->coordinate_name, ops->coordinate_unit);
+  }
+  for (int b = 0; b < model->nbody; b++)
+    for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
+      c = name(c, "body", model->body[b].name, state[k][0], state[k][1]);
+  c = name(c, "energy", "", "kinetic", "J");
+  c = name(c, "energy", "", "potential", "J");
+  name(c, "constraint", "", "drift", "m");
+}
+
+/* Force and moment on the second body at its joint point, world axes: -G^T lambda, its moment moved from the centre of
+ * mass to the point. */
+static void reaction(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
+  const mbd_joint *j = &model->joint[index];
+  const mbd_rows *rows = mbd_joint_at(model, data, index, false);
+  double wrench[6] = {0};
+  for (int k = 0; k < rows->n; k++)
+    for (int i = 0; i < 6; i++)
+      wrench[i] -= rows->G[k][MBD_RB + i] * lambda[j->row + k];
+  tdm_vec3 force = mbd_get3(wrench), arm = mbd_joint_arm(j, 1, &data->kin[j->body[1] + 1]);
+  mbd_set3(out, force);
+  mbd_set3(out + 3, tdm_sub(mbd_get3(wrench + 3), tdm_cross(arm, force)));
+}
+
+bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out) {
+  bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin */
+  for (int i = 0; i < model->njoint; i++, out += JOINT_CHANNELS)
+    reaction(model, data, i, data->lambda, out);
+  for (int i = 0; i < model->nforce; i++, out += FORCE_CHANNELS) {
+    const mbd_force_value *value = mbd_force_at(model, data, i, false);
+    out[0] = value->value;
+    out[1] = value->coordinate;
+  }
+  for (int b = 0; b < model->nbody; b++) {
+    if (is_coupled(model, b))
+      continue;
+    tdm_state s = mbd_body_state(y, b);
+    tdm_quat q = s.pose.orientation;
+    mbd_set3(out, s.pose.position);
+    out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
+    mbd_set3(out + 7, s.twist.velocity);
+    mbd_set3(out + 10, s.twist.angular);
+    out += BODY_CHANNELS;
+  }
+  out[0] = mbd_kinetic_energy(model, data);
+  out[1] = mbd_potential_energy(model, data);
+  out[2] = data->drift;
+  data->drift = 0;
+  return good;
+}

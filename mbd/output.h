@@ -1,0 +1,19 @@
+/* Output channels: what the solver reports beside the coupled bodies' states. README.md lists them.
+ *
+ * Reactions come from an acceleration-level solve at the sample's own state and load, not from interpolated
+ * multipliers: these are a derivative order less accurate than the positions.
+ */
+#ifndef MBD_OUTPUT_H
+#define MBD_OUTPUT_H
+
+#include "mbd/assemble.h"
+
+int mbd_output_count(const mbd_model *model);
+
+/* Names and units into channel (mbd_output_count). */
+void mbd_output_names(const mbd_model *model, tdm_channel *channel);
+
+/* Values at the state y and time t into out (mbd_output_count). false: accelerations cannot be solved for. */
+bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out);
+
+#endif

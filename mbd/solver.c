@@ -1,0 +1,181 @@
+#include "mbd/solver.h"
+
+#include "mbd/ida.h"
+#include "mbd/output.h"
+#include "protocol/log.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { WARNINGS_MAX = 2 };
+
+typedef struct {
+  mbd_model *model;
+  mbd_data *data;
+  mbd_kkt *kkt;
+  mbd_ida *ida;
+  mbd_assembly assembly;
+  bool started;
+  tdm_assigned_body *body; /* (ncoupled) */
+  int nchannel;
+  tdm_channel *channel; /* (nchannel) */
+  double *initial;      /* (nchannel) */
+  int nwarning;
+  tdm_warning warning[WARNINGS_MAX];
+  json_t *report;
+} solver;
+
+static void destroy(void *self) {
+  solver *s = self;
+  if (!s)
+    return;
+  if (s->started) {
+    mbd_ida_stats(s->ida);
+    const mbd_stats *c = &s->data->stats;
+    tdm_log(TDM_LOG_INFO, "integrator",
+            "steps=%ld residuals=%ld jacobians=%ld error_failures=%ld convergence_failures=%ld restarts=%ld", c->steps,
+            c->residuals, c->jacobians, c->error_failures, c->convergence_failures, c->restarts);
+  }
+  mbd_ida_destroy(&s->ida);
+  mbd_kkt_destroy(&s->kkt);
+  mbd_data_destroy(&s->data);
+  mbd_model_destroy(&s->model);
+  free(s->body);
+  free(s->channel);
+  free(s->initial);
+  json_decref(s->report);
+  free(s);
+}
+
+/* ---- create ---- */
+
+/* Say so when the assembly changed more than rounding does. */
+static void warn_about_assembly(solver *s) {
+  const mbd_assembly *a = &s->assembly;
+  if (a->translation > 1e-6 || a->rotation > 1e-6) {
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
+    snprintf(
+        w->message, sizeof w->message,
+        "the joints do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g rad); correct the "
+        "position, the orientation or the joints",
+        s->model->body[a->body].name, a->translation, a->rotation);
+  }
+  if (a->velocity > 1e-6 || a->angular > 1e-6) {
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "mbd.bodies[%d].velocity", a->body_velocity);
+    snprintf(
+        w->message, sizeof w->message,
+        "the joints do not allow the given start velocities: those of body \"%s\" were changed (largest changes %.3g "
+        "m/s, %.3g rad/s); give velocities that the joints allow",
+        s->model->body[a->body_velocity].name, a->velocity, a->angular);
+  }
+}
+
+static json_t *make_report(const solver *s) {
+  const mbd_model *m = s->model;
+  json_t *bodies = json_object(), *joints = json_object();
+  double mass = 0;
+  for (int i = 0; i < m->nbody; i++) {
+    json_object_set_new(bodies, m->body[i].name, json_pack("{s:f}", "mass", m->body[i].mass));
+    mass += m->body[i].mass;
+  }
+  for (int i = 0; i < m->njoint; i++)
+    json_object_set_new(joints, m->joint[i].name, json_string(m->joint[i].ops->name));
+  return json_pack("{s:i, s:f, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom", s->assembly.freedom,
+                   "mass", mass, "bodies", bodies, "joints", joints, "forces", m->nforce, "assembly", "translation",
+                   s->assembly.translation, "rotation", s->assembly.rotation, "velocity", s->assembly.velocity,
+                   "angular_velocity", s->assembly.angular);
+}
+
+/* What READY needs: coupled bodies, channels with their start values, report. */
+static tdm_status prepare(solver *s, double t, tdm_error *err) {
+  const mbd_model *m = s->model;
+  s->nchannel = mbd_output_count(m);
+  s->body = calloc((size_t)m->ncoupled + 1, sizeof *s->body);
+  s->channel = calloc((size_t)s->nchannel + 1, sizeof *s->channel);
+  s->initial = calloc((size_t)s->nchannel + 1, sizeof *s->initial);
+  if (!s->body || !s->channel || !s->initial)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the outputs");
+  for (int i = 0; i < m->ncoupled; i++) {
+    const mbd_body *b = &m->body[m->coupled[i]];
+    s->body[i] = (tdm_assigned_body){b->name, b->mass, b->inertia, mbd_body_state(s->data->y, m->coupled[i])};
+  }
+  mbd_output_names(m, s->channel);
+  if (!mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at the start; check joints and masses");
+  warn_about_assembly(s);
+  s->report = make_report(s);
+  return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
+}
+
+static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
+                         tdm_error *err) {
+  (void)p;
+  solver *s = *self = calloc(1, sizeof *s);
+  if (!s)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
+  if (mbd_model_load(&s->model, assignment->scene, err) ||
+      mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
+    return err->status;
+  s->data = mbd_data_create(s->model);
+  s->kkt = mbd_kkt_create(s->model);
+  if (!s->data || !s->kkt)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for %d bodies", s->model->nbody);
+  s->data->t = assignment->time_start;
+  if (mbd_assemble(s->model, s->data, s->kkt, &s->assembly, err) || prepare(s, assignment->time_start, err) ||
+      mbd_ida_create(&s->ida, s->model, s->data, s->kkt, err))
+    return err->status;
+  *ready = (tdm_ready){.body = s->body,
+                       .nchannel = s->nchannel,
+                       .channel = s->channel,
+                       .initial = s->initial,
+                       .nwarning = s->nwarning,
+                       .warning = s->warning,
+                       .report = s->report};
+  return TDM_OK;
+}
+
+/* ---- step ---- */
+
+typedef struct {
+  solver *self;
+  tdm_result *result;
+} sample_target;
+
+static tdm_status sample(void *context, int i, double t, const double *y, tdm_error *err) {
+  const sample_target *to = context;
+  const mbd_model *m = to->self->model;
+  tdm_result *r = to->result;
+  for (int k = 0; k < m->ncoupled; k++)
+    r->sample_state[i * m->ncoupled + k] = mbd_body_state(y, m->coupled[k]);
+  if (!mbd_output_values(m, to->self->data, to->self->kkt, t, y, r->channel + i * to->self->nchannel))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "no joint reactions at t = %.9g s: the mechanism is in a singular position", t);
+  return TDM_OK;
+}
+
+static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
+  solver *s = self;
+  const mbd_model *m = s->model;
+  if (mbd_data_set_load(s->data, m, in, err))
+    return err->status;
+  /* the consistent start waits for the first load */
+  if (!s->started && mbd_ida_start(s->ida, in->t0, err))
+    return err->status;
+  s->started = true;
+  sample_target to = {s, result};
+  if (mbd_ida_advance(s->ida, in->t1, in->nsample, in->sample_time, sample, &to, err))
+    return err->status;
+  for (int k = 0; k < m->ncoupled; k++)
+    result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
+  return TDM_OK;
+}
+
+const tdm_solver_ops mbd_solver_ops = {
+    .role = "mbd",
+    .software = "tandem-mbd " TANDEM_VERSION,
+    .create = create,
+    .step = step,
+    .destroy = destroy,
+};

@@ -1,0 +1,152 @@
+#include "mbd/state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A zeroed array of n doubles; never of size 0. */
+static double *array(int n) {
+  return calloc((size_t)n + 1, sizeof(double));
+}
+
+mbd_data *mbd_data_create(const mbd_model *model) {
+  mbd_data *d = calloc(1, sizeof *d);
+  if (!d)
+    return NULL;
+  int n = mbd_nunknown(model);
+  size_t nbody = (size_t)model->nbody;
+  d->y = array(n);
+  d->yp = array(n);
+  d->angle = array(model->nforce);
+  d->acceleration = array(6 * model->nbody);
+  d->lambda = array(model->nrow);
+  d->wrench = array(6 * model->nbody);
+  d->shift = array(6 * model->nbody);
+  d->load = calloc((size_t)model->ncoupled * MBD_LOAD_MAX + 1, sizeof *d->load);
+  d->kin = calloc(nbody + 1, sizeof *d->kin);
+  d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
+  if (!d->y || !d->yp || !d->angle || !d->acceleration || !d->lambda || !d->wrench || !d->shift || !d->load ||
+      !d->kin || !d->quaternion) {
+    mbd_data_destroy(&d);
+    return NULL;
+  }
+  for (int b = 0; b < model->nbody; b++)
+    mbd_set_body_state(d->y, b, &model->body[b].start);
+  d->kin[0].A = tdm_m3_identity();
+  return d;
+}
+
+void mbd_data_destroy(mbd_data **data) {
+  mbd_data *d = data ? *data : NULL;
+  if (!d)
+    return;
+  free(d->y);
+  free(d->yp);
+  free(d->angle);
+  free(d->acceleration);
+  free(d->lambda);
+  free(d->wrench);
+  free(d->shift);
+  free(d->load);
+  free(d->kin);
+  free(d->quaternion);
+  free(d);
+  *data = NULL;
+}
+
+tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err) {
+  if (step->nload > MBD_LOAD_MAX)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "the load polynomial has %d coefficients; at most %d are supported",
+                    step->nload, MBD_LOAD_MAX);
+  if (step->nload > 0 && step->nbody != model->ncoupled)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP carries %d bodies, ASSIGN named %d", step->nbody,
+                    model->ncoupled);
+  data->load_t0 = step->t0;
+  data->load_t1 = step->t1;
+  data->nload = step->nload;
+  if (step->nload > 0 && step->nbody > 0)
+    memcpy(data->load, step->load, (size_t)step->nbody * (size_t)step->nload * sizeof *data->load);
+  return TDM_OK;
+}
+
+tdm_wrench mbd_load_at(const mbd_data *data, int i, double t) {
+  tdm_wrench w = {{0, 0, 0}, {0, 0, 0}};
+  double s = data->load_t1 > data->load_t0 ? (t - data->load_t0) / (data->load_t1 - data->load_t0) : 0;
+  /* Horner */
+  for (int j = data->nload - 1; j >= 0; j--) {
+    const tdm_wrench *c = &data->load[i * data->nload + j];
+    w.force = tdm_axpy(s, w.force, c->force);
+    w.moment = tdm_axpy(s, w.moment, c->moment);
+  }
+  return w;
+}
+
+tdm_state mbd_body_state(const double *y, int body) {
+  const double *u = y + MBD_BODY_UNKNOWNS * body;
+  return (tdm_state){{mbd_get3(u + MBD_R), tdm_quat_unit(mbd_quat_of(y, body))},
+                     {mbd_get3(u + MBD_V), mbd_get3(u + MBD_W)}};
+}
+
+void mbd_set_body_state(double *y, int body, const tdm_state *state) {
+  double *u = y + MBD_BODY_UNKNOWNS * body;
+  tdm_quat q = state->pose.orientation;
+  mbd_set3(u + MBD_R, state->pose.position);
+  u[MBD_P] = q.w;
+  u[MBD_P + 1] = q.x;
+  u[MBD_P + 2] = q.y;
+  u[MBD_P + 3] = q.z;
+  mbd_set3(u + MBD_V, state->twist.velocity);
+  mbd_set3(u + MBD_W, state->twist.angular);
+}
+
+/* Rotation matrix of the direction of p, whatever its length. */
+static tdm_mat3 rotation(tdm_quat p) {
+  double n = p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z, s = n > 0 ? 2 / n : 0;
+  double xx = s * p.x * p.x, yy = s * p.y * p.y, zz = s * p.z * p.z;
+  double xy = s * p.x * p.y, xz = s * p.x * p.z, yz = s * p.y * p.z;
+  double wx = s * p.w * p.x, wy = s * p.w * p.y, wz = s * p.w * p.z;
+  return (tdm_mat3){
+      {{1 - yy - zz, xy - wz, xz + wy}, {xy + wz, 1 - xx - zz, yz - wx}, {xz - wy, yz + wx, 1 - xx - yy}}};
+}
+
+void mbd_kinematics(const mbd_model *model, mbd_data *data, const double *y) {
+  for (int b = 0; b < model->nbody; b++) {
+    const double *u = y + MBD_BODY_UNKNOWNS * b;
+    mbd_kin *k = &data->kin[b + 1];
+    k->r = mbd_get3(u + MBD_R);
+    k->v = mbd_get3(u + MBD_V);
+    k->w = mbd_get3(u + MBD_W);
+    k->A = rotation(mbd_quat_of(y, b));
+  }
+}
+
+const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int i, bool second) {
+  const mbd_force *f = &model->force[i];
+  mbd_force_value *value = &data->force;
+  memset(value->Q, 0, sizeof value->Q);
+  if (second) {
+    memset(value->K, 0, sizeof value->K);
+    memset(value->C, 0, sizeof value->C);
+  }
+  value->second = second;
+  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], data->angle[i], value);
+  return value;
+}
+
+const mbd_rows *mbd_joint_at(const mbd_model *model, mbd_data *data, int i, bool second) {
+  const mbd_joint *j = &model->joint[i];
+  data->rows.n = 0;
+  data->rows.second = second;
+  j->ops->eval(j, &data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], &data->rows);
+  return &data->rows;
+}
+
+void mbd_accept(const mbd_model *model, mbd_data *data, const double *y) {
+  mbd_kinematics(model, data, y);
+  for (int i = 0; i < model->nforce; i++)
+    data->angle[i] = mbd_force_at(model, data, i, false)->coordinate;
+  for (int i = 0; i < model->njoint; i++) {
+    const mbd_rows *rows = mbd_joint_at(model, data, i, false);
+    for (int k = 0; k < rows->n; k++)
+      data->drift = fmax(data->drift, fabs(rows->g[k]));
+  }
+}

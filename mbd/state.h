@@ -1,0 +1,100 @@
+/* The unknowns and the run's state.
+ *
+ * Unknowns y (nunknown = 14 nbody + 2 nrow):
+ *   per body   r (3) position, p (4) Euler parameters w x y z, v (3) velocity, w (3) angular velocity; world axes
+ *   per row    lambda (reactions), then per row mu (position multipliers of the GGL form, zero in exact arithmetic)
+ *   per body   eta (multiplier of the Euler-parameter norm, zero in exact arithmetic)
+ * Equations stand in the same order: kinematics (7) and dynamics (6) of each body, then the velocity constraints, the
+ * position constraints and the norms.
+ */
+#ifndef MBD_STATE_H
+#define MBD_STATE_H
+
+#include "mbd/model.h"
+
+enum { MBD_BODY_UNKNOWNS = 13, MBD_R = 0, MBD_P = 3, MBD_V = 7, MBD_W = 10 };
+
+/* the run's counters, reported when the solver ends */
+typedef struct {
+  long steps, residuals, jacobians, error_failures, convergence_failures, restarts;
+} mbd_stats;
+
+/* The mutable state of a run with its workspace. */
+typedef struct {
+  double t;      /* [s] */
+  double *y;     /* (nunknown) at t */
+  double *yp;    /* (nunknown) their time derivatives */
+  double *angle; /* (nforce) continuous angle of torsional forces at t [rad] */
+  double drift;  /* largest constraint violation |g| over the steps since it was last read */
+
+  /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
+  double load_t0, load_t1; /* [s] */
+  int nload;               /* coefficients, 0: no load */
+  tdm_wrench *load;        /* (ncoupled x MBD_LOAD_MAX) */
+
+  double *acceleration; /* (6 nbody) of the last acceleration-level solve */
+  double *lambda;       /* (nrow) of the same */
+
+  /* workspace of one evaluation */
+  mbd_kin *kin;               /* (nbody + 1) ground first; body b is kin[b + 1] */
+  double *wrench, *shift;     /* (6 nbody) generalised forces, G^T mu */
+  double (*quaternion)[3][4]; /* (nbody) dtheta = T dp */
+  mbd_rows rows;              /* of one joint */
+  mbd_force_value force;      /* of one force */
+  mbd_stats stats;
+} mbd_data;
+
+static inline int mbd_nunknown(const mbd_model *m) {
+  return 14 * m->nbody + 2 * m->nrow;
+}
+static inline int mbd_index_lambda(const mbd_model *m, int row) {
+  return MBD_BODY_UNKNOWNS * m->nbody + row;
+}
+static inline int mbd_index_mu(const mbd_model *m, int row) {
+  return MBD_BODY_UNKNOWNS * m->nbody + m->nrow + row;
+}
+static inline int mbd_index_eta(const mbd_model *m, int body) {
+  return MBD_BODY_UNKNOWNS * m->nbody + 2 * m->nrow + body;
+}
+
+/* Allocate for a model; NULL when memory is out. The state is the model's start, without multipliers. */
+mbd_data *mbd_data_create(const mbd_model *model);
+void mbd_data_destroy(mbd_data **data);
+
+/* Copy a window's load. TDM_ERR_PROTOCOL when the polynomial has too many coefficients. */
+tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err);
+
+/* Load on coupled body i at time t. */
+tdm_wrench mbd_load_at(const mbd_data *data, int i, double t);
+
+/* Fill data->kin from unknowns y; the rotation matrix belongs to the normalised Euler parameters. */
+void mbd_kinematics(const mbd_model *model, mbd_data *data, const double *y);
+
+/* Pose (normalised) and twist of a body in y. */
+tdm_state mbd_body_state(const double *y, int body);
+void mbd_set_body_state(double *y, int body, const tdm_state *state);
+
+/* Euler parameters of a body in y, as they stand. */
+static inline tdm_quat mbd_quat_of(const double *y, int body) {
+  const double *p = y + MBD_BODY_UNKNOWNS * body + MBD_P;
+  return (tdm_quat){p[0], p[1], p[2], p[3]};
+}
+
+/* A J A^T x: world inertia times a vector. */
+static inline tdm_vec3 mbd_inertia_mul(const mbd_body *body, const mbd_kin *k, tdm_vec3 x) {
+  return tdm_m3_mul(k->A, tdm_m3_mul(body->inertia, tdm_m3_tmul(k->A, x)));
+}
+static inline tdm_mat3 mbd_inertia_world(const mbd_body *body, const mbd_kin *k) {
+  return tdm_m3_mat(k->A, tdm_m3_mat(body->inertia, tdm_m3_transpose(k->A)));
+}
+
+/* Evaluate force i at data->kin into data->force (with derivatives if second). */
+const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int i, bool second);
+
+/* Evaluate joint i at data->kin into data->rows (with H if second). */
+const mbd_rows *mbd_joint_at(const mbd_model *model, mbd_data *data, int i, bool second);
+
+/* After an accepted step to y: count angles on and note the drift. */
+void mbd_accept(const mbd_model *model, mbd_data *data, const double *y);
+
+#endif

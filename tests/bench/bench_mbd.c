@@ -1,0 +1,58 @@
+/* Wall time a window of the multibody solver: the spring-damper box on a prismatic joint, H = 1e-5 s, with a smooth
+ * load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS]
+ */
+#include "mbd/solver.h"
+#include "protocol/log.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char scene_text[] =
+    "{\"bodies\":[{\"name\":\"box\",\"mass\":100,\"inertia\":[10,10,10],\"position\":[0,0,0]}],"
+    "\"joints\":[{\"name\":\"guide\",\"type\":\"prismatic\",\"bodies\":[\"ground\",\"box\"],\"point\":[0,0,0],"
+    "\"axis\":[0,0,1]}],\"forces\":[{\"name\":\"spring\",\"type\":\"spring_damper\",\"bodies\":[\"ground\",\"box\"],"
+    "\"points\":[[0,0,2],[0,0,0]],\"stiffness\":5000,\"damping\":100,\"preload\":100}]}";
+
+/* Noise of `size` N around a slow force; us a window. */
+static double measure(long windows, double H, double size) {
+  tdm_error err = {0};
+  json_t *scene = json_loads(scene_text, 0, NULL);
+  tdm_assigned_body body = {.name = "box"};
+  tdm_assignment a = {.scene = scene, .time_end = 1, .dt = H, .n = 1, .nbody = 1, .body = &body};
+  tdm_ready ready = {0};
+  void *self = NULL;
+  if (mbd_solver_ops.create(&self, &a, &ready, NULL, &err))
+    printf("%s: %s\n", err.path, err.message);
+  tdm_state state;
+  tdm_result out = {.nbody = 1, .nstate = 1, .state = &state};
+  unsigned seed = 1;
+  double start = tdm_clock();
+  for (long k = 0; k < windows && !err.status; k++) {
+    tdm_wrench load[3] = {{{0, 0, 0}, {0, 0, 0}}};
+    seed = seed * 1664525u + 1013904223u;
+    load[0].force.z = -2500 + 500 * sin(5 * k * H) + size * ((double)(seed >> 8) / (1 << 23) - 1);
+    load[1].force.z = 2500 * H * cos(5 * k * H);
+    tdm_step in = {
+        .window = (uint64_t)k, .t0 = k * H, .t1 = (k + 1) * H, .nstep = 1, .nbody = 1, .nload = 3, .load = load};
+    if (mbd_solver_ops.step(self, &in, &out, &err))
+      printf("window %ld: %s\n", k, err.message);
+  }
+  double us = (tdm_clock() - start) / (double)windows * 1e6;
+  tdm_log_open(stdout, "mbd");
+  mbd_solver_ops.destroy(self);
+  tdm_log_open(NULL, "mbd");
+  json_decref(scene);
+  return us;
+}
+
+int main(int argc, char **argv) {
+  long windows = argc > 1 ? atol(argv[1]) : 100000;
+  const double H[] = {1e-5, 1e-4, 1e-3}, size[] = {0, 0.01, 1, 100};
+  for (int h = 0; h < 3; h++)
+    for (int i = 0; i < 4; i++) {
+      long n = h == 0 ? windows : windows / 10;
+      printf("H = %g s, load noise %g N: %.2f us a window\n", H[h], size[i], measure(n, H[h], size[i]));
+      fflush(stdout);
+    }
+  return 0;
+}

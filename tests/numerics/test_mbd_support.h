@@ -1,0 +1,145 @@
+/* What the tests of mbd/ share: a solver run through mbd_solver_ops without a server, scenes written with single
+ * quotes.
+ */
+#ifndef TEST_MBD_SUPPORT_H
+#define TEST_MBD_SUPPORT_H
+
+#include "mbd/solver.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RUN_BODIES = 4, RUN_SAMPLES = 64 };
+
+typedef struct {
+  void *self;
+  json_t *scene;
+  tdm_assigned_body body[RUN_BODIES];
+  int nbody;
+  tdm_ready ready;
+  tdm_error err;
+  tdm_status status; /* of create */
+  double t;
+  tdm_state state[RUN_BODIES]; /* at t */
+  tdm_state sample[RUN_SAMPLES * RUN_BODIES];
+  double *channel; /* (RUN_SAMPLES x nchannel) */
+} run;
+
+/* JSON from text in which ' stands for ". */
+static inline json_t *scene_json(const char *text) {
+  char *copy = strdup(text);
+  for (char *c = copy; *c; c++)
+    if (*c == '\'')
+      *c = '"';
+  json_error_t where;
+  json_t *json = json_loads(copy, 0, &where);
+  ck_assert_msg(json != NULL, "%s at %d in %s", where.text, where.position, copy);
+  free(copy);
+  return json;
+}
+
+/* Create a solver; `names` are the coupled bodies, separated by spaces ("" for none). Look at r->status. */
+static inline void run_open(run *r, const char *scene, const char *names) {
+  static char buffer[RUN_BODIES][64];
+  memset(r, 0, sizeof *r);
+  r->scene = scene_json(scene);
+  for (int used; sscanf(names, "%63s%n", buffer[r->nbody], &used) == 1; names += used) {
+    r->body[r->nbody].name = buffer[r->nbody];
+    r->nbody++;
+  }
+  tdm_assignment a = {.scene = r->scene, .time_end = 1, .dt = 1e-3, .n = 1, .nbody = r->nbody, .body = r->body};
+  r->status = mbd_solver_ops.create(&r->self, &a, &r->ready, NULL, &r->err);
+  if (r->status)
+    return;
+  r->channel = calloc((size_t)(RUN_SAMPLES * r->ready.nchannel), sizeof(double));
+  for (int i = 0; i < r->nbody; i++)
+    r->state[i] = r->ready.body[i].state;
+}
+
+static inline void run_open_good(run *r, const char *scene, const char *names) {
+  run_open(r, scene, names);
+  ck_assert_msg(r->status == TDM_OK, "%s: %s", r->err.path, r->err.message);
+}
+
+static inline void run_close(run *r) {
+  mbd_solver_ops.destroy(r->self);
+  json_decref(r->scene);
+  free(r->channel);
+}
+
+/* One window to t1 with load (nbody x nload) and samples. */
+static inline tdm_status run_step(run *r, double t1, const tdm_wrench *load, int nload, int nsample,
+                                  const double *time) {
+  tdm_step in = {.t0 = r->t,
+                 .t1 = t1,
+                 .nstep = 1,
+                 .nbody = r->nbody,
+                 .nload = nload,
+                 .nsample = nsample,
+                 .load = load,
+                 .sample_time = time};
+  tdm_result out = {.nbody = r->nbody, .nstate = r->nbody, .nsample = nsample};
+  out.nchannel = r->ready.nchannel;
+  out.state = r->state;
+  out.sample_state = r->sample;
+  out.channel = r->channel;
+  r->t = t1;
+  return mbd_solver_ops.step(r->self, &in, &out, &r->err);
+}
+
+static inline void run_window(run *r, double t1, const tdm_wrench *load, int nload, int nsample, const double *time) {
+  ck_assert_msg(run_step(r, t1, load, nload, nsample, time) == TDM_OK, "%s", r->err.message);
+}
+
+/* A window without load and with one sample at its end. */
+static inline void run_to(run *r, double t1) {
+  run_window(r, t1, NULL, 0, 1, &t1);
+}
+
+static inline int run_channel(const run *r, const char *name) {
+  for (int i = 0; i < r->ready.nchannel; i++)
+    if (strcmp(r->ready.channel[i].name, name) == 0)
+      return i;
+  ck_abort_msg("no channel %s", name);
+  return -1;
+}
+
+/* A channel at sample 0 of the last window. */
+static inline double run_value(const run *r, const char *name) {
+  return r->channel[run_channel(r, name)];
+}
+
+/* The row of a CSV file of tests/reference/mbd whose first column is t, into out (n columns). */
+static inline void reference_row(const char *file, double t, double *out, int n) {
+  char path[512], line[1024];
+  snprintf(path, sizeof path, "%s/tests/reference/mbd/%s", TANDEM_SOURCE_DIR, file);
+  FILE *f = fopen(path, "r");
+  ck_assert_msg(f != NULL, "%s", path);
+  while (fgets(line, sizeof line, f)) {
+    char *at = line, *end;
+    for (int i = 0; i < n; i++, at = *end == ',' ? end + 1 : end)
+      out[i] = strtod(at, &end);
+    if (line[0] >= '0' && line[0] <= '9' && fabs(out[0] - t) < 1e-9) {
+      fclose(f);
+      return;
+    }
+  }
+  fclose(f);
+  ck_abort_msg("no t = %g in %s", t, file);
+}
+
+static inline int run_suite(Suite *suite) {
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? 1 : 0;
+}
+
+#define CLOSE(x, y, tol)                                                                                        \
+  ck_assert_msg(fabs((x) - (y)) <= (tol), "%s = %.15g, expected %.15g within %g", #x, (double)(x), (double)(y), \
+                (double)(tol))
+
+#endif

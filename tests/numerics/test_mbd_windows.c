@@ -1,0 +1,156 @@
+/* A preloaded spring-damper box against its closed form, whole and cut into windows with a load that is a quadratic in
+ * time; IDA's history over windows; dense output; load jumps.
+ */
+#include "protocol/log.h"
+#include "tests/numerics/test_mbd_support.h"
+
+static const char box[] =
+    "{'bodies':[{'name':'box','mass':100,'inertia':[10,10,10],'position':[0,0,0]}],"
+    "'joints':[{'name':'guide','type':'prismatic','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]}],"
+    "'forces':[{'name':'spring','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,2],[0,0,1]],"
+    "'stiffness':5000,'damping':100,'preload':100}]}";
+
+static const double mass = 100, k = 5000, c = 100, g = 9.81, preload = 100;
+
+/* Stretch u and rate of m u'' + c u' + k u = m g - preload - F(t), F = F[0] + F[1] t + F[2] t^2, from rest at u = 0. */
+static void closed_form(const double F[3], double t, double *u, double *rate) {
+  double f[3] = {mass * g - preload - F[0], -F[1], -F[2]};
+  double a2 = f[2] / k, a1 = (f[1] - 2 * c * a2) / k, a0 = (f[0] - c * a1 - 2 * mass * a2) / k;
+  double s = c / (2 * mass), w = sqrt(k / mass - s * s);
+  double A = -a0, B = (-a1 - s * a0) / w; /* u_h = exp(-s t)(A cos + B sin) */
+  double e = exp(-s * t), C = cos(w * t), S = sin(w * t);
+  *u = a0 + a1 * t + a2 * t * t + e * (A * C + B * S);
+  *rate = a1 + 2 * a2 * t + e * (-s * (A * C + B * S) + w * (B * C - A * S));
+}
+
+/* F over [t0, t1] as a polynomial in s, on the box along z */
+static void cut(const double F[3], double t0, double t1, tdm_wrench load[3]) {
+  double H = t1 - t0;
+  memset(load, 0, 3 * sizeof *load);
+  load[0].force.z = F[0] + F[1] * t0 + F[2] * t0 * t0;
+  load[1].force.z = (F[1] + 2 * F[2] * t0) * H;
+  load[2].force.z = F[2] * H * H;
+}
+
+static long steps_total; /* of the last `follow`: from the log, the way a user sees it */
+
+static void read_steps(run *r) {
+  char *text = NULL;
+  size_t size = 0;
+  FILE *sink = open_memstream(&text, &size);
+  tdm_log_open(sink, "mbd");
+  run_close(r);
+  tdm_log_open(NULL, "mbd");
+  fclose(sink);
+  const char *at = strstr(text, " steps=");
+  ck_assert_ptr_nonnull(at);
+  steps_total = strtol(at + 7, NULL, 10);
+  free(text);
+}
+
+/* Largest error of u over the ends of `n` windows of H. */
+static double follow(const double F[3], double H, long n) {
+  run r;
+  double worst = 0, u, rate;
+  run_open_good(&r, box, "box");
+  for (long i = 0; i < n; i++) {
+    tdm_wrench load[3];
+    cut(F, (double)i * H, (double)(i + 1) * H, load);
+    run_window(&r, (double)(i + 1) * H, load, 3, 0, NULL);
+    closed_form(F, (double)(i + 1) * H, &u, &rate);
+    worst = fmax(worst, fabs(-r.state[0].pose.position.z - u));
+    worst = fmax(worst, fabs(-r.state[0].twist.velocity.z - rate) / 10); /* w = 7 1/s */
+  }
+  read_steps(&r);
+  return worst;
+}
+
+START_TEST(test_oscillator) {
+  const double none[3] = {0, 0, 0};
+  ck_assert_double_lt(follow(none, 5, 1), 1e-7);
+}
+END_TEST
+
+START_TEST(test_cut_into_windows) {
+  const double F[3] = {-300, 400, -70};
+  double whole = follow(F, 2, 1);
+  long steps = steps_total;
+  double coarse = follow(F, 0.05, 40);
+  long steps_coarse = steps_total;
+  double fine = follow(F, 1e-3, 2000);
+  long steps_fine = steps_total;
+  ck_assert_msg(whole < 2e-7 && coarse < 2e-7 && fine < 1e-8, "errors %g, %g, %g", whole, coarse, fine);
+  /* the history goes on over windows: hardly more steps than without, or about one a window */
+  ck_assert_msg(steps_coarse < 1.5 * (double)steps + 40, "%ld steps in one window, %ld in 40", steps, steps_coarse);
+  ck_assert_msg(steps_fine < 2000 + 300, "%ld steps in 2000 windows of 1e-3 s", steps_fine);
+}
+END_TEST
+
+START_TEST(test_tiny_windows) {
+  const double F[3] = {-300, 400, -70};
+  double worst = follow(F, 1e-5, 20000);
+  ck_assert_msg(worst < 1e-8, "error %g", worst);
+  ck_assert_msg(steps_total < 20000 + 300, "%ld steps in 20000 windows", steps_total);
+}
+END_TEST
+
+/* samples inside windows, and the same whatever the windows */
+START_TEST(test_samples) {
+  const double none[3] = {0, 0, 0}, H[2] = {0.05, 0.0171}, at[4] = {0.0123, 0.1, 0.34567, 0.49};
+  for (int i = 0; i < 2; i++) {
+    run r;
+    int next = 0;
+    run_open_good(&r, box, "box");
+    for (int w = 1; next < 4; w++) {
+      int n = 0;
+      while (next + n < 4 && at[next + n] <= w * H[i])
+        n++;
+      run_window(&r, w * H[i], NULL, 0, n, at + next);
+      for (int s = 0; s < n; s++) {
+        double u, rate;
+        closed_form(none, at[next + s], &u, &rate);
+        const double *channel = r.channel + s * r.ready.nchannel;
+        CLOSE(-r.sample[s].pose.position.z, u, 1e-7);
+        CLOSE(-r.sample[s].twist.velocity.z, rate, 1e-6);
+        CLOSE(channel[run_channel(&r, "force.spring.length")], 1 + u, 1e-7);
+        CLOSE(channel[run_channel(&r, "force.spring.value")], k * u + c * rate + preload, 1e-3);
+      }
+      next += n;
+    }
+    run_close(&r);
+  }
+}
+END_TEST
+
+/* a load that jumps by many times the weight at every window: impulse and work still come out right */
+START_TEST(test_jumps) {
+  run r;
+  double t = 0, v = 0, x = 0;
+  run_open_good(&r, "{'gravity':[0,0,0],'bodies':[{'name':'box','mass':2,'inertia':[1,1,1],'position':[0,0,0]}]}",
+                "box");
+  for (int i = 1; i <= 300; i++) {
+    double F = 1e5 * sin(i * i), H = i % 3 ? 1e-4 : 7e-4;
+    tdm_wrench load = {{F, 0, 0}, {0, 0, 0}};
+    t += H;
+    run_window(&r, t, &load, 1, 0, NULL);
+    x += v * H + 0.5 * F / 2 * H * H;
+    v += F / 2 * H;
+  }
+  CLOSE(r.state[0].twist.velocity.x, v, 1e-5);
+  CLOSE(r.state[0].pose.position.x, x, 1e-5);
+  run_close(&r);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("mbd_windows");
+  TCase *tcase = tcase_create("windows");
+  tcase_set_timeout(tcase, 120);
+  tcase_add_test(tcase, test_oscillator);
+  tcase_add_test(tcase, test_cut_into_windows);
+  tcase_add_test(tcase, test_tiny_windows);
+  tcase_add_test(tcase, test_samples);
+  tcase_add_test(tcase, test_jumps);
+  suite_add_tcase(suite, tcase);
+  return run_suite(suite);
+}

@@ -1,0 +1,176 @@
+/* Wrong scenes: each is refused with the status, the path and a word that tells the user what to do. */
+#include "tests/numerics/test_mbd_support.h"
+
+#define BODY(name, rest) "{'name':'" name "','mass':1,'inertia':[1,1,1],'position':[0,0,0]" rest "}"
+#define BOX "'bodies':[" BODY("box", "") "]"
+#define JOINT(rest) "{" BOX ",'joints':[{'name':'j'," rest "}]}"
+#define FORCE(rest) "{" BOX ",'forces':[{'name':'f'," rest "}]}"
+
+typedef struct {
+  const char *scene, *coupled;
+  tdm_status status;
+  const char *path, *word;
+} bad_case;
+
+static const bad_case cases[] = {
+    {"{}", "", TDM_ERR_SCENE, "mbd.bodies", ""},
+    {"{'bodies':[]}", "", TDM_ERR_SCENE, "mbd.bodies", "at least one"},
+    {"{" BOX ",'gravitty':[0,0,0]}", "", TDM_ERR_SCENE, "mbd.gravitty", "gravity"},
+    {"{" BOX ",'gravity':[0,0]}", "", TDM_ERR_SCENE, "mbd.gravity", ""},
+    {"{'bodies':[{'name':'a','mass':-1,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].mass", ""},
+    {"{'bodies':[{'name':'a','mass':0,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE, "mbd.bodies[0].mass",
+     ""},
+    {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,0],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].inertia", "positive"},
+    {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1,2,0,0],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].inertia", "positive"},
+    {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,2.1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].inertia", "sum"},
+    {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].inertia", ""},
+    {"{'bodies':[{'name':'a b','mass':1,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].name", "letters"},
+    {"{'bodies':[{'name':'a,b','mass':1,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].name", "letters"},
+    {"{'bodies':[" BODY("ground", "") "]}", "", TDM_ERR_SCENE, "mbd.bodies[0].name", "fixed world"},
+    {"{'bodies':[" BODY("a", "") "," BODY("a", "") "]}", "", TDM_ERR_SCENE, "mbd.bodies[1].name", "own name"},
+    {"{'bodies':[" BODY("a", ",'masss':2") "]}", "", TDM_ERR_SCENE, "mbd.bodies[0].masss", "mass"},
+    {"{'bodies':[7]}", "", TDM_ERR_SCENE, "mbd.bodies[0]", ""},
+    {JOINT("'type':'revolut','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].type", "revolute"},
+    {JOINT("'type':'fixed','bodies':['ground','bxo'],'point':[0,0,0]"), "", TDM_ERR_SCENE, "mbd.joints[0].bodies[1]",
+     "box"},
+    {JOINT("'type':'fixed','bodies':['box','box'],'point':[0,0,0]"), "", TDM_ERR_SCENE, "mbd.joints[0].bodies",
+     "itself"},
+    {JOINT("'type':'fixed','bodies':['box'],'point':[0,0,0]"), "", TDM_ERR_SCENE, "mbd.joints[0].bodies", "two"},
+    {JOINT("'type':'fixed','bodies':['box',3],'point':[0,0,0]"), "", TDM_ERR_SCENE, "mbd.joints[0].bodies[1]", "name"},
+    {JOINT("'type':'fixed','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].axis", ""},
+    {JOINT("'type':'revolute','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,0]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].axis", "zero"},
+    {JOINT("'type':'revolute','bodies':['ground','box'],'axis':[0,0,1]"), "", TDM_ERR_SCENE, "mbd.joints[0].point", ""},
+    {JOINT("'type':'revolute','bodies':['ground','box'],'axis':[0,0,1],'points':[[0,0,0]]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].points", "two"},
+    {JOINT("'type':'revolute','bodies':['ground','box'],'axis':[0,0,1],'points':[[0,0,0],[0,1]]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].points[1]", ""},
+    {"{" BOX ",'joints':[{'name':'j','type':'fixed','bodies':['ground','box'],'point':[0,0,0]},"
+     "{'name':'j','type':'fixed','bodies':['ground','box'],'point':[0,0,0]}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[1].name", "own name"},
+    {"{" BOX ",'joints':[{'name':'j','type':'fixed','bodies':['ground','box'],'point':[0,0,0]},"
+     "{'name':'h','type':'revolute','bodies':['ground','box'],'point':[0,0,0],'axis':[1,0,0]}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[1]", "redundant"},
+    {"{'bodies':[" BODY(
+         "a",
+         "") "],'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,1]},"
+             "{'name':'j2','type':'prismatic','bodies':['ground','a'],'points':[[5,0,0],[0,0.5,0]],'axis':[0,1,0]}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[1]", "redundant"},
+    {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1],'position':[0.5,0,0.5]},"
+     "{'name':'b','mass':1,'inertia':[1,1,1],'position':[1.5,0,0.5]}],"
+     "'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,0]},"
+     "{'name':'j2','type':'spherical','bodies':['a','b'],'point':[1,0,1]},"
+     "{'name':'far','type':'spherical','bodies':['b','ground'],'points':[[2,0,0],[9,0,0]]}]}",
+     "", TDM_ERR_SCENE, "mbd.joints", "cannot be assembled"},
+    {FORCE("'type':'spring','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].type", ""},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,1],[0,0,1]],'stiffness':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].points", "coincide"},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':-1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].stiffness", ""},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", ""},
+    {FORCE("'type':'spring_damper','bodies':['grund','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].bodies[0]", "ground"},
+    {FORCE("'type':'torsional_spring_damper','joint':'hinge','stiffness':1"), "", TDM_ERR_SCENE, "mbd.forces[0].joint",
+     "no joint"},
+    {FORCE("'type':'torsional_spring_damper','bodies':['ground','box'],'axis':[0,0,0],'stiffness':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].axis", "zero"},
+    {"{" BOX ",'joints':[{'name':'rail','type':'prismatic','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]}],"
+     "'forces':[{'name':'f','type':'torsional_spring_damper','joint':'rail','stiffness':1}]}",
+     "", TDM_ERR_SCENE, "mbd.forces[0].joint", "revolute"},
+    {"{" BOX ",'solver':{'max_order':6}}", "", TDM_ERR_SCENE, "mbd.solver.max_order", "1 to 5"},
+    {"{" BOX ",'solver':{'relative_tolerance':0}}", "", TDM_ERR_SCENE, "mbd.solver.relative_tolerance", ""},
+    {"{" BOX ",'solver':{'rtol':1e-3}}", "", TDM_ERR_SCENE, "mbd.solver.rtol", ""},
+    {"{" BOX "}", "bxo", TDM_ERR_SCENE, "coupling.bodies[0].mbd", "did you mean \"box\""},
+    {"{" BOX "}", "ground", TDM_ERR_SCENE, "coupling.bodies[0].mbd", "ground"},
+    {"{" BOX "}", "box box", TDM_ERR_SCENE, "coupling.bodies[1].mbd", "already"},
+};
+
+START_TEST(test_bad_scene) {
+  const bad_case *c = &cases[_i];
+  run r;
+  run_open(&r, c->scene, c->coupled);
+  ck_assert_msg(r.status == c->status && r.err.status == c->status, "%s: %s: %s", c->scene,
+                tdm_status_name(r.err.status), r.err.message);
+  ck_assert_msg(strncmp(r.err.path, c->path, strlen(c->path)) == 0, "path %s, expected %s (%s)", r.err.path, c->path,
+                r.err.message);
+  ck_assert_msg(strstr(r.err.message, c->word) != NULL, "no \"%s\" in: %s", c->word, r.err.message);
+  run_close(&r);
+}
+END_TEST
+
+/* a scene with every key is read without warnings, and the channels are there with their units */
+START_TEST(test_good_scene) {
+  run r;
+  run_open_good(
+      &r,
+      "{'gravity':[0,0,-9.81],'bodies':[{'name':'box','mass':10,'inertia':[1,1,1,0.1,0.1,0.1],'position':[0,0,1],"
+      "'orientation':{'euler313':[0.1,0.2,0.3]},'velocity':[0,0,0],'angular_velocity':[0,0,0]}," BODY(
+          "free",
+          "") "],'joints':[{'name':'rail','type':'prismatic','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,2]}]"
+              ","
+              "'forces':[{'name':'spring','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,3],[0,0,1]],"
+              "'stiffness':100,'damping':1,'free_length':1,'preload':5}],"
+              "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
+      "box");
+  ck_assert_int_eq(r.ready.nwarning, 0);
+  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 13 + 3);
+  ck_assert_str_eq(r.ready.body[0].name, "box");
+  CLOSE(r.ready.body[0].mass, 10, 0);
+  CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);
+  CLOSE(r.ready.initial[run_channel(&r, "force.spring.value")], 105, 1e-12);
+  CLOSE(r.ready.initial[run_channel(&r, "energy.potential")], 10 * 9.81 + 50 + 5, 1e-9);
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "joint.rail.mx")].unit, "N m");
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "body.free.wz")].unit, "rad/s");
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 7);
+  for (int i = 0; i < r.ready.nchannel; i++)
+    ck_assert(strpbrk(r.ready.channel[i].name, " ,\"") == NULL);
+  run_to(&r, 0.1);
+  run_close(&r);
+}
+END_TEST
+
+/* a load polynomial that is too long is the partner's fault, not a crash */
+START_TEST(test_long_polynomial) {
+  run r;
+  tdm_wrench load[9] = {{{0, 0, 0}, {0, 0, 0}}};
+  run_open_good(&r, "{" BOX "}", "box");
+  ck_assert_int_eq(run_step(&r, 0.1, load, 9, 0, NULL), TDM_ERR_PROTOCOL);
+  run_close(&r);
+}
+END_TEST
+
+/* a load beyond all bounds ends with the time and advice */
+START_TEST(test_hopeless_load) {
+  run r;
+  tdm_wrench load = {{1e300, 0, 0}, {0, 1e300, 0}};
+  run_open_good(&r, "{" BOX "}", "box");
+  tdm_status status = TDM_OK;
+  for (int k = 1; k < 50 && !status; k++)
+    status = run_step(&r, 0.1 * k, &load, 1, 0, NULL);
+  ck_assert_int_eq(status, TDM_ERR_NUMERIC);
+  ck_assert_ptr_nonnull(strstr(r.err.message, "t = "));
+  run_close(&r);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("mbd_input");
+  TCase *tcase = tcase_create("input");
+  tcase_add_loop_test(tcase, test_bad_scene, 0, sizeof cases / sizeof cases[0]);
+  tcase_add_test(tcase, test_good_scene);
+  tcase_add_test(tcase, test_long_polynomial);
+  tcase_add_test(tcase, test_hopeless_load);
+  suite_add_tcase(suite, tcase);
+  return run_suite(suite);
+}

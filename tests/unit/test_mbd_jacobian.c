@@ -1,0 +1,112 @@
+/* The analytic Jacobian against central differences of the residual, on random states (off the constraints and off the
+ * unit sphere), for every joint and every force, between two bodies and against the ground.
+ */
+#include "mbd/jacobian.h"
+#include "mbd/residual.h"
+#include "tests/numerics/test_mbd_support.h"
+
+#define BODIES                                                                                      \
+  "'bodies':[{'name':'a','mass':2,'inertia':[1.1,1.4,1.9,0.1,-0.2,0.05],'position':[0.3,-0.2,0.5]," \
+  "'orientation':[0.9,0.1,-0.3,0.2]},{'name':'b','mass':3,'inertia':[0.7,0.8,0.6],'position':[-1,0.4,0.2]}]"
+#define JOINT(type, rest) "{" BODIES ",'joints':[{'name':'j','type':'" type "','bodies':" rest "}]}"
+#define FORCE(type, rest) \
+  "{" BODIES ",'forces':[{'name':'f','type':'" type "','stiffness':40,'damping':3,'preload':5," rest "}]}"
+
+static const char *const scenes[] = {
+    "{" BODIES "}",
+    JOINT("fixed", "['a','b'],'point':[0.1,0.2,0.3]"),
+    JOINT("fixed", "['ground','b'],'point':[0.1,0.2,0.3]"),
+    JOINT("revolute", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
+    JOINT("revolute", "['b','ground'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
+    JOINT("prismatic", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,-2,1]"),
+    JOINT("prismatic", "['ground','a'],'point':[0.1,0.2,0.3],'axis':[0,0,1]"),
+    JOINT("prismatic", "['a','ground'],'point':[0.1,0.2,0.3],'axis':[0,0,1]"),
+    JOINT("spherical", "['a','b'],'point':[0.1,0.2,0.3]"),
+    FORCE("spring_damper", "'bodies':['a','b'],'points':[[0.1,0.2,0.3],[1,0,2]],'free_length':0.7"),
+    FORCE("spring_damper", "'bodies':['ground','b'],'points':[[0.1,0.2,0.3],[1,0,2]]"),
+    FORCE("spring_damper", "'bodies':['a','ground'],'points':[[0.1,0.2,0.3],[1,0,2]]"),
+    FORCE("torsional_spring_damper", "'bodies':['a','b'],'axis':[1,1,0.5],'free_angle':0.4"),
+    FORCE("torsional_spring_damper", "'bodies':['ground','b'],'axis':[0,1,0]"),
+    FORCE("torsional_spring_damper", "'bodies':['b','ground'],'axis':[0,1,0]"),
+};
+
+static double uniform(unsigned *seed) {
+  *seed = *seed * 1664525u + 1013904223u;
+  return (double)(*seed >> 8) / (1 << 24) * 2 - 1;
+}
+
+/* Largest |J - J_fd| relative to the largest entry of its row. */
+static double deviation(const mbd_model *m, mbd_data *d, unsigned seed) {
+  const int n = mbd_nunknown(m);
+  const double cj = 3.7, eps = 1e-6;
+  double *y = calloc((size_t)n, 8), *yp = calloc((size_t)n, 8), *up = calloc((size_t)n, 8),
+         *down = calloc((size_t)n, 8);
+  double *J = calloc((size_t)(n * n), 8), *D = calloc((size_t)(n * n), 8), worst = 0;
+  for (int i = 0; i < n; i++) {
+    y[i] = uniform(&seed);
+    yp[i] = 2 * uniform(&seed);
+  }
+  for (int b = 0; b < m->nbody; b++) /* away from the zero quaternion */
+    y[MBD_BODY_UNKNOWNS * b + MBD_P] += 1.5;
+  mbd_sink sink = {J, n};
+  mbd_jacobian(m, d, cj, y, yp, &sink);
+  for (int k = 0; k < n; k++) {
+    double yk = y[k], ypk = yp[k];
+    y[k] = yk + eps, yp[k] = ypk + cj * eps;
+    mbd_residual(m, d, 0.3, y, yp, up);
+    y[k] = yk - eps, yp[k] = ypk - cj * eps;
+    mbd_residual(m, d, 0.3, y, yp, down);
+    y[k] = yk, yp[k] = ypk;
+    for (int i = 0; i < n; i++)
+      D[k * n + i] = (up[i] - down[i]) / (2 * eps);
+  }
+  for (int i = 0; i < n; i++) {
+    double size = 1;
+    for (int k = 0; k < n; k++)
+      size = fmax(size, fabs(D[k * n + i]));
+    for (int k = 0; k < n; k++)
+      worst = fmax(worst, fabs(D[k * n + i] - J[k * n + i]) / size);
+  }
+  free(y), free(yp), free(up), free(down), free(J), free(D);
+  return worst;
+}
+
+START_TEST(test_jacobian) {
+  json_t *json = scene_json(scenes[_i]);
+  mbd_model *m = NULL;
+  tdm_error err = {0};
+  ck_assert_msg(mbd_model_load(&m, json, &err) == TDM_OK, "%s: %s", err.path, err.message);
+  mbd_data *d = mbd_data_create(m);
+  for (unsigned seed = 1; seed <= 20; seed++) {
+    double worst = deviation(m, d, seed);
+    ck_assert_msg(worst < 1e-7, "scene %s, seed %u: %g", scenes[_i], seed, worst);
+  }
+  mbd_data_destroy(&d);
+  mbd_model_destroy(&m);
+  json_decref(json);
+}
+END_TEST
+
+/* every type of both tables stands in a scene above */
+START_TEST(test_all_types) {
+  const int nscene = sizeof scenes / sizeof scenes[0];
+  for (int t = 0; t < mbd_joint_ntype + mbd_force_ntype; t++) {
+    const char *name = t < mbd_joint_ntype ? mbd_joint_table[t]->name : mbd_force_table[t - mbd_joint_ntype]->name;
+    char quoted[64];
+    snprintf(quoted, sizeof quoted, "'type':'%s'", name);
+    int found = 0;
+    for (int i = 0; i < nscene; i++)
+      found += strstr(scenes[i], quoted) != NULL;
+    ck_assert_msg(found > 0, "no scene for %s", name);
+  }
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("mbd_jacobian");
+  TCase *tcase = tcase_create("jacobian");
+  tcase_add_loop_test(tcase, test_jacobian, 0, sizeof scenes / sizeof scenes[0]);
+  tcase_add_test(tcase, test_all_types);
+  suite_add_tcase(suite, tcase);
+  return run_suite(suite);
+}
