@@ -1,0 +1,28 @@
+#include "coupler/find.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static int is_file(const char *path) {
+  struct stat s;
+  return stat(path, &s) == 0 && S_ISREG(s.st_mode);
+}
+
+tdm_status cpl_find_scene(char *out, size_t size, const char *name, const char *dir, tdm_error *err) {
+  const char *const usual[] = {"scenarios", TANDEM_SHARE_DIR "/scenarios", TANDEM_SOURCE_DIR "/scenarios"};
+  const char *const *place = dir ? &dir : usual;
+  int nplace = dir ? 1 : 3;
+  snprintf(out, size, "%s", name);
+  if (is_file(out) || strchr(name, '/') || strstr(name, ".json"))
+    return TDM_OK; /* a file, or meant as one: reading it tells what is wrong */
+  char looked[1024] = "";
+  for (int i = 0; i < nplace; i++) {
+    snprintf(out, size, "%s/%s/scene.json", place[i], name);
+    if (is_file(out))
+      return TDM_OK;
+    snprintf(looked + strlen(looked), sizeof looked - strlen(looked), "%s%s", i ? ", " : "", place[i]);
+  }
+  return tdm_fail(err, TDM_ERR_FILE, NULL,
+                  "%s: neither a scene file nor a scenario in %s; name a file, or give --scenarios DIR", name, looked);
+}

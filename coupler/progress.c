@@ -1,0 +1,57 @@
+#include "coupler/progress.h"
+
+#include "protocol/log.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double bar_interval = 0.2, line_interval = 10; /* [s] */
+enum { BAR_WIDTH = 30 };
+
+void cpl_progress_begin(cpl_progress *p, double end, bool quiet) {
+  *p = (cpl_progress){.quiet = quiet, .terminal = isatty(2), .end = end};
+  p->start = p->last = tdm_clock();
+}
+
+static void format_left(double seconds, char *out, size_t size) {
+  unsigned s = seconds > 0 && seconds < 1e8 ? (unsigned)seconds : 0;
+  if (s >= 3600)
+    snprintf(out, size, "%u:%02u:%02u", s / 3600, s / 60 % 60, s % 60);
+  else
+    snprintf(out, size, "%u:%02u", s / 60, s % 60);
+}
+
+void cpl_progress_update(cpl_progress *p, double time, uint64_t window) {
+  if (p->quiet)
+    return;
+  double now = tdm_clock();
+  if (now - p->last < (p->terminal ? bar_interval : line_interval))
+    return;
+  p->rate = (double)(window - p->last_window) / (now - p->last);
+  p->last = now;
+  p->last_window = window;
+  char left[32];
+  double done = time / p->end;
+  format_left(done > 0 ? (now - p->start) * (1 - done) / done : 0, left, sizeof left);
+  if (p->terminal) {
+    char bar[BAR_WIDTH + 1];
+    int full = (int)(done * BAR_WIDTH);
+    memset(bar, ' ', BAR_WIDTH);
+    memset(bar, '=', (size_t)(full < BAR_WIDTH ? full : BAR_WIDTH));
+    bar[BAR_WIDTH] = 0;
+    fprintf(stderr, "\r[%s] %3.0f %%  %.4g of %.4g s  %.0f windows/s  %s left \033[K", bar, 100 * done, time, p->end,
+            p->rate, left);
+  } else {
+    fprintf(stderr, "tandem: %.0f %%, %.4g of %.4g s, %.0f windows/s, %s left\n", 100 * done, time, p->end, p->rate,
+            left);
+  }
+  fflush(stderr);
+}
+
+void cpl_progress_end(cpl_progress *p) {
+  if (!p->quiet && p->terminal) {
+    fprintf(stderr, "\r\033[K");
+    fflush(stderr);
+  }
+}

@@ -1,0 +1,240 @@
+#include "coupler/run.h"
+
+#include "coupler/progress.h"
+#include "coupler/record.h"
+#include "coupler/window.h"
+#include "protocol/log.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+/* What a run holds, so that one place can let go of it whatever happened. */
+typedef struct {
+  const cpl_run_options *options;
+  tdm_scene scene;
+  cpl_settings settings;
+  cpl_record record;
+  cpl_session session;
+  cpl_loop loop;
+  void *context;     /* ZeroMQ context shared with threads */
+  char ipc_dir[128]; /* private directory of the ipc socket, "" when none */
+  FILE *log;
+  bool session_open, thread_hangs;
+} run_state;
+
+static const double grace = 3; /* time that solvers get to end after FINISH [s] */
+
+/* ---- start ---- */
+
+static tdm_status load(run_state *run, tdm_error *err) {
+  const cpl_run_options *o = run->options;
+  if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
+    return err->status;
+  for (const char *const *set = o->set; set && *set; set++)
+    if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
+      return err->status;
+  if (cpl_settings_read(&run->settings, &run->scene, err) != TDM_OK)
+    return err->status;
+  if (cpl_record_open(&run->record, o->out, err) != TDM_OK)
+    return err->status;
+  char path[4096];
+  run->log = fopen(cpl_record_path(&run->record, "server.log", path, sizeof path), "w");
+  tdm_log_open(run->log, "server");
+  return cpl_record_json(&run->record, "scene.json", run->scene.root, err);
+}
+
+/* Where the server listens. ipc: a socket in a directory that only this user can enter. */
+static tdm_status choose_endpoint(run_state *run, char *endpoint, size_t size, tdm_error *err) {
+  const char *temporary = getenv("TMPDIR");
+  switch (run->settings.transport) {
+  case CPL_INPROC:
+    snprintf(endpoint, size, "inproc://tandem");
+    break;
+  case CPL_TCP:
+    snprintf(endpoint, size, "tcp://127.0.0.1:*");
+    break;
+  case CPL_IPC:
+    snprintf(run->ipc_dir, sizeof run->ipc_dir, "%s/tandem-XXXXXX",
+             temporary && *temporary && strlen(temporary) < 80 ? temporary : "/tmp");
+    if (!mkdtemp(run->ipc_dir)) { /* makes it with mode 0700 */
+      tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be made: %s; set TMPDIR to a directory that can be written",
+               run->ipc_dir, strerror(errno));
+      run->ipc_dir[0] = 0;
+      return err->status;
+    }
+    snprintf(endpoint, size, "ipc://%s/server", run->ipc_dir);
+    break;
+  }
+  return TDM_OK;
+}
+
+static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
+  const cpl_settings *s = &run->settings;
+  const char *endpoint = tdm_transport_endpoint(run->session.transport), *name = cpl_role_names[role];
+  cpl_child **child = &run->session.partner[role].child;
+  char log[4096], file[16];
+  snprintf(file, sizeof file, "%s.log", name);
+  cpl_record_path(&run->record, file, log, sizeof log);
+  if (s->transport == CPL_INPROC) {
+    if (s->command[role] || !run->options->solver[role].ops)
+      return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? "coupling.solvers" : "coupling.transport",
+                      "a foreign solver cannot run as a thread; take \"ipc\" as coupling.transport");
+    return cpl_launch_thread(child, run->options->solver[role].ops, endpoint, run->context, log, s->timeout, err);
+  }
+  const char *command = s->command[role] ? s->command[role] : run->options->solver[role].executable;
+  return cpl_launch_process(child, command, endpoint, name, log, s->timeout, err);
+}
+
+static tdm_status start(run_state *run, tdm_error *err) {
+  char endpoint[256];
+  if (choose_endpoint(run, endpoint, sizeof endpoint, err) != TDM_OK)
+    return err->status;
+  if (run->settings.transport == CPL_INPROC)
+    run->context = tdm_context_create();
+  run->session_open = true;
+  if (cpl_session_open(&run->session, &run->settings, endpoint, run->context, err) != TDM_OK)
+    return err->status;
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (launch(run, (cpl_role)r, err) != TDM_OK)
+      return err->status;
+  return cpl_session_start(&run->session, &run->scene, err);
+}
+
+/* Warnings of the solvers: printed, or refused when strict. */
+static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_error *err) {
+  size_t i;
+  json_t *warning;
+  char quoted[TDM_MESSAGE_MAX];
+  json_array_foreach(run->session.warnings, i, warning) {
+    tdm_error place = {0};
+    const char *path = json_string_value(json_object_get(warning, "path"));
+    const char *message = json_string_value(json_object_get(warning, "message"));
+    tdm_fail(&place, TDM_ERR_SCENE, path, "%s", message ? message : "a warning without words");
+    result->warnings++;
+    tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+            tdm_log_quote(quoted, sizeof quoted, place.message));
+    if (run->options->strict)
+      return tdm_fail(err, TDM_ERR_SCENE, path, "%s (refused because of --strict)", place.message);
+    tdm_scene_locate(&run->scene, &place);
+    if (!run->options->quiet)
+      fprintf(stderr, "tandem: warning: %s\n", place.message);
+  }
+  return TDM_OK;
+}
+
+/* ---- the loop ---- */
+
+static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
+  cpl_progress progress;
+  if (cpl_record_begin(&run->record, &run->session, err) != TDM_OK ||
+      cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
+    return err->status;
+  cpl_progress_begin(&progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, run->options->quiet);
+  double begin = tdm_clock();
+  while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK) {
+    result->simulated = run->loop.t1;
+    result->windows = run->loop.window;
+    cpl_progress_update(&progress, run->loop.t1, run->loop.window);
+  }
+  cpl_progress_end(&progress);
+  result->coupling = tdm_clock() - begin;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    result->step[r] = run->session.partner[r].step_time;
+    result->coupling -= result->step[r];
+  }
+  return err->status;
+}
+
+/* ---- end ---- */
+
+static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error *err) {
+  const cpl_settings *s = &run->settings;
+  struct utsname machine = {0};
+  uname(&machine);
+  json_t *json = json_pack(
+      "{s:s, s:s, s:{s:f, s:f, s:I, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f}}", "tandem",
+      TANDEM_VERSION, "scene", run->options->scene, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
+      (json_int_t)s->n, "coupling.scheme", s->scheme ? s->scheme->name : "", "output.interval", s->output_interval,
+      "machine", "system", machine.sysname, "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN),
+      "windows", (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s", "all", r->wall, "setup", r->setup,
+      "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling", r->coupling);
+  json_t *solvers = json_object();
+  for (int role = 0; role < CPL_NROLE; role++) {
+    const cpl_partner *p = &run->session.partner[role];
+    json_t *report = p->report ? json_incref(p->report) : json_null();
+    json_object_set_new(solvers, cpl_role_names[role],
+                        json_pack("{s:s, s:o}", "software", p->software, "report", report));
+  }
+  json_object_set_new(json, "solvers", solvers);
+  json_object_set(json, "warnings", run->session.warnings);
+  json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
+  if (err->status != TDM_OK)
+    json_object_set_new(json, "error", json_string(err->message));
+  return json;
+}
+
+/* End the solvers: a word to each, then time to end, then force. */
+static void stop(run_state *run, const tdm_error *err) {
+  cpl_child *child[CPL_NROLE];
+  for (int r = 0; r < CPL_NROLE; r++)
+    child[r] = run->session.partner[r].child;
+  if (run->session_open)
+    cpl_session_close(&run->session, err);
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (!cpl_child_stop(&child[r], grace))
+      run->thread_hangs = true;
+  if (!run->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
+    tdm_context_destroy(&run->context);
+  if (run->ipc_dir[0]) {
+    char socket[160];
+    snprintf(socket, sizeof socket, "%s/server", run->ipc_dir);
+    unlink(socket);
+    rmdir(run->ipc_dir);
+  }
+}
+
+static void finish(run_state *run, cpl_run_result *result, double begin, tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  tdm_scene_locate(&run->scene, err);
+  cpl_record_close(&run->record, err);
+  if (run->record.dir[0] && run->log) {
+    result->wall = tdm_clock() - begin;
+    json_t *json = summary(run, result, err);
+    cpl_record_json(&run->record, "summary.json", json, err);
+    json_decref(json);
+    if (err->status != TDM_OK)
+      tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
+              tdm_log_quote(quoted, sizeof quoted, err->message));
+    else
+      tdm_log(TDM_LOG_INFO, "finished", "windows=%llu simulated=%g wall=%.3f", (unsigned long long)result->windows,
+              result->simulated, result->wall);
+  }
+  stop(run, err);
+  result->wall = tdm_clock() - begin;
+  cpl_loop_free(&run->loop);
+  cpl_settings_free(&run->settings);
+  tdm_scene_destroy(&run->scene);
+  tdm_log_open(NULL, "server");
+  if (run->log)
+    fclose(run->log);
+}
+
+tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {
+  double begin = tdm_clock();
+  run_state run = {.options = options};
+  *result = (cpl_run_result){0};
+  if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
+    result->setup = tdm_clock() - begin;
+    solve(&run, result, err);
+  }
+  finish(&run, result, begin, err);
+  if (run.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */
+    fprintf(stderr, "tandem: error: %s\n", err->status == TDM_OK ? "a solver's thread does not end" : err->message);
+    fflush(NULL);
+    _exit(1);
+  }
+  return err->status;
+}

@@ -1,0 +1,26 @@
+/* Coupling schemes: who goes first in a window, and with which load.
+ *
+ * To add one: a file scheme/<name>.c with its equations at the head, one row in scheme/table.c, its key in
+ * scenarios/scene.schema.json, its paragraph in coupler/README.md. A scheme moves the loop over one window with the
+ * operations of window.h.
+ */
+#ifndef CPL_SCHEME_H
+#define CPL_SCHEME_H
+
+#include "protocol/status.h"
+
+struct cpl_loop;
+
+typedef struct cpl_scheme {
+  const char *name;
+  const char *summary;
+  const char *const *needs; /* capabilities that both solvers must announce, NULL-terminated; NULL: none */
+  /* Take the loop from the start of its window to the end: fills loop->state_end, pushes to loop->history. */
+  tdm_status (*advance)(struct cpl_loop *loop, tdm_error *err);
+} cpl_scheme;
+
+extern const cpl_scheme *const cpl_schemes[]; /* NULL-terminated; the first is the default */
+
+extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold;
+
+#endif

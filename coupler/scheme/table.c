@@ -1,0 +1,9 @@
+#include "coupler/scheme/scheme.h"
+
+#include <stddef.h>
+
+const cpl_scheme *const cpl_schemes[] = {
+    &cpl_scheme_lommen, /* quadratic extrapolation of window means, MBD first */
+    &cpl_scheme_hold,   /* the last window mean held, MBD first */
+    NULL,
+};

@@ -1,0 +1,434 @@
+#include "coupler/session.h"
+
+#include "coupler/scheme/scheme.h"
+#include "protocol/log.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SLICE_MS = 100, LAST_LINES = 4 };
+static const double heartbeat_interval = 0.5; /* [s] */
+
+volatile int cpl_interrupted;
+
+const char *cpl_session_name(const cpl_session *session, cpl_role role) {
+  const cpl_partner *p = &session->partner[role];
+  return p->name[0] ? p->name : cpl_role_names[role];
+}
+
+/* ---- errors that name a partner ---- */
+
+/* Put the partner's name in front of an error, and the last lines of its log behind it. */
+static tdm_status blame(cpl_session *s, int role, tdm_error *err, bool with_log) {
+  cpl_partner *p = &s->partner[role];
+  char message[TDM_MESSAGE_MAX], lines[512] = "";
+  const char *refused = !p->connected && s->refused[0] ? s->refused : "";
+  if (with_log && p->child)
+    cpl_child_last_lines(p->child, LAST_LINES, lines, sizeof lines);
+  snprintf(message, sizeof message, "%s%s%s%s: %.380s%s%s%s%s", cpl_session_name(s, (cpl_role)role),
+           p->software[0] ? " (" : "", p->software, p->software[0] ? ")" : "", err->message,
+           refused[0] ? "; what came from it was refused: " : "", refused, lines[0] ? "; its last log lines: " : "",
+           lines);
+  memcpy(err->message, message, sizeof message);
+  return err->status;
+}
+
+static tdm_status blame_new(cpl_session *s, int role, tdm_status status, bool with_log, tdm_error *err,
+                            const char *message) {
+  tdm_fail(err, status, NULL, "%s", message);
+  return blame(s, role, err, with_log);
+}
+
+/* ---- receiving ---- */
+
+static void send_error(cpl_session *s, const tdm_peer *peer, const tdm_error *reason) {
+  json_t *json = tdm_error_to_json(reason);
+  if (tdm_control_write(&s->out, TDM_ERROR, 0, json, NULL) == TDM_OK)
+    tdm_transport_send(s->transport, peer, &s->out, NULL);
+  json_decref(json);
+}
+
+/* A frame from somebody who is no partner: a HELLO makes a partner of it, anything else is answered and forgotten. */
+static void meet_stranger(cpl_session *s, const tdm_peer *peer, const void *data, size_t size) {
+  tdm_error reason = {0};
+  tdm_header header;
+  json_t *hello = NULL;
+  char quoted[TDM_MESSAGE_MAX];
+  if (tdm_header_read(&header, data, size, &reason) == TDM_OK && header.type != TDM_HELLO)
+    tdm_fail(&reason, TDM_ERR_PROTOCOL, NULL, "%s came before HELLO", tdm_message_name(header.type));
+  if (reason.status == TDM_OK && tdm_control_read(&header, &hello, &reason) == TDM_OK) {
+    const char *role = json_string_value(json_object_get(hello, "role"));
+    const char *name = json_string_value(json_object_get(hello, "name"));
+    const char *software = json_string_value(json_object_get(hello, "software"));
+    int which = -1;
+    for (int r = 0; role && r < CPL_NROLE; r++)
+      if (strcmp(role, cpl_role_names[r]) == 0)
+        which = r;
+    if (which < 0)
+      tdm_fail(&reason, TDM_ERR_PROTOCOL, NULL, "malformed HELLO: the role must be \"mbd\" or \"dem\"");
+    else if (s->partner[which].connected)
+      tdm_fail(&reason, TDM_ERR_PROTOCOL, NULL, "the role %s is taken by %s; a run has one solver of each role", role,
+               cpl_session_name(s, (cpl_role)which));
+    else {
+      cpl_partner *p = &s->partner[which];
+      p->connected = true;
+      p->peer = *peer;
+      p->last_heard = tdm_clock();
+      snprintf(p->name, sizeof p->name, "%.60s", name && *name ? name : role);
+      snprintf(p->software, sizeof p->software, "%.120s", software ? software : "unknown software");
+      p->capabilities = json_incref(json_object_get(hello, "capabilities"));
+      tdm_log(TDM_LOG_INFO, "hello", "role=%s name=%s software=%s", role, p->name,
+              tdm_log_quote(quoted, sizeof quoted, p->software));
+    }
+  }
+  json_decref(hello);
+  if (reason.status != TDM_OK) {
+    snprintf(s->refused, sizeof s->refused, "%.250s", reason.message);
+    tdm_log(TDM_LOG_WARNING, "stranger", "message=%s", tdm_log_quote(quoted, sizeof quoted, reason.message));
+    send_error(s, peer, &reason);
+  }
+}
+
+/* A protocol version that does not match cannot say HELLO; while partners are missing it is worth ending for. */
+static tdm_status check_version(cpl_session *s, const void *data, size_t size, tdm_error *err) {
+  tdm_header header;
+  tdm_error reason = {0};
+  if (tdm_header_read(&header, data, size, &reason) != TDM_ERR_VERSION)
+    return TDM_OK;
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (!s->partner[r].connected)
+      return tdm_fail(err, reason.status, NULL, "a solver that wants to join: %.900s", reason.message);
+  return TDM_OK;
+}
+
+static void beat(cpl_session *s, double now) {
+  if (now - s->last_heartbeat < heartbeat_interval)
+    return;
+  s->last_heartbeat = now;
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (s->partner[r].connected && tdm_control_write(&s->out, TDM_HEARTBEAT, 0, NULL, NULL) == TDM_OK)
+      tdm_transport_send(s->transport, &s->partner[r].peer, &s->out, NULL); /* a lost partner is found elsewhere */
+}
+
+/* After a slice without a message: interrupts, dead children, silence of partner `role` since `since`. */
+static tdm_status check_health(cpl_session *s, int role, double since, int *deaths, tdm_error *err) {
+  double now = tdm_clock();
+  char how[96], message[256];
+  if (cpl_interrupted)
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; what was computed until then is kept");
+  beat(s, now);
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (s->partner[r].child && !cpl_child_running(s->partner[r].child, how, sizeof how)) {
+      if (++*deaths < 2)
+        return TDM_OK; /* its last words may still be under way */
+      snprintf(message, sizeof message, "the solver ended before the run did (%s)", how);
+      return blame_new(s, r, TDM_ERR_LOST, true, err, message);
+    }
+  double heard = s->partner[role].last_heard > since ? s->partner[role].last_heard : since;
+  if (now - heard > s->settings->timeout) {
+    snprintf(message, sizeof message,
+             "no answer for %g s; it hangs, or its work takes longer: then raise coupling.timeout",
+             s->settings->timeout);
+    return blame_new(s, role, TDM_ERR_TIMEOUT, true, err, message);
+  }
+  return TDM_OK;
+}
+
+/* The partner who sent this, or -1. */
+static int who(const cpl_session *s, const tdm_peer *peer) {
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (s->partner[r].connected && tdm_peer_equal(&s->partner[r].peer, peer))
+      return r;
+  return -1;
+}
+
+/* A frame of a partner: HEARTBEAT is swallowed (*got stays false), ERROR and what was not expected become err. */
+static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type, const void *data, size_t size,
+                       tdm_header *header, bool *got, tdm_error *err) {
+  char message[160];
+  s->partner[from].last_heard = tdm_clock();
+  if (tdm_header_read(header, data, size, err) != TDM_OK)
+    return blame(s, from, err, true);
+  if (header->type == TDM_HEARTBEAT)
+    return TDM_OK;
+  if (header->type == TDM_ERROR) {
+    json_t *json = NULL;
+    if (tdm_control_read(header, &json, err) == TDM_OK)
+      tdm_error_from_json(json, err);
+    json_decref(json);
+    return blame(s, from, err, false);
+  }
+  if (from != role || header->type != type) {
+    snprintf(message, sizeof message, "it sent %s where %s of %s was expected", tdm_message_name(header->type),
+             tdm_message_name(type), cpl_role_names[role]);
+    return blame_new(s, from, TDM_ERR_PROTOCOL, true, err, message);
+  }
+  *got = true;
+  return TDM_OK;
+}
+
+/* Wait for a message of `type` from `role`; the header's payload lives until the next receive. HELLO: any partner's. */
+static tdm_status wait_for(cpl_session *s, int role, tdm_message_type type, tdm_header *header, tdm_error *err) {
+  double since = tdm_clock();
+  int deaths = 0;
+  while (true) {
+    tdm_peer peer;
+    const void *data;
+    size_t size;
+    tdm_status status = tdm_transport_receive(s->transport, SLICE_MS, &peer, &data, &size, err);
+    if (status == TDM_OK && !data)
+      status = check_health(s, role, since, &deaths, err);
+    if (status != TDM_OK)
+      return status;
+    if (!data)
+      continue;
+    int from = who(s, &peer);
+    if (from < 0) {
+      if (check_version(s, data, size, err) != TDM_OK) {
+        send_error(s, &peer, err);
+        return err->status;
+      }
+      meet_stranger(s, &peer, data, size);
+      if (type == TDM_HELLO && s->partner[role].connected)
+        return TDM_OK;
+      continue;
+    }
+    bool got = false;
+    status = hear(s, from, role, type, data, size, header, &got, err);
+    if (status != TDM_OK || got)
+      return status;
+  }
+}
+
+/* Send s->out to a partner. When that fails, how the partner ended is worth more than that it cannot be reached. */
+static tdm_status send_to(cpl_session *s, int role, tdm_error *err) {
+  tdm_header header;
+  tdm_error broken = {0};
+  if (tdm_transport_send(s->transport, &s->partner[role].peer, &s->out, &broken) == TDM_OK)
+    return TDM_OK;
+  if (wait_for(s, role, TDM_FINISH, &header, err) == TDM_OK)
+    return blame_new(s, role, broken.status, true, err, broken.message);
+  return err->status;
+}
+
+/* ---- start ---- */
+
+tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const char *endpoint, void *context,
+                            tdm_error *err) {
+  size_t nbody = (size_t)settings->nbody + 1;
+  *s = (cpl_session){.settings = settings, .warnings = json_array()};
+  s->body = calloc(nbody, sizeof *s->body);
+  s->load = calloc(nbody, sizeof *s->load);
+  if (!s->body || !s->load)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  return tdm_transport_listen(&s->transport, endpoint, context, err);
+}
+
+static tdm_status check_capabilities(cpl_session *s, int role, tdm_error *err) {
+  const char *const *needs = s->settings->scheme->needs;
+  for (; needs && *needs; needs++) {
+    bool has = false;
+    size_t i;
+    json_t *entry;
+    json_array_foreach(s->partner[role].capabilities, i,
+                       entry) if (json_string_value(entry) && strcmp(json_string_value(entry), *needs) == 0) has = true;
+    if (!has)
+      return tdm_fail(
+          err, TDM_ERR_SCENE, "coupling.scheme",
+          "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or solver",
+          s->settings->scheme->name, *needs, cpl_session_name(s, (cpl_role)role));
+  }
+  return TDM_OK;
+}
+
+static json_t *numbers(const double *values, int n) {
+  json_t *array = json_array();
+  for (int i = 0; i < n; i++)
+    json_array_append_new(array, json_real(values[i]));
+  return array;
+}
+
+static json_t *assigned_body(const cpl_session *s, int role, int i) {
+  json_t *body = json_pack("{s:s}", "name", s->settings->body[i].name[role]);
+  if (role == CPL_DEM) {
+    const tdm_assigned_body *b = &s->body[i];
+    json_object_set_new(body, "mass", isfinite(b->mass) ? json_real(b->mass) : json_null());
+    json_object_set_new(body, "inertia", numbers(&b->inertia.m[0][0], 9));
+    json_object_set_new(body, "state", numbers((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
+  }
+  return body;
+}
+
+static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_error *err) {
+  const cpl_settings *set = s->settings;
+  json_t *bodies = json_array();
+  for (int i = 0; i < set->nbody; i++)
+    json_array_append_new(bodies, assigned_body(s, role, i));
+  json_t *message =
+      json_pack("{s:O, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", json_object_get(scene->root, cpl_role_names[role]),
+                "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
+                set->interpolation == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
+  tdm_status status = tdm_control_write(&s->out, TDM_ASSIGN, 0, message, err);
+  if (status == TDM_OK)
+    status = send_to(s, role, err);
+  json_decref(message);
+  return status;
+}
+
+static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
+  json_t *bodies = tdm_get_array(ready, "bodies", true);
+  if ((int)json_array_size(bodies) != s->settings->nbody)
+    tdm_object_fail(ready, "bodies", "%zu bodies, expected %d", json_array_size(bodies), s->settings->nbody);
+  for (int i = 0; i < s->settings->nbody && err->status == TDM_OK; i++) {
+    char path[TDM_PATH_MAX];
+    json_t *json = json_array_get(bodies, (size_t)i);
+    tdm_object o = tdm_object_open(json, tdm_path(path, ready, "bodies", i), err);
+    tdm_assigned_body *b = &s->body[i];
+    b->name = s->settings->body[i].name[CPL_DEM];
+    b->mass =
+        json_is_null(json_object_get(json, "mass")) ? INFINITY : tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
+    tdm_get_numbers(&o, "inertia", &b->inertia.m[0][0], 9, true);
+    tdm_get_numbers(&o, "state", (double *)(void *)&b->state, TDM_STATE_DOUBLES, true);
+  }
+}
+
+static void read_loads(cpl_session *s, tdm_object *ready, tdm_error *err) {
+  json_t *loads = tdm_get_array(ready, "loads", true);
+  for (int i = 0; i < s->settings->nbody && err->status == TDM_OK; i++) {
+    json_t *wrapped = json_pack("{s:O?}", "load", json_array_get(loads, (size_t)i));
+    tdm_object o = tdm_object_open(wrapped, ready->path, err);
+    tdm_get_numbers(&o, "load", (double *)(void *)&s->load[i], TDM_WRENCH_DOUBLES, true);
+    json_decref(wrapped);
+  }
+}
+
+static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
+  json_t *channels = tdm_get_array(ready, "channels", false);
+  p->nchannel = (int)json_array_size(channels);
+  p->channel = calloc((size_t)p->nchannel + 1, sizeof *p->channel);
+  p->initial = calloc((size_t)p->nchannel + 1, sizeof *p->initial);
+  if (!p->channel || !p->initial) {
+    p->nchannel = 0;
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
+  for (int i = 0; i < p->nchannel; i++) {
+    json_t *json = json_array_get(channels, (size_t)i), *initial = json_object_get(json, "initial");
+    const char *name = json_string_value(json_object_get(json, "name"));
+    const char *unit = json_string_value(json_object_get(json, "unit"));
+    if (!name || strpbrk(name, ", \"\n") || !*name)
+      tdm_object_fail(ready, "channels", "entry %d has no usable name (no blanks, commas or quotes)", i);
+    snprintf(p->channel[i].name, sizeof p->channel[i].name, "%s", name ? name : "");
+    snprintf(p->channel[i].unit, sizeof p->channel[i].unit, "%s", unit ? unit : "");
+    p->initial[i] = json_is_number(initial) ? json_number_value(initial) : NAN;
+  }
+}
+
+static tdm_status read_ready(cpl_session *s, int role, const tdm_header *header, tdm_error *err) {
+  cpl_partner *p = &s->partner[role];
+  json_t *json = NULL;
+  if (tdm_control_read(header, &json, err) == TDM_OK) {
+    tdm_object ready = tdm_object_open(json, "READY", err);
+    if (role == CPL_MBD)
+      read_bodies(s, &ready, err);
+    else
+      read_loads(s, &ready, err);
+    read_channels(p, &ready, err);
+    json_t *warnings = tdm_get_array(&ready, "warnings", false);
+    if (warnings)
+      json_array_extend(s->warnings, warnings);
+    p->report = json_incref(json_object_get(json, "report"));
+    p->ready = true;
+  }
+  json_decref(json);
+  if (err->status == TDM_OK)
+    return TDM_OK;
+  if (err->path[0]) { /* a path into the message, not into the scene */
+    tdm_error place = *err;
+    *err = (tdm_error){0};
+    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed READY: %s: %.700s", place.path, place.message);
+  }
+  return blame(s, role, err, true);
+}
+
+tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *err) {
+  tdm_header header;
+  for (int r = 0; r < CPL_NROLE; r++)
+    while (!s->partner[r].connected)
+      if (wait_for(s, r, TDM_HELLO, &header, err) != TDM_OK)
+        return err->status;
+  /* mbd first: its READY has the bodies that dem needs */
+  for (int r = 0; r < CPL_NROLE; r++) {
+    if (check_capabilities(s, r, err) != TDM_OK || assign(s, r, scene, err) != TDM_OK ||
+        wait_for(s, r, TDM_READY, &header, err) != TDM_OK || read_ready(s, r, &header, err) != TDM_OK)
+      return err->status;
+    tdm_log(TDM_LOG_INFO, "ready", "role=%s channels=%d", cpl_role_names[r], s->partner[r].nchannel);
+  }
+  return TDM_OK;
+}
+
+/* ---- windows ---- */
+
+static tdm_status check_result(const cpl_session *s, int role, const tdm_step *step, const tdm_result *r,
+                               tdm_error *err) {
+  int nstate = role == CPL_MBD ? step->nbody : 0, nload = role == CPL_DEM ? 1 : 0;
+  if (r->window != step->window || r->nbody != step->nbody || r->nstate != nstate || r->nload != nload ||
+      r->nsample != step->nsample || r->nchannel != s->partner[role].nchannel)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
+                    "malformed RESULT: window %llu, %d bodies, %d states, %d loads, %d samples, %d channels; asked for "
+                    "window %llu, %d, %d, %d, %d, %d",
+                    (unsigned long long)r->window, r->nbody, r->nstate, r->nload, r->nsample, r->nchannel,
+                    (unsigned long long)step->window, step->nbody, nstate, nload, step->nsample,
+                    s->partner[role].nchannel);
+  if (!(fabs(r->t - step->t1) <= 1e-9 * (step->t1 - step->t0) + 1e-15 * fabs(step->t1)))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: it reached %g s, asked for %g s", r->t, step->t1);
+  return TDM_OK;
+}
+
+tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step, tdm_result *result, tdm_error *err) {
+  cpl_partner *p = &s->partner[role];
+  tdm_header header;
+  if (cpl_interrupted)
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at %g s; what was computed until then is kept",
+                    step->t0);
+  tdm_status status = tdm_step_write(&s->out, step, err);
+  if (status != TDM_OK)
+    return status;
+  status = send_to(s, role, err);
+  if (status != TDM_OK)
+    return status;
+  status = wait_for(s, role, TDM_RESULT, &header, err);
+  if (status != TDM_OK)
+    return status;
+  if (tdm_result_read(result, &header, &p->store, err) != TDM_OK || check_result(s, role, step, result, err) != TDM_OK)
+    return blame(s, role, err, true);
+  p->step_time += result->wall;
+  return TDM_OK;
+}
+
+/* ---- end ---- */
+
+void cpl_session_close(cpl_session *s, const tdm_error *err) {
+  for (int r = 0; r < CPL_NROLE; r++) {
+    cpl_partner *p = &s->partner[r];
+    if (p->connected && s->transport) {
+      if (err && err->status != TDM_OK && err->status != TDM_ERR_INTERRUPTED)
+        send_error(s, &p->peer, &(tdm_error){.status = TDM_ERR_INTERRUPTED, .message = "the run was given up"});
+      else if (tdm_control_write(&s->out, TDM_FINISH, 0, NULL, NULL) == TDM_OK)
+        tdm_transport_send(s->transport, &p->peer, &s->out, NULL);
+    }
+    json_decref(p->capabilities);
+    json_decref(p->report);
+    free(p->channel);
+    free(p->initial);
+    tdm_frame_free(&p->store);
+  }
+  tdm_transport_close(&s->transport);
+  tdm_frame_free(&s->out);
+  json_decref(s->warnings);
+  free(s->body);
+  free(s->load);
+  *s = (cpl_session){0};
+}

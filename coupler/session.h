@@ -1,0 +1,61 @@
+/* A session: the two solvers of a run, from HELLO to FINISH, with time-outs.
+ *
+ * Whatever a partner does (dies, hangs, sends garbage), a call here returns within the time-out with an error that
+ * names it and ends with the last lines of its log.
+ */
+#ifndef CPL_SESSION_H
+#define CPL_SESSION_H
+
+#include "coupler/launch.h"
+#include "coupler/settings.h"
+#include "protocol/transport.h"
+
+/* A solver as the server sees it. */
+typedef struct {
+  bool connected, ready;
+  tdm_peer peer;
+  char name[64], software[128]; /* from HELLO */
+  json_t *capabilities;         /* from HELLO, array of strings */
+  cpl_child *child;             /* NULL when it was started by hand */
+  double last_heard;            /* [s] tdm_clock */
+  int nchannel;
+  tdm_channel *channel; /* (nchannel) from READY */
+  double *initial;      /* (nchannel) values at the start */
+  json_t *report;       /* from READY */
+  tdm_frame store;      /* arrays of its last RESULT */
+  double step_time;     /* its own work on all windows [s] */
+} cpl_partner;
+
+typedef struct {
+  tdm_transport *transport;
+  const cpl_settings *settings;
+  cpl_partner partner[CPL_NROLE];
+  tdm_assigned_body *body; /* (nbody) from mbd's READY; names are dem's */
+  tdm_wrench *load;        /* (nbody) from dem's READY: at the start */
+  char refused[256];       /* why the last stranger was turned away, "" if none was */
+  json_t *warnings;        /* array of {"path", "message"} of both */
+  tdm_frame out;
+  double last_heartbeat;
+} cpl_session;
+
+/* Listen at `endpoint` (tcp ports may be wildcards: tdm_transport_endpoint tells). The context is for inproc. */
+tdm_status cpl_session_open(cpl_session *session, const cpl_settings *settings, const char *endpoint, void *context,
+                            tdm_error *err);
+
+/* Wait for HELLO of both, assign mbd, then dem with mbd's bodies: after this both are READY. */
+tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_error *err);
+
+/* One STEP and its RESULT. The result's arrays live until the next step of the same role. */
+tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step *step, tdm_result *result,
+                            tdm_error *err);
+
+/* "dem (tandem-dem 0.1.0)" */
+const char *cpl_session_name(const cpl_session *session, cpl_role role);
+
+/* FINISH to all that are connected, or ERROR with the reason when `err` is set; then free. Does not stop processes. */
+void cpl_session_close(cpl_session *session, const tdm_error *err);
+
+/* Set by a signal handler: running calls return TDM_ERR_INTERRUPTED soon after. */
+extern volatile int cpl_interrupted;
+
+#endif

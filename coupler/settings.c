@@ -1,0 +1,121 @@
+#include "coupler/settings.h"
+
+#include "coupler/scheme/scheme.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const cpl_role_names[CPL_NROLE] = {"mbd", "dem"};
+
+uint64_t cpl_total_steps(const cpl_settings *s) {
+  return (uint64_t)ceil(s->time_end / s->dt - 1e-6); /* 1e-6: 5 s in steps of 1e-4 s are 50000 steps, not 50001 */
+}
+
+uint64_t cpl_total_windows(const cpl_settings *s) {
+  uint64_t n = (uint64_t)s->n;
+  return (cpl_total_steps(s) + n - 1) / n;
+}
+
+static void read_time(cpl_settings *s, tdm_object *root) {
+  const double most_steps = 1e15; /* step numbers stay exact in a double */
+  tdm_object o = tdm_get_object(root, "time", true);
+  s->time_end = tdm_get_number(&o, "end", TDM_REQUIRED, TDM_POSITIVE);
+  s->dt = tdm_get_number(&o, "dt", TDM_REQUIRED, TDM_POSITIVE);
+  if (s->dt > s->time_end)
+    tdm_object_fail(&o, "dt", "is %g s, longer than the whole run (time.end = %g s)", s->dt, s->time_end);
+  if (s->time_end / s->dt > most_steps)
+    tdm_object_fail(&o, "dt", "is %g s: %g steps until time.end; take a larger step", s->dt, s->time_end / s->dt);
+  tdm_object_close(&o);
+}
+
+/* A body's name becomes part of a file name and of a CSV header. */
+static void check_name(tdm_object *o, const char *key, const char *name) {
+  for (const char *c = name; *c; c++)
+    if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) {
+      tdm_object_fail(o, key, "\"%s\" has a character that does not fit a file name; use letters, digits, _ - .", name);
+      return;
+    }
+  if (!*name || *name == '.')
+    tdm_object_fail(o, key, "\"%s\" is no name of a body", name);
+}
+
+static void read_bodies(cpl_settings *s, tdm_object *coupling) {
+  json_t *array = tdm_get_array(coupling, "bodies", true);
+  char path[TDM_PATH_MAX];
+  s->nbody = (int)json_array_size(array);
+  s->body = calloc((size_t)s->nbody + 1, sizeof *s->body);
+  if (!s->body) {
+    s->nbody = 0;
+    tdm_fail(coupling->err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
+  for (int i = 0; i < s->nbody; i++) {
+    tdm_object o =
+        tdm_object_open(json_array_get(array, (size_t)i), tdm_path(path, coupling, "bodies", i), coupling->err);
+    for (int r = 0; r < CPL_NROLE; r++) {
+      s->body[i].name[r] = tdm_get_string(&o, cpl_role_names[r], NULL);
+      check_name(&o, cpl_role_names[r], s->body[i].name[r]);
+      for (int j = 0; j < i; j++)
+        if (strcmp(s->body[i].name[r], s->body[j].name[r]) == 0)
+          tdm_object_fail(&o, cpl_role_names[r],
+                          "\"%s\" is coupled twice (coupling.bodies[%d] too); a body has one partner",
+                          s->body[i].name[r], j);
+    }
+    tdm_object_close(&o);
+  }
+}
+
+static void read_coupling(cpl_settings *s, tdm_object *root) {
+  static const char *const transports[] = {"ipc", "tcp", "inproc"};
+  static const char *const interpolations[] = {"linear", "hermite"};
+  const char *names[16];
+  int nscheme = 0;
+  while (cpl_schemes[nscheme] && nscheme < 16) {
+    names[nscheme] = cpl_schemes[nscheme]->name;
+    nscheme++;
+  }
+  tdm_object o = tdm_get_object(root, "coupling", true);
+  s->n = tdm_get_integer(&o, "n", TDM_REQUIRED_INT, 1);
+  int scheme = tdm_get_choice(&o, "scheme", names, nscheme, 0);
+  s->scheme = cpl_schemes[scheme < 0 ? 0 : scheme];
+  s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
+  s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
+  s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);
+  tdm_object solvers = tdm_get_object(&o, "solvers", false);
+  for (int r = 0; r < CPL_NROLE; r++)
+    s->command[r] = tdm_has(&solvers, cpl_role_names[r]) ? tdm_get_string(&solvers, cpl_role_names[r], NULL) : NULL;
+  tdm_object_close(&solvers);
+  read_bodies(s, &o);
+  tdm_object_close(&o);
+}
+
+static void read_output(cpl_settings *s, tdm_object *root) {
+  tdm_object o = tdm_get_object(root, "output", false);
+  s->output_interval = tdm_get_number(&o, "interval", 1e-3, TDM_POSITIVE);
+  if (s->output_interval < s->dt * (1 - 1e-9))
+    tdm_object_fail(&o, "interval", "is %g s, shorter than a DEM step (time.dt = %g s); take at least that",
+                    s->output_interval, s->dt);
+  tdm_object_close(&o);
+}
+
+tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error *err) {
+  *s = (cpl_settings){0};
+  tdm_object root = tdm_object_open(scene->root, "", err);
+  tdm_has(&root, "$schema"); /* for editors */
+  tdm_get_string(&root, "title", "");
+  read_time(s, &root);
+  read_coupling(s, &root);
+  read_output(s, &root);
+  for (int r = 0; r < CPL_NROLE; r++)
+    tdm_get_object(&root, cpl_role_names[r], true);
+  tdm_object_close(&root);
+  return err->status;
+}
+
+void cpl_settings_free(cpl_settings *s) {
+  free(s->body);
+  s->body = NULL;
+  s->nbody = 0;
+}

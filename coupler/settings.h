@@ -1,0 +1,40 @@
+/* The server's part of a scene: the sections time, coupling and output. mbd and dem are handed on unread. */
+#ifndef CPL_SETTINGS_H
+#define CPL_SETTINGS_H
+
+#include "protocol/participant.h"
+#include "protocol/scene.h"
+
+typedef enum { CPL_MBD, CPL_DEM, CPL_NROLE } cpl_role;
+extern const char *const cpl_role_names[CPL_NROLE]; /* "mbd", "dem": also the names of their sections */
+
+typedef enum { CPL_IPC, CPL_TCP, CPL_INPROC } cpl_transport_kind;
+
+typedef struct {
+  const char *name[CPL_NROLE]; /* what each solver calls the body */
+} cpl_body_names;
+
+/* Strings are borrowed from the scene's JSON. */
+typedef struct {
+  double time_end; /* [s] */
+  double dt;       /* DEM step [s] */
+  long n;          /* DEM steps a window */
+  const struct cpl_scheme *scheme;
+  cpl_transport_kind transport;
+  tdm_interpolation interpolation; /* of positions inside a window, on the DEM side */
+  double timeout;                  /* silence after which a solver counts as hanging [s] */
+  const char *command[CPL_NROLE];  /* executable of a foreign solver, NULL: tandem's own */
+  int nbody;
+  cpl_body_names *body;   /* (nbody), owned */
+  double output_interval; /* of the time histories [s] */
+} cpl_settings;
+
+/* Read the server's sections. An error has its JSON path; tdm_scene_locate adds the place. */
+tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, tdm_error *err);
+void cpl_settings_free(cpl_settings *settings);
+
+/* DEM steps of the whole run, and windows; the last window may be shorter. */
+uint64_t cpl_total_steps(const cpl_settings *settings);
+uint64_t cpl_total_windows(const cpl_settings *settings);
+
+#endif

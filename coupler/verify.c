@@ -1,0 +1,258 @@
+#include "coupler/verify.h"
+
+#include "coupler/find.h"
+#include "protocol/log.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct {
+  char name[64], case_name[64];
+  double value, limit;
+  cpl_limit_kind kind;
+  bool pass;
+  cpl_run_result run; /* of the run that it was measured in */
+} measure;
+
+typedef struct {
+  const cpl_scenario *scenario;
+  measure *measure;
+  int nmeasure;
+  double wall;
+  cpl_run_result total; /* sum over the scenario's runs */
+  tdm_error err;
+  bool pass;
+} outcome;
+
+struct cpl_verify {
+  const cpl_verify_options *options;
+  outcome *now;        /* scenario under way */
+  cpl_run_result last; /* its last run */
+  char dir[4096];      /* its directory */
+  bool plot_notice;    /* printed once */
+};
+
+/* ---- for scenarios ---- */
+
+const char *cpl_verify_dir(const cpl_verify *v) {
+  return v->dir;
+}
+
+/* A case's name as a directory: "m_p=0.01 wall_mass=1e8" -> "m_p=0.01_wall_mass=1e8". */
+static void case_dir(const cpl_verify *v, const char *case_name, char *out, size_t size) {
+  int n = snprintf(out, size, "%s%s%s", v->dir, *case_name ? "/" : "", case_name);
+  for (int i = (int)strlen(v->dir) + 1; i < n && i < (int)size; i++)
+    if (out[i] == ' ' || out[i] == '/')
+      out[i] = '_';
+}
+
+tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
+                          tdm_error *err) {
+  char scene[4096];
+  case_dir(v, case_name, dir, size);
+  if (cpl_find_scene(scene, sizeof scene, v->now->scenario->name, v->options->scenarios, err) != TDM_OK)
+    return err->status;
+  cpl_run_options run = {.scene = scene, .set = set, .out = dir};
+  run.quiet = !isatty(2);
+  memcpy(run.solver, v->options->solver, sizeof run.solver);
+  if (isatty(2))
+    fprintf(stderr, "\r\033[K%s %s", v->now->scenario->name, case_name);
+  cpl_run(&run, &v->last, err);
+  cpl_run_result *total = &v->now->total;
+  total->windows += v->last.windows;
+  total->simulated += v->last.simulated;
+  total->wall += v->last.wall;
+  total->setup += v->last.setup;
+  total->coupling += v->last.coupling;
+  for (int r = 0; r < CPL_NROLE; r++)
+    total->step[r] += v->last.step[r];
+  return err->status;
+}
+
+void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, double value, cpl_limit_kind kind,
+                        double limit) {
+  outcome *o = v->now;
+  measure *grown = realloc(o->measure, (size_t)(o->nmeasure + 1) * sizeof *grown);
+  if (!grown) {
+    tdm_fail(&o->err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
+  o->measure = grown;
+  measure *m = &o->measure[o->nmeasure++];
+  *m = (measure){.value = value, .limit = limit, .kind = kind, .run = v->last};
+  snprintf(m->name, sizeof m->name, "%s", name);
+  snprintf(m->case_name, sizeof m->case_name, "%s", case_name);
+  m->pass = kind == CPL_NO_LIMIT || (kind == CPL_AT_LEAST && value >= limit) ||
+            (kind == CPL_AT_MOST && (value < 0 ? -value : value) <= limit);
+}
+
+void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const cpl_plot *plot) {
+  tdm_error err = {0};
+  if (cpl_plot_write(v->dir, name, nplot, plot, &err) != TDM_OK && !v->plot_notice) {
+    v->plot_notice = true;
+    fprintf(stderr, "tandem: notice: %s\n", err.message);
+  }
+}
+
+/* ---- the table ---- */
+
+static void print_head(void) {
+  printf("%-14s %-23s %-25s %12s %9s %10s %8s %15s  %s\n", "scenario", "measure", "case", "value", "limit", "simulated",
+         "wall", "DEM/MBD/coupling", "ok");
+}
+
+static void print_measure(const char *scenario, const measure *m) {
+  char limit[32] = "-", share[32] = "-";
+  double loop = m->run.step[CPL_DEM] + m->run.step[CPL_MBD] + m->run.coupling;
+  if (m->kind != CPL_NO_LIMIT)
+    snprintf(limit, sizeof limit, "%s%g", m->kind == CPL_AT_LEAST ? ">= " : "<= ", m->limit);
+  if (loop > 0)
+    snprintf(share, sizeof share, "%.0f/%.0f/%.0f %%", 100 * m->run.step[CPL_DEM] / loop,
+             100 * m->run.step[CPL_MBD] / loop, 100 * m->run.coupling / loop);
+  printf("%-14s %-23s %-25s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
+         m->run.simulated, m->run.wall, share,
+         m->kind == CPL_NO_LIMIT ? "-"
+         : m->pass               ? "ok"
+                                 : "MISSED");
+}
+
+static void print_outcome(const outcome *o) {
+  if (isatty(2))
+    fprintf(stderr, "\r\033[K");
+  for (int i = 0; i < o->nmeasure; i++)
+    print_measure(o->scenario->name, &o->measure[i]);
+  if (o->err.status != TDM_OK)
+    printf("%-14s FAILED: %s\n", o->scenario->name, o->err.message);
+  fflush(stdout);
+}
+
+/* ---- the JSON file ---- */
+
+static json_t *number(double value) {
+  return value - value == 0 ? json_real(value) : json_null();
+}
+
+static json_t *outcome_to_json(const outcome *o) {
+  json_t *measures = json_array();
+  for (int i = 0; i < o->nmeasure; i++) {
+    const measure *m = &o->measure[i];
+    json_array_append_new(measures,
+                          json_pack("{s:s, s:s, s:o, s:o, s:b}", "name", m->name, "case", m->case_name, "value",
+                                    number(m->value), "limit",
+                                    m->kind == CPL_NO_LIMIT ? json_null() : json_real(m->limit), "pass", (int)m->pass));
+  }
+  json_t *json = json_pack("{s:s, s:b, s:f, s:f, s:I, s:f, s:f, s:f, s:o}", "name", o->scenario->name, "pass",
+                           (int)o->pass, "wall_s", o->wall, "simulated_s", o->total.simulated, "windows",
+                           (json_int_t)o->total.windows, "time_dem_s", o->total.step[CPL_DEM], "time_mbd_s",
+                           o->total.step[CPL_MBD], "time_coupling_s", o->total.coupling, "measures", measures);
+  if (o->err.status != TDM_OK)
+    json_object_set_new(json, "error", json_string(o->err.message));
+  return json;
+}
+
+static tdm_status write_json(const char *file, const outcome *outcomes, int n, bool pass, double wall, tdm_error *err) {
+  json_t *scenarios = json_array();
+  for (int i = 0; i < n; i++)
+    json_array_append_new(scenarios, outcome_to_json(&outcomes[i]));
+  json_t *json = json_pack("{s:s, s:b, s:f, s:o}", "tandem", TANDEM_VERSION, "pass", (int)pass, "wall_s", wall,
+                           "scenarios", scenarios);
+  int failed = json_dump_file(json, file, JSON_INDENT(2));
+  json_decref(json);
+  return failed ? tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno)) : TDM_OK;
+}
+
+/* ---- choosing and running ---- */
+
+static bool chosen(const cpl_scenario *s, const char *const *names) {
+  if (!*names)
+    return strcmp(s->group, "scenarios") == 0;
+  for (; *names; names++)
+    if (strcmp(*names, s->name) == 0 || strcmp(*names, s->group) == 0 || strcmp(*names, "all") == 0)
+      return true;
+  return false;
+}
+
+/* Every name must be a scenario, a group or "all". */
+static tdm_status check_names(const cpl_verify_options *o, tdm_error *err) {
+  for (const char *const *name = o->name; *name; name++) {
+    const char *known[256] = {"all"};
+    int nknown = 1;
+    bool found = strcmp(*name, "all") == 0;
+    for (const cpl_scenario *s = o->scenario; s->name && nknown < 254; s++) {
+      found = found || strcmp(*name, s->name) == 0 || strcmp(*name, s->group) == 0;
+      known[nknown++] = s->name;
+      known[nknown++] = s->group;
+    }
+    if (found)
+      continue;
+    const char *near = tdm_nearest(*name, known, nknown);
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "verify: \"%s\" is neither a scenario nor a group%s%s%s", *name,
+                    near ? "; did you mean \"" : "; see tandem --help", near ? near : "", near ? "\"?" : "");
+  }
+  return TDM_OK;
+}
+
+static void run_scenario(cpl_verify *v, outcome *o) {
+  double begin = tdm_clock();
+  v->now = o;
+  v->last = (cpl_run_result){0};
+  snprintf(v->dir, sizeof v->dir, "%s/%s", v->options->out, o->scenario->name);
+  tdm_error err = {0};
+  if (o->scenario->verify(v, &err) != TDM_OK)
+    o->err = err;
+  o->wall = tdm_clock() - begin;
+  o->pass = o->err.status == TDM_OK;
+  for (int i = 0; i < o->nmeasure; i++)
+    o->pass = o->pass && o->measure[i].pass;
+  print_outcome(o);
+}
+
+/* The JSON file is written at the end; that it can be is checked before the work begins. */
+static tdm_status check_json(const char *file, tdm_error *err) {
+  FILE *f = file ? fopen(file, "w") : NULL;
+  if (file && !f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno));
+  if (f)
+    fclose(f);
+  return TDM_OK;
+}
+
+tdm_status cpl_verify_all(const cpl_verify_options *options, tdm_error *err) {
+  double begin = tdm_clock();
+  cpl_verify v = {.options = options};
+  if (check_names(options, err) != TDM_OK || check_json(options->json, err) != TDM_OK)
+    return err->status;
+  int nscenario = 0, n = 0;
+  while (options->scenario[nscenario].name)
+    nscenario++;
+  outcome *outcomes = calloc((size_t)nscenario + 1, sizeof *outcomes);
+  if (!outcomes)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  bool pass = true, interrupted = false;
+  print_head();
+  for (int i = 0; i < nscenario && !interrupted; i++) {
+    if (!chosen(&options->scenario[i], options->name))
+      continue;
+    outcomes[n].scenario = &options->scenario[i];
+    run_scenario(&v, &outcomes[n]);
+    pass = pass && outcomes[n].pass;
+    interrupted = outcomes[n].err.status == TDM_ERR_INTERRUPTED;
+    n++;
+  }
+  double wall = tdm_clock() - begin;
+  printf("%s in %.1f s; curves and plots in %s\n", pass ? "all limits met" : "limits were MISSED or scenarios failed",
+         wall, options->out);
+  if (options->json)
+    write_json(options->json, outcomes, n, pass, wall, err);
+  for (int i = 0; i < n; i++)
+    free(outcomes[i].measure);
+  free(outcomes);
+  if (interrupted)
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted");
+  if (!pass)
+    return tdm_fail(err, TDM_ERR_LIMIT, NULL, "verification failed: see the table above");
+  return err->status;
+}

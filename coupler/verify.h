@@ -1,0 +1,53 @@
+/* The verification runner: a table of scenarios, each with runs, measures and limits.
+ *
+ * A scenario's function runs its scene as often as it needs (cpl_verify_run), compares with its reference and reports
+ * numbers (cpl_verify_measure); this file prints the table, writes the JSON and decides on pass or fail.
+ */
+#ifndef CPL_VERIFY_H
+#define CPL_VERIFY_H
+
+#include "coupler/plot.h"
+#include "coupler/run.h"
+
+typedef struct cpl_verify cpl_verify;
+
+typedef struct {
+  const char *name, *group;
+  const char *summary;
+  tdm_status (*verify)(cpl_verify *v, tdm_error *err);
+} cpl_scenario;
+
+typedef enum {
+  CPL_NO_LIMIT, /* reported only */
+  CPL_AT_LEAST, /* value >= limit */
+  CPL_AT_MOST   /* |value| <= limit */
+} cpl_limit_kind;
+
+/* Run the scenario's scene with overrides (NULL-terminated, may be NULL) into a directory of its own for this case ("":
+ * the scenario's). On success `dir` (size bytes) is that directory. */
+tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
+                          tdm_error *err);
+
+/* Report a number of the last run. NaN fails a limit. Strings are copied. */
+void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, double value, cpl_limit_kind kind,
+                        double limit);
+
+/* The scenario's directory under --out. */
+const char *cpl_verify_dir(const cpl_verify *v);
+
+/* As cpl_plot_write in the scenario's directory; what goes wrong is a notice, not a failure. */
+void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const cpl_plot *plot);
+
+typedef struct {
+  const cpl_scenario *scenario; /* table ended by a NULL name */
+  const char *const *name;      /* NULL-terminated: scenarios or groups; empty: the group "scenarios" */
+  const char *out;              /* directory of results */
+  const char *json;             /* file, NULL: none */
+  const char *scenarios;        /* --scenarios DIR or NULL */
+  cpl_solver solver[CPL_NROLE];
+} cpl_verify_options;
+
+/* Run and print. TDM_ERR_LIMIT when a limit was missed or a scenario failed. */
+tdm_status cpl_verify_all(const cpl_verify_options *options, tdm_error *err);
+
+#endif

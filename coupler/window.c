@@ -1,0 +1,127 @@
+#include "coupler/window.h"
+
+#include "coupler/record.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, struct cpl_record *record,
+                         tdm_error *err) {
+  size_t nbody = (size_t)settings->nbody + 1; /* + 1: never an empty allocation */
+  double samples = ceil((double)settings->n * settings->dt / settings->output_interval) + 2;
+  *loop = (cpl_loop){.settings = settings, .session = session, .record = record, .nbody = settings->nbody};
+  if (samples > TDM_COUNT_MAX)
+    return tdm_fail(err, TDM_ERR_SCENE, "output.interval", "is %g s: %g output times in a window of %g s; take fewer",
+                    settings->output_interval, samples, (double)settings->n * settings->dt);
+  loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
+  loop->sample_time = calloc((size_t)samples, sizeof *loop->sample_time);
+  loop->state_start = calloc(nbody, sizeof *loop->state_start);
+  loop->state_end = calloc(nbody, sizeof *loop->state_end);
+  loop->mean = calloc(nbody, sizeof *loop->mean);
+  loop->history = calloc(nbody, sizeof *loop->history);
+  loop->load = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->load);
+  loop->packed = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->packed);
+  if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
+      !loop->packed)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  for (int i = 0; i < loop->nbody; i++) {
+    loop->state_start[i] = session->body[i].state;
+    cpl_history_push(&loop->history[i], 0, session->load[i]); /* the first load is DEM's at t = 0 */
+  }
+  return TDM_OK;
+}
+
+void cpl_loop_free(cpl_loop *loop) {
+  free(loop->sample_time);
+  free(loop->state_start);
+  free(loop->state_end);
+  free(loop->mean);
+  free(loop->history);
+  free(loop->load);
+  free(loop->packed);
+  *loop = (cpl_loop){0};
+}
+
+bool cpl_loop_done(const cpl_loop *loop) {
+  return loop->step1 >= cpl_total_steps(loop->settings);
+}
+
+/* The ends of the next window, and the output times in it. */
+static void open_window(cpl_loop *loop) {
+  const cpl_settings *s = loop->settings;
+  uint64_t total = cpl_total_steps(s);
+  loop->step0 = loop->step1;
+  loop->step1 = loop->step0 + (uint64_t)s->n < total ? loop->step0 + (uint64_t)s->n : total;
+  loop->t0 = (double)loop->step0 * s->dt;
+  loop->t1 = (double)loop->step1 * s->dt;
+  loop->nsample = 0;
+  while (true) {
+    double time = (double)loop->next_sample * s->output_interval;
+    if (time > loop->t1 + 1e-9 * s->dt)
+      break;
+    loop->sample_time[loop->nsample++] = time < loop->t1 ? time : loop->t1;
+    loop->next_sample++;
+  }
+}
+
+tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
+  open_window(loop);
+  uint64_t first_sample = loop->next_sample - (uint64_t)loop->nsample;
+  tdm_status status = loop->settings->scheme->advance(loop, err);
+  if (status != TDM_OK)
+    return status;
+  status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);
+  memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
+  loop->window++;
+  return status;
+}
+
+/* Send a STEP and wait for its RESULT, with the counts that were asked for. */
+static tdm_status exchange(cpl_loop *loop, cpl_role role, tdm_step *step, tdm_error *err) {
+  step->window = loop->window;
+  step->t0 = loop->t0;
+  step->t1 = loop->t1;
+  step->nstep = loop->step1 - loop->step0;
+  step->nbody = loop->nbody;
+  step->nsample = loop->nsample;
+  step->sample_time = loop->sample_time;
+  return cpl_session_step(loop->session, role, step, &loop->result[role], err);
+}
+
+static tdm_status not_finite(cpl_loop *loop, cpl_role role, int body, const char *what, tdm_error *err) {
+  return tdm_fail(
+      err, TDM_ERR_NUMERIC, NULL,
+      "%s returned %s of body \"%s\" that is not finite, in the window from %g s to %g s: the coupled motion "
+      "has blown up; take a smaller coupling.n or time.dt",
+      cpl_session_name(loop->session, role), what, loop->settings->body[body].name[role], loop->t0, loop->t1);
+}
+
+tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
+  for (int i = 0; i < loop->nbody; i++)
+    for (int j = 0; j < ncoefficient; j++)
+      loop->packed[i * ncoefficient + j] = loop->load[i * CPL_HISTORY_MAX + j];
+  tdm_step step = {.nload = ncoefficient, .load = loop->packed};
+  tdm_status status = exchange(loop, CPL_MBD, &step, err);
+  if (status != TDM_OK)
+    return status;
+  for (int i = 0; i < loop->nbody; i++) {
+    loop->state_end[i] = loop->result[CPL_MBD].state[i];
+    if (!tdm_finite((const double *)(const void *)&loop->state_end[i], TDM_STATE_DOUBLES))
+      return not_finite(loop, CPL_MBD, i, "a state", err);
+  }
+  return TDM_OK;
+}
+
+tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err) {
+  tdm_step step = {.nstate = loop->nbody, .start = loop->state_start, .end = loop->state_end};
+  tdm_status status = exchange(loop, CPL_DEM, &step, err);
+  if (status != TDM_OK)
+    return status;
+  for (int i = 0; i < loop->nbody; i++) {
+    loop->mean[i] = loop->result[CPL_DEM].load[i];
+    if (!tdm_finite((const double *)(const void *)&loop->mean[i], TDM_WRENCH_DOUBLES))
+      return not_finite(loop, CPL_DEM, i, "a load", err);
+  }
+  return TDM_OK;
+}

@@ -1,0 +1,56 @@
+/* The coupled loop: windows, the exchange with both solvers, the output grid.
+ *
+ * A window k covers the DEM steps k n … min((k+1) n, N). Times are step numbers times dt, never running sums.
+ */
+#ifndef CPL_WINDOW_H
+#define CPL_WINDOW_H
+
+#include "coupler/extrapolate.h"
+#include "coupler/scheme/scheme.h"
+#include "coupler/session.h"
+#include "coupler/settings.h"
+
+struct cpl_record;
+
+typedef struct cpl_loop {
+  const cpl_settings *settings;
+  cpl_session *session;
+  struct cpl_record *record;
+  int nbody;
+
+  /* the window under way */
+  uint64_t window;
+  uint64_t step0, step1; /* DEM steps at its ends */
+  double t0, t1;         /* [s] */
+  int nsample;           /* output times in (t0, t1] */
+  double *sample_time;   /* (nsample) */
+  uint64_t next_sample;  /* number of the next output time on the grid */
+
+  /* the bodies */
+  tdm_state *state_start;       /* (nbody) at t0 */
+  tdm_state *state_end;         /* (nbody) at t1, once MBD has solved */
+  tdm_wrench *mean;             /* (nbody) mean load over the window, once DEM has solved */
+  cpl_history *history;         /* (nbody) */
+  tdm_wrench *load;             /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
+  tdm_wrench *packed;           /* the same without gaps, as it is sent */
+  tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
+} cpl_loop;
+
+/* Set up the loop after both solvers are READY. */
+tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, struct cpl_record *record,
+                         tdm_error *err);
+void cpl_loop_free(cpl_loop *loop);
+
+/* Solve one window by the scheme and record it. */
+tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err);
+bool cpl_loop_done(const cpl_loop *loop);
+
+/* ---- what schemes use ---- */
+
+/* MBD over the window under loop->load (its first `ncoefficient` entries a body): sets state_end. */
+tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);
+
+/* DEM over the window along the path from state_start to state_end: sets mean. */
+tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err);
+
+#endif

@@ -1,0 +1,213 @@
+/* Whole runs with tandem's own solvers: bit-identity, the output grid, the last window, Ctrl-C. */
+#include "coupler/table.h"
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <math.h>
+#include <signal.h>
+
+/* Eight balls drop into a sprung box. */
+static const char scene[] =
+    "{\"time\": {\"end\": 0.1, \"dt\": 2e-4},\n"
+    " \"coupling\": {\"n\": 5, \"bodies\": [{\"mbd\": \"box\", \"dem\": \"tub\"}]},\n"
+    " \"mbd\": {\"bodies\": [{\"name\": \"box\", \"mass\": 5, \"inertia\": [1, 1, 1], \"position\": [0, 0, 0]}],\n"
+    "  \"joints\": [{\"name\": \"guide\", \"type\": \"prismatic\", \"bodies\": [\"ground\", \"box\"],\n"
+    "   \"point\": [0, 0, 0], \"axis\": [0, 0, 1]}],\n"
+    "  \"forces\": [{\"name\": \"spring\", \"type\": \"spring_damper\", \"bodies\": [\"ground\", \"box\"],\n"
+    "   \"points\": [[0, 0, 2], [0, 0, 0]], \"stiffness\": 2000, \"damping\": 10}]},\n"
+    " \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, \"young_modulus\": 1e7, \"poisson_ratio\": "
+    "0.3}],\n"
+    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 0.8, \"friction\": 0.4}],\n"
+    "  \"bodies\": [{\"name\": \"tub\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": [0.5, 0.5, "
+    "0.5],\n"
+    "   \"side\": \"inside\"}]}],\n"
+    "  \"particles\": [{\"type\": \"random\", \"material\": \"m\", \"count\": 8, \"radius\": 0.05, \"seed\": 3,\n"
+    "   \"region\": {\"min\": [-0.2, -0.2, -0.24], \"max\": [0.2, 0.2, -0.12]}}]}}\n";
+
+static const char *dir;
+
+static void setup(void) {
+  dir = directory_make();
+  write_file(dir, "scene.json", scene);
+}
+
+static void run(const char *out, const char *options) {
+  int status = command("tandem run %s/scene.json --out %s/%s %s", dir, dir, out, options);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+}
+
+static void expect_same(const char *a, const char *b, const char *file) {
+  ck_assert_msg(command("cmp %s/%s/%s %s/%s/%s", dir, a, file, dir, b, file) == 0, "%s", command_output);
+}
+
+static void read_body(cpl_table *t, const char *out) {
+  char file[256];
+  tdm_error err = {0};
+  snprintf(file, sizeof file, "%s/%s/body_box.csv", dir, out);
+  ck_assert_msg(cpl_table_read(t, file, &err) == TDM_OK, "%s", err.message);
+}
+
+START_TEST(runs_are_bit_identical) {
+  setup();
+  run("one", "");
+  run("two", "");
+  run("thread", "--set coupling.transport=inproc");
+  run("tcp", "--set coupling.transport=tcp");
+  static const char *const files[] = {"body_box.csv", "mbd.csv", "dem.csv"};
+  static const char *const others[] = {"two", "thread", "tcp"};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      expect_same("one", others[j], files[i]);
+  cpl_table t;
+  tdm_error err = {0};
+  read_body(&t, "one");
+  const double *fz = cpl_table_column(&t, "fz", &err);
+  double largest = 0;
+  for (int i = 0; i < t.nrow; i++)
+    largest = fmax(largest, fabs(fz[i]));
+  ck_assert_double_gt(largest, 10); /* the balls did hit the box */
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(the_grid_does_not_depend_on_n) {
+  setup();
+  run("n1", "--set coupling.n=1");
+  run("n7", "--set coupling.n=7");
+  run("n500", "--set coupling.n=500");
+  run("fine", "--set coupling.n=50 --set output.interval=3e-4");
+  static const char *const outs[] = {"n1", "n7", "n500"};
+  for (int i = 0; i < 3; i++) {
+    cpl_table t;
+    tdm_error err = {0};
+    read_body(&t, outs[i]);
+    ck_assert_int_eq(t.nrow, 101);
+    const double *time = cpl_table_column(&t, "time", &err);
+    for (int k = 0; k < t.nrow; k++)
+      ck_assert_double_eq_tol(time[k], k * 1e-3, 1e-12);
+    cpl_table_free(&t);
+  }
+  cpl_table t;
+  read_body(&t, "fine");
+  ck_assert_int_eq(t.nrow, 334); /* 0, 3e-4, ... 0.0999 */
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(the_last_window_is_shorter) {
+  setup();
+  run("out", "--set coupling.n=300"); /* 500 steps: windows of 300 and 200 */
+  expect_output("0.1 s simulated in 2 windows");
+  run("odd", "--set time.end=0.0101 --set coupling.n=20"); /* 51 steps of 2e-4 s: the run goes on to 0.0102 s */
+  expect_output("0.0102 s simulated in 3 windows");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(loads_are_means_between_output_times) {
+  /* one load mean over 4e-3 s equals the average of the four means over 1e-3 s */
+  setup();
+  cpl_table fine, coarse;
+  tdm_error err = {0};
+  run("fine", "");
+  run("coarse", "--set output.interval=4e-3");
+  read_body(&fine, "fine");
+  read_body(&coarse, "coarse");
+  const double *f = cpl_table_column(&fine, "fz", &err), *c = cpl_table_column(&coarse, "fz", &err);
+  const double *zf = cpl_table_column(&fine, "z", &err), *zc = cpl_table_column(&coarse, "z", &err);
+  for (int i = 1; i < coarse.nrow; i++) {
+    double mean = (f[4 * i] + f[4 * i - 1] + f[4 * i - 2] + f[4 * i - 3]) / 4;
+    ck_assert_double_eq_tol(c[i], mean, 1e-9 * (1 + fabs(mean)));
+    ck_assert_double_eq_tol(zc[i], zf[4 * i], 1e-12);
+  }
+  cpl_table_free(&fine);
+  cpl_table_free(&coarse);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(an_empty_box_is_an_oscillator) {
+  setup();
+  run("out", "--set dem.particles=[]");
+  cpl_table t;
+  tdm_error err = {0};
+  read_body(&t, "out");
+  const double *time = cpl_table_column(&t, "time", &err), *z = cpl_table_column(&t, "z", &err);
+  double decay = 1, frequency = sqrt(2000.0 / 5 - 1), rest = 5 * 9.81 / 2000;
+  for (int i = 0; i < t.nrow; i++) {
+    double c = cos(frequency * time[i]), s = sin(frequency * time[i]);
+    double exact = -rest * (1 - exp(-decay * time[i]) * (c + decay / frequency * s));
+    ck_assert_double_eq_tol(z[i], exact, 1e-8);
+  }
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+/* Start a run that would take long, let it work, send it a signal. Returns its exit status. */
+static int interrupted(const char *option, const char *interval, int number) {
+  pid_t pid = fork();
+  if (pid == 0) {
+    char file[256], out[256];
+    snprintf(file, sizeof file, "%s/scene.json", dir);
+    snprintf(out, sizeof out, "%s/out", dir);
+    if (!freopen("/dev/null", "w", stderr) || !freopen("/dev/null", "w", stdout))
+      _exit(126);
+    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", file, "--out", out, "--set", "time.end=1e5", "--set", interval,
+          "--set", option, NULL);
+    _exit(127);
+  }
+  sleep(2);
+  kill(pid, number);
+  int status = -1;
+  for (int i = 0; i < 100; i++, usleep(100000))
+    if (waitpid(pid, &status, WNOHANG) == pid)
+      return WIFEXITED(status) ? WEXITSTATUS(status) : -2;
+  kill(pid, SIGKILL);
+  return -1;
+}
+
+START_TEST(ctrl_c_keeps_what_was_computed) {
+  setup();
+  static const char *const options[] = {"coupling.transport=ipc", "coupling.transport=inproc", "coupling.n=100000000"};
+  for (int i = 0; i < 3; i++) {
+    ck_assert_int_eq(
+        interrupted(options[i], i == 2 ? "output.interval=10" : "output.interval=0.01", i == 1 ? SIGTERM : SIGINT),
+        130);
+    ck_assert_int_eq(processes_with("tandem-dem --connect"), 0);
+    ck_assert_int_eq(processes_with("tandem-mbd --connect"), 0);
+    ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
+    expect_output("TDM_ERR_INTERRUPTED");
+    if (i == 2)
+      continue; /* interrupted in the middle of the first window, which never ends */
+    cpl_table t;
+    read_body(&t, "out");
+    ck_assert_int_gt(t.nrow, 10);
+    cpl_table_free(&t);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(the_summary_tells_how_it_went) {
+  setup();
+  run("out", "");
+  ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
+  static const char *const words[] = {"\"status\": \"TDM_OK\"",
+                                      "\"windows\": 100",
+                                      "\"coupling.scheme\": \"lommen\"",
+                                      "tandem-dem",
+                                      "tandem-mbd",
+                                      "\"setup\"",
+                                      "\"coupling\""};
+  for (int i = 0; i < 7; i++)
+    expect_output(words[i]);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("runs", 120, runs_are_bit_identical, the_grid_does_not_depend_on_n, the_last_window_is_shorter,
+          loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
+          the_summary_tells_how_it_went)
