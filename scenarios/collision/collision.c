@@ -1,0 +1,149 @@
+/* Particle against cube, [L18] Section 3.1 and Table I: velocities after the collision against momentum and
+ * restitution.
+ *
+ *   v_c = (m_p u_p + m_c u_c + m_p e (u_p - u_c)) / (m_p + m_c)                                          [L18] Eq. 17
+ *   v_p = (m_p u_p + m_c u_c + m_c e (u_c - u_p)) / (m_p + m_c)                                          [L18] Eq. 18
+ *   error = 100 (v_simulation / v_theory - 1) %                                                          [L18] Eq. 19
+ */
+#include "coupler/table.h"
+#include "scenarios/table.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* as in scene.json */
+static const double body_mass = 10, approach_speed = 2, restitution = 0.5;
+static const double limit_percent = 0.2, limit_ratio = 100; /* the limit holds where m_c/m_p is at least this */
+
+/* [L18] Table I, printed velocities (two misprints corrected: v_p of 0.1 kg, v_c of 2 kg) */
+static const struct {
+  double m_p, paper_v_p, paper_v_c;
+} table_1[] = {
+    {0.01, -9.98e-1, 3.02e-3}, {0.02, -9.95e-1, 6.03e-3}, {0.1, -9.74e-1, 2.94e-2},
+    {1, -7.56e-1, 2.75e-1},    {2, -5.54e-1, 5.10e-1},    {10, 3.87e-1, 1.62},
+};
+enum { NCASE = sizeof table_1 / sizeof table_1[0] };
+
+typedef struct {
+  double error_particle, error_body; /* [%] */
+  int steps;                         /* DEM steps in contact */
+} collision_result;
+
+static void theory(double m_p, double *v_p, double *v_c) {
+  double sum = m_p + body_mass;
+  *v_c = m_p * approach_speed * (1 + restitution) / sum;
+  *v_p = (m_p - body_mass * restitution) * approach_speed / sum;
+}
+
+/* Velocities after the collision, and the rows in which the cube feels a load: one row is one step here. */
+static tdm_status read_result(const char *dir, double m_p, collision_result *result, tdm_error *err) {
+  char file[4096];
+  cpl_table body = {0}, dem = {0};
+  snprintf(file, sizeof file, "%s/body_cube.csv", dir);
+  cpl_table_read(&body, file, err);
+  snprintf(file, sizeof file, "%s/dem.csv", dir);
+  if (err->status == TDM_OK)
+    cpl_table_read(&dem, file, err);
+  const double *v_c = err->status == TDM_OK ? cpl_table_column(&body, "vx", err) : NULL;
+  const double *load = v_c ? cpl_table_column(&body, "fx", err) : NULL;
+  const double *v_p = load ? cpl_table_column(&dem, "particles.velocity.x", err) : NULL;
+  if (v_p) {
+    double expected_p, expected_c;
+    theory(m_p, &expected_p, &expected_c);
+    result->error_particle = 100 * (v_p[dem.nrow - 1] / expected_p - 1);
+    result->error_body = 100 * (v_c[body.nrow - 1] / expected_c - 1);
+    for (int i = 0; i < body.nrow; i++)
+      result->steps += load[i] != 0;
+    if (load[body.nrow - 1] != 0)
+      tdm_fail(err, TDM_ERR_NUMERIC, NULL, "%s: still in contact at the end; raise time.end", dir);
+  }
+  cpl_table_free(&body);
+  cpl_table_free(&dem);
+  return err->status;
+}
+
+static tdm_status run_case(cpl_verify *v, int i, const char *wall_mass, collision_result *result, tdm_error *err) {
+  char name[64], mass[64], wall[64], dir[4096];
+  double m_p = table_1[i].m_p;
+  snprintf(name, sizeof name, "m_p=%g%s%s", m_p, wall_mass ? " wall_mass=" : "", wall_mass ? wall_mass : "");
+  snprintf(mass, sizeof mass, "dem.particles[0].mass=%g", m_p);
+  snprintf(wall, sizeof wall, "dem.contact.wall_mass=%s", wall_mass ? wall_mass : "body");
+  const char *const set[] = {mass, wall, NULL};
+  if (cpl_verify_run(v, name, set, dir, sizeof dir, err) != TDM_OK || read_result(dir, m_p, result, err) != TDM_OK)
+    return err->status;
+  cpl_limit_kind kind = !wall_mass && body_mass / m_p >= limit_ratio ? CPL_AT_MOST : CPL_NO_LIMIT;
+  cpl_verify_measure(v, "error_particle_percent", name, result->error_particle, kind, limit_percent);
+  cpl_verify_measure(v, "error_body_percent", name, result->error_body, kind, limit_percent);
+  if (!wall_mass) {
+    cpl_verify_measure(v, "steps_per_contact", name, result->steps, CPL_NO_LIMIT, 0);
+    return TDM_OK;
+  }
+  double v_p, v_c;
+  theory(m_p, &v_p, &v_c);
+  cpl_verify_measure(v, "paper_particle_percent", name, 100 * (table_1[i].paper_v_p / v_p - 1), CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_body_percent", name, 100 * (table_1[i].paper_v_c / v_c - 1), CPL_NO_LIMIT, 0);
+  return TDM_OK;
+}
+
+static tdm_status write_table(cpl_verify *v, const collision_result *true_mass, const collision_result *wall_mass,
+                              tdm_error *err) {
+  char file[4096];
+  snprintf(file, sizeof file, "%s/table.csv", cpl_verify_dir(v));
+  FILE *f = fopen(file, "w");
+  if (!f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written", file);
+  fputs(
+      "m_c/m_p [-],particle [%],body [%],particle wall_mass [%],body wall_mass [%],particle paper [%],body paper [%]\n",
+      f);
+  for (int i = 0; i < NCASE; i++) {
+    double v_p, v_c;
+    theory(table_1[i].m_p, &v_p, &v_c);
+    fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", body_mass / table_1[i].m_p, true_mass[i].error_particle,
+            true_mass[i].error_body, wall_mass[i].error_particle, wall_mass[i].error_body,
+            100 * (table_1[i].paper_v_p / v_p - 1), 100 * (table_1[i].paper_v_c / v_c - 1));
+  }
+  fclose(f);
+  return TDM_OK;
+}
+
+static void plot(cpl_verify *v) {
+  static const char setup[] = "set logscale x\nset logscale y\nset format x '%g'\nset format y '%g'\n"
+                              "set key bottom left\n";
+  static const cpl_curve particle[] = {
+      {"table.csv", "1:(abs($2))", "true effective mass", "linespoints pt 7"},
+      {"table.csv", "1:(abs($4))", "wall mass 1e8 kg", "linespoints pt 5"},
+      {"table.csv", "1:(abs($6))", "[L18] Table I (opposite sign)", "points pt 2 ps 1.5"},
+  };
+  static const cpl_curve body[] = {
+      {"table.csv", "1:(abs($3))", "true effective mass", "linespoints pt 7"},
+      {"table.csv", "1:(abs($5))", "wall mass 1e8 kg", "linespoints pt 5"},
+      {"table.csv", "1:(abs($7))", "[L18] Table I", "points pt 2 ps 1.5"},
+  };
+  static const cpl_curve velocity[] = {
+      {"m_p=10/dem.csv", "1:6", "particle", "lines lw 2"},
+      {"m_p=10/body_cube.csv", "1:9", "cube", "lines lw 2"},
+      {"m_p=10/dem.csv", "1:(0.5)", "particle after, theory", "lines dt 2 lc rgb 'black'"},
+      {"m_p=10/dem.csv", "1:(1.5)", "cube after, theory", "lines dt 3 lc rgb 'black'"},
+  };
+  const cpl_plot plots[] = {
+      {"Error of the particle's velocity after the collision", "m_c/m_p", "|error| [%]", setup, 3, particle},
+      {"Error of the cube's velocity after the collision", "m_c/m_p", "|error| [%]", setup, 3, body},
+      {"Velocities, m_p = m_c = 10 kg", "time [s]", "velocity [m/s]",
+       "unset logscale\nset format '%g'\nset key bottom right\n", 4, velocity},
+  };
+  cpl_verify_plot(v, "collision", 3, plots);
+}
+
+tdm_status scn_collision(cpl_verify *v, tdm_error *err) {
+  collision_result true_mass[NCASE] = {{0}}, wall_mass[NCASE] = {{0}};
+  for (int i = 0; i < NCASE; i++)
+    if (run_case(v, i, NULL, &true_mass[i], err) != TDM_OK)
+      return err->status;
+  for (int i = 0; i < NCASE; i++)
+    if (run_case(v, i, "1e8", &wall_mass[i], err) != TDM_OK)
+      return err->status;
+  if (write_table(v, true_mass, wall_mass, err) != TDM_OK)
+    return err->status;
+  plot(v);
+  return TDM_OK;
+}

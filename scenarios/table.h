@@ -1,0 +1,16 @@
+/* The scenarios that `tandem verify` knows.
+ *
+ * To add one: a folder <name>/ with scene.json, README.md and its C file (reference solution and measures), one row in
+ * table.c, its files in CMakeLists.txt.
+ */
+#ifndef SCN_TABLE_H
+#define SCN_TABLE_H
+
+#include "coupler/verify.h"
+
+extern const cpl_scenario scn_table[]; /* ended by a NULL name */
+
+tdm_status scn_collision(cpl_verify *v, tdm_error *err);
+tdm_status scn_spring_damper(cpl_verify *v, tdm_error *err);
+
+#endif
