@@ -1,0 +1,88 @@
+/* Checks of a state: see check.h. */
+#include "dem/check.h"
+
+#include <stdio.h>
+
+static const double overlap_max = 0.1; /* of the smaller radius, at the start */
+
+/* the scene's entry that made particle i, and its number there */
+static void where(const dem_model *m, int i, char path[TDM_PATH_MAX], int *number) {
+  int g = 0;
+  while (g < m->ngroup - 1 && i >= m->group[g].first + m->group[g].count)
+    g++;
+  snprintf(path, TDM_PATH_MAX, "dem.particles[%d]", g);
+  *number = i - m->group[g].first;
+}
+
+static void refuse_pair(const dem_data *d, int i, int j, double overlap, tdm_error *err) {
+  char path[TDM_PATH_MAX], other[TDM_PATH_MAX];
+  int ni, nj;
+  where(d->model, i, other, &ni);
+  where(d->model, j, path, &nj);
+  tdm_fail(err, TDM_ERR_SCENE, path,
+           "particle %d overlaps particle %d of %s by %.3g m (radii %g and %g m) and would shoot off; move them apart",
+           nj, ni, other, overlap, d->model->radius[j], d->model->radius[i]);
+}
+
+static void refuse_wall(const dem_data *d, int i, int w, double overlap, tdm_error *err) {
+  char path[TDM_PATH_MAX];
+  int n;
+  where(d->model, i, path, &n);
+  tdm_vec3 x = d->position[i];
+  tdm_fail(
+      err, TDM_ERR_SCENE, path,
+      "particle %d at [%.6g, %.6g, %.6g] m (radius %g m) is in a wall of \"%s\" by %.3g m and would shoot off; move "
+      "it or the body",
+      n, x.x, x.y, x.z, d->model->radius[i], d->model->body[d->model->wall[w].body].name, overlap);
+}
+
+tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
+  const dem_model *m = d->model;
+  *nbehind = 0;
+  for (int i = 0; i < m->nparticle && !err->status; i++) {
+    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
+      int j = d->pairs.other[k];
+      double overlap = m->radius[i] + m->radius[j] - tdm_norm(tdm_sub(d->position[i], d->position[j]));
+      if (overlap > overlap_max * fmin(m->radius[i], m->radius[j]))
+        refuse_pair(d, i, j, overlap, err);
+    }
+    bool behind = false;
+    for (int w = 0; w < m->nwall; w++) {
+      tdm_vec3 n;
+      double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->position[i], &n);
+      bool through = m->wall[w].primitive == DEM_PLANE && gap <= -m->radius[i];
+      behind = behind || through;
+      if (!through && m->radius[i] - gap > overlap_max * m->radius[i])
+        refuse_wall(d, i, w, m->radius[i] - gap, err);
+    }
+    *nbehind += behind;
+  }
+  return err->status;
+}
+
+static bool finite_at(const dem_data *d, int i) {
+  return tdm_finite(&d->position[i].x, 3) && tdm_finite(&d->velocity[i].x, 3) && tdm_finite(&d->spin[i].x, 3);
+}
+
+tdm_status dem_check_finite(const dem_data *d, double t, tdm_error *err) {
+  const dem_model *m = d->model;
+  /* anything that is not finite makes the sum not finite */
+  tdm_vec3 sum = {0, 0, 0};
+  for (int i = 0; i < m->nparticle; i++)
+    sum = tdm_add(sum, tdm_add(tdm_add(d->position[i], d->velocity[i]), d->spin[i]));
+  if (isfinite(sum.x + sum.y + sum.z))
+    return TDM_OK;
+  for (int i = 0; i < m->nparticle; i++) {
+    char path[TDM_PATH_MAX];
+    int n;
+    if (finite_at(d, i))
+      continue;
+    where(m, i, path, &n);
+    return tdm_fail(
+        err, TDM_ERR_NUMERIC, path,
+        "particle %d (%d in all) has a position or velocity that is no number at t = %.9g s; reduce time.dt "
+        "(now %g s) or the stiffness, and look for particles pressed into walls",
+        n, i, t, m->dt);
+  }
+  return TDM_OK;
+}

@@ -1,0 +1,14 @@
+/* Checks of a state: particles that overlap at the start, and numbers that are no longer finite. */
+#ifndef DEM_CHECK_H
+#define DEM_CHECK_H
+
+#include "dem/data.h"
+
+/* Refuse a start in which particles overlap each other or a wall by more than a tenth of a radius: they would fly
+ * apart. Counts the particles that are behind a plane altogether in *nbehind: planes do not act on them. */
+tdm_status dem_check_start(const dem_data *data, int *nbehind, tdm_error *err);
+
+/* TDM_ERR_NUMERIC when a particle's position or velocity is not finite at time t [s]. */
+tdm_status dem_check_finite(const dem_data *data, double t, tdm_error *err);
+
+#endif

@@ -1,0 +1,88 @@
+/* Damping ratio from restitution: see restitution.h. */
+#include "dem/contact/restitution.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+#include <gsl/gsl_roots.h>
+#include <math.h>
+
+double dem_beta_keep(double restitution) {
+  double l = log(restitution);
+  return -l / sqrt(l * l + M_PI * M_PI);
+}
+
+/* dimensionless force on the particle */
+static double impact_force(double beta, double x, double v) {
+  double root4 = sqrt(sqrt(fmax(x, 0)));
+  return root4 * root4 * root4 * root4 * root4 * root4 + sqrt(5) * beta * root4 * v;
+}
+
+static int impact_rate(double t, const double y[], double dydt[], void *params) {
+  (void)t;
+  dydt[0] = y[1];
+  dydt[1] = -impact_force(*(double *)params, y[0], y[1]);
+  return GSL_SUCCESS;
+}
+
+double dem_restitution_clip(double beta) {
+  if (beta <= 0)
+    return 1;
+  gsl_odeiv2_system system = {impact_rate, NULL, 2, &beta};
+  gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2);
+  gsl_odeiv2_control *control = gsl_odeiv2_control_y_new(1e-12, 1e-12);
+  gsl_odeiv2_evolve *evolve = gsl_odeiv2_evolve_alloc(2);
+
+  /* adaptive steps until the force is negative; then back, with steps that halve until they vanish */
+  double t = 0, y[2] = {0, 1}, h = 1e-8;
+  bool closing = false;
+  for (int i = 0; i < 100000 && h > 1e-13; i++) {
+    double t_old = t, y_old[2] = {y[0], y[1]};
+    gsl_odeiv2_evolve_apply(evolve, control, step, &system, &t, t + (closing ? h : 100), &h, y);
+    double taken = t - t_old;
+    if (impact_force(beta, y[0], y[1]) <= 0) {
+      t = t_old, y[0] = y_old[0], y[1] = y_old[1];
+      gsl_odeiv2_evolve_reset(evolve);
+      gsl_odeiv2_step_reset(step);
+      closing = true;
+    }
+    if (closing)
+      h = taken / 2;
+  }
+  gsl_odeiv2_evolve_free(evolve);
+  gsl_odeiv2_control_free(control);
+  gsl_odeiv2_step_free(step);
+  return -y[1];
+}
+
+static double miss(double beta, void *params) {
+  return dem_restitution_clip(beta) - *(double *)params;
+}
+
+bool dem_beta_clip(double restitution, double *beta) {
+  *beta = 0;
+  if (restitution >= 1)
+    return true;
+  /* clipping raises e, so the beta with tail is too small: search upwards from there */
+  double low = dem_beta_keep(restitution), high = 2 * low;
+  if (dem_restitution_clip(low) <= restitution) { /* e so near 1 that the two do not differ */
+    *beta = low;
+    return true;
+  }
+  while (high < 1000 && dem_restitution_clip(high) > restitution) {
+    low = high;
+    high *= 2;
+  }
+  if (high >= 1000)
+    return false;
+  gsl_function f = {miss, &restitution};
+  gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  gsl_root_fsolver_set(solver, &f, low, high);
+  for (int i = 0; i < 100; i++) {
+    gsl_root_fsolver_iterate(solver);
+    *beta = gsl_root_fsolver_root(solver);
+    if (fabs(miss(*beta, &restitution)) < 1e-10)
+      break;
+  }
+  gsl_root_fsolver_free(solver);
+  return fabs(miss(*beta, &restitution)) < 1e-8;
+}

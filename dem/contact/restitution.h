@@ -1,0 +1,23 @@
+/* From the coefficient of restitution to the damping ratio beta of the Hertz contact with Tsuji's damping.
+ *
+ * In units of the undamped impact (x = delta/L, L^2.5 = m v^2/K, t in L/v) the impact is
+ *   x'' = -x^1.5 - sqrt(5) beta x^0.25 x',   x(0) = 0, x'(0) = 1,
+ * so e depends on beta alone.
+ */
+#ifndef DEM_CONTACT_RESTITUTION_H
+#define DEM_CONTACT_RESTITUTION_H
+
+#include "protocol/status.h"
+
+#include <stdbool.h>
+
+/* beta when the attractive tail is kept: -ln e / sqrt(ln^2 e + pi^2), e in (0, 1]. */
+double dem_beta_keep(double restitution);
+
+/* e of an impact that ends when the force falls to 0, integrated with GSL (relative accuracy about 1e-9). */
+double dem_restitution_clip(double beta);
+
+/* beta for which dem_restitution_clip gives e, to 1e-9 in e. Returns false when it cannot be found (e below 0.001). */
+bool dem_beta_clip(double restitution, double *beta);
+
+#endif

@@ -1,0 +1,276 @@
+/* Particles from a scene.
+ *
+ * Random filling never fails by chance: the region is divided into equal cells that hold a particle of the largest
+ * radius each, as few cells as will do, so as large as possible. Particles get cells at random, and a random place
+ * inside their cell. The densest filling is the simple cubic lattice; a region that is too small for it is refused.
+ */
+#include "dem/fill.h"
+
+#include "dem/model_read.h"
+
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PARTICLES_MAX = 20000000 };
+
+/* one row a way to make particles: its "type", read by read_<type> */
+#define FILL_LIST(X) \
+  X(list)            \
+  X(block)           \
+  X(random)
+
+/* One entry of dem.particles while it is read. */
+typedef struct {
+  dem_model *m;
+  tdm_object *o;
+  int kind;          /* material */
+  tdm_pose frame;    /* positions of the entry to world */
+  tdm_vec3 velocity; /* world [m/s] */
+  tdm_vec3 spin;     /* world [rad/s] */
+  double mass;       /* of one particle [kg], 0: from the density */
+  double total_mass; /* of all [kg], 0: from the density */
+} filler;
+
+/* Let *array hold n items. */
+static bool grow(void *array, size_t n, size_t size) {
+  void *p;
+  memcpy(&p, array, sizeof p);
+  p = realloc(p, n * size);
+  if (p)
+    memcpy(array, &p, sizeof p);
+  return p != NULL;
+}
+
+/* room for n more particles */
+static bool make_room(filler *f, long n) {
+  dem_model *m = f->m;
+  if (n > PARTICLES_MAX - m->nparticle) {
+    tdm_object_fail(f->o, NULL, "makes %ld particles; at most %d in all are supported", n, PARTICLES_MAX);
+    return false;
+  }
+  size_t total = (size_t)(m->nparticle + n) + 1;
+  bool good = grow(&m->radius, total, sizeof *m->radius) && grow(&m->mass, total, sizeof *m->mass) &&
+              grow(&m->kind, total, sizeof *m->kind) && grow(&m->position, total, sizeof *m->position) &&
+              grow(&m->velocity, total, sizeof *m->velocity) && grow(&m->spin, total, sizeof *m->spin);
+  if (!good)
+    tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
+  return good;
+}
+
+/* Add a particle at x (coordinates of the entry). There is room. */
+static void add(filler *f, tdm_vec3 x, double radius) {
+  dem_model *m = f->m;
+  int i = m->nparticle++;
+  m->radius[i] = radius;
+  m->mass[i] = f->mass > 0 ? f->mass : m->material[f->kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+  m->kind[i] = f->kind;
+  m->position[i] = tdm_pose_point(f->frame, x);
+  m->velocity[i] = f->velocity;
+  m->spin[i] = f->spin;
+}
+
+/* ---- list ---- */
+
+static void read_list(filler *f) {
+  tdm_object *o = f->o;
+  double radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  json_t *positions = tdm_get_array(o, "positions", true);
+  size_t n = json_array_size(positions);
+  if (o->err->status || !make_room(f, (long)n))
+    return;
+  for (size_t i = 0; i < n; i++) {
+    json_t *entry = json_array_get(positions, i);
+    double x[3];
+    bool good = json_array_size(entry) == 3;
+    for (size_t a = 0; a < 3 && good; a++) {
+      json_t *value = json_array_get(entry, a);
+      x[a] = json_number_value(value);
+      good = json_is_number(value) && isfinite(x[a]);
+    }
+    if (!good) {
+      char path[TDM_PATH_MAX];
+      tdm_fail(o->err, TDM_ERR_SCENE, tdm_path(path, o, "positions", (int)i), "must be three finite numbers [x, y, z]");
+      return;
+    }
+    add(f, tdm_v3(x[0], x[1], x[2]), radius);
+  }
+}
+
+/* ---- block ---- */
+
+static void read_block(filler *f) {
+  tdm_object *o = f->o;
+  double radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  double spacing = tdm_get_number(o, "spacing", 2 * radius, TDM_POSITIVE);
+  tdm_vec3 corner = tdm_get_vec3(o, "corner", NULL);
+  double count[3] = {0, 0, 0};
+  tdm_get_numbers(o, "count", count, 3, true);
+  for (int a = 0; a < 3 && !o->err->status; a++)
+    if (count[a] != floor(count[a]) || count[a] < 0 || count[a] > PARTICLES_MAX)
+      tdm_object_fail(o, "count", "has the entry %g; give three whole numbers of 0 or more", count[a]);
+  if (!o->err->status && spacing < 2 * radius * (1 - 1e-9))
+    tdm_object_fail(o, "spacing", "is %g m, so that particles of radius %g m overlap; give at least %g", spacing,
+                    radius, 2 * radius);
+  double n = count[0] * count[1] * count[2];
+  if (o->err->status || !make_room(f, n > PARTICLES_MAX ? PARTICLES_MAX + 1L : (long)n))
+    return;
+  for (int k = 0; k < (int)count[2]; k++)
+    for (int j = 0; j < (int)count[1]; j++)
+      for (int i = 0; i < (int)count[0]; i++)
+        add(f, tdm_axpy(spacing, tdm_v3(i, j, k), corner), radius);
+}
+
+/* ---- random ---- */
+
+/* Cells in each direction for edge length `edge`; returns their product. */
+static double cells_of(const double size[3], double edge, double n[3]) {
+  for (int a = 0; a < 3; a++)
+    n[a] = floor(size[a] / edge * (1 + 1e-12));
+  return n[0] * n[1] * n[2];
+}
+
+/* The largest cells of at least `least` of which there are `count`; false when even the smallest are too few. */
+static bool choose_cells(const double size[3], double least, long count, double n[3]) {
+  if (cells_of(size, least, n) < (double)count)
+    return false;
+  double low = least, high = size[0] + size[1] + size[2];
+  for (int i = 0; i < 60; i++) {
+    double edge = 0.5 * (low + high);
+    if (cells_of(size, edge, n) >= (double)count)
+      low = edge;
+    else
+      high = edge;
+  }
+  cells_of(size, low, n);
+  return true;
+}
+
+static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3], const double n[3], long count,
+                    double least, double most) {
+  double cell[3] = {size[0] / n[0], size[1] / n[1], size[2] / n[2]};
+  long ncell = (long)(n[0] * n[1] * n[2]), left = count;
+  for (long c = 0; c < ncell && left > 0; c++) {
+    /* choose `left` of the remaining cells, each as likely as any other (Knuth, algorithm S); order stays */
+    if (gsl_rng_uniform(rng) * (double)(ncell - c) >= (double)left)
+      continue;
+    left--;
+    double radius = least + (most - least) * gsl_rng_uniform(rng);
+    const double at[3] = {(double)(c % (long)n[0]), (double)(c / (long)n[0] % (long)n[1]),
+                          (double)(c / ((long)n[0] * (long)n[1]))};
+    double x[3];
+    for (int a = 0; a < 3; a++) {
+      double play = fmax(0, cell[a] - 2 * radius);
+      x[a] = at[a] * cell[a] + radius + play * gsl_rng_uniform(rng);
+    }
+    add(f, tdm_add(low, tdm_v3(x[0], x[1], x[2])), radius);
+  }
+}
+
+static void read_random(filler *f) {
+  tdm_object *o = f->o;
+  long count = tdm_get_integer(o, "count", TDM_REQUIRED_INT, 0);
+  double radius[2] = {0, 0};
+  if (tdm_has(o, "radius") && json_is_array(json_object_get(o->json, "radius")))
+    tdm_get_numbers(o, "radius", radius, 2, true);
+  else
+    radius[0] = radius[1] = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  if (!o->err->status && !(radius[0] > 0 && radius[1] >= radius[0]))
+    tdm_object_fail(o, "radius", "is [%g, %g] but must be [smallest, largest], both greater than 0", radius[0],
+                    radius[1]);
+  long seed = tdm_get_integer(o, "seed", 1, 0);
+  tdm_object region = tdm_get_object(o, "region", true);
+  tdm_vec3 low = tdm_get_vec3(&region, "min", NULL), high = tdm_get_vec3(&region, "max", NULL);
+  double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z}, n[3];
+  if (!o->err->status && !(size[0] > 0 && size[1] > 0 && size[2] > 0))
+    tdm_object_fail(&region, "max", "must be greater than min in x, y and z");
+  tdm_object_close(&region);
+  if (o->err->status || count == 0 || !make_room(f, count))
+    return;
+  if (!choose_cells(size, 2 * radius[1], count, n)) {
+    double room = cells_of(size, 2 * radius[1], n), layer = n[0] * n[1];
+    if (layer > 0)
+      tdm_object_fail(o, "region", "holds %.0f particles of radius %g m, not %ld; make it at least %g m high (z)", room,
+                      radius[1], count, ceil((double)count / layer) * 2 * radius[1]);
+    else
+      tdm_object_fail(o, "region", "is smaller than a particle of radius %g m; make it larger", radius[1]);
+    return;
+  }
+  gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+  gsl_rng_set(rng, (unsigned long)seed);
+  scatter(f, rng, low, size, n, count, radius[0], radius[1]);
+  gsl_rng_free(rng);
+}
+
+/* ---- entries ---- */
+
+/* "material" and "body" by name */
+static void read_names(filler *f) {
+  tdm_object *o = f->o;
+  f->kind = dem_read_material(f->m, o);
+  f->frame = (tdm_pose){{0, 0, 0}, tdm_quat_identity()};
+  if (!tdm_has(o, "body"))
+    return;
+  const char *body = tdm_get_string(o, "body", NULL);
+  int b = dem_find_body(f->m, body);
+  if (b < 0)
+    tdm_object_fail(o, "body", "\"%s\" is no body of dem.bodies; name one of them, or remove the key for world axes",
+                    body);
+  else
+    f->frame = f->m->body[b].start.pose;
+}
+
+/* scale the masses of particles [first, nparticle) to an exact total */
+static void scale_mass(dem_model *m, int first, double total) {
+  double sum = 0;
+  for (int i = first; i < m->nparticle; i++)
+    sum += m->mass[i];
+  for (int i = first; i < m->nparticle; i++)
+    m->mass[i] *= total / sum;
+}
+
+static void read_entry(dem_model *m, tdm_object *o) {
+  static const char *const types[] = {
+#define X(name) #name,
+      FILL_LIST(X)
+#undef X
+  };
+  static void (*const read[])(filler *) = {
+#define X(name) read_##name,
+      FILL_LIST(X)
+#undef X
+  };
+  filler f = {.m = m, .o = o};
+  int type = tdm_get_choice(o, "type", types, sizeof types / sizeof types[0], -1);
+  read_names(&f);
+  const tdm_vec3 zero = {0, 0, 0};
+  f.velocity = tdm_get_vec3(o, "velocity", &zero);
+  f.spin = tdm_get_vec3(o, "spin", &zero);
+  f.mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
+  f.total_mass = tdm_get_number(o, "total_mass", 0, tdm_has(o, "total_mass") ? TDM_POSITIVE : TDM_ANY);
+  if (f.mass > 0 && f.total_mass > 0)
+    tdm_object_fail(o, "total_mass", "excludes \"mass\"; give the mass of one particle or of all");
+  if (o->err->status)
+    return;
+  int first = m->nparticle;
+  read[type](&f);
+  if (f.total_mass > 0 && m->nparticle > first)
+    scale_mass(m, first, f.total_mass);
+  m->group[m->ngroup++] = (dem_group){first, m->nparticle - first};
+  tdm_object_close(o);
+}
+
+void dem_fill_read(dem_model *m, json_t *particles, tdm_error *err) {
+  size_t n = json_array_size(particles);
+  m->group = calloc(n + 1, sizeof *m->group);
+  if (!m->group)
+    tdm_fail(err, TDM_ERR_MEMORY, "dem.particles", "no memory");
+  for (size_t i = 0; i < n && !err->status; i++) {
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.particles[%zu]", i);
+    tdm_object o = tdm_object_open(json_array_get(particles, i), path, err);
+    read_entry(m, &o);
+  }
+}

@@ -1,0 +1,10 @@
+/* Particles from a scene: single ones, blocks, and random filling. */
+#ifndef DEM_FILL_H
+#define DEM_FILL_H
+
+#include "dem/model.h"
+
+/* Read "particles" (an array, may be NULL) into the model, whose materials and bodies are there already. */
+void dem_fill_read(dem_model *model, json_t *particles, tdm_error *err);
+
+#endif

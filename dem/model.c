@@ -1,0 +1,48 @@
+/* The model's life. What it contains is read in model_read.c. */
+#include "dem/model.h"
+
+#include "dem/model_read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int dem_find_material(const dem_model *m, const char *name) {
+  for (int i = 0; i < m->nmaterial; i++)
+    if (m->material[i].name && strcmp(m->material[i].name, name) == 0)
+      return i;
+  return -1;
+}
+
+int dem_find_body(const dem_model *m, const char *name) {
+  for (int i = 0; i < m->nbody; i++)
+    if (m->body[i].name && strcmp(m->body[i].name, name) == 0)
+      return i;
+  return -1;
+}
+
+tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
+  tdm_error own = {0}; /* so that err may be NULL */
+  if (!err)
+    err = &own;
+  *model = calloc(1, sizeof **model);
+  if (!*model)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM model");
+  dem_model_read(*model, assignment, err);
+  return err->status;
+}
+
+void dem_model_destroy(dem_model **model) {
+  dem_model *m = *model;
+  if (!m)
+    return;
+  for (int i = 0; m->material && i < m->nmaterial; i++)
+    free(m->material[i].name);
+  for (int i = 0; m->body && i < m->nbody; i++)
+    free(m->body[i].name);
+  void *arrays[] = {m->material, m->pair, m->settle_pair, m->body,     m->coupled_body, m->wall, m->group,
+                    m->radius,   m->mass, m->kind,        m->position, m->velocity,     m->spin};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+    free(arrays[i]);
+  free(m);
+  *model = NULL;
+}

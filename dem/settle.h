@@ -1,0 +1,23 @@
+/* Settling: letting the particles come to rest before the run, with the bodies held at their start poses.
+ *
+ * It has its own restitution and friction, because a bed with e = 1 never comes to rest, and a weak drag on velocities
+ * and spins, because without rolling resistance a sphere may roll for ever. At rest means that no particle
+ * was faster than settle.speed for a while, longer than a particle lingers at the top of a bounce. What stays of the
+ * settling is the positions and the contact histories; velocities and spins are 0 afterwards.
+ */
+#ifndef DEM_SETTLE_H
+#define DEM_SETTLE_H
+
+#include "dem/data.h"
+
+typedef struct {
+  bool rest;       /* the bed came to rest in time */
+  double dt, time; /* step, and simulated time that it took [s] */
+  double speed;    /* largest particle speed at the end, before velocities were set to 0 [m/s] */
+} dem_settled;
+
+/* Settle `data`, which is at the start. `participant` is told that the solver lives (NULL: nobody is). Errors:
+ * TDM_ERR_INTERRUPTED, TDM_ERR_NUMERIC, TDM_ERR_MEMORY; not coming to rest is none. */
+tdm_status dem_settle(dem_data *data, tdm_participant *participant, dem_settled *settled, tdm_error *err);
+
+#endif

@@ -1,0 +1,83 @@
+/* Support for the tests of dem/: models from JSON text, and windows without a server. */
+#ifndef TEST_DEM_SUPPORT_H
+#define TEST_DEM_SUPPORT_H
+
+#include "dem/data.h"
+#include "dem/geometry/motion.h"
+#include "dem/solver.h"
+#include "dem/step.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ck_near(value, expected, tolerance)                                                                        \
+  do {                                                                                                             \
+    double ck_v = (value), ck_e = (expected), ck_t = (tolerance);                                                  \
+    ck_assert_msg(fabs(ck_v - ck_e) <= ck_t, "%s = %.12g, expected %.12g within %.3g (off by %.3g)", #value, ck_v, \
+                  ck_e, ck_t, ck_v - ck_e);                                                                        \
+  } while (0)
+#define ck_relative(value, expected, tolerance) ck_near(value, expected, (tolerance)*fabs(expected))
+
+/* JSON with ' for ", so that scenes read well in C. printf format. */
+static inline json_t *scene_json(const char *format, ...) {
+  static char text[65536];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  for (char *c = text; *c; c++)
+    if (*c == '\'')
+      *c = '"';
+  json_error_t error;
+  json_t *json = json_loads(text, JSON_REJECT_DUPLICATES, &error);
+  ck_assert_msg(json != NULL, "test scene: %s at line %d column %d", error.text, error.line, error.column);
+  return json;
+}
+
+/* A state at rest at x. */
+static inline tdm_state state_at(double x, double y, double z) {
+  tdm_state s = {.pose = {.position = {x, y, z}, .orientation = {1, 0, 0, 0}}};
+  return s;
+}
+
+typedef struct {
+  json_t *json;
+  tdm_assigned_body body[2];
+  tdm_assignment assignment;
+  dem_model *model;
+  dem_data *data;
+} rig;
+
+/* Load a scene that must be good. `body` (nbody) is copied. The scene is decrefed by rig_free. */
+static inline rig *rig_make(json_t *json, double dt, int nbody, const tdm_assigned_body *body) {
+  rig *r = calloc(1, sizeof *r);
+  r->json = json;
+  for (int i = 0; i < nbody; i++)
+    r->body[i] = body[i];
+  r->assignment = (tdm_assignment){.scene = json, .time_end = 1, .dt = dt, .n = 1, .nbody = nbody, .body = r->body};
+  tdm_error err = {0};
+  dem_model_load(&r->model, &r->assignment, &err);
+  ck_assert_msg(err.status == TDM_OK, "%s: %s", err.path, err.message);
+  r->data = dem_data_create(r->model);
+  ck_assert_ptr_nonnull(r->data);
+  return r;
+}
+
+static inline void rig_free(rig *r) {
+  dem_data_destroy(&r->data);
+  dem_model_destroy(&r->model);
+  json_decref(r->json);
+  free(r);
+}
+
+/* n steps with the bodies where they are */
+static inline void rig_steps(rig *r, long n) {
+  for (long k = 0; k < n; k++)
+    ck_assert(dem_step(r->data, NULL, 0, 1, false, r->model->dt));
+}
+
+#endif

@@ -1,0 +1,285 @@
+/* The solver through its operations: bad scenes are refused with their path, good ones report; windows and samples. */
+#include "../numerics/test_dem_support.h"
+
+#define MATERIALS "'materials':[{'name':'grain','density':1000,'young_modulus':1e7,'poisson_ratio':0.2}]"
+#define PAIRS "'pairs':[{'materials':['grain','grain'],'restitution':0.5,'friction':0.4}]"
+#define BOX                                                                                                            \
+  "'bodies':[{'name':'box','material':'grain','shapes':[{'type':'box','size':[1,1,1],'side':'inside','open':['+z']}]}" \
+  "]"
+#define ONE(x) "'particles':[{'type':'list','material':'grain','radius':0.05,'positions':[" x "]}]"
+
+typedef struct {
+  const char *scene, *path, *says;
+} bad;
+
+static const bad bads[] = {
+    {"{'materials':[{'name':'grain','density':-1,'young_modulus':1e7,'poisson_ratio':0.2}]}",
+     "dem.materials[0].density", "greater than 0"},
+    {"{'materials':[{'name':'grain','density':1,'young_modulus':1e7,'poisson_ratio':0.5}]}",
+     "dem.materials[0].poisson_ratio", "less than 0.5"},
+    {"{'materials':[{'name':'grain','density':'NaN','young_modulus':1e7,'poisson_ratio':0.2}]}",
+     "dem.materials[0].density", "number"},
+    {"{'materials':[{'name':'a','density':1,'young_modulus':1,'poisson_ratio':0},"
+     "{'name':'a','density':1,'young_modulus':1,'poisson_ratio':0}]}",
+     "dem.materials[1].name", "already"},
+    {"{" MATERIALS ",'gravty':[0,0,0]}", "dem.gravty", "gravity"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'list','material':'grian','radius':1,'positions':[]}]}",
+     "dem.particles[0].material", "grain"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'list','material':'grain','radius':0,'positions':[]}]}",
+     "dem.particles[0].radius", "greater than 0"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'list','material':'grain','radius':1,'mass':-2,'positions':[]}]}",
+     "dem.particles[0].mass", "greater than 0"},
+    {"{" MATERIALS "," PAIRS "," ONE("[0,0]") "}", "dem.particles[0].positions[0]", "three"},
+    {"{" MATERIALS "," ONE("[0,0,1],[1,0,1]") "}", "dem.pairs", "\"grain\" and \"grain\""},
+    {"{" MATERIALS ",'pairs':[{'materials':['grain','steel'],'restitution':0.5,'friction':0}]}",
+     "dem.pairs[0].materials[1]", "steel"},
+    {"{" MATERIALS ",'pairs':[{'materials':['grain','grain'],'restitution':0,'friction':0}]}",
+     "dem.pairs[0].restitution", "greater than 0"},
+    {"{" MATERIALS ",'pairs':[{'materials':['grain','grain'],'restitution':1.5,'friction':0}]}",
+     "dem.pairs[0].restitution", "between 0 and 1"},
+    {"{" MATERIALS "," PAIRS ",'contact':{'tail':'cilp'}}", "dem.contact.tail", "clip"},
+    {"{" MATERIALS "," PAIRS
+     ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'plane','normal':[0,0,0]}]}]}",
+     "dem.bodies[0].shapes[0].normal", "zero"},
+    {"{" MATERIALS "," PAIRS
+     ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'inside','size':[1,0,1]}]}]}",
+     "dem.bodies[0].shapes[0].size", "greater than 0"},
+    {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'inside','size':"
+     "[1,1,1],'open':['z']}]}]}",
+     "dem.bodies[0].shapes[0].open[0]", "+z"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,'count':100,"
+     "'region':{'min':[0,0,0],'max':[1,1,0.4]}}]}",
+     "dem.particles[0].region", "holds 50"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,'count':-1,"
+     "'region':{'min':[0,0,0],'max':[1,1,0.4]}}]}",
+     "dem.particles[0].count", "at least 0"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'block','material':'grain','radius':0.1,'count':[2,2,2],"
+     "'spacing':0.1,'corner':[0,0,0]}]}",
+     "dem.particles[0].spacing", "overlap"},
+    {"{" MATERIALS "," PAIRS "," ONE("[0,0,0],[0,0,0.05]") "}", "dem.particles[0]", "overlaps"},
+};
+
+static const bad bads_coupled[] = {
+    {"{" MATERIALS "," PAIRS "," BOX "," ONE("[0,0,-0.5]") "}", "dem.particles[0]", "wall"},
+    {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'bxo','material':'grain','shapes':[]}]}", "coupling.bodies[0].dem",
+     "did you mean \"bxo\""},
+    {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'box','position':[0,0,0],'material':'grain','shapes':[]}]}",
+     "dem.bodies[0].position", "coupled"},
+};
+
+static tdm_assigned_body box_body(void) {
+  return (tdm_assigned_body){.name = "box", .mass = 10, .state = state_at(0, 0, 0)};
+}
+
+/* create must fail as the row says */
+static void refuse(const bad *row, int nbody) {
+  tdm_assigned_body body = box_body();
+  json_t *json = scene_json("%s", row->scene);
+  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1, .nbody = nbody, .body = &body};
+  void *self = NULL;
+  tdm_ready ready = {0};
+  tdm_error err = {0};
+  tdm_status status = dem_solver_ops.create(&self, &a, &ready, NULL, &err);
+  ck_assert_msg(status == TDM_ERR_SCENE, "accepted: %s (%s)", row->scene, err.message);
+  ck_assert_str_eq(err.path, row->path);
+  ck_assert_msg(strstr(err.message, row->says) != NULL, "%s: %s", err.path, err.message);
+  dem_solver_ops.destroy(self);
+  json_decref(json);
+}
+
+START_TEST(test_bad_scenes) {
+  for (size_t i = 0; i < sizeof bads / sizeof bads[0]; i++)
+    refuse(&bads[i], 0);
+  for (size_t i = 0; i < sizeof bads_coupled / sizeof bads_coupled[0]; i++)
+    refuse(&bads_coupled[i], 1);
+}
+END_TEST
+
+/* ---- the solver in windows ---- */
+
+typedef struct {
+  json_t *json;
+  tdm_assigned_body body;
+  tdm_assignment assignment;
+  tdm_ready ready;
+  void *self;
+} session;
+
+static session *open_session(const char *scene, double dt) {
+  session *s = calloc(1, sizeof *s);
+  s->json = scene_json("%s", scene);
+  s->body = box_body();
+  s->assignment = (tdm_assignment){.scene = s->json, .time_end = 1, .dt = dt, .n = 1, .nbody = 1, .body = &s->body};
+  tdm_error err = {0};
+  ck_assert_msg(!dem_solver_ops.create(&s->self, &s->assignment, &s->ready, NULL, &err), "%s: %s", err.path,
+                err.message);
+  return s;
+}
+
+static void close_session(session *s) {
+  dem_solver_ops.destroy(s->self);
+  json_decref(s->json);
+  free(s);
+}
+
+enum { SAMPLES = 4 };
+
+typedef struct {
+  tdm_wrench load, sample_load[SAMPLES];
+  double channel[SAMPLES * 16];
+} outcome;
+
+/* one window of n steps from step k0, the box rising by `speed` */
+static tdm_status window(session *s, long k0, long n, double speed, int nsample, const double *times, outcome *out) {
+  double dt = s->assignment.dt, t0 = (double)k0 * dt, t1 = (double)(k0 + n) * dt;
+  tdm_state ends[2] = {state_at(0, 0, speed * t0), state_at(0, 0, speed * t1)};
+  tdm_step step = {.t0 = t0,
+                   .t1 = t1,
+                   .nstep = (uint64_t)n,
+                   .nbody = 1,
+                   .nstate = 1,
+                   .nsample = nsample,
+                   .start = ends,
+                   .end = ends + 1,
+                   .sample_time = times};
+  *out = (outcome){0};
+  tdm_result result = {.nbody = 1,
+                       .nload = 1,
+                       .nsample = nsample,
+                       .nchannel = s->ready.nchannel,
+                       .load = &out->load,
+                       .sample_load = out->sample_load,
+                       .channel = out->channel};
+  tdm_error err = {0};
+  return dem_solver_ops.step(s->self, &step, &result, &err);
+}
+
+#define BED                                                                               \
+  "{" MATERIALS "," PAIRS "," BOX                                                         \
+  ",'settle':{'speed':0.01},'particles':[{'type':'random','material':'grain','count':40," \
+  "'radius':[0.04,0.05],'total_mass':30,'region':{'min':[-0.5,-0.5,-0.5],'max':[0.5,0.5,0.5]}}]}"
+
+START_TEST(test_ready) {
+  session *s = open_session(BED, 1e-4);
+  ck_assert_int_eq(s->ready.nwarning, 0);
+  ck_relative(s->ready.load[0].force.z, -30 * 9.81, 1e-2);
+  ck_near(json_number_value(json_object_get(s->ready.report, "particle_mass")), 30, 1e-12);
+  ck_assert_int_eq((int)json_integer_value(json_object_get(s->ready.report, "particles")), 40);
+  ck_assert_str_eq(s->ready.channel[0].name, "particles.count");
+  ck_near(s->ready.initial[0], 40, 0);
+  close_session(s);
+
+  s = open_session(BED, 1e-2); /* far above every limit */
+  ck_assert_int_eq(s->ready.nwarning, 1);
+  ck_assert_str_eq(s->ready.warning[0].path, "time.dt");
+  close_session(s);
+}
+END_TEST
+
+START_TEST(test_no_particles) {
+  session *s = open_session("{" MATERIALS "," BOX ",'settle':{}}", 1e-4);
+  ck_assert_int_eq(s->ready.nwarning, 0);
+  outcome out;
+  double t = 1e-3;
+  ck_assert_int_eq(window(s, 0, 10, 1, 1, &t, &out), TDM_OK);
+  ck_near(tdm_norm(out.load.force), 0, 0);
+  ck_near(out.channel[0], 0, 0);
+  close_session(s);
+}
+END_TEST
+
+START_TEST(test_split_windows) {
+  /* two windows of 50 or one of 100 on one straight path: the same but for round-off of the path; means add up */
+  const double times[] = {2e-3, 3e-3, 7.5e-3, 1e-2};
+  session *a = open_session(BED, 1e-4), *b = open_session(BED, 1e-4);
+  outcome whole, first, second;
+  ck_assert_int_eq(window(a, 0, 100, 0.2, 4, times, &whole), TDM_OK);
+  ck_assert_int_eq(window(b, 0, 50, 0.2, 2, times, &first), TDM_OK);
+  ck_assert_int_eq(window(b, 50, 50, 0.2, 2, times + 2, &second), TDM_OK);
+  ck_relative(0.5 * (first.load.force.z + second.load.force.z), whole.load.force.z, 1e-9);
+  for (int k = 0; k < 4; k++) {
+    const outcome *part = k < 2 ? &first : &second;
+    ck_relative(part->sample_load[k % 2].force.z, whole.sample_load[k].force.z, 1e-9);
+    for (int c = 0; c < a->ready.nchannel; c++)
+      ck_near(part->channel[k % 2 * a->ready.nchannel + c], whole.channel[k * a->ready.nchannel + c], 1e-9);
+  }
+  /* the samples' means, weighted with their steps, are the window's mean */
+  double sum = 20 * whole.sample_load[0].force.z + 10 * whole.sample_load[1].force.z +
+               45 * whole.sample_load[2].force.z + 25 * whole.sample_load[3].force.z;
+  ck_relative(sum / 100, whole.load.force.z, 1e-12);
+  ck_assert(fabs(whole.load.force.z) > 30 * 9.81); /* the rising floor pushes */
+  close_session(a);
+  close_session(b);
+}
+END_TEST
+
+START_TEST(test_repeatable) {
+  outcome out[2];
+  for (int k = 0; k < 2; k++) {
+    double t = 0.02;
+    session *s = open_session(BED, 1e-4);
+    ck_assert_int_eq(window(s, 0, 200, 0.5, 1, &t, &out[k]), TDM_OK);
+    close_session(s);
+  }
+  ck_assert_mem_eq(&out[0], &out[1], sizeof out[0]);
+}
+END_TEST
+
+START_TEST(test_turning_too_far) {
+  session *s = open_session(BED, 1e-4);
+  tdm_state ends[2] = {state_at(0, 0, 0), state_at(0, 0, 0)};
+  ends[1].pose.orientation = tdm_quat_from_rotvec(tdm_v3(0, 1.2, 0));
+  tdm_step step = {.t1 = 1e-3, .nstep = 10, .nbody = 1, .nstate = 1, .start = ends, .end = ends + 1};
+  tdm_result result = {.nbody = 1};
+  tdm_error err = {0};
+  ck_assert_int_eq(dem_solver_ops.step(s->self, &step, &result, &err), TDM_ERR_NUMERIC);
+  ck_assert_str_eq(err.path, "coupling.n");
+  close_session(s);
+}
+END_TEST
+
+START_TEST(test_fill) {
+  /* random filling: all inside, none touching, also at the highest density it can make; different seeds differ */
+  rig *r = rig_make(scene_json("{" MATERIALS "," PAIRS ",'gravity':[0,0,0],'particles':["
+                               "{'type':'random','material':'grain','count':1000,'radius':[0.03,0.05],"
+                               " 'region':{'min':[0,0,0],'max':[1,1,1]},'seed':5},"
+                               "{'type':'random','material':'grain','count':300,'radius':0.05,'total_mass':7,"
+                               " 'region':{'min':[2,0,0],'max':[3,1,1]},'seed':5},"
+                               "{'type':'block','material':'grain','count':[2,3,4],'radius':0.05,'spacing':0.2,"
+                               " 'corner':[5,0,0],'mass':0.25}]}"),
+                    1e-4, 0, NULL);
+  ck_assert_int_eq(r->model->nparticle, 1000 + 300 + 24);
+  ck_assert_int_eq(r->data->ncontact, 0);
+  double mass = 0;
+  for (int i = 0; i < 1300; i++) {
+    double R = r->model->radius[i], low = i < 1000 ? 0 : 2;
+    tdm_vec3 x = r->model->position[i];
+    ck_assert(x.x >= low + R - 1e-12 && x.x <= low + 1 - R + 1e-12 && x.y >= R - 1e-12 && x.y <= 1 - R + 1e-12);
+    ck_assert(x.z >= R - 1e-12 && x.z <= 1 - R + 1e-12);
+    mass += i < 1000 ? 0 : r->model->mass[i];
+  }
+  ck_near(mass, 7, 1e-12);
+  ck_near(r->model->mass[1300], 0.25, 0);
+  ck_near(r->model->position[1323].z, 0.6, 1e-12);
+  rig_free(r);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("dem_input");
+  TCase *tests = tcase_create("all");
+  tcase_set_timeout(tests, 120);
+  tcase_add_test(tests, test_bad_scenes);
+  tcase_add_test(tests, test_ready);
+  tcase_add_test(tests, test_no_particles);
+  tcase_add_test(tests, test_split_windows);
+  tcase_add_test(tests, test_repeatable);
+  tcase_add_test(tests, test_turning_too_far);
+  tcase_add_test(tests, test_fill);
+  suite_add_tcase(suite, tests);
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
