@@ -97,6 +97,20 @@ static tdm_status not_finite(cpl_loop *loop, cpl_role role, int body, const char
       cpl_session_name(loop->session, role), what, loop->settings->body[body].name[role], loop->t0, loop->t1);
 }
 
+/* SLERP takes the short way: a body may not turn far within a window. */
+static tdm_status check_turn(cpl_loop *loop, int body, tdm_error *err) {
+  const double most = 1; /* [rad] */
+  double rate = fmax(tdm_norm(loop->state_start[body].twist.angular), tdm_norm(loop->state_end[body].twist.angular));
+  double turn = rate * (loop->t1 - loop->t0);
+  if (turn <= most)
+    return TDM_OK;
+  return tdm_fail(
+      err, TDM_ERR_NUMERIC, "coupling.n",
+      "body \"%s\" turns by %.3g rad in the window from %g s to %g s; the path inside a window is followed up "
+      "to %g rad: take a smaller n",
+      loop->settings->body[body].name[CPL_MBD], turn, loop->t0, loop->t1, most);
+}
+
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
   for (int i = 0; i < loop->nbody; i++)
     for (int j = 0; j < ncoefficient; j++)
@@ -109,6 +123,8 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
     loop->state_end[i] = loop->result[CPL_MBD].state[i];
     if (!tdm_finite((const double *)(const void *)&loop->state_end[i], TDM_STATE_DOUBLES))
       return not_finite(loop, CPL_MBD, i, "a state", err);
+    if (check_turn(loop, i, err) != TDM_OK)
+      return err->status;
   }
   return TDM_OK;
 }

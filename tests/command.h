@@ -61,8 +61,8 @@ static inline void write_file(const char *dir, const char *name, const char *tex
   fclose(f);
 }
 
-/* How many processes run (zombies left out) whose command line has this text. */
-static inline int processes_with(const char *text) {
+/* The processes (zombies left out) whose command line has this text: their number, and the last one's id in *pid. */
+static inline int find_processes(const char *text, pid_t *pid) {
   DIR *proc = opendir("/proc");
   int found = 0;
   for (struct dirent *entry; proc && (entry = readdir(proc)) != NULL;) {
@@ -76,11 +76,19 @@ static inline int processes_with(const char *text) {
       fclose(f);
     for (size_t i = 0; i + 1 < n; i++)
       line[i] = line[i] ? line[i] : ' ';
-    found += strstr(line, text) != NULL;
+    if (strstr(line, text) == NULL)
+      continue;
+    found++;
+    if (pid)
+      *pid = (pid_t)atoi(entry->d_name);
   }
   if (proc)
     closedir(proc);
   return found;
+}
+
+static inline int processes_with(const char *text) {
+  return find_processes(text, NULL);
 }
 
 #endif

@@ -191,6 +191,36 @@ START_TEST(ctrl_c_keeps_what_was_computed) {
 }
 END_TEST
 
+START_TEST(a_solver_killed_at_a_random_window) {
+  setup();
+  srand((unsigned)getpid());
+  static const char *const solvers[] = {"dem", "mbd"};
+  for (int i = 0; i < 4; i++) {
+    char find[64], named[64];
+    snprintf(find, sizeof find, "tandem-%s --connect", solvers[i % 2]);
+    snprintf(named, sizeof named, "error: %s (tandem-%s", solvers[i % 2], solvers[i % 2]);
+    int delay = rand() % 400000; /* [us] */
+    pid_t killer = fork();
+    if (killer == 0) {
+      pid_t victim;
+      for (int k = 0; k < 1000 && find_processes(find, &victim) == 0; k++)
+        usleep(5000);
+      usleep((useconds_t)delay);
+      _exit(find_processes(find, &victim) == 1 ? kill(victim, SIGKILL) != 0 : 2);
+    }
+    int status = command("tandem run %s/scene.json --out %s/out --set time.end=1e5", dir, dir), killed;
+    waitpid(killer, &killed, 0);
+    ck_assert_int_eq(killed, 0);
+    ck_assert_msg(status == 1, "%d after %d us: %s", status, delay, command_output);
+    expect_output(named);
+    expect_output("killed by signal 9");
+    ck_assert_int_eq(processes_with("tandem-dem --connect"), 0);
+    ck_assert_int_eq(processes_with("tandem-mbd --connect"), 0);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(the_summary_tells_how_it_went) {
   setup();
   run("out", "");
@@ -210,4 +240,4 @@ END_TEST
 
 TEST_MAIN("runs", 120, runs_are_bit_identical, the_grid_does_not_depend_on_n, the_last_window_is_shorter,
           loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
-          the_summary_tells_how_it_went)
+          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went)

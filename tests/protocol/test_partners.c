@@ -111,6 +111,21 @@ START_TEST(faults_are_named) {
 }
 END_TEST
 
+START_TEST(a_fast_turn_is_refused) {
+  /* 100 rad/s: n = 90 is 0.9 rad a window, n = 110 is 1.1 rad */
+  setup();
+  static const char *const sets[] = {"90", "110"};
+  for (int i = 0; i < 2; i++) {
+    int status = command("tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver "
+                         "--set 'mbd.bodies[0].angular_velocity=[0,0,100]' --set coupling.n=%s",
+                         dir, dir, sets[i]);
+    ck_assert_msg(status == i, "%s", command_output);
+  }
+  expect_output("coupling.n: body \"mass\" turns by 1.1 rad");
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(what_was_computed_is_kept) {
   setup();
   ck_assert_int_eq(run_with("killed", "1000"), 1);
@@ -186,5 +201,5 @@ START_TEST(a_solver_without_a_server_gives_up) {
 END_TEST
 
 TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section, faults_are_named,
-          what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
+          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
           a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
