@@ -243,20 +243,13 @@ static tdm_status check_capabilities(cpl_session *s, int role, tdm_error *err) {
   return TDM_OK;
 }
 
-static json_t *numbers(const double *values, int n) {
-  json_t *array = json_array();
-  for (int i = 0; i < n; i++)
-    json_array_append_new(array, json_real(values[i]));
-  return array;
-}
-
 static json_t *assigned_body(const cpl_session *s, int role, int i) {
   json_t *body = json_pack("{s:s}", "name", s->settings->body[i].name[role]);
   if (role == CPL_DEM) {
     const tdm_assigned_body *b = &s->body[i];
     json_object_set_new(body, "mass", isfinite(b->mass) ? json_real(b->mass) : json_null());
-    json_object_set_new(body, "inertia", numbers(&b->inertia.m[0][0], 9));
-    json_object_set_new(body, "state", numbers((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
+    json_object_set_new(body, "inertia", tdm_numbers_to_json(&b->inertia.m[0][0], 9));
+    json_object_set_new(body, "state", tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
   }
   return body;
 }

@@ -4,7 +4,7 @@
  * dt/2
  *
  * Damping needs v(t+dt) before a(t+dt) is known: it takes the prediction v(t) + a(t) dt, so that it does not lag by
- * half a step ([L18] errata 10). Rotation likewise, with I = 2/5 m R^2.
+ * half a step. Rotation likewise, with I = 2/5 m R^2.
  */
 #ifndef DEM_INTEGRATE_H
 #define DEM_INTEGRATE_H

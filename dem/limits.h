@@ -1,7 +1,7 @@
 /* Limits of the DEM step.
  *
  * Rayleigh: dt_R = pi R sqrt(rho/G) / (0.1631 nu + 0.8766), the time a surface wave takes around a particle ([L18]
- * Eq. 26 as in errata 7); 0.4 of it is a common limit.
+ * Eq. 26, where the parenthesis stands inside the root in print); 0.4 of it is a common limit.
  * Contact: an impact takes t_c = 2.868 (m*^2 / (R* E*^2 v))^(1/5) (Hertz) and needs at least ten steps.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
  * contacts that touch now; tangentially (1 + m R^2/I) S_t = 3.5 S_t acts. 0.8 of it is taken.

@@ -232,16 +232,8 @@ static tdm_status make_paths(dem_solver *s, const tdm_step *step, tdm_error *err
   if (step->nbody != m->ncoupled || step->nstate != m->ncoupled)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP has states of %d bodies, ASSIGN had %d", step->nstate,
                     m->ncoupled);
-  for (int c = 0; c < m->ncoupled; c++) {
+  for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window */
     s->motion[c] = dem_motion_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
-    double angle = tdm_norm(s->motion[c].turn);
-    if (angle > 1)
-      return tdm_fail(
-          err, TDM_ERR_NUMERIC, "coupling.n",
-          "\"%s\" turns by %.3g rad in the window at t = %.6g s, more than the 1 rad that a path can follow; "
-          "reduce coupling.n",
-          m->body[m->coupled_body[c]].name, angle, step->t0);
-  }
   return TDM_OK;
 }
 
@@ -265,7 +257,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     if (!dem_step(d, s->motion, k, step->nstep, false, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
 
-    /* [L18] errata 1: the mean of the n samples after each step */
+    /* [L18] Eq. 2: the mean of the n samples after each step */
     for (int c = 0; c < m->ncoupled; c++) {
       add_load(&s->load[c], &d->body_load[m->coupled_body[c]]);
       add_load(&d->sample_sum[c], &d->body_load[m->coupled_body[c]]);

@@ -143,6 +143,13 @@ tdm_status tdm_control_read(const tdm_header *header, json_t **json, tdm_error *
   return TDM_OK;
 }
 
+json_t *tdm_numbers_to_json(const double *values, int n) {
+  json_t *array = json_array();
+  for (int i = 0; i < n; i++)
+    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
+  return array;
+}
+
 json_t *tdm_error_to_json(const tdm_error *err) {
   json_t *json = json_object();
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));

@@ -73,6 +73,9 @@ tdm_status tdm_control_write(tdm_frame *frame, tdm_message_type type, uint64_t w
 /* The JSON object in the payload (new reference, the caller decrefs; an empty payload is an empty object). */
 tdm_status tdm_control_read(const tdm_header *header, json_t **json, tdm_error *err);
 
+/* n doubles as a JSON array (new reference); numbers that are not finite become null. */
+json_t *tdm_numbers_to_json(const double *values, int n);
+
 /* An error as a control message's JSON and back: {"status": "TDM_ERR_SCENE", "path": …, "message": …}. */
 json_t *tdm_error_to_json(const tdm_error *err);
 void tdm_error_from_json(const json_t *json, tdm_error *err);

@@ -186,22 +186,15 @@ tdm_status tdm_participant_initialize(tdm_participant *p, tdm_assignment *a, tdm
   return err->status;
 }
 
-/* n doubles as a JSON array; numbers that are not finite as null */
-static json_t *numbers(const double *values, int n) {
-  json_t *array = json_array();
-  for (int i = 0; i < n; i++)
-    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
-  return array;
-}
-
 static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
   json_t *bodies = json_array();
   for (int i = 0; p->is_mbd && i < p->nbody; i++) {
     const tdm_assigned_body *b = &ready->body[i];
     json_t *mass = isfinite(b->mass) ? json_real(b->mass) : json_null();
-    json_array_append_new(bodies, json_pack("{s:s, s:o, s:o, s:o}", "name", b->name, "mass", mass, "inertia",
-                                            numbers(&b->inertia.m[0][0], 9), "state",
-                                            numbers((const double *)(const void *)&b->state, TDM_STATE_DOUBLES)));
+    json_array_append_new(bodies,
+                          json_pack("{s:s, s:o, s:o, s:o}", "name", b->name, "mass", mass, "inertia",
+                                    tdm_numbers_to_json(&b->inertia.m[0][0], 9), "state",
+                                    tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES)));
   }
   return bodies;
 }
@@ -209,7 +202,8 @@ static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
 static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
   json_t *loads = json_array(), *channels = json_array(), *warnings = json_array();
   for (int i = 0; !p->is_mbd && i < p->nbody; i++)
-    json_array_append_new(loads, numbers((const double *)(const void *)&ready->load[i], TDM_WRENCH_DOUBLES));
+    json_array_append_new(loads,
+                          tdm_numbers_to_json((const double *)(const void *)&ready->load[i], TDM_WRENCH_DOUBLES));
   for (int i = 0; i < ready->nchannel; i++) {
     const tdm_channel *c = &ready->channel[i];
     double initial = ready->initial[i];

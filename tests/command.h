@@ -38,11 +38,13 @@ static inline int command(const char *format, ...) {
 #define expect_output(text) \
   ck_assert_msg(strstr(command_output, text) != NULL, "no \"%s\" in the output:\n%s", text, command_output)
 
-/* A directory that a test may fill; removed by directory_remove. */
+/* A directory that a test may fill; removed by directory_remove. It becomes TMPDIR as well, so that the ipc directories
+ * of the runs lie in it and their solvers' command lines have its name. */
 static inline const char *directory_make(void) {
   static char name[64];
   strcpy(name, "/tmp/tandem-test-XXXXXX");
   ck_assert_ptr_nonnull(mkdtemp(name));
+  setenv("TMPDIR", name, 1);
   return name;
 }
 
@@ -87,8 +89,13 @@ static inline int find_processes(const char *text, pid_t *pid) {
   return found;
 }
 
-static inline int processes_with(const char *text) {
-  return find_processes(text, NULL);
+/* No process of the runs in this directory is left, and none of their ipc directories. */
+static inline void expect_nothing_left(const char *dir) {
+  char socket[128], line[256];
+  snprintf(socket, sizeof socket, "%s/tandem-", dir);
+  ck_assert_int_eq(find_processes(socket, NULL), 0);
+  snprintf(line, sizeof line, "ls -d %s* >/dev/null 2>&1", socket);
+  ck_assert_msg(system(line) != 0, "an ipc directory is left in %s", dir);
 }
 
 #endif

@@ -5,6 +5,15 @@
 #include <check.h>
 #include <stdlib.h>
 
+/* Run a suite that a file has put together itself (loop tests); its exit status. */
+static inline int run_suite(Suite *suite) {
+  SRunner *runner = srunner_create(suite);
+  srunner_run_all(runner, CK_NORMAL);
+  int failed = srunner_ntests_failed(runner);
+  srunner_free(runner);
+  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
 static inline int test_run(const char *name, double seconds, const TTest *const *tests, size_t ntest) {
   Suite *suite = suite_create(name);
   TCase *tests_of_file = tcase_create(name);
@@ -12,11 +21,7 @@ static inline int test_run(const char *name, double seconds, const TTest *const 
   for (size_t i = 0; i < ntest; i++)
     tcase_add_test(tests_of_file, tests[i]);
   suite_add_tcase(suite, tests_of_file);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+  return run_suite(suite);
 }
 
 #define TEST_MAIN(name, seconds, ...)                                    \

@@ -112,7 +112,7 @@ DEM_KERNEL void wall_loop(const dem_model *m, dem_data *d, bool settling, double
       tdm_vec3 vc_mid = tdm_sub(tdm_axpy(-gap, tdm_cross(d->spin[i], n), d->velocity[i]), wall_mid);
       double turn = 0.5 * dt * tdm_dot(tdm_add(d->spin[i], mid.angular), n);
 
-      /* a held body is immovable; a coupled one has its own mass ([L18] errata 10) */
+      /* a held body is immovable; a coupled one has its own mass */
       double inverse = settling ? 0 : d->body_inverse[b];
       double mass = m->mass[i] / (1 + m->mass[i] * inverse);
       const dem_pair *pair = &table[m->kind[i] * m->nmaterial + m->body[b].material];

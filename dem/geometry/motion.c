@@ -26,8 +26,8 @@ tdm_pose dem_motion_pose(const dem_motion *m, double s) {
     x = tdm_axpy(m->duration * h11, m->end.twist.velocity, x);
   }
   tdm_quat q = m->start.pose.orientation;
-  if (tdm_dot(m->turn, m->turn) > 0)
-    q = tdm_quat_unit(tdm_quat_mul(q, tdm_quat_from_rotvec(tdm_scale(s, m->turn))));
+  if (tdm_dot(m->turn, m->turn) > 0) /* else exactly the start's */
+    q = tdm_quat_slerp(q, m->end.pose.orientation, s);
   return (tdm_pose){x, q};
 }
 

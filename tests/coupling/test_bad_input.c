@@ -61,8 +61,7 @@ START_TEST(values_of_the_scene) {
                   "%s: expected place, \"%s\" and \"%s\" in: %s", cases[i].options, path, cases[i].words,
                   command_output);
   }
-  ck_assert_int_eq(processes_with("tandem-dem --connect"), 0);
-  ck_assert_int_eq(processes_with("tandem-mbd --connect"), 0);
+  expect_nothing_left(dir);
   directory_remove(dir);
 }
 END_TEST

@@ -4,6 +4,7 @@
 
 #include "dem/contact/restitution.h"
 #include "dem/limits.h"
+#include "tests/test_main.h"
 
 /* A sphere (R 10 mm, E* 1e7/(1-0.09) wall rigid-like) above a fixed floor. */
 static rig *drop(const char *tangential, const char *tail, double e, double mu, double dt, const char *motion) {
@@ -272,35 +273,16 @@ START_TEST(test_effective_mass) {
   ck_near(hit_body(100, ""), 0.5, 1e-3);
   ck_near(hit_body(10, ""), 0.5, 1e-3);
   ck_near(hit_body(1, ""), 0.5, 1e-3);
-  /* [L18] errata 10: a wall that is assumed to be heavy takes too much, 0.366 at equal masses */
+  /* a wall that is assumed to be heavy takes too much, 0.366 at equal masses */
   ck_near(hit_body(1, "'wall_mass': 1e8"), 0.366, 5e-3);
 }
 END_TEST
 
 START_TEST(test_rayleigh) {
-  ck_near(dem_rayleigh(0.05, 1000, 1e8, 0.2), 5.46e-4, 0.5e-6); /* [L18] errata 7 */
+  ck_near(dem_rayleigh(0.05, 1000, 1e8, 0.2), 5.46e-4, 0.5e-6); /* [L18] Eq. 26 with the parenthesis outside the root */
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem_contact");
-  TCase *tests = tcase_create("all");
-  tcase_set_timeout(tests, 120);
-  tcase_add_test(tests, test_hertz_impact);
-  tcase_add_test(tests, test_damping_ratio);
-  tcase_add_test(tests, test_restitution);
-  tcase_add_test(tests, test_verlet_order);
-  tcase_add_test(tests, test_sliding_to_rolling);
-  tcase_add_test(tests, test_incline);
-  tcase_add_test(tests, test_gross_sliding);
-  tcase_add_test(tests, test_oblique_impact);
-  tcase_add_test(tests, test_no_energy_from_springs);
-  tcase_add_test(tests, test_effective_mass);
-  tcase_add_test(tests, test_rayleigh);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+TEST_MAIN("dem contact", 120, test_hertz_impact, test_damping_ratio, test_restitution, test_verlet_order,
+          test_sliding_to_rolling, test_incline, test_gross_sliding, test_oblique_impact, test_no_energy_from_springs,
+          test_effective_mass, test_rayleigh)

@@ -6,6 +6,7 @@
 #include "dem/limits.h"
 #include "dem/search/pairs.h"
 #include "dem/settle.h"
+#include "tests/test_main.h"
 
 /* A cloud of spheres of two sizes in a closed box that turns and moves. */
 static json_t *cloud_json(int n, double e, const char *more) {
@@ -318,25 +319,5 @@ START_TEST(test_lost) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem_engine");
-  TCase *tests = tcase_create("all");
-  tcase_set_timeout(tests, 120);
-  tcase_add_test(tests, test_lists_miss_nothing);
-  tcase_add_test(tests, test_far_particle);
-  tcase_add_test(tests, test_common_motion);
-  tcase_add_test(tests, test_copy);
-  tcase_add_test(tests, test_momentum);
-  tcase_add_test(tests, test_energy);
-  tcase_add_test(tests, test_wrench);
-  tcase_add_test(tests, test_path);
-  tcase_add_test(tests, test_settling);
-  tcase_add_test(tests, test_shapes);
-  tcase_add_test(tests, test_lost);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+TEST_MAIN("dem engine", 120, test_lists_miss_nothing, test_far_particle, test_common_motion, test_copy, test_momentum,
+          test_energy, test_wrench, test_path, test_settling, test_shapes, test_lost)

@@ -1,5 +1,6 @@
 /* Motions with known solutions: free fall, pendulum, double pendulum, free body, heavy top; constraint drift. */
 #include "tests/numerics/test_mbd_support.h"
+#include "tests/test_main.h"
 
 #define TIGHT "'solver':{'relative_tolerance':1e-10,'absolute_tolerance':1e-11}"
 
@@ -142,17 +143,5 @@ START_TEST(test_repeat) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_motion");
-  TCase *tcase = tcase_create("motion");
-  tcase_set_timeout(tcase, 120);
-  tcase_add_test(tcase, test_free_fall);
-  tcase_add_test(tcase, test_pendulum);
-  tcase_add_test(tcase, test_drift);
-  tcase_add_test(tcase, test_double_pendulum);
-  tcase_add_test(tcase, test_free_body);
-  tcase_add_test(tcase, test_heavy_top);
-  tcase_add_test(tcase, test_repeat);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN("mbd motion", 120, test_free_fall, test_pendulum, test_drift, test_double_pendulum, test_free_body,
+          test_heavy_top, test_repeat)

@@ -1,5 +1,6 @@
 /* Reactions, torsional springs over full turns, and the consistent start. */
 #include "tests/numerics/test_mbd_support.h"
+#include "tests/test_main.h"
 
 START_TEST(test_cantilever) {
   run r;
@@ -151,17 +152,5 @@ START_TEST(test_first_load) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_statics");
-  TCase *tcase = tcase_create("statics");
-  tcase_set_timeout(tcase, 120);
-  tcase_add_test(tcase, test_cantilever);
-  tcase_add_test(tcase, test_pendulum_reaction);
-  tcase_add_test(tcase, test_torsional_turns);
-  tcase_add_test(tcase, test_torsional_rest);
-  tcase_add_test(tcase, test_inconsistent_start);
-  tcase_add_test(tcase, test_assembly);
-  tcase_add_test(tcase, test_first_load);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN("mbd statics", 120, test_cantilever, test_pendulum_reaction, test_torsional_turns, test_torsional_rest,
+          test_inconsistent_start, test_assembly, test_first_load)

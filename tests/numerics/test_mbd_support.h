@@ -130,14 +130,6 @@ static inline void reference_row(const char *file, double t, double *out, int n)
   ck_abort_msg("no t = %g in %s", t, file);
 }
 
-static inline int run_suite(Suite *suite) {
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? 1 : 0;
-}
-
 #define CLOSE(x, y, tol)                                                                                        \
   ck_assert_msg(fabs((x) - (y)) <= (tol), "%s = %.15g, expected %.15g within %g", #x, (double)(x), (double)(y), \
                 (double)(tol))

@@ -3,6 +3,7 @@
  */
 #include "protocol/log.h"
 #include "tests/numerics/test_mbd_support.h"
+#include "tests/test_main.h"
 
 static const char box[] =
     "{'bodies':[{'name':'box','mass':100,'inertia':[10,10,10],'position':[0,0,0]}],"
@@ -142,15 +143,4 @@ START_TEST(test_jumps) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_windows");
-  TCase *tcase = tcase_create("windows");
-  tcase_set_timeout(tcase, 120);
-  tcase_add_test(tcase, test_oscillator);
-  tcase_add_test(tcase, test_cut_into_windows);
-  tcase_add_test(tcase, test_tiny_windows);
-  tcase_add_test(tcase, test_samples);
-  tcase_add_test(tcase, test_jumps);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN("mbd windows", 120, test_oscillator, test_cut_into_windows, test_tiny_windows, test_samples, test_jumps)

@@ -28,12 +28,6 @@ static int run_with(const char *fault, const char *window) {
                  window ? "FAULT_WINDOW=" : "", window ? window : "", dir, dir, section);
 }
 
-/* No solver of this test runs any more. */
-static void expect_nothing_left(void) {
-  ck_assert_int_eq(processes_with("faulty_solver"), 0);
-  ck_assert_int_eq(processes_with("dummy_solver"), 0);
-}
-
 START_TEST(dummy_is_an_oscillator) {
   setup();
   int status = run_with("", NULL);
@@ -55,7 +49,7 @@ START_TEST(dummy_is_an_oscillator) {
   ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
   ck_assert_double_eq_tol(cpl_table_column(&t, "dummy.time", &err)[200], 0.2, 1e-12);
   cpl_table_free(&t);
-  expect_nothing_left();
+  expect_nothing_left(dir);
   directory_remove(dir);
 }
 END_TEST
@@ -105,7 +99,7 @@ START_TEST(faults_are_named) {
       ck_assert_msg(strstr(command_output, faults[i].words[w]) != NULL, "%s %s: no \"%s\" in: %s", faults[i].fault,
                     faults[i].window ? faults[i].window : "", faults[i].words[w], command_output);
     ck_assert_msg(time(NULL) - begin < 20, "%s took too long", faults[i].fault);
-    expect_nothing_left();
+    expect_nothing_left(dir);
   }
   directory_remove(dir);
 }
@@ -147,7 +141,7 @@ START_TEST(a_deaf_solver_is_ended) {
   setup();
   int status = run_with("deaf", NULL);
   ck_assert_msg(status == 0, "%s", command_output);
-  expect_nothing_left();
+  expect_nothing_left(dir);
   directory_remove(dir);
 }
 END_TEST
@@ -158,7 +152,7 @@ START_TEST(a_solver_that_is_not_there) {
                    1);
   expect_output("no_such_solver");
   expect_output("neither beside this program nor on PATH");
-  expect_nothing_left();
+  expect_nothing_left(dir);
   directory_remove(dir);
 }
 END_TEST
@@ -175,15 +169,19 @@ START_TEST(a_server_that_dies_takes_its_solvers) {
           "coupling.solvers.dem=" TANDEM_TEST_DIR "/faulty_solver", "--set", "coupling.timeout=50", NULL);
     _exit(127);
   }
-  for (int i = 0; i < 100 && processes_with("faulty_solver --connect") == 0; i++)
+  char solver[128], partner[128];
+  snprintf(solver, sizeof solver, "faulty_solver --connect ipc://%s", dir);
+  snprintf(partner, sizeof partner, "tandem-mbd --connect ipc://%s", dir);
+  for (int i = 0; i < 100 && find_processes(solver, NULL) == 0; i++)
     usleep(50000);
   usleep(300000);
-  ck_assert_int_eq(processes_with("faulty_solver --connect"), 1);
+  ck_assert_int_eq(find_processes(solver, NULL), 1);
+  ck_assert_int_eq(find_processes(partner, NULL), 1);
   ck_assert_int_eq(kill(pid, SIGKILL), 0);
   waitpid(pid, NULL, 0);
   usleep(300000);
-  ck_assert_int_eq(processes_with("faulty_solver"), 0);
-  ck_assert_int_eq(processes_with("tandem-mbd"), 0);
+  ck_assert_int_eq(find_processes(solver, NULL), 0);
+  ck_assert_int_eq(find_processes(partner, NULL), 0);
   directory_remove(dir);
 }
 END_TEST

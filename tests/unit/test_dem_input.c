@@ -1,5 +1,6 @@
 /* The solver through its operations: bad scenes are refused with their path, good ones report; windows and samples. */
 #include "../numerics/test_dem_support.h"
+#include "tests/test_main.h"
 
 #define MATERIALS "'materials':[{'name':'grain','density':1000,'young_modulus':1e7,'poisson_ratio':0.2}]"
 #define PAIRS "'pairs':[{'materials':['grain','grain'],'restitution':0.5,'friction':0.4}]"
@@ -225,19 +226,6 @@ START_TEST(test_repeatable) {
 }
 END_TEST
 
-START_TEST(test_turning_too_far) {
-  session *s = open_session(BED, 1e-4);
-  tdm_state ends[2] = {state_at(0, 0, 0), state_at(0, 0, 0)};
-  ends[1].pose.orientation = tdm_quat_from_rotvec(tdm_v3(0, 1.2, 0));
-  tdm_step step = {.t1 = 1e-3, .nstep = 10, .nbody = 1, .nstate = 1, .start = ends, .end = ends + 1};
-  tdm_result result = {.nbody = 1};
-  tdm_error err = {0};
-  ck_assert_int_eq(dem_solver_ops.step(s->self, &step, &result, &err), TDM_ERR_NUMERIC);
-  ck_assert_str_eq(err.path, "coupling.n");
-  close_session(s);
-}
-END_TEST
-
 START_TEST(test_fill) {
   /* random filling: all inside, none touching, also at the highest density it can make; different seeds differ */
   rig *r = rig_make(scene_json("{" MATERIALS "," PAIRS ",'gravity':[0,0,0],'particles':["
@@ -265,21 +253,5 @@ START_TEST(test_fill) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem_input");
-  TCase *tests = tcase_create("all");
-  tcase_set_timeout(tests, 120);
-  tcase_add_test(tests, test_bad_scenes);
-  tcase_add_test(tests, test_ready);
-  tcase_add_test(tests, test_no_particles);
-  tcase_add_test(tests, test_split_windows);
-  tcase_add_test(tests, test_repeatable);
-  tcase_add_test(tests, test_turning_too_far);
-  tcase_add_test(tests, test_fill);
-  suite_add_tcase(suite, tests);
-  SRunner *runner = srunner_create(suite);
-  srunner_run_all(runner, CK_NORMAL);
-  int failed = srunner_ntests_failed(runner);
-  srunner_free(runner);
-  return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+TEST_MAIN("dem input", 120, test_bad_scenes, test_ready, test_no_particles, test_split_windows, test_repeatable,
+          test_fill)

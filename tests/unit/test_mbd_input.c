@@ -1,5 +1,6 @@
 /* Wrong scenes: each is refused with the status, the path and a word that tells the user what to do. */
 #include "tests/numerics/test_mbd_support.h"
+#include "tests/test_main.h"
 
 #define BODY(name, rest) "{'name':'" name "','mass':1,'inertia':[1,1,1],'position':[0,0,0]" rest "}"
 #define BOX "'bodies':[" BODY("box", "") "]"

@@ -4,6 +4,7 @@
 #include "mbd/jacobian.h"
 #include "mbd/residual.h"
 #include "tests/numerics/test_mbd_support.h"
+#include "tests/test_main.h"
 
 #define BODIES                                                                                      \
   "'bodies':[{'name':'a','mass':2,'inertia':[1.1,1.4,1.9,0.1,-0.2,0.05],'position':[0.3,-0.2,0.5]," \
