@@ -1,5 +1,6 @@
 /* tandem: the command line. */
 #include "coupler/find.h"
+#include "coupler/report.h"
 #include "coupler/run.h"
 #include "coupler/session.h"
 #include "coupler/verify.h"
@@ -23,6 +24,10 @@ static void usage(FILE *out) {
         "      Run a scene: a JSON file, or the name of a scenario. Results go to DIR (default: run-out).\n"
         "      --set PATH=VALUE   override a value of the scene: --set coupling.n=25 --set dem.pairs[0].friction=0.3\n"
         "      --strict           refuse a run that a solver has doubts about\n\n"
+        "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
+        "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n\n"
+        "  tandem report DIR\n"
+        "      Plot a result directory: every time history, simulation against reference, where the time went.\n\n"
         "  tandem verify [NAME|GROUP ...] [--out DIR] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n\n"
@@ -103,27 +108,36 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 
 /* ---- commands ---- */
 
-static void print_result(const cpl_run_result *r, const char *out) {
-  printf(
-      "%.6g s simulated in %llu windows, %.2f s wall: setup %.2f, DEM %.2f, MBD %.2f, coupling %.2f s; results in %s\n",
-      r->simulated, (unsigned long long)r->windows, r->wall, r->setup, r->step[CPL_DEM], r->step[CPL_MBD], r->coupling,
-      out);
-}
-
-static tdm_status command_run(const arguments *a, tdm_error *err) {
+/* run and check: one scene, up to its end or until both solvers are ready */
+static tdm_status one_scene(const arguments *a, bool check, tdm_error *err) {
   char scene[4096];
   cpl_run_result result;
   if (a->nword != 1 || a->json)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-                    a->json ? "run: --json goes with verify" : "run: name one scene; see tandem --help");
+                    a->json ? "--json goes with verify" : "name one scene; see tandem --help");
   if (cpl_find_scene(scene, sizeof scene, a->word[0], a->scenarios, err) != TDM_OK)
     return err->status;
-  cpl_run_options options = {.scene = scene, .set = a->set, .out = a->out ? a->out : "run-out", .strict = a->strict};
+  cpl_run_options options = {.scene = scene, .set = a->set, .strict = a->strict, .check = check};
+  options.out = a->out ? a->out : check ? "check-out" : "run-out";
   memcpy(options.solver, solvers, sizeof solvers);
   cpl_run(&options, &result, err);
   if (result.windows > 0)
-    print_result(&result, options.out);
+    cpl_run_print(&result, options.out);
   return err->status;
+}
+
+static tdm_status command_run(const arguments *a, tdm_error *err) {
+  return one_scene(a, false, err);
+}
+
+static tdm_status command_check(const arguments *a, tdm_error *err) {
+  return one_scene(a, true, err);
+}
+
+static tdm_status command_report(const arguments *a, tdm_error *err) {
+  if (a->nword != 1 || a->nset || a->json || a->strict || a->out)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "report: name one result directory, and nothing else");
+  return cpl_report(a->word[0], scn_table, err);
 }
 
 static tdm_status command_verify(const arguments *a, tdm_error *err) {
@@ -142,8 +156,12 @@ int main(int argc, char **argv) {
   const struct {
     const char *name;
     tdm_status (*run)(const arguments *, tdm_error *);
-  } commands[] = {{"run", command_run}, {"verify", command_verify}};
-  const char *const names[] = {"run", "verify"};
+  } commands[] = {
+      {"run", command_run}, {"check", command_check}, {"report", command_report}, {"verify", command_verify}};
+  enum { NCOMMAND = sizeof commands / sizeof commands[0] };
+  const char *names[NCOMMAND];
+  for (int i = 0; i < NCOMMAND; i++)
+    names[i] = commands[i].name;
   tdm_error err = {0};
   arguments a = {0};
   for (int i = 1; i < argc; i++) {
@@ -162,10 +180,10 @@ int main(int argc, char **argv) {
   }
   catch_signals();
   size_t k = 0;
-  while (k < 2 && strcmp(argv[1], commands[k].name) != 0)
+  while (k < NCOMMAND && strcmp(argv[1], commands[k].name) != 0)
     k++;
-  if (k == 2) {
-    const char *near = tdm_nearest(argv[1], names, 2);
+  if (k == NCOMMAND) {
+    const char *near = tdm_nearest(argv[1], names, NCOMMAND);
     tdm_fail(&err, TDM_ERR_ARGUMENT, NULL, "unknown command \"%s\"%s%s; see tandem --help", argv[1],
              near ? "; did you mean " : "", near ? near : "");
   } else if (parse(&a, argc - 2, argv + 2, &err) == TDM_OK) {

@@ -1,5 +1,6 @@
 #include "coupler/run.h"
 
+#include "coupler/check.h"
 #include "coupler/progress.h"
 #include "coupler/record.h"
 #include "coupler/window.h"
@@ -54,7 +55,7 @@ static tdm_status choose_endpoint(run_state *run, char *endpoint, size_t size, t
     snprintf(endpoint, size, "inproc://tandem");
     break;
   case CPL_TCP:
-    snprintf(endpoint, size, "tcp://127.0.0.1:*");
+    snprintf(endpoint, size, "%s", run->settings.address);
     break;
   case CPL_IPC:
     snprintf(run->ipc_dir, sizeof run->ipc_dir, "%s/tandem-XXXXXX",
@@ -76,6 +77,11 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
   const char *endpoint = tdm_transport_endpoint(run->session.transport), *name = cpl_role_names[role];
   cpl_child **child = &run->session.partner[role].child;
   char log[4096], file[16];
+  if (s->by_hand[role]) {
+    if (!run->options->quiet)
+      fprintf(stderr, "tandem: waiting for %s: start it with --connect %s\n", name, endpoint);
+    return TDM_OK;
+  }
   snprintf(file, sizeof file, "%s.log", name);
   cpl_record_path(&run->record, file, log, sizeof log);
   if (s->transport == CPL_INPROC) {
@@ -140,27 +146,47 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
     cpl_progress_update(&progress, run->loop.t1, run->loop.window);
   }
   cpl_progress_end(&progress);
-  result->coupling = tdm_clock() - begin;
+  result->loop = tdm_clock() - begin;
   for (int r = 0; r < CPL_NROLE; r++) {
-    result->step[r] = run->session.partner[r].step_time;
-    result->coupling -= result->step[r];
+    const cpl_partner *p = &run->session.partner[r];
+    result->step[r] = p->step_time;
+    result->exchange[r] = fmax(0, p->trip_time - p->step_time);
   }
   return err->status;
 }
 
 /* ---- end ---- */
 
+double cpl_run_coupling(const cpl_run_result *r) {
+  return r->loop - r->step[CPL_MBD] - r->step[CPL_DEM];
+}
+
+void cpl_run_print(const cpl_run_result *r, const char *out) {
+  double exchange = 0, own = cpl_run_coupling(r);
+  printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
+         r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
+  printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
+  for (int role = 0; role < CPL_NROLE; role++) {
+    printf("  %-8s %10.3f %10.3f %12.3f\n", cpl_role_names[role], r->step[role],
+           fmax(0, r->loop - r->step[role] - r->exchange[role]), r->exchange[role]);
+    exchange += r->exchange[role];
+    own -= r->exchange[role];
+  }
+  printf("  %-8s %10.3f %10.3f %12.3f\n", "server", fmax(0, own), r->step[CPL_MBD] + r->step[CPL_DEM], exchange);
+}
+
 static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error *err) {
   const cpl_settings *s = &run->settings;
   struct utsname machine = {0};
   uname(&machine);
   json_t *json = json_pack(
-      "{s:s, s:s, s:{s:f, s:f, s:I, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f}}", "tandem",
-      TANDEM_VERSION, "scene", run->options->scene, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
-      (json_int_t)s->n, "coupling.scheme", s->scheme ? s->scheme->name : "", "output.interval", s->output_interval,
-      "machine", "system", machine.sysname, "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN),
-      "windows", (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s", "all", r->wall, "setup", r->setup,
-      "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling", r->coupling);
+      "{s:s, s:s, s:{s:f, s:f, s:I, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
+      "tandem", TANDEM_VERSION, "scene", run->options->scene, "settings", "time.end", s->time_end, "time.dt", s->dt,
+      "coupling.n", (json_int_t)s->n, "coupling.scheme", s->scheme ? s->scheme->name : "", "output.interval",
+      s->output_interval, "machine", "system", machine.sysname, "processor", machine.machine, "cores",
+      (int)sysconf(_SC_NPROCESSORS_ONLN), "windows", (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s",
+      "all", r->wall, "setup", r->setup, "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling",
+      cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];
@@ -228,7 +254,10 @@ tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_e
   *result = (cpl_run_result){0};
   if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
     result->setup = tdm_clock() - begin;
-    solve(&run, result, err);
+    if (options->check)
+      cpl_check_print(&run.settings, &run.session);
+    else
+      solve(&run, result, err);
   }
   finish(&run, result, begin, err);
   if (run.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */

@@ -11,18 +11,26 @@ typedef struct {
   const char *out;        /* result directory */
   bool strict;            /* refuse a run whose solvers warn */
   bool quiet;             /* no progress, no warnings on standard error */
+  bool check;             /* stop when both solvers are ready, and print what would run */
   cpl_solver solver[CPL_NROLE];
 } cpl_run_options;
 
 typedef struct {
-  uint64_t windows;       /* solved */
-  double simulated;       /* [s] */
-  double wall;            /* all, from reading the scene to the last file [s] */
-  double setup;           /* until both solvers are ready [s]: loading, settling */
-  double step[CPL_NROLE]; /* the solvers' own work on windows [s] */
-  double coupling;        /* the rest of the coupled loop: exchange, extrapolation, records [s] */
+  uint64_t windows;           /* solved */
+  double simulated;           /* [s] */
+  double wall;                /* all, from reading the scene to the last file [s] */
+  double setup;               /* until both solvers are ready [s]: loading, settling */
+  double loop;                /* the coupled loop [s] */
+  double step[CPL_NROLE];     /* the solvers' own work on windows [s] */
+  double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
   int warnings;
 } cpl_run_result;
+
+/* What is neither solver's own work in the loop [s]: exchange, extrapolation, records. */
+double cpl_run_coupling(const cpl_run_result *result);
+
+/* Print where the loop's time went: a row a part with its work, its waiting and its exchange. */
+void cpl_run_print(const cpl_run_result *result, const char *out);
 
 /* Run. The result is filled as far as the run came, also after an error. The result directory holds what was computed.
  */

@@ -127,6 +127,13 @@ static tdm_status check_health(cpl_session *s, int role, double since, int *deat
       return blame_new(s, r, TDM_ERR_LOST, true, err, message);
     }
   double heard = s->partner[role].last_heard > since ? s->partner[role].last_heard : since;
+  if (s->settings->by_hand[role] && !s->partner[role].connected) {
+    if (now - since <= s->settings->join_timeout)
+      return TDM_OK;
+    snprintf(message, sizeof message, "it was not started within %g s; start it with --connect %s",
+             s->settings->join_timeout, tdm_transport_endpoint(s->transport));
+    return blame_new(s, role, TDM_ERR_TIMEOUT, true, err, message);
+  }
   if (now - heard > s->settings->timeout) {
     snprintf(message, sizeof message,
              "no answer for %g s; it hangs, or its work takes longer: then raise coupling.timeout",
@@ -223,7 +230,11 @@ tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const 
   s->load = calloc(nbody, sizeof *s->load);
   if (!s->body || !s->load)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  return tdm_transport_listen(&s->transport, endpoint, context, err);
+  if (tdm_transport_listen(&s->transport, endpoint, context, err) == TDM_OK)
+    return TDM_OK;
+  if (settings->transport == CPL_TCP)
+    snprintf(err->path, sizeof err->path, "coupling.address");
+  return err->status;
 }
 
 static tdm_status check_capabilities(cpl_session *s, int role, tdm_error *err) {
@@ -386,6 +397,7 @@ tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step,
   if (cpl_interrupted)
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at %g s; what was computed until then is kept",
                     step->t0);
+  double begin = tdm_clock();
   tdm_status status = tdm_step_write(&s->out, step, err);
   if (status != TDM_OK)
     return status;
@@ -398,6 +410,7 @@ tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step,
   if (tdm_result_read(result, &header, &p->store, err) != TDM_OK || check_result(s, role, step, result, err) != TDM_OK)
     return blame(s, role, err, true);
   p->step_time += result->wall;
+  p->trip_time += tdm_clock() - begin;
   return TDM_OK;
 }
 

@@ -24,6 +24,7 @@ typedef struct {
   json_t *report;       /* from READY */
   tdm_frame store;      /* arrays of its last RESULT */
   double step_time;     /* its own work on all windows [s] */
+  double trip_time;     /* from sending STEPs to having RESULTs [s]: its work and the exchange */
 } cpl_partner;
 
 typedef struct {

@@ -67,6 +67,38 @@ static void read_bodies(cpl_settings *s, tdm_object *coupling) {
   }
 }
 
+/* "tcp://HOST:PORT" on this machine only: a link beyond it would need keys. */
+static void read_address(cpl_settings *s, tdm_object *o) {
+  static const char *const hosts[] = {"tcp://127.0.0.1:", "tcp://localhost:", "tcp://[::1]:"};
+  s->address = tdm_get_string(o, "address", "tcp://127.0.0.1:*");
+  if (tdm_has(o, "address") && s->transport != CPL_TCP)
+    tdm_object_fail(o, "address", "goes with \"transport\": \"tcp\"; set that, or leave the address out");
+  for (int i = 0; i < 3; i++) {
+    size_t n = strlen(hosts[i]);
+    const char *port = s->address + n;
+    if (strncmp(s->address, hosts[i], n) == 0 &&
+        (strcmp(port, "*") == 0 || (*port && strspn(port, "0123456789") == strlen(port) && atol(port) <= 65535)))
+      return;
+  }
+  tdm_object_fail(o, "address", "\"%s\" is no address on this machine; give tcp://127.0.0.1:PORT", s->address);
+}
+
+/* Foreign solvers: a command, or null for one that somebody else starts. */
+static void read_solvers(cpl_settings *s, tdm_object *coupling) {
+  tdm_object o = tdm_get_object(coupling, "solvers", false);
+  for (int r = 0; r < CPL_NROLE; r++) {
+    if (!tdm_has(&o, cpl_role_names[r]))
+      continue;
+    s->by_hand[r] = json_is_null(json_object_get(o.json, cpl_role_names[r]));
+    if (!s->by_hand[r])
+      s->command[r] = tdm_get_string(&o, cpl_role_names[r], NULL);
+    else if (s->transport != CPL_TCP)
+      tdm_object_fail(&o, cpl_role_names[r],
+                      "is null: it is started by hand, which needs \"transport\": \"tcp\" and an \"address\"");
+  }
+  tdm_object_close(&o);
+}
+
 static void read_coupling(cpl_settings *s, tdm_object *root) {
   static const char *const transports[] = {"ipc", "tcp", "inproc"};
   static const char *const interpolations[] = {"linear", "hermite"};
@@ -83,10 +115,9 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
   s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
   s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);
-  tdm_object solvers = tdm_get_object(&o, "solvers", false);
-  for (int r = 0; r < CPL_NROLE; r++)
-    s->command[r] = tdm_has(&solvers, cpl_role_names[r]) ? tdm_get_string(&solvers, cpl_role_names[r], NULL) : NULL;
-  tdm_object_close(&solvers);
+  s->join_timeout = tdm_get_number(&o, "join_timeout", 300, TDM_POSITIVE);
+  read_address(s, &o);
+  read_solvers(s, &o);
   read_bodies(s, &o);
   tdm_object_close(&o);
 }
@@ -105,6 +136,7 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error 
   tdm_object root = tdm_object_open(scene->root, "", err);
   tdm_has(&root, "$schema"); /* for editors */
   tdm_get_string(&root, "title", "");
+  tdm_get_string(&root, "scenario", "");
   read_time(s, &root);
   read_coupling(s, &root);
   read_output(s, &root);

@@ -66,10 +66,34 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
   total->simulated += v->last.simulated;
   total->wall += v->last.wall;
   total->setup += v->last.setup;
-  total->coupling += v->last.coupling;
+  total->loop += v->last.loop;
   for (int r = 0; r < CPL_NROLE; r++)
     total->step[r] += v->last.step[r];
   return err->status;
+}
+
+/* What goes wrong with a plot is a notice, once. */
+static void notice(cpl_verify *v, const tdm_error *err) {
+  if (err->status != TDM_OK && !v->plot_notice)
+    fprintf(stderr, "tandem: notice: %s\n", err->message);
+  v->plot_notice = v->plot_notice || err->status != TDM_OK;
+}
+
+tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c, tdm_error *err) {
+  tdm_error plot = {0};
+  if (v->now->scenario->compare(dir, c, err) != TDM_OK || cpl_comparison_write(c, dir, err) != TDM_OK)
+    return err->status;
+  cpl_comparison_plot(c, dir, &plot);
+  notice(v, &plot);
+  return TDM_OK;
+}
+
+const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene) {
+  const char *name = json_string_value(json_object_get(scene, "scenario"));
+  for (; name && table->name; table++)
+    if (strcmp(table->name, name) == 0)
+      return table;
+  return NULL;
 }
 
 void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, double value, cpl_limit_kind kind,
@@ -91,10 +115,8 @@ void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, 
 
 void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const cpl_plot *plot) {
   tdm_error err = {0};
-  if (cpl_plot_write(v->dir, name, nplot, plot, &err) != TDM_OK && !v->plot_notice) {
-    v->plot_notice = true;
-    fprintf(stderr, "tandem: notice: %s\n", err.message);
-  }
+  cpl_plot_write(v->dir, name, nplot, plot, &err);
+  notice(v, &err);
 }
 
 /* ---- the table ---- */
@@ -106,12 +128,12 @@ static void print_head(void) {
 
 static void print_measure(const char *scenario, const measure *m) {
   char limit[32] = "-", share[32] = "-";
-  double loop = m->run.step[CPL_DEM] + m->run.step[CPL_MBD] + m->run.coupling;
+  double loop = m->run.loop;
   if (m->kind != CPL_NO_LIMIT)
     snprintf(limit, sizeof limit, "%s%g", m->kind == CPL_AT_LEAST ? ">= " : "<= ", m->limit);
   if (loop > 0)
     snprintf(share, sizeof share, "%.0f/%.0f/%.0f %%", 100 * m->run.step[CPL_DEM] / loop,
-             100 * m->run.step[CPL_MBD] / loop, 100 * m->run.coupling / loop);
+             100 * m->run.step[CPL_MBD] / loop, 100 * cpl_run_coupling(&m->run) / loop);
   printf("%-14s %-23s %-25s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
          m->run.simulated, m->run.wall, share,
          m->kind == CPL_NO_LIMIT ? "-"
@@ -144,10 +166,11 @@ static json_t *outcome_to_json(const outcome *o) {
                                     number(m->value), "limit",
                                     m->kind == CPL_NO_LIMIT ? json_null() : json_real(m->limit), "pass", (int)m->pass));
   }
-  json_t *json = json_pack("{s:s, s:b, s:f, s:f, s:I, s:f, s:f, s:f, s:o}", "name", o->scenario->name, "pass",
-                           (int)o->pass, "wall_s", o->wall, "simulated_s", o->total.simulated, "windows",
-                           (json_int_t)o->total.windows, "time_dem_s", o->total.step[CPL_DEM], "time_mbd_s",
-                           o->total.step[CPL_MBD], "time_coupling_s", o->total.coupling, "measures", measures);
+  json_t *json =
+      json_pack("{s:s, s:b, s:f, s:f, s:I, s:f, s:f, s:f, s:o}", "name", o->scenario->name, "pass", (int)o->pass,
+                "wall_s", o->wall, "simulated_s", o->total.simulated, "windows", (json_int_t)o->total.windows,
+                "time_dem_s", o->total.step[CPL_DEM], "time_mbd_s", o->total.step[CPL_MBD], "time_coupling_s",
+                cpl_run_coupling(&o->total), "measures", measures);
   if (o->err.status != TDM_OK)
     json_object_set_new(json, "error", json_string(o->err.message));
   return json;

@@ -6,6 +6,7 @@
 #ifndef CPL_VERIFY_H
 #define CPL_VERIFY_H
 
+#include "coupler/compare.h"
 #include "coupler/plot.h"
 #include "coupler/run.h"
 
@@ -15,7 +16,12 @@ typedef struct {
   const char *name, *group;
   const char *summary;
   tdm_status (*verify)(cpl_verify *v, tdm_error *err);
+  /* Fill *c (zeroed; freed by the caller also after an error) from a result directory; NULL: no reference as curves. */
+  tdm_status (*compare)(const char *dir, cpl_comparison *c, tdm_error *err);
 } cpl_scenario;
+
+/* The scenario that a scene names as its own in the key "scenario", or NULL. */
+const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene);
 
 typedef enum {
   CPL_NO_LIMIT, /* reported only */
@@ -27,6 +33,9 @@ typedef enum {
  * the scenario's). On success `dir` (size bytes) is that directory. */
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err);
+
+/* Compare a run of this scenario with its reference; writes comparison.csv and its plot into the run's directory. */
+tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c, tdm_error *err);
 
 /* Report a number of the last run. NaN fails a limit. Strings are copied. */
 void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, double value, cpl_limit_kind kind,

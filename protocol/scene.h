@@ -38,6 +38,9 @@ tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err);
  * string. Missing objects on the way are made; an array index must exist or be the next one. */
 tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *err);
 
+/* The value at `path` (borrowed), NULL when there is none. */
+const json_t *tdm_scene_value(const json_t *root, const char *path);
+
 /* Line and column (from 1) of the value at `path` in JSON `text`; of the nearest parent that is there when the path is
  * not. Returns false when nothing of the path is found (line and column are 1 then). */
 bool tdm_scene_place(const char *text, const char *path, int *line, int *column);

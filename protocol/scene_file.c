@@ -91,6 +91,18 @@ static const char *next_part(const char *path, char *key, size_t size, long *ind
   return path;
 }
 
+const json_t *tdm_scene_value(const json_t *root, const char *path) {
+  char key[TDM_PATH_MAX];
+  long index;
+  while (root && *path) {
+    path = next_part(path, key, sizeof key, &index);
+    if (!path)
+      return NULL;
+    root = index < 0 ? json_object_get(root, key) : json_array_get(root, (size_t)index);
+  }
+  return root;
+}
+
 /* ---- overrides ---- */
 
 /* Put value (stolen) at key or index of parent. */

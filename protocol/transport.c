@@ -52,8 +52,8 @@ static tdm_status open_socket(tdm_transport **transport, const char *endpoint, v
     failed = is_server ? zmq_bind(t->socket, endpoint) : zmq_connect(t->socket, endpoint);
   }
   if (failed) {
-    tdm_fail(err, TDM_ERR_SYSTEM, NULL, "cannot %s %s: %s", is_server ? "listen on" : "connect to", endpoint,
-             zmq_strerror(errno));
+    tdm_fail(err, TDM_ERR_SYSTEM, NULL, "cannot %s %s: %s; choose another address or port",
+             is_server ? "listen on" : "connect to", endpoint, zmq_strerror(errno));
     tdm_transport_close(&t);
     return TDM_ERR_SYSTEM;
   }

@@ -12,5 +12,6 @@ extern const cpl_scenario scn_table[]; /* ended by a NULL name */
 
 tdm_status scn_collision(cpl_verify *v, tdm_error *err);
 tdm_status scn_spring_damper(cpl_verify *v, tdm_error *err);
+tdm_status scn_spring_damper_compare(const char *dir, cpl_comparison *c, tdm_error *err);
 
 #endif

@@ -1,0 +1,252 @@
+#include "coupler/report.h"
+
+#include "coupler/settings.h"
+#include "coupler/table.h"
+
+#include <errno.h>
+#include <glob.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PANELS_MAX = 64, CURVES_MAX = 256, PICTURES_MAX = 64 };
+
+typedef struct {
+  const char *dir;
+  char picture[PICTURES_MAX][128]; /* names without ending */
+  int npicture;
+  const json_t *summary;
+} report;
+
+static void add_picture(report *r, const char *name) {
+  if (r->npicture < PICTURES_MAX)
+    snprintf(r->picture[r->npicture++], sizeof r->picture[0], "%s", name);
+}
+
+/* ---- time histories ---- */
+
+/* What columns of one panel share: the name without its last part's x, y, z or w, and the unit. "joint.guide.fx [N]"
+ * and "joint.guide.fy [N]" give "joint.guide.f"; "energy.kinetic [J]" and "energy.potential [J]" give "energy". */
+static void panel_key(const char *name, char *key, size_t size) {
+  snprintf(key, size, "%s", name);
+  char *last = strrchr(key, '.');
+  last = last ? last + 1 : key;
+  size_t n = strlen(last);
+  if (n > 0 && n <= 2 && strchr("xyzw", last[n - 1]))
+    last[n - 1] = 0;
+  else if (last > key)
+    *last = 0;
+  n = strlen(key);
+  if (n > 0 && key[n - 1] == '.')
+    key[n - 1] = 0;
+}
+
+/* The panels of one CSV file, in the order of its columns. */
+typedef struct {
+  cpl_plot plot[PANELS_MAX];
+  cpl_curve curve[CURVES_MAX];
+  char key[PANELS_MAX][96], unit[PANELS_MAX][48], name[CURVES_MAX][96], using[CURVES_MAX][16];
+  int nplot, ncurve;
+} panels;
+
+static void add_column(panels *p, const char *file, const char *head, int column) {
+  char name[96], key[96];
+  const char *unit = strchr(head, '[');
+  snprintf(name, sizeof name, "%.*s", (int)strcspn(head, " "), head);
+  panel_key(name, key, sizeof key);
+  int i = p->nplot - 1; /* columns that belong together stand together */
+  if (i < 0 || strcmp(p->key[i], key) != 0 || strcmp(p->unit[i], unit ? unit : "") != 0) {
+    if (p->nplot == PANELS_MAX)
+      return;
+    i = p->nplot++;
+    snprintf(p->key[i], sizeof p->key[i], "%s", key);
+    snprintf(p->unit[i], sizeof p->unit[i], "%s", unit ? unit : "");
+    p->plot[i] = (cpl_plot){.title = p->key[i], .xlabel = "time [s]", .ylabel = p->unit[i]};
+    p->plot[i].curve = &p->curve[p->ncurve];
+  }
+  if (p->ncurve == CURVES_MAX)
+    return;
+  int c = p->ncurve++;
+  snprintf(p->name[c], sizeof p->name[c], "%s", name);
+  snprintf(p->using[c], sizeof p->using[c], "1:%d", column);
+  p->curve[c] = (cpl_curve){file, p->using[c], p -> name[c], "lines"};
+  p->plot[i].ncurve++;
+}
+
+static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
+  const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+  char picture[128], *line = NULL;
+  size_t size = 0;
+  snprintf(picture, sizeof picture, "%.*s", (int)(strlen(file) - strlen(".csv")), file);
+  FILE *f = fopen(path, "r");
+  panels *p = calloc(1, sizeof *p);
+  if (!f || !p || getline(&line, &size, f) <= 0)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be read: %s", path, f ? "it is empty" : strerror(errno));
+  if (f)
+    fclose(f);
+  if (err->status == TDM_OK) {
+    int column = 0;
+    for (char *rest = line, *cell; (cell = strsep(&rest, ",")) != NULL;) {
+      cell[strcspn(cell, "\r\n")] = 0;
+      if (++column > 1)
+        add_column(p, file, cell, column);
+    }
+    if (p->nplot > 0 && cpl_plot_write(r->dir, picture, p->nplot, p->plot, err) == TDM_OK)
+      add_picture(r, picture);
+  }
+  free(line);
+  free(p);
+  return err->status;
+}
+
+static tdm_status plot_histories(report *r, tdm_error *err) {
+  static const char *const patterns[] = {"body_*.csv", "mbd.csv", "dem.csv"};
+  for (int i = 0; i < 3 && err->status == TDM_OK; i++) {
+    char pattern[4352];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "%s/%s", r->dir, patterns[i]);
+    if (glob(pattern, 0, NULL, &found) == 0) {
+      for (size_t k = 0; k < found.gl_pathc && err->status == TDM_OK; k++)
+        plot_history(r, found.gl_pathv[k], err);
+      globfree(&found);
+    }
+  }
+  return err->status;
+}
+
+/* ---- where the time went ---- */
+
+static double wall(const report *r, const char *part) {
+  return json_number_value(json_object_get(json_object_get(r->summary, "wall_s"), part));
+}
+
+static tdm_status plot_time(report *r, tdm_error *err) {
+  char path[4352];
+  snprintf(path, sizeof path, "%s/time.csv", r->dir);
+  FILE *f = fopen(path, "w");
+  if (!f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  double exchange = wall(r, "dem_exchange") + wall(r, "mbd_exchange");
+  fprintf(f, "part,time [s]\nstart,%g\nDEM,%g\nMBD,%g\nexchange,%g\nserver,%g\n", wall(r, "setup"), wall(r, "dem"),
+          wall(r, "mbd"), exchange, wall(r, "coupling") - exchange);
+  fclose(f);
+  static const cpl_curve bars = {"time.csv", "2:xtic(1)", "", "boxes"};
+  static const cpl_plot plot = {"Where the time went",
+                                "",
+                                "wall time [s]",
+                                "set style fill solid 0.6\nset boxwidth 0.6\nset yrange [0:*]\n",
+                                1,
+                                &bars};
+  if (cpl_plot_write(r->dir, "time", 1, &plot, err) == TDM_OK)
+    add_picture(r, "time");
+  return err->status;
+}
+
+/* ---- agreement with the reference ---- */
+
+static void print_agreement(FILE *page, const cpl_comparison *c) {
+  fputs("<table><tr><th>curve</th><th>nse</th><th>r2</th><th>r2 of 20 ms means</th></tr>\n", page);
+  printf("%-8s %12s %12s %18s\n", "curve", "nse", "r2", "r2, 20 ms means");
+  for (int i = 0; i < c->ncurve; i++) {
+    const cpl_compared *curve = &c->curve[i];
+    double nse = cpl_comparison_nse(c, curve), r2 = cpl_comparison_r2(c, curve);
+    double mean = cpl_comparison_r2_mean(c, curve, 0.02);
+    printf("%-8s %12.6f %12.6f %18.6f\n", curve->name, nse, r2, mean);
+    fprintf(page, "<tr><td>%s</td><td>%.6f</td><td>%.6f</td><td>%.6f</td></tr>\n", curve->name, nse, r2, mean);
+  }
+  fputs("</table>\n", page);
+  const char *key;
+  json_t *value;
+  json_object_foreach(c->notes, key, value) {
+    printf("%s: %.6g\n", key, json_number_value(value));
+    fprintf(page, "<p>%s: %.6g</p>\n", key, json_number_value(value));
+  }
+}
+
+static tdm_status compare(report *r, const cpl_scenario *scenario, FILE *page, tdm_error *err) {
+  cpl_comparison c = {0};
+  if (scenario && scenario->compare && scenario->compare(r->dir, &c, err) == TDM_OK &&
+      cpl_comparison_write(&c, r->dir, err) == TDM_OK) {
+    print_agreement(page, &c);
+    if (cpl_comparison_plot(&c, r->dir, err) == TDM_OK)
+      add_picture(r, "comparison");
+  }
+  cpl_comparison_free(&c);
+  return err->status;
+}
+
+/* ---- the page ---- */
+
+static void write_text(FILE *f, const char *text) {
+  for (; *text; text++)
+    if (*text == '<')
+      fputs("&lt;", f);
+    else if (*text == '&')
+      fputs("&amp;", f);
+    else
+      fputc(*text, f);
+}
+
+static void write_head(FILE *page, const report *r) {
+  static const char *const keys[] = {"scene", "status", "error"};
+  fputs("<!doctype html>\n<meta charset=\"utf-8\">\n<title>tandem report</title>\n"
+        "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}img{width:100%}"
+        "td,th{padding:0.2em 1em;text-align:right}</style>\n<h1>tandem report</h1>\n",
+        page);
+  for (int i = 0; i < 3; i++) {
+    const char *value = json_string_value(json_object_get(r->summary, keys[i]));
+    if (!value)
+      continue;
+    fprintf(page, "<p>%s: ", keys[i]);
+    write_text(page, value);
+    fputs("</p>\n", page);
+  }
+  fprintf(page, "<p>simulated: %g s in %lld windows, %.2f s wall</p>\n",
+          json_number_value(json_object_get(r->summary, "simulated_s")),
+          (long long)json_integer_value(json_object_get(r->summary, "windows")), wall(r, "all"));
+}
+
+static tdm_status write_report(report *r, const cpl_scenario *scenario, tdm_error *err) {
+  char path[4352];
+  snprintf(path, sizeof path, "%s/index.html", r->dir);
+  FILE *page = fopen(path, "w");
+  if (!page)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  write_head(page, r);
+  if (compare(r, scenario, page, err) == TDM_OK && plot_time(r, err) == TDM_OK)
+    plot_histories(r, err);
+  for (int i = 0; i < r->npicture; i++)
+    fprintf(page, "<h2>%s</h2>\n<a href=\"%s.svg\"><img src=\"%s.png\" alt=\"%s\"></a>\n", r->picture[i], r->picture[i],
+            r->picture[i], r->picture[i]);
+  if (fclose(page) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  printf("%d pictures (PNG and SVG) in %s; %s shows them\n", r->npicture, r->dir, path);
+  return err->status;
+}
+
+static json_t *read_json(const char *dir, const char *name, tdm_error *err) {
+  char path[4352];
+  json_error_t where;
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  json_t *json = json_load_file(path, 0, &where);
+  if (!json)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %s; give the directory of a run (--out of tandem run)", path, where.text);
+  return json;
+}
+
+tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error *err) {
+  json_t *scene = read_json(dir, "scene.json", err);
+  json_t *summary = scene ? read_json(dir, "summary.json", err) : NULL;
+  report *r = calloc(1, sizeof *r);
+  if (!r)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  if (err->status == TDM_OK) {
+    r->dir = dir;
+    r->summary = summary;
+    write_report(r, cpl_scenario_of(scenarios, scene), err);
+  }
+  free(r);
+  json_decref(scene);
+  json_decref(summary);
+  return err->status;
+}

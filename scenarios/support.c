@@ -1,0 +1,76 @@
+#include "scenarios/support.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static json_t *read_json(const char *dir, const char *name, tdm_error *err) {
+  char file[4096];
+  json_error_t where;
+  snprintf(file, sizeof file, "%s/%s", dir, name);
+  json_t *json = json_load_file(file, 0, &where);
+  if (!json)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s:%d: %s; is this the directory of a run?", file, where.line, where.text);
+  return json;
+}
+
+tdm_status scn_result_read(scn_result *r, const char *dir, tdm_error *err) {
+  char file[4352];
+  r->scene = read_json(dir, "scene.json", err);
+  r->summary = r->scene ? read_json(dir, "summary.json", err) : NULL;
+  if (!r->summary)
+    return err->status;
+  const json_t *bodies = json_object_get(json_object_get(r->scene, "coupling"), "bodies");
+  const char *name = json_string_value(json_object_get(json_array_get(bodies, 0), "mbd"));
+  if (!name)
+    return tdm_fail(err, TDM_ERR_SCENE, "coupling.bodies", "no coupled body: nothing to compare");
+  snprintf(file, sizeof file, "%s/body_%.200s.csv", dir, name);
+  if (cpl_table_read(&r->body, file, err) != TDM_OK)
+    return err->status;
+  snprintf(file, sizeof file, "%s/mbd.csv", dir);
+  if (cpl_table_read(&r->mbd, file, err) != TDM_OK)
+    return err->status;
+  snprintf(file, sizeof file, "%s/dem.csv", dir);
+  return cpl_table_read(&r->dem, file, err);
+}
+
+void scn_result_free(scn_result *r) {
+  json_decref(r->scene);
+  json_decref(r->summary);
+  cpl_table_free(&r->body);
+  cpl_table_free(&r->mbd);
+  cpl_table_free(&r->dem);
+  *r = (scn_result){0};
+}
+
+double scn_number(const json_t *json, const char *path, tdm_error *err) {
+  double x = scn_number_or(json, path, NAN);
+  if (isnan(x))
+    tdm_fail(err, TDM_ERR_SCENE, path, "no number here; the reference needs it");
+  return x;
+}
+
+double scn_number_or(const json_t *json, const char *path, double fallback) {
+  const json_t *value = tdm_scene_value(json, path);
+  return json_is_number(value) ? json_number_value(value) : fallback;
+}
+
+tdm_status scn_verify_comparison(cpl_verify *v, double least_nse, tdm_error *err) {
+  char dir[4096], name[64];
+  cpl_comparison c = {0};
+  if (cpl_verify_run(v, "", NULL, dir, sizeof dir, err) != TDM_OK)
+    return err->status;
+  if (cpl_verify_compare(v, dir, &c, err) == TDM_OK) {
+    for (int i = 0; i < c.ncurve; i++) {
+      const cpl_compared *curve = &c.curve[i];
+      if (curve->kind == CPL_STATE) {
+        snprintf(name, sizeof name, "nse_%s", curve->name);
+        cpl_verify_measure(v, name, "", cpl_comparison_nse(&c, curve), CPL_AT_LEAST, least_nse);
+      }
+      snprintf(name, sizeof name, "r2_%s", curve->name);
+      cpl_verify_measure(v, name, "", cpl_comparison_r2(&c, curve), CPL_NO_LIMIT, 0);
+    }
+  }
+  cpl_comparison_free(&c);
+  return err->status;
+}

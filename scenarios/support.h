@@ -1,0 +1,30 @@
+/* What the scenarios share: values of the scene as it ran, time histories by name. */
+#ifndef SCN_SUPPORT_H
+#define SCN_SUPPORT_H
+
+#include "coupler/table.h"
+#include "coupler/verify.h"
+
+/* One result directory. Zero-initialise; free with scn_run_free. */
+typedef struct {
+  json_t *scene;   /* scene.json: the scene with all overrides */
+  json_t *summary; /* summary.json */
+  cpl_table body;  /* body_<name>.csv of the first coupled body */
+  cpl_table mbd, dem;
+} scn_result;
+
+tdm_status scn_result_read(scn_result *r, const char *dir, tdm_error *err);
+void scn_result_free(scn_result *r);
+
+/* The number at a path ("mbd.forces[0].stiffness", "solvers.dem.report.fill.mass") of a JSON value; an error when there
+ * is none. */
+double scn_number(const json_t *json, const char *path, tdm_error *err);
+
+/* The same, with a value for when there is none. */
+double scn_number_or(const json_t *json, const char *path, double fallback);
+
+/* Run the scenario's scene ("" as case), compare, and report nse (with the limit) and r2 of every state, r2 of every
+ * load; writes the comparison and its plot. */
+tdm_status scn_verify_comparison(cpl_verify *v, double least_nse, tdm_error *err);
+
+#endif
