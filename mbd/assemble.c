@@ -53,25 +53,24 @@ void mbd_kkt_destroy(mbd_kkt **kkt) {
 /* what the right-hand side of the constraint rows holds */
 typedef enum { POSITION, VELOCITY, ACCELERATION } level;
 
-/* Constraint rows of one joint into the matrix, and -g, -G V or -V^T H V into kkt->g. */
-static void joint_block(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, int index, level of) {
-  const mbd_joint *j = &model->joint[index];
-  const mbd_rows *rows = mbd_joint_at(model, data, index, of == ACCELERATION);
+/* Rows of one joint or driver into the matrix, and -g, -G V - g_t or -V^T H V - g_tt into kkt->g. */
+static void constraint_block(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, int index, level of) {
+  const mbd_rows *rows = mbd_constraint_at(model, data, index, of == ACCELERATION);
   double twist[MBD_PAIR];
-  mbd_pair_twist(&data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], twist);
+  mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < rows->n; k++) {
-    int row = kkt->nv + j->row + k;
-    double sum = of == POSITION ? rows->g[k] : 0;
-    for (int i = 0; i < MBD_PAIR; i++) {
+    int row = kkt->nv + rows->first + k;
+    double sum = of == POSITION ? rows->g[k] : of == VELOCITY ? rows->g_t[k] : rows->g_tt[k];
+    for (int i = 0; i < MBD_PAIR && of != POSITION; i++) {
       double rate = 0;
       for (int l = 0; l < MBD_PAIR && of == ACCELERATION; l++)
         rate += rows->H[k][i][l] * twist[l];
       sum += twist[i] * (of == VELOCITY ? rows->G[k][i] : rate);
     }
-    kkt->g[j->row + k] = -sum;
+    kkt->g[rows->first + k] = -sum;
     for (int side = 0; side < 2; side++)
-      for (int i = 0; i < 6 && j->body[side] != MBD_GROUND; i++) {
-        int col = 6 * j->body[side] + i;
+      for (int i = 0; i < 6 && rows->body[side] != MBD_GROUND; i++) {
+        int col = 6 * rows->body[side] + i;
         kkt->matrix[row * kkt->n + col] = kkt->matrix[col * kkt->n + row] = rows->G[k][6 * side + i];
       }
   }
@@ -89,8 +88,8 @@ static void fill(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, level of)
         kkt->matrix[(row + 3) * kkt->n + 6 * b + 3 + k] = J.m[i][k];
     }
   }
-  for (int i = 0; i < model->njoint; i++)
-    joint_block(kkt, model, data, i, of);
+  for (int i = 0; i < mbd_nconstraint(model); i++)
+    constraint_block(kkt, model, data, i, of);
 }
 
 /* Factor and solve with the right-hand side (f, kkt->g); f NULL: zero. The solution is in kkt->x. */
@@ -136,10 +135,10 @@ static void move(const mbd_model *model, double *y, const double *x) {
 
 /* Newton on g(q) = 0. Stops at 1e-13 or, near it, where rounding ends the progress. Returns the last |g|; *row is its
  * row. */
-static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double *y, int *row) {
+static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, int *row) {
   double last = INFINITY;
   for (int i = 0; i < ITERATIONS_MAX; i++) {
-    mbd_kinematics(model, data, y);
+    mbd_kinematics(model, data, t, y);
     fill(kkt, model, data, POSITION);
     double g = largest(kkt->g, model->nrow, row);
     if (g < 1e-14 || (g < 1e-11 && g >= 0.5 * last))
@@ -156,9 +155,12 @@ static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt 
   return last;
 }
 
-static bool project_velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double *y) {
-  mbd_kinematics(model, data, y);
+/* Velocities onto the joints' rows; the coordinates of drivers keep their rates, or take the prescribed ones. */
+static bool project_velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, bool drive) {
+  mbd_kinematics(model, data, t, y);
   fill(kkt, model, data, VELOCITY);
+  for (int i = model->njointrow; i < model->nrow && !drive; i++)
+    kkt->g[i] = 0;
   if (!solve(kkt, NULL))
     return false;
   for (int b = 0; b < model->nbody; b++)
@@ -167,25 +169,38 @@ static bool project_velocities(const mbd_model *model, mbd_data *data, mbd_kkt *
   return true;
 }
 
-bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double *y) {
+bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y) {
   int row = 0;
-  return project_positions(model, data, kkt, y, &row) < 1e-9 && project_velocities(model, data, kkt, y);
+  return project_positions(model, data, kkt, t, y, &row) < 1e-9 && project_velocities(model, data, kkt, t, y, true);
 }
 
 /* ---- start ---- */
 
-/* The joint that holds a row, and the row's place in it. */
-static const mbd_joint *joint_of(const mbd_model *model, int row, int *place) {
+/* where a row comes from, for messages */
+typedef struct {
+  char path[TDM_PATH_MAX];
+  const char *kind, *name, *equation; /* "joint" or "driver" */
+} origin;
+
+static origin origin_of(const mbd_model *model, int row) {
+  origin o;
+  if (row >= model->njointrow) {
+    const mbd_driver *d = &model->driver[row - model->njointrow]; /* one row each */
+    snprintf(o.path, sizeof o.path, "mbd.drivers[%d]", (int)(d - model->driver));
+    o.kind = "driver", o.name = d->name, o.equation = d->ops->coordinate;
+    return o;
+  }
   const mbd_joint *j = model->joint;
   while (row >= j->row + j->ops->nrow)
     j++;
-  *place = row - j->row;
-  return j;
+  snprintf(o.path, sizeof o.path, "mbd.joints[%d]", (int)(j - model->joint));
+  o.kind = "joint", o.name = j->name, o.equation = j->ops->equation[row - j->row];
+  return o;
 }
 
 /* Gram-Schmidt on the rows of G, each against the rows before it: a row that leaves nothing is redundant. */
 static tdm_status check_rank(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
-  mbd_kinematics(model, data, data->y);
+  mbd_kinematics(model, data, data->t, data->y);
   fill(kkt, model, data, POSITION);
   for (int i = 0; i < model->nrow; i++) {
     double *row = kkt->matrix + (kkt->nv + i) * kkt->n, before = 0, after = 0;
@@ -203,14 +218,13 @@ static tdm_status check_rank(const mbd_model *model, mbd_data *data, mbd_kkt *kk
     for (int k = 0; k < kkt->nv; k++)
       after += row[k] * row[k];
     if (!(sqrt(after) > 1e-9 * sqrt(before))) {
-      int place;
-      const mbd_joint *j = joint_of(model, i, &place);
-      char path[TDM_PATH_MAX];
-      snprintf(path, sizeof path, "mbd.joints[%d]", (int)(j - model->joint));
-      return tdm_fail(err, TDM_ERR_SCENE, path,
-                      "the equation \"%s\" of joint \"%s\" is redundant: the joints before it fix that motion already "
-                      "(or the start is a singular position); use a joint with more freedom there, or start elsewhere",
-                      j->ops->equation[place], j->name);
+      origin o = origin_of(model, i);
+      bool driver = i >= model->njointrow;
+      return tdm_fail(err, TDM_ERR_SCENE, o.path,
+                      "the equation \"%s\" of %s \"%s\" is redundant: the joints%s before it fix that motion already "
+                      "(or the start is a singular position); %s, or start elsewhere",
+                      o.equation, o.kind, o.name, driver ? " and the drivers" : "",
+                      driver ? "remove the driver" : "use a joint with more freedom there");
     }
     for (int k = 0; k < kkt->nv; k++)
       row[k] /= sqrt(after);
@@ -238,33 +252,55 @@ static void compare(const mbd_model *model, const double *y, mbd_assembly *a) {
   }
 }
 
+/* Note the driver whose coordinate has a rate in the velocities y that is not the prescribed one. A coordinate at rest
+ * contradicts nothing: that is what a scene without velocities gives. */
+static void compare_drivers(const mbd_model *model, mbd_data *data, const double *y, mbd_assembly *a) {
+  mbd_kinematics(model, data, data->t, y);
+  for (int i = 0; i < model->ndriver; i++) {
+    const mbd_rows *rows = mbd_constraint_at(model, data, model->njoint + i, false);
+    double twist[MBD_PAIR], given = 0, prescribed = -rows->g_t[0];
+    mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
+    for (int k = 0; k < MBD_PAIR; k++)
+      given += rows->G[0][k] * twist[k];
+    double apart = fabs(given - prescribed);
+    if (fabs(given) > 1e-6 && apart > 1e-6 && apart > fabs(a->given - a->prescribed)) {
+      a->driver = i;
+      a->given = given;
+      a->prescribed = prescribed;
+    }
+  }
+}
+
 tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err) {
-  *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .freedom = kkt->nv - model->nrow};
+  *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .freedom = kkt->nv - model->nrow, .driver = -1};
   if (check_rank(model, data, kkt, err))
     return err->status;
-  int row = 0, place;
-  double g = project_positions(model, data, kkt, data->y, &row);
+  int row = 0;
+  double g = project_positions(model, data, kkt, data->t, data->y, &row);
   if (!(g < 1e-9)) {
-    const mbd_joint *j = joint_of(model, row, &place);
-    char path[TDM_PATH_MAX];
-    snprintf(path, sizeof path, "mbd.joints[%d]", (int)(j - model->joint));
-    return tdm_fail(err, TDM_ERR_SCENE, path,
-                    "the mechanism cannot be assembled: joint \"%s\" stays open (\"%s\", %.3g); check points, axes and "
+    origin o = origin_of(model, row);
+    return tdm_fail(err, TDM_ERR_SCENE, o.path,
+                    "the mechanism cannot be assembled: %s \"%s\" stays open (\"%s\", %.3g); check points, axes and "
                     "the bodies' positions",
-                    j->name, j->ops->equation[place], g);
+                    o.kind, o.name, o.equation, g);
   }
-  if (!project_velocities(model, data, kkt, data->y))
+  bool good = project_velocities(model, data, kkt, data->t, data->y, false);
+  compare(model, data->y, assembly);
+  if (model->ndriver > 0) {
+    compare_drivers(model, data, data->y, assembly);
+    good = good && project_velocities(model, data, kkt, data->t, data->y, true);
+  }
+  if (!good)
     return tdm_fail(err, TDM_ERR_SCENE, "mbd.joints",
                     "no velocities satisfy the joints at the start: it is a singular position; start elsewhere");
-  compare(model, data->y, assembly);
-  mbd_accept(model, data, data->y);
+  mbd_accept(model, data, data->t, data->y);
   return TDM_OK;
 }
 
 /* ---- accelerations ---- */
 
 bool mbd_accelerations(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y) {
-  mbd_kinematics(model, data, y);
+  mbd_kinematics(model, data, t, y);
   mbd_generalised_forces(model, data, t, data->wrench);
   fill(kkt, model, data, ACCELERATION);
   if (!solve(kkt, data->wrench))

@@ -45,10 +45,10 @@ static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user)
 
 static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *user,
                     N_Vector w1, N_Vector w2, N_Vector w3) {
-  (void)t, (void)r, (void)w1, (void)w2, (void)w3; /* IDA hands the matrix over zeroed */
+  (void)r, (void)w1, (void)w2, (void)w3; /* IDA hands the matrix over zeroed */
   mbd_ida *ida = user;
   mbd_sink sink = {SUNDenseMatrix_Data(matrix), mbd_nunknown(ida->model)};
-  mbd_jacobian(ida->model, ida->data, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), &sink);
+  mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), &sink);
   return 0;
 }
 
@@ -204,7 +204,7 @@ static int set_stop(mbd_ida *ida, double t, double t1) {
 static tdm_status recover(mbd_ida *ida, double t, double t1, int flag, bool again, tdm_error *err) {
   tdm_log(TDM_LOG_WARNING, "integrator_failed", "time_s=%.9g flag=%d retry=%s", t, flag, again ? "no" : "yes");
   double *y = N_VGetArrayPointer(ida->y);
-  if (!again && tdm_finite(y, mbd_nunknown(ida->model)) && mbd_project(ida->model, ida->data, ida->kkt, y) &&
+  if (!again && tdm_finite(y, mbd_nunknown(ida->model)) && mbd_project(ida->model, ida->data, ida->kkt, t, y) &&
       restart(ida, t)) {
     ida->data->stats.restarts++;
     return TDM_OK;
@@ -251,7 +251,7 @@ tdm_status mbd_ida_advance(mbd_ida *ida, double t1, int nsample, const double *s
       continue;
     }
     t = flag == IDA_TSTOP_RETURN ? ida->stop : reached;
-    mbd_accept(ida->model, data, y);
+    mbd_accept(ida->model, data, t, y);
     if (samples(ida, t, &next, nsample, sample_time, sample, context, err))
       return err->status;
   }

@@ -99,58 +99,56 @@ static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, do
   }
 }
 
-/* ---- joints ---- */
+/* ---- joints and drivers ---- */
 
 /* Rows of the constraints: G dq, and G dV + (V^T H) dq. */
-static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_joint *j, const mbd_rows *rows,
-                            mbd_sink *sink) {
+static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, mbd_sink *sink) {
   double twist[MBD_PAIR];
-  mbd_pair_twist(&data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], twist);
+  mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < rows->n; k++) {
     double c[MBD_PAIR] = {0};
     for (int i = 0; i < MBD_PAIR; i++)
       for (int l = 0; l < MBD_PAIR; l++)
         c[l] += twist[i] * rows->H[k][i][l];
-    add_pair_position(sink, data, mbd_index_mu(model, j->row + k), j->body, rows->G[k]);
-    add_pair_twist(sink, mbd_index_lambda(model, j->row + k), j->body, rows->G[k]);
-    add_pair_position(sink, data, mbd_index_lambda(model, j->row + k), j->body, c);
+    add_pair_position(sink, data, mbd_index_mu(model, rows->first + k), rows->body, rows->G[k]);
+    add_pair_twist(sink, mbd_index_lambda(model, rows->first + k), rows->body, rows->G[k]);
+    add_pair_position(sink, data, mbd_index_lambda(model, rows->first + k), rows->body, c);
   }
 }
 
-/* Rows of one body (side) of a joint: G^T lambda in the dynamics, G^T mu in the kinematics. */
-static void multiplier_rows(const mbd_model *model, const mbd_data *data, const mbd_joint *j, const mbd_rows *rows,
-                            int side, const double *y, double L[MBD_PAIR][MBD_PAIR], double U[MBD_PAIR][MBD_PAIR],
+/* Rows of one body (side) of a constraint: G^T lambda in the dynamics, G^T mu in the kinematics. */
+static void multiplier_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int side,
+                            const double *y, double L[MBD_PAIR][MBD_PAIR], double U[MBD_PAIR][MBD_PAIR],
                             mbd_sink *sink) {
-  const int b = j->body[side], at = MBD_BODY_UNKNOWNS * b, half = 6 * side;
+  const int b = rows->body[side], at = MBD_BODY_UNKNOWNS * b, half = 6 * side;
   double Q[4][3];
   half_product(mbd_quat_of(y, b), Q);
   for (int i = 0; i < 6; i++) {
-    add_pair_position(sink, data, at + MBD_V + i, j->body, L[half + i]);
+    add_pair_position(sink, data, at + MBD_V + i, rows->body, L[half + i]);
     for (int k = 0; k < rows->n; k++)
-      mbd_jac_add(sink, at + MBD_V + i, mbd_index_lambda(model, j->row + k), rows->G[k][half + i]);
+      mbd_jac_add(sink, at + MBD_V + i, mbd_index_lambda(model, rows->first + k), rows->G[k][half + i]);
   }
   for (int i = 0; i < 3; i++) {
-    add_pair_position(sink, data, at + MBD_R + i, j->body, U[half + i]);
+    add_pair_position(sink, data, at + MBD_R + i, rows->body, U[half + i]);
     for (int k = 0; k < rows->n; k++)
-      mbd_jac_add(sink, at + MBD_R + i, mbd_index_mu(model, j->row + k), rows->G[k][half + i]);
+      mbd_jac_add(sink, at + MBD_R + i, mbd_index_mu(model, rows->first + k), rows->G[k][half + i]);
   }
   for (int i = 0; i < 4; i++) {
     double c[MBD_PAIR];
     for (int l = 0; l < MBD_PAIR; l++)
       c[l] = Q[i][0] * U[half + 3][l] + Q[i][1] * U[half + 4][l] + Q[i][2] * U[half + 5][l];
-    add_pair_position(sink, data, at + MBD_P + i, j->body, c);
+    add_pair_position(sink, data, at + MBD_P + i, rows->body, c);
     for (int k = 0; k < rows->n; k++) {
       const double *G = rows->G[k] + half + 3;
-      mbd_jac_add(sink, at + MBD_P + i, mbd_index_mu(model, j->row + k),
+      mbd_jac_add(sink, at + MBD_P + i, mbd_index_mu(model, rows->first + k),
                   Q[i][0] * G[0] + Q[i][1] * G[1] + Q[i][2] * G[2]);
     }
   }
 }
 
-static void joint_rows(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sink *sink) {
-  const mbd_joint *j = &model->joint[index];
-  const mbd_rows *rows = mbd_joint_at(model, data, index, true);
-  const double *lambda = y + mbd_index_lambda(model, j->row), *mu = y + mbd_index_mu(model, j->row);
+static void constraint_block(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sink *sink) {
+  const mbd_rows *rows = mbd_constraint_at(model, data, index, true);
+  const double *lambda = y + mbd_index_lambda(model, rows->first), *mu = y + mbd_index_mu(model, rows->first);
   double L[MBD_PAIR][MBD_PAIR] = {{0}}, U[MBD_PAIR][MBD_PAIR] = {{0}}; /* d(G^T lambda)/dq, d(G^T mu)/dq */
   for (int k = 0; k < rows->n; k++)
     for (int i = 0; i < MBD_PAIR; i++)
@@ -158,10 +156,10 @@ static void joint_rows(const mbd_model *model, mbd_data *data, int index, const 
         L[i][l] += lambda[k] * rows->H[k][i][l];
         U[i][l] += mu[k] * rows->H[k][i][l];
       }
-  constraint_rows(model, data, j, rows, sink);
+  constraint_rows(model, data, rows, sink);
   for (int side = 0; side < 2; side++)
-    if (j->body[side] != MBD_GROUND)
-      multiplier_rows(model, data, j, rows, side, y, L, U, sink);
+    if (rows->body[side] != MBD_GROUND)
+      multiplier_rows(model, data, rows, side, y, L, U, sink);
 }
 
 /* ---- forces ---- */
@@ -187,22 +185,21 @@ static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_si
 
 /* ---- all ---- */
 
-/* G^T mu of all joints, as in the residual. */
+/* G^T mu of all constraints, as in the residual. */
 static void shifts(const mbd_model *model, mbd_data *data, const double *y) {
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
-  for (int i = 0; i < model->njoint; i++) {
-    const mbd_joint *j = &model->joint[i];
-    const mbd_rows *rows = mbd_joint_at(model, data, i, false);
+  for (int i = 0; i < mbd_nconstraint(model); i++) {
+    const mbd_rows *rows = mbd_constraint_at(model, data, i, false);
     for (int side = 0; side < 2; side++)
-      for (int c = 0; c < 6 && j->body[side] != MBD_GROUND; c++)
+      for (int c = 0; c < 6 && rows->body[side] != MBD_GROUND; c++)
         for (int k = 0; k < rows->n; k++)
-          data->shift[6 * j->body[side] + c] += rows->G[k][6 * side + c] * y[mbd_index_mu(model, j->row + k)];
+          data->shift[6 * rows->body[side] + c] += rows->G[k][6 * side + c] * y[mbd_index_mu(model, rows->first + k)];
   }
 }
 
-void mbd_jacobian(const mbd_model *model, mbd_data *data, double cj, const double *y, const double *yp,
+void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, const double *y, const double *yp,
                   mbd_sink *sink) {
-  mbd_kinematics(model, data, y);
+  mbd_kinematics(model, data, t, y);
   shifts(model, data, y);
   for (int b = 0; b < model->nbody; b++)
     quaternion_map(mbd_quat_of(y, b), data->quaternion[b]);
@@ -210,8 +207,8 @@ void mbd_jacobian(const mbd_model *model, mbd_data *data, double cj, const doubl
     kinematic_rows(model, data, b, cj, y, sink);
     dynamic_rows(model, data, b, cj, yp, sink);
   }
-  for (int i = 0; i < model->njoint; i++)
-    joint_rows(model, data, i, y, sink);
+  for (int i = 0; i < mbd_nconstraint(model); i++)
+    constraint_block(model, data, i, y, sink);
   for (int i = 0; i < model->nforce; i++)
     force_rows(model, data, i, sink);
   data->stats.jacobians++;

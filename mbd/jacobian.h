@@ -19,6 +19,8 @@ static inline void mbd_jac_add(mbd_sink *sink, int row, int col, double value) {
   sink->dense[(size_t)col * (size_t)sink->n + (size_t)row] += value;
 }
 
-void mbd_jacobian(const mbd_model *model, mbd_data *data, double cj, const double *y, const double *yp, mbd_sink *sink);
+/* dF/dy + cj dF/dydot at (t, y, yp). */
+void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, const double *y, const double *yp,
+                  mbd_sink *sink);
 
 #endif

@@ -93,6 +93,29 @@ void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
                     json_string_value(json_array_get(array, 0)));
 }
 
+const mbd_joint *mbd_load_joint(tdm_object *o, const mbd_model *model, const char *type, const char *otherwise) {
+  const char *name = tdm_get_string(o, "joint", NULL);
+  if (o->err->status)
+    return NULL;
+  for (int i = 0; i < model->njoint; i++) {
+    const mbd_joint *j = &model->joint[i];
+    if (strcmp(j->name, name) != 0)
+      continue;
+    if (strcmp(j->ops->name, type) == 0)
+      return j;
+    tdm_object_fail(o, "joint", "the joint \"%s\" is %s; name a %s joint", name, j->ops->name, type);
+    return NULL;
+  }
+  const char **names = calloc((size_t)model->njoint + 1, sizeof *names);
+  for (int i = 0; names && i < model->njoint; i++)
+    names[i] = model->joint[i].name;
+  const char *near = names ? tdm_nearest(name, names, model->njoint) : NULL;
+  tdm_object_fail(o, "joint", "there is no joint \"%s\"%s%s%s; name a %s joint of mbd.joints%s", name,
+                  near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "", type, otherwise);
+  free(names);
+  return NULL;
+}
+
 void mbd_load_pair(tdm_object *o, const char *single, const char *twice, tdm_vec3 out[2]) {
   out[0] = out[1] = tdm_v3(0, 0, 0);
   if (!single || tdm_has(o, twice)) {
@@ -180,7 +203,7 @@ static void load_body(mbd_model *model, json_t *json, const char *path, tdm_erro
     model->nbody++;
 }
 
-/* ---- joints and forces: the common part; the table's entry reads the rest ---- */
+/* ---- joints, drivers and forces: the common part; the table's entry reads the rest ---- */
 
 /* Read "type" and leave the index in the table; -1 after an error. */
 static int load_type(tdm_object *o, const char *const *names, int n) {
@@ -207,6 +230,33 @@ static void load_joint(mbd_model *model, json_t *json, const char *path, tdm_err
       tdm_object_fail(&o, "name", "a second joint is called \"%s\"; give every joint its own name", j->name);
   model->njoint++;
   model->nrow += j->ops->nrow;
+}
+
+static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
+  tdm_object o = tdm_object_open(json, path, err);
+  mbd_driver *d = &model->driver[model->ndriver];
+  const char *names[MBD_DRIVER_TYPES_MAX];
+  for (int i = 0; i < mbd_driver_ntype; i++)
+    names[i] = mbd_driver_table[i]->name;
+  mbd_load_name(&o, d->name);
+  int type = load_type(&o, names, mbd_driver_ntype);
+  if (err->status)
+    return;
+  d->ops = mbd_driver_table[type];
+  d->row = model->nrow;
+  d->ops->load(d, &o, model);
+  mbd_motion_load(&d->motion, &o);
+  tdm_object_close(&o);
+  for (int i = 0; i < model->ndriver && !err->status; i++) {
+    const mbd_driver *other = &model->driver[i];
+    if (strcmp(other->name, d->name) == 0)
+      tdm_object_fail(&o, "name", "a second driver is called \"%s\"; give every driver its own name", d->name);
+    else if (other->joint == d->joint)
+      tdm_object_fail(&o, "joint", "the joint \"%s\" is driven by \"%s\" already; remove one of the two drivers",
+                      d->joint->name, other->name);
+  }
+  model->ndriver++;
+  model->nrow++;
 }
 
 static void load_force(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
@@ -263,8 +313,9 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
   m->body = calloc(array_room(json, "bodies"), sizeof *m->body);
   m->joint = calloc(array_room(json, "joints"), sizeof *m->joint);
+  m->driver = calloc(array_room(json, "drivers"), sizeof *m->driver);
   m->force = calloc(array_room(json, "forces"), sizeof *m->force);
-  if (!m->body || !m->joint || !m->force)
+  if (!m->body || !m->joint || !m->driver || !m->force)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
 
   const tdm_vec3 earth = {0, 0, -9.81};
@@ -274,6 +325,8 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   if (!err->status && m->nbody == 0)
     tdm_object_fail(&o, "bodies", "is empty; give at least one body");
   load_array(&o, "joints", false, m, load_joint);
+  m->njointrow = m->nrow;
+  load_array(&o, "drivers", false, m, load_driver);
   load_array(&o, "forces", false, m, load_force);
   load_solver(&m->solver, &o);
   tdm_object_close(&o);
@@ -310,6 +363,7 @@ void mbd_model_destroy(mbd_model **model) {
     return;
   free((*model)->body);
   free((*model)->joint);
+  free((*model)->driver);
   free((*model)->force);
   free((*model)->coupled);
   free(*model);

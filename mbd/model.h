@@ -5,6 +5,7 @@
 #ifndef MBD_MODEL_H
 #define MBD_MODEL_H
 
+#include "mbd/driver/driver.h"
 #include "mbd/force/force.h"
 #include "mbd/joint/joint.h"
 #include "protocol/participant.h"
@@ -32,9 +33,12 @@ struct mbd_model {
   mbd_body *body; /* (nbody) */
   int njoint;
   mbd_joint *joint; /* (njoint) */
+  int ndriver;
+  mbd_driver *driver; /* (ndriver) */
   int nforce;
   mbd_force *force; /* (nforce) */
-  int nrow;         /* constraint rows of all joints */
+  int njointrow;    /* constraint rows of all joints */
+  int nrow;         /* of all joints and drivers; those of the drivers come last */
   int ncoupled;
   int *coupled; /* (ncoupled) body index of each coupled body, in the order of the assignment */
   mbd_settings solver;
@@ -49,7 +53,7 @@ tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int
 
 void mbd_model_destroy(mbd_model **model);
 
-/* ---- helpers of the loaders of joints and forces ---- */
+/* ---- helpers of the loaders of joints, drivers and forces ---- */
 
 /* The index of a body (MBD_GROUND for "ground"), -2 when there is none of that name. */
 int mbd_model_find_body(const mbd_model *model, const char *name);
@@ -62,6 +66,10 @@ void mbd_load_pair(tdm_object *o, const char *single, const char *twice, tdm_vec
 
 /* Read and check "name": fit for a column of a CSV file. out has MBD_NAME_MAX bytes. */
 void mbd_load_name(tdm_object *o, char *out);
+
+/* Read "joint": the name of a joint of the given type, borrowed from the model; NULL after an error. `otherwise` ends
+ * the advice when there is no such joint. */
+const mbd_joint *mbd_load_joint(tdm_object *o, const mbd_model *model, const char *type, const char *otherwise);
 
 /* Start pose of a body or of the ground, and a world point or direction in that body's axes. */
 tdm_pose mbd_model_pose(const mbd_model *model, int body);

@@ -11,10 +11,10 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, OTHER_CHANNELS = 3 };
+enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, OTHER_CHANNELS = 3 };
 
 int mbd_output_count(const mbd_model *model) {
-  return JOINT_CHANNELS * model->njoint + FORCE_CHANNELS * model->nforce +
+  return JOINT_CHANNELS * model->njoint + DRIVER_CHANNELS * model->ndriver + FORCE_CHANNELS * model->nforce +
          BODY_CHANNELS * (model->nbody - model->ncoupled) + OTHER_CHANNELS;
 }
 
@@ -33,6 +33,12 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
   for (int i = 0; i < model->njoint; i++)
     for (int k = 0; k < JOINT_CHANNELS; k++)
       c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
+  for (int i = 0; i < model->ndriver; i++) {
+    const mbd_driver_ops *ops = model->driver[i].ops;
+    c = name(c, "driver", model->driver[i].name, ops->effort, ops->effort_unit);
+    c = name(c, "driver", model->driver[i].name, ops->coordinate, ops->coordinate_unit);
+    c = name(c, "driver", model->driver[i].name, "rate", ops->rate_unit);
+  }
   for (int i = 0; i < model->nforce; i++) {
     const mbd_force_ops *ops = model->force[i].ops;
     c = name(c, "force", model->force[i].name, "value", ops->value_unit);
@@ -50,20 +56,35 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
  * mass to the point. */
 static void reaction(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
   const mbd_joint *j = &model->joint[index];
-  const mbd_rows *rows = mbd_joint_at(model, data, index, false);
+  const mbd_rows *rows = mbd_constraint_at(model, data, index, false);
   double wrench[6] = {0};
   for (int k = 0; k < rows->n; k++)
     for (int i = 0; i < 6; i++)
-      wrench[i] -= rows->G[k][MBD_RB + i] * lambda[j->row + k];
+      wrench[i] -= rows->G[k][MBD_RB + i] * lambda[rows->first + k];
   tdm_vec3 force = mbd_get3(wrench), arm = mbd_joint_arm(j, 1, &data->kin[j->body[1] + 1]);
   mbd_set3(out, force);
   mbd_set3(out + 3, tdm_sub(mbd_get3(wrench + 3), tdm_cross(arm, force)));
 }
 
+/* Effort on the second body, the coordinate where it is (not where it should be) and its rate. */
+static void drive(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
+  const mbd_driver *d = &model->driver[index];
+  const mbd_rows *rows = mbd_constraint_at(model, data, model->njoint + index, false);
+  double twist[MBD_PAIR], rate = 0;
+  mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
+  for (int k = 0; k < MBD_PAIR; k++)
+    rate += rows->G[0][k] * twist[k];
+  out[0] = -lambda[d->row];
+  out[1] = mbd_motion_at(&d->motion, data->now).value + rows->g[0];
+  out[2] = rate;
+}
+
 bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out) {
-  bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin */
+  bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin and data->now */
   for (int i = 0; i < model->njoint; i++, out += JOINT_CHANNELS)
     reaction(model, data, i, data->lambda, out);
+  for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
+    drive(model, data, i, data->lambda, out);
   for (int i = 0; i < model->nforce; i++, out += FORCE_CHANNELS) {
     const mbd_force_value *value = mbd_force_at(model, data, i, false);
     out[0] = value->value;

@@ -28,17 +28,16 @@ void mbd_generalised_forces(const mbd_model *model, mbd_data *data, double t, do
     scatter(Q, model->force[i].body, mbd_force_at(model, data, i, false)->Q);
 }
 
-/* Joint rows: g and G V into the residual, G^T lambda off the forces, G^T mu into the shift. */
-static void joints(const mbd_model *model, mbd_data *data, const double *y, double *out) {
+/* Rows of joints and drivers: g and G V + g_t into the residual, G^T lambda off the forces, G^T mu into the shift. */
+static void constraints(const mbd_model *model, mbd_data *data, const double *y, double *out) {
   const double *lambda = y + mbd_index_lambda(model, 0), *mu = y + mbd_index_mu(model, 0);
-  for (int i = 0; i < model->njoint; i++) {
-    const mbd_joint *j = &model->joint[i];
-    const mbd_rows *rows = mbd_joint_at(model, data, i, false);
+  for (int i = 0; i < mbd_nconstraint(model); i++) {
+    const mbd_rows *rows = mbd_constraint_at(model, data, i, false);
     double twist[MBD_PAIR], reaction[MBD_PAIR] = {0}, shift[MBD_PAIR] = {0};
-    mbd_pair_twist(&data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], twist);
+    mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
     for (int k = 0; k < rows->n; k++) {
-      int row = j->row + k;
-      double rate = 0;
+      int row = rows->first + k;
+      double rate = rows->g_t[k];
       for (int c = 0; c < MBD_PAIR; c++) {
         rate += rows->G[k][c] * twist[c];
         reaction[c] -= rows->G[k][c] * lambda[row];
@@ -47,8 +46,8 @@ static void joints(const mbd_model *model, mbd_data *data, const double *y, doub
       out[mbd_index_lambda(model, row)] = rate;
       out[mbd_index_mu(model, row)] = rows->g[k];
     }
-    scatter(data->wrench, j->body, reaction);
-    scatter(data->shift, j->body, shift);
+    scatter(data->wrench, rows->body, reaction);
+    scatter(data->shift, rows->body, shift);
   }
 }
 
@@ -78,10 +77,10 @@ static void body_residual(const mbd_model *model, const mbd_data *data, int b, c
 }
 
 void mbd_residual(const mbd_model *model, mbd_data *data, double t, const double *y, const double *yp, double *out) {
-  mbd_kinematics(model, data, y);
+  mbd_kinematics(model, data, t, y);
   mbd_generalised_forces(model, data, t, data->wrench);
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
-  joints(model, data, y, out);
+  constraints(model, data, y, out);
   for (int b = 0; b < model->nbody; b++)
     body_residual(model, data, b, y, yp, out);
   data->stats.residuals++;

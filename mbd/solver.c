@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WARNINGS_MAX = 2 };
+enum { WARNINGS_MAX = 3 };
 
 typedef struct {
   mbd_model *model;
@@ -70,11 +70,21 @@ static void warn_about_assembly(solver *s) {
         "m/s, %.3g rad/s); give velocities that the joints allow",
         s->model->body[a->body_velocity].name, a->velocity, a->angular);
   }
+  if (a->driver >= 0) {
+    const mbd_driver *d = &s->model->driver[a->driver];
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
+    snprintf(
+        w->message, sizeof w->message,
+        "the given start velocities turn or move joint \"%s\" at %.6g %s, its driver \"%s\" starts at %.6g %s: the "
+        "driver holds; give velocities that fit it, or none",
+        d->joint->name, a->given, d->ops->rate_unit, d->name, a->prescribed, d->ops->rate_unit);
+  }
 }
 
 static json_t *make_report(const solver *s) {
   const mbd_model *m = s->model;
-  json_t *bodies = json_object(), *joints = json_object();
+  json_t *bodies = json_object(), *joints = json_object(), *drivers = json_object();
   double mass = 0;
   for (int i = 0; i < m->nbody; i++) {
     json_object_set_new(bodies, m->body[i].name, json_pack("{s:f}", "mass", m->body[i].mass));
@@ -82,10 +92,12 @@ static json_t *make_report(const solver *s) {
   }
   for (int i = 0; i < m->njoint; i++)
     json_object_set_new(joints, m->joint[i].name, json_string(m->joint[i].ops->name));
-  return json_pack("{s:i, s:f, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom", s->assembly.freedom,
-                   "mass", mass, "bodies", bodies, "joints", joints, "forces", m->nforce, "assembly", "translation",
-                   s->assembly.translation, "rotation", s->assembly.rotation, "velocity", s->assembly.velocity,
-                   "angular_velocity", s->assembly.angular);
+  for (int i = 0; i < m->ndriver; i++)
+    json_object_set_new(drivers, m->driver[i].name, json_string(m->driver[i].ops->name));
+  return json_pack("{s:i, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom", s->assembly.freedom,
+                   "mass", mass, "bodies", bodies, "joints", joints, "drivers", drivers, "forces", m->nforce,
+                   "assembly", "translation", s->assembly.translation, "rotation", s->assembly.rotation, "velocity",
+                   s->assembly.velocity, "angular_velocity", s->assembly.angular);
 }
 
 /* What READY needs: coupled bodies, channels with their start values, report. */

@@ -108,7 +108,8 @@ static tdm_mat3 rotation(tdm_quat p) {
       {{1 - yy - zz, xy - wz, xz + wy}, {xy + wz, 1 - xx - zz, yz - wx}, {xz - wy, yz + wx, 1 - xx - yy}}};
 }
 
-void mbd_kinematics(const mbd_model *model, mbd_data *data, const double *y) {
+void mbd_kinematics(const mbd_model *model, mbd_data *data, double t, const double *y) {
+  data->now = t;
   for (int b = 0; b < model->nbody; b++) {
     const double *u = y + MBD_BODY_UNKNOWNS * b;
     mbd_kin *k = &data->kin[b + 1];
@@ -132,20 +133,32 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
   return value;
 }
 
-const mbd_rows *mbd_joint_at(const mbd_model *model, mbd_data *data, int i, bool second) {
-  const mbd_joint *j = &model->joint[i];
-  data->rows.n = 0;
-  data->rows.second = second;
-  j->ops->eval(j, &data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], &data->rows);
-  return &data->rows;
+const mbd_rows *mbd_constraint_at(const mbd_model *model, mbd_data *data, int i, bool second) {
+  const mbd_driver *d = i < model->njoint ? NULL : &model->driver[i - model->njoint];
+  const mbd_joint *j = d ? d->joint : &model->joint[i];
+  const mbd_kin *a = &data->kin[j->body[0] + 1], *b = &data->kin[j->body[1] + 1];
+  mbd_rows *rows = &data->rows;
+  rows->n = 0;
+  rows->second = second;
+  memcpy(rows->body, j->body, sizeof rows->body);
+  rows->first = d ? d->row : j->row;
+  if (!d) {
+    j->ops->eval(j, a, b, rows);
+    return rows;
+  }
+  mbd_motion_value x = mbd_motion_at(&d->motion, data->now);
+  d->ops->eval(d, x.value, a, b, rows);
+  rows->g_t[0] = -x.rate;
+  rows->g_tt[0] = -x.acceleration;
+  return rows;
 }
 
-void mbd_accept(const mbd_model *model, mbd_data *data, const double *y) {
-  mbd_kinematics(model, data, y);
+void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y) {
+  mbd_kinematics(model, data, t, y);
   for (int i = 0; i < model->nforce; i++)
     data->angle[i] = mbd_force_at(model, data, i, false)->coordinate;
-  for (int i = 0; i < model->njoint; i++) {
-    const mbd_rows *rows = mbd_joint_at(model, data, i, false);
+  for (int i = 0; i < mbd_nconstraint(model); i++) {
+    const mbd_rows *rows = mbd_constraint_at(model, data, i, false);
     for (int k = 0; k < rows->n; k++)
       data->drift = fmax(data->drift, fabs(rows->g[k]));
   }

@@ -36,10 +36,11 @@ typedef struct {
   double *lambda;       /* (nrow) of the same */
 
   /* workspace of one evaluation */
+  double now;                 /* time of the evaluation [s] */
   mbd_kin *kin;               /* (nbody + 1) ground first; body b is kin[b + 1] */
   double *wrench, *shift;     /* (6 nbody) generalised forces, G^T mu */
   double (*quaternion)[3][4]; /* (nbody) dtheta = T dp */
-  mbd_rows rows;              /* of one joint */
+  mbd_rows rows;              /* of one joint or driver */
   mbd_force_value force;      /* of one force */
   mbd_stats stats;
 } mbd_data;
@@ -67,8 +68,9 @@ tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_s
 /* Load on coupled body i at time t. */
 tdm_wrench mbd_load_at(const mbd_data *data, int i, double t);
 
-/* Fill data->kin from unknowns y; the rotation matrix belongs to the normalised Euler parameters. */
-void mbd_kinematics(const mbd_model *model, mbd_data *data, const double *y);
+/* Fill data->kin from unknowns y at time t (data->now); the rotation matrix belongs to the normalised Euler parameters.
+ */
+void mbd_kinematics(const mbd_model *model, mbd_data *data, double t, const double *y);
 
 /* Pose (normalised) and twist of a body in y. */
 tdm_state mbd_body_state(const double *y, int body);
@@ -91,10 +93,15 @@ static inline tdm_mat3 mbd_inertia_world(const mbd_body *body, const mbd_kin *k)
 /* Evaluate force i at data->kin into data->force (with derivatives if second). */
 const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int i, bool second);
 
-/* Evaluate joint i at data->kin into data->rows (with H if second). */
-const mbd_rows *mbd_joint_at(const mbd_model *model, mbd_data *data, int i, bool second);
+/* Joints and drivers in one count: constraint i is joint i, those after the joints are the drivers. */
+static inline int mbd_nconstraint(const mbd_model *m) {
+  return m->njoint + m->ndriver;
+}
 
-/* After an accepted step to y: count angles on and note the drift. */
-void mbd_accept(const mbd_model *model, mbd_data *data, const double *y);
+/* Evaluate constraint i at data->kin and data->now into data->rows (with H if second). */
+const mbd_rows *mbd_constraint_at(const mbd_model *model, mbd_data *data, int i, bool second);
+
+/* After an accepted step to y at time t: count angles on and note the drift. */
+void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y);
 
 #endif

@@ -10,29 +10,12 @@
 
 /* Bodies and axis of the revolute joint that "joint" names. */
 static void load_joint(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  const char *name = tdm_get_string(o, "joint", NULL);
-  if (o->err->status)
+  const mbd_joint *j = mbd_load_joint(o, model, "revolute", ", or give \"bodies\" and \"axis\"");
+  if (!j)
     return;
-  const char *names[64] = {0};
-  int n = model->njoint < 64 ? model->njoint : 64;
-  for (int i = 0; i < model->njoint; i++) {
-    const mbd_joint *j = &model->joint[i];
-    if (strcmp(j->name, name) == 0 && strcmp(j->ops->name, "revolute") != 0) {
-      tdm_object_fail(o, "joint", "the joint \"%s\" is %s; name a revolute joint", name, j->ops->name);
-      return;
-    }
-    if (strcmp(j->name, name) == 0) {
-      memcpy(f->body, j->body, sizeof f->body);
-      f->axes = j->axes[0];
-      f->pointer = tdm_v3(j->axes[1].m[0][0], j->axes[1].m[1][0], j->axes[1].m[2][0]);
-      return;
-    }
-    if (i < n)
-      names[i] = j->name;
-  }
-  const char *near = tdm_nearest(name, names, n);
-  tdm_object_fail(o, "joint", "there is no joint \"%s\"%s%s%s; name a revolute joint, or give \"bodies\" and \"axis\"",
-                  name, near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+  memcpy(f->body, j->body, sizeof f->body);
+  f->axes = j->axes[0];
+  f->pointer = tdm_v3(j->axes[1].m[0][0], j->axes[1].m[1][0], j->axes[1].m[2][0]);
 }
 
 static void load_axis(mbd_force *f, tdm_object *o, const mbd_model *model) {

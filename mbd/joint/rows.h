@@ -12,12 +12,17 @@
 
 enum { MBD_ROWS_MAX = 6 };
 
-/* Zero n and set `second` before use; the rows are cleared as they are appended. */
+/* Zero n and set `second` before use; the rows are cleared as they are appended.
+ * With them gdot = G V + g_t and gddot = G Vdot + V^T H V + g_tt: no row has a G that depends on the time. */
 typedef struct {
   int n;
   bool second;                                /* fill H as well */
-  double g[MBD_ROWS_MAX];                     /* violation [m] or [1] */
-  double G[MBD_ROWS_MAX][MBD_PAIR];           /* gdot = G V */
+  int body[2];                                /* the pair; MBD_GROUND: the fixed world */
+  int first;                                  /* place of row 0 among all rows of the model */
+  double g[MBD_ROWS_MAX];                     /* violation [m], [1] or [rad] */
+  double g_t[MBD_ROWS_MAX];                   /* partial derivatives of g by the time, 0 but for drivers */
+  double g_tt[MBD_ROWS_MAX];                  /* the second */
+  double G[MBD_ROWS_MAX][MBD_PAIR];           /* dg = G dq */
   double H[MBD_ROWS_MAX][MBD_PAIR][MBD_PAIR]; /* dG[k] = sum_j H[k][j] dq[j] */
 } mbd_rows;
 
@@ -29,5 +34,9 @@ void mbd_rows_perpendicular(mbd_rows *rows, tdm_vec3 of_a, tdm_vec3 of_b);
 
 /* One row: the vector from the first to the second body's point is perpendicular to a direction of the first body. */
 void mbd_rows_plane(mbd_rows *rows, const mbd_kin *a, const mbd_kin *b, tdm_vec3 of_a, tdm_vec3 arm_a, tdm_vec3 arm_b);
+
+/* One row: b1, b2 of the second body are a1, a2 of the first turned by `angle` [rad] about a1 x a2. The pairs are
+ * orthonormal; any number of turns, and any tilt between the axes but half a turn. g lies in [-pi, pi]. */
+void mbd_rows_angle(mbd_rows *rows, tdm_vec3 a1, tdm_vec3 a2, tdm_vec3 b1, tdm_vec3 b2, double angle);
 
 #endif

@@ -5,6 +5,7 @@
 #define TEST_MBD_SUPPORT_H
 
 #include "mbd/solver.h"
+#include "protocol/log.h"
 
 #include <check.h>
 #include <stdio.h>
@@ -67,6 +68,22 @@ static inline void run_close(run *r) {
   mbd_solver_ops.destroy(r->self);
   json_decref(r->scene);
   free(r->channel);
+}
+
+/* Close, and return the integrator's steps: from the log, the way a user sees them. */
+static inline long run_close_steps(run *r) {
+  char *text = NULL;
+  size_t size = 0;
+  FILE *sink = open_memstream(&text, &size);
+  tdm_log_open(sink, "mbd");
+  run_close(r);
+  tdm_log_open(NULL, "mbd");
+  fclose(sink);
+  const char *at = strstr(text, " steps=");
+  ck_assert_ptr_nonnull(at);
+  long steps = strtol(at + 7, NULL, 10);
+  free(text);
+  return steps;
 }
 
 /* One window to t1 with load (nbody x nload) and samples. */

@@ -1,7 +1,6 @@
 /* A preloaded spring-damper box against its closed form, whole and cut into windows with a load that is a quadratic in
  * time; IDA's history over windows; dense output; load jumps.
  */
-#include "protocol/log.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -33,21 +32,7 @@ static void cut(const double F[3], double t0, double t1, tdm_wrench load[3]) {
   load[2].force.z = F[2] * H * H;
 }
 
-static long steps_total; /* of the last `follow`: from the log, the way a user sees it */
-
-static void read_steps(run *r) {
-  char *text = NULL;
-  size_t size = 0;
-  FILE *sink = open_memstream(&text, &size);
-  tdm_log_open(sink, "mbd");
-  run_close(r);
-  tdm_log_open(NULL, "mbd");
-  fclose(sink);
-  const char *at = strstr(text, " steps=");
-  ck_assert_ptr_nonnull(at);
-  steps_total = strtol(at + 7, NULL, 10);
-  free(text);
-}
+static long steps_total; /* of the last `follow` */
 
 /* Largest error of u over the ends of `n` windows of H. */
 static double follow(const double F[3], double H, long n) {
@@ -62,7 +47,7 @@ static double follow(const double F[3], double H, long n) {
     worst = fmax(worst, fabs(-r.state[0].pose.position.z - u));
     worst = fmax(worst, fabs(-r.state[0].twist.velocity.z - rate) / 10); /* w = 7 1/s */
   }
-  read_steps(&r);
+  steps_total = run_close_steps(&r);
   return worst;
 }
 

@@ -7,6 +7,12 @@
 #define JOINT(rest) "{" BOX ",'joints':[{'name':'j'," rest "}]}"
 #define FORCE(rest) "{" BOX ",'forces':[{'name':'f'," rest "}]}"
 
+#define HINGE(type) "{'name':'hinge','type':'" type "','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]}"
+#define STEP "'motion':{'type':'constant_rate','rate':1,'start':'step'}"
+#define DRIVERS(rest) "{" BOX ",'joints':[" HINGE("revolute") "],'drivers':[" rest "]}"
+#define DRIVER(rest) DRIVERS("{'name':'motor'," rest "}")
+#define MOTOR(rest) DRIVER("'type':'rotational_motor','joint':'hinge','motion':{" rest "}")
+
 typedef struct {
   const char *scene, *coupled;
   tdm_status status;
@@ -89,6 +95,65 @@ static const bad_case cases[] = {
     {"{" BOX ",'joints':[{'name':'rail','type':'prismatic','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]}],"
      "'forces':[{'name':'f','type':'torsional_spring_damper','joint':'rail','stiffness':1}]}",
      "", TDM_ERR_SCENE, "mbd.forces[0].joint", "revolute"},
+    {DRIVER("'type':'rotational_moter','joint':'hinge'," STEP), "", TDM_ERR_SCENE, "mbd.drivers[0].type",
+     "rotational_motor"},
+    {DRIVER("'type':'rotational_motor','joint':'hynge'," STEP), "", TDM_ERR_SCENE, "mbd.drivers[0].joint",
+     "did you mean \"hinge\""},
+    {DRIVER("'type':'rotational_motor'," STEP), "", TDM_ERR_SCENE, "mbd.drivers[0].joint", ""},
+    {DRIVER("'type':'rotational_motor','joint':'hinge'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion", ""},
+    {DRIVER("'type':'rotational_motor','joint':'hinge','speed':1," STEP), "", TDM_ERR_SCENE, "mbd.drivers[0].speed",
+     ""},
+    {DRIVERS("{'name':'m 1','type':'rotational_motor','joint':'hinge'," STEP "}"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].name", "letters"},
+    {"{" BOX ",'joints':[" HINGE(
+         "prismatic") "],'drivers':[{'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "name a revolute joint"},
+    {"{" BOX ",'drivers':[{'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}", "", TDM_ERR_SCENE,
+     "mbd.drivers[0].joint", "no joint"},
+    {DRIVERS("{'name':'m1','type':'rotational_motor','joint':'hinge'," STEP
+             "},{'name':'m2','type':'rotational_motor','joint':'hinge'," STEP "}"),
+     "", TDM_ERR_SCENE, "mbd.drivers[1].joint", "driven by \"m1\" already"},
+    {"{" BOX ",'joints':[" HINGE("revolute") ",{'name':'back','type':'revolute','bodies':['box','ground'],"
+                                             "'point':[0,0,0],'axis':[0,0,1]}],'drivers':[{'name':'m','type':'"
+                                             "rotational_motor','joint':'hinge'," STEP "},"
+                                             "{'name':'m','type':'rotational_motor','joint':'back'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[1].name", "own name"},
+    {"{" BOX ",'joints':[{'name':'weld','type':'fixed','bodies':['ground','box'],'point':[0,0,0]}],'drivers':[{"
+     "'name':'motor','type':'rotational_motor','joint':'weld'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "is fixed"},
+    {"{'bodies':[" BODY("box", "") "," BODY("b", "") "],'joints':[" HINGE(
+         "revolute") ","
+                     "{'name':'weld','type':'fixed','bodies':['box','b'],'point':[0,0,0]},"
+                     "{'name':'ball','type':'spherical','bodies':['ground','b'],'point':[0,1,0]}],'drivers':[{"
+                     "'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[2]", "redundant"},
+    /* a four-bar: one crank drives the other */
+    {"{'bodies':[{'name':'c1','mass':1,'inertia':[1,1,1],'position':[0,0.5,0]},"
+     "{'name':'rod','mass':1,'inertia':[1,1,1],'position':[1,1,0.1]},"
+     "{'name':'c2','mass':1,'inertia':[1,1,1],'position':[2,0.5,0.2]}],"
+     "'joints':[{'name':'h1','type':'revolute','bodies':['ground','c1'],'point':[0,0,0],'axis':[0,0,1]},"
+     "{'name':'b1','type':'spherical','bodies':['c1','rod'],'point':[0,1,0]},"
+     "{'name':'b2','type':'spherical','bodies':['rod','c2'],'point':[2,1,0.2]},"
+     "{'name':'h2','type':'revolute','bodies':['ground','c2'],'point':[2,0,0.2],'axis':[0,0,1]}],"
+     "'drivers':[{'name':'m1','type':'rotational_motor','joint':'h1'," STEP "},"
+     "{'name':'m2','type':'rotational_motor','joint':'h2'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[1]", "remove the driver"},
+    {MOTOR(""), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.type", ""},
+    {MOTOR("'type':'constant_speed'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.type", "constant_rate"},
+    {MOTOR("'type':'constant_rate','start':'step'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rate", ""},
+    {MOTOR("'type':'constant_rate','rate':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.start", ""},
+    {MOTOR("'type':'constant_rate','rate':1,'start':'soft'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.start",
+     "smooth"},
+    {MOTOR("'type':'constant_rate','rate':1,'start':'smooth'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rise", ""},
+    {MOTOR("'type':'constant_rate','rate':1,'start':'smooth','rise':0"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.rise", "greater than 0"},
+    {MOTOR("'type':'constant_rate','rate':1,'start':'smooth','rise':-1"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.rise", "greater than 0"},
+    {MOTOR("'type':'constant_rate','rate':1,'start':'step','rise':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rise",
+     "smooth"},
+    {MOTOR("'type':'constant_rate','rate':1,'start':'step','ramp':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.ramp",
+     ""},
+    {"{" BOX ",'drivers':{}}", "", TDM_ERR_SCENE, "mbd.drivers", ""},
     {"{" BOX ",'solver':{'max_order':6}}", "", TDM_ERR_SCENE, "mbd.solver.max_order", "1 to 5"},
     {"{" BOX ",'solver':{'relative_tolerance':0}}", "", TDM_ERR_SCENE, "mbd.solver.relative_tolerance", ""},
     {"{" BOX ",'solver':{'rtol':1e-3}}", "", TDM_ERR_SCENE, "mbd.solver.rtol", ""},

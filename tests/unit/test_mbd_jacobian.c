@@ -1,5 +1,5 @@
 /* The analytic Jacobian against central differences of the residual, on random states (off the constraints and off the
- * unit sphere), for every joint and every force, between two bodies and against the ground.
+ * unit sphere), for every joint, driver and force, between two bodies and against the ground.
  */
 #include "mbd/jacobian.h"
 #include "mbd/residual.h"
@@ -10,6 +10,9 @@
   "'bodies':[{'name':'a','mass':2,'inertia':[1.1,1.4,1.9,0.1,-0.2,0.05],'position':[0.3,-0.2,0.5]," \
   "'orientation':[0.9,0.1,-0.3,0.2]},{'name':'b','mass':3,'inertia':[0.7,0.8,0.6],'position':[-1,0.4,0.2]}]"
 #define JOINT(type, rest) "{" BODIES ",'joints':[{'name':'j','type':'" type "','bodies':" rest "}]}"
+#define DRIVER(type, bodies, axes, motion)                                                                    \
+  "{" BODIES ",'joints':[{'name':'j','type':'revolute','bodies':" bodies ",'point':[0.1,0.2,0.3]," axes "}]," \
+  "'drivers':[{'name':'d','type':'" type "','joint':'j','motion':{" motion "}}]}"
 #define FORCE(type, rest) \
   "{" BODIES ",'forces':[{'name':'f','type':'" type "','stiffness':40,'damping':3,'preload':5," rest "}]}"
 
@@ -23,6 +26,11 @@ static const char *const scenes[] = {
     JOINT("prismatic", "['ground','a'],'point':[0.1,0.2,0.3],'axis':[0,0,1]"),
     JOINT("prismatic", "['a','ground'],'point':[0.1,0.2,0.3],'axis':[0,0,1]"),
     JOINT("spherical", "['a','b'],'point':[0.1,0.2,0.3]"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
+           "'type':'constant_rate','rate':3,'start':'smooth','rise':0.5"),
+    DRIVER("rotational_motor", "['ground','b']", "'axis':[1,2,-1]", "'type':'constant_rate','rate':-7,'start':'step'"),
+    DRIVER("rotational_motor", "['b','ground']", "'axes':[[1,2,-1],[0,1,-1]]",
+           "'type':'constant_rate','rate':20,'start':'step'"),
     FORCE("spring_damper", "'bodies':['a','b'],'points':[[0.1,0.2,0.3],[1,0,2]],'free_length':0.7"),
     FORCE("spring_damper", "'bodies':['ground','b'],'points':[[0.1,0.2,0.3],[1,0,2]]"),
     FORCE("spring_damper", "'bodies':['a','ground'],'points':[[0.1,0.2,0.3],[1,0,2]]"),
@@ -50,7 +58,7 @@ static double deviation(const mbd_model *m, mbd_data *d, unsigned seed) {
   for (int b = 0; b < m->nbody; b++) /* away from the zero quaternion */
     y[MBD_BODY_UNKNOWNS * b + MBD_P] += 1.5;
   mbd_sink sink = {J, n};
-  mbd_jacobian(m, d, cj, y, yp, &sink);
+  mbd_jacobian(m, d, 0.3, cj, y, yp, &sink);
   for (int k = 0; k < n; k++) {
     double yk = y[k], ypk = yp[k];
     y[k] = yk + eps, yp[k] = ypk + cj * eps;
@@ -88,17 +96,26 @@ START_TEST(test_jacobian) {
 }
 END_TEST
 
-/* every type of both tables stands in a scene above */
+/* every type of every table stands in a scene above */
 START_TEST(test_all_types) {
   const int nscene = sizeof scenes / sizeof scenes[0];
-  for (int t = 0; t < mbd_joint_ntype + mbd_force_ntype; t++) {
-    const char *name = t < mbd_joint_ntype ? mbd_joint_table[t]->name : mbd_force_table[t - mbd_joint_ntype]->name;
+  const char *names[MBD_JOINT_TYPES_MAX + MBD_FORCE_TYPES_MAX + MBD_DRIVER_TYPES_MAX + MBD_MOTION_TYPES_MAX];
+  int n = 0;
+  for (int t = 0; t < mbd_joint_ntype; t++)
+    names[n++] = mbd_joint_table[t]->name;
+  for (int t = 0; t < mbd_force_ntype; t++)
+    names[n++] = mbd_force_table[t]->name;
+  for (int t = 0; t < mbd_driver_ntype; t++)
+    names[n++] = mbd_driver_table[t]->name;
+  for (int t = 0; t < mbd_motion_ntype; t++)
+    names[n++] = mbd_motion_table[t]->name;
+  for (int t = 0; t < n; t++) {
     char quoted[64];
-    snprintf(quoted, sizeof quoted, "'type':'%s'", name);
+    snprintf(quoted, sizeof quoted, "'type':'%s'", names[t]);
     int found = 0;
     for (int i = 0; i < nscene; i++)
       found += strstr(scenes[i], quoted) != NULL;
-    ck_assert_msg(found > 0, "no scene for %s", name);
+    ck_assert_msg(found > 0, "no scene for %s", names[t]);
   }
 }
 END_TEST

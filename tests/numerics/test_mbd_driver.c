@@ -1,0 +1,294 @@
+/* Drivers: the motion law, a pendulum that a motor turns ([L18] Eq. 20-22 with the signs mended), rotors without a
+ * fixed body, the motor's work, velocities at the start.
+ */
+#include "mbd/driver/motion.h"
+#include "tests/numerics/test_mbd_support.h"
+#include "tests/test_main.h"
+
+/* ---- the law by itself ---- */
+
+static mbd_motion motion_of(const char *text) {
+  mbd_motion motion = {0};
+  tdm_error err = {0};
+  json_t *json = scene_json(text);
+  tdm_object o = tdm_object_open(json, "", &err);
+  mbd_motion_load(&motion, &o);
+  ck_assert_msg(!err.status, "%s: %s", err.path, err.message);
+  json_decref(json);
+  return motion;
+}
+
+/* rate and acceleration are the derivatives of the value; the acceleration and its derivative have no jump */
+START_TEST(test_law) {
+  const double T = 0.4, w = -3, h = 1e-6;
+  mbd_motion m = motion_of("{'motion':{'type':'constant_rate','rate':-3,'start':'smooth','rise':0.4}}");
+  double most = 0;
+  for (double t = h; t < 0.6; t += 0.0037) {
+    mbd_motion_value lo = mbd_motion_at(&m, t - h), x = mbd_motion_at(&m, t), hi = mbd_motion_at(&m, t + h);
+    CLOSE(x.rate, (hi.value - lo.value) / (2 * h), 1e-8);
+    CLOSE(x.acceleration, (hi.rate - lo.rate) / (2 * h), 1e-7);
+    most = fmax(most, fabs(x.acceleration));
+  }
+  CLOSE(most, 1.875 * fabs(w) / T, 1e-3);
+  CLOSE(mbd_motion_at(&m, 0).value, 0, 0);
+  CLOSE(mbd_motion_at(&m, 0).rate, 0, 0);
+  for (int end = 0; end < 2; end++) { /* |acceleration| grows with the square of the distance from either end */
+    mbd_motion_value x = mbd_motion_at(&m, end ? T - 1e-4 * T : 1e-4 * T);
+    CLOSE(x.acceleration, 30 * w / T * 1e-8, 1e-9);
+  }
+  CLOSE(mbd_motion_at(&m, T - 1e-12).value, w * T / 2, 1e-11);
+  CLOSE(mbd_motion_at(&m, T).value, w * T / 2, 1e-15);
+  CLOSE(mbd_motion_at(&m, 10).value, w * (10 - T / 2), 1e-13);
+  CLOSE(mbd_motion_at(&m, 10).rate, w, 0);
+
+  m = motion_of("{'motion':{'type':'constant_rate','rate':2,'start':'step'}}");
+  CLOSE(mbd_motion_at(&m, 0).rate, 2, 0);
+  CLOSE(mbd_motion_at(&m, 1.5).value, 3, 0);
+  CLOSE(mbd_motion_at(&m, 1.5).acceleration, 0, 0);
+}
+END_TEST
+
+/* ---- the pendulum of [L18] Section 3.2: 72 deg/s, r = 1.5 m, arm along +x at the start ---- */
+
+#define RATE "1.2566370614359172"
+#define PENDULUM(start)                                                                                                \
+  "{'gravity':[0,-9.81,0],'bodies':[{'name':'box','mass':246.6,'inertia':[20,21,35],'position':[1.5,0,0]}],"           \
+  "'joints':[{'name':'pivot','type':'revolute','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]}],"            \
+  "'drivers':[{'name':'motor','type':'rotational_motor','joint':'pivot','motion':{'type':'constant_rate','rate':" RATE \
+  "," start "}}]}"
+
+static const double m = 246.6, r0 = 1.5, g = 9.81, w = 1.2566370614359172, I = 35 + 246.6 * 1.5 * 1.5;
+
+/* Compare the last window's sample with the rigid solution at angle, rate, acceleration; return the largest of the
+ * deviations of torque and forces relative to m g r and m g. */
+static double deviation(const run *r, double angle, double rate, double acceleration) {
+  double c = cos(angle), s = sin(angle), n2 = rate * rate, worst = 0;
+  double torque = I * acceleration + m * g * r0 * c;
+  double fx = m * r0 * (-n2 * c - acceleration * s), fy = m * r0 * (-n2 * s + acceleration * c) + m * g;
+  worst = fmax(worst, fabs(run_value(r, "driver.motor.torque") - torque) / (m * g * r0));
+  worst = fmax(worst, fabs(run_value(r, "joint.pivot.fx") - fx) / (m * g));
+  worst = fmax(worst, fabs(run_value(r, "joint.pivot.fy") - fy) / (m * g));
+  worst = fmax(worst, fabs(run_value(r, "joint.pivot.fz")) / (m * g));
+  /* the motor's torque is not the joint's */
+  worst = fmax(worst, fabs(run_value(r, "joint.pivot.mx")) / (m * g * r0));
+  worst = fmax(worst, fabs(run_value(r, "joint.pivot.my")) / (m * g * r0));
+  worst = fmax(worst, fabs(run_value(r, "joint.pivot.mz")) / (m * g * r0));
+  return worst;
+}
+
+/* Windows of 5e-4 s to `end`; print and check what must hold for any start. */
+static void turn(const char *scene, double end, double rise, double limit) {
+  run r;
+  const double H = 5e-4;
+  const long n = lround(end / H);
+  double worst = 0, angle = 0, rate = 0, place = 0, drift = 0;
+  run_open_good(&r, scene, "box");
+  mbd_motion law = {.ops = mbd_motion_table[0], .rate = w, .rise = rise};
+  for (long i = 1; i <= n; i++) {
+    double t = (double)i * H;
+    run_to(&r, t);
+    mbd_motion_value x = mbd_motion_at(&law, t);
+    worst = fmax(worst, deviation(&r, x.value, x.rate, x.acceleration));
+    angle = fmax(angle, fabs(run_value(&r, "driver.motor.angle") - x.value));
+    rate = fmax(rate, fabs(run_value(&r, "driver.motor.rate") - x.rate));
+    place = fmax(place, fabs(r.state[0].pose.position.y - r0 * sin(x.value)));
+    drift = fmax(drift, run_value(&r, "constraint.drift"));
+  }
+  long steps = run_close_steps(&r);
+  printf(
+      "rise %g s: forces and torque %.2g, angle %.2g rad, rate %.2g rad/s, position %.2g m, drift %.2g, %ld steps in "
+      "%ld windows\n",
+      rise, worst, angle, rate, place, drift, steps, n);
+  ck_assert_msg(worst < limit, "forces or torque %g", worst);
+  ck_assert_msg(angle < 1e-8 && rate < 1e-8 && place < 1e-8 && drift < 1e-8, "angle %g, rate %g, place %g, drift %g",
+                angle, rate, place, drift);
+  ck_assert_msg(steps < n + n / 10, "%ld steps in %ld windows", steps, n);
+}
+
+START_TEST(test_step_start) {
+  run r;
+  run_open_good(&r, PENDULUM("'start':'step'"), "box");
+  ck_assert_int_eq(r.ready.nwarning, 0);
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 0);
+  CLOSE(r.ready.body[0].state.twist.angular.z, w, 1e-14);
+  CLOSE(r.ready.body[0].state.twist.velocity.y, w * r0, 1e-13);
+  CLOSE(r.ready.initial[run_channel(&r, "driver.motor.rate")], w, 1e-14);
+  CLOSE(r.ready.initial[run_channel(&r, "driver.motor.torque")], m * g * r0, 1e-9);
+  CLOSE(r.ready.initial[run_channel(&r, "joint.pivot.fx")], -m * w * w * r0, 1e-10);
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "driver.motor.torque")].unit, "N m");
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "driver.motor.angle")].unit, "rad");
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "driver.motor.rate")].unit, "rad/s");
+  run_close(&r);
+  turn(PENDULUM("'start':'step'"), 12, 0, 1e-6); /* 2.4 turns */
+}
+END_TEST
+
+START_TEST(test_smooth_start) {
+  run r;
+  run_open_good(&r, PENDULUM("'start':'smooth','rise':0.25"), "box");
+  ck_assert_int_eq(r.ready.nwarning, 0);
+  CLOSE(r.ready.body[0].state.twist.angular.z, 0, 0);
+  CLOSE(r.ready.initial[run_channel(&r, "driver.motor.torque")], m * g * r0, 1e-9);
+  run_close(&r);
+  turn(PENDULUM("'start':'smooth','rise':0.25"), 12, 0.25, 1e-6);
+}
+END_TEST
+
+/* Long windows without loss: IDA chooses its own steps and does not step over a start, samples come from dense output.
+ */
+START_TEST(test_long_windows) {
+  static const char *const scenes[2] = {PENDULUM("'start':'step'"), PENDULUM("'start':'smooth','rise':0.25")};
+  for (int i = 0; i < 2; i++) {
+    run r;
+    double worst = 0, at[40];
+    mbd_motion law = {.ops = mbd_motion_table[0], .rate = w, .rise = 0.25 * i};
+    run_open_good(&r, scenes[i], "box");
+    for (int k = 0; k < 10; k++) {
+      for (int s = 0; s < 40; s++)
+        at[s] = 2 * k + 0.05 * (s + 1);
+      run_window(&r, at[39], NULL, 0, 40, at);
+      for (int s = 0; s < 40; s++) {
+        const double *c = r.channel + s * r.ready.nchannel;
+        mbd_motion_value x = mbd_motion_at(&law, at[s]);
+        double torque = (I * x.acceleration + m * g * r0 * cos(x.value)) / (m * g * r0);
+        worst = fmax(worst, fabs(c[run_channel(&r, "driver.motor.torque")] / (m * g * r0) - torque));
+        worst = fmax(worst, fabs(c[run_channel(&r, "driver.motor.angle")] - x.value));
+      }
+    }
+    long steps = run_close_steps(&r);
+    printf("long windows: %.2g, %ld steps over 20 s\n", worst, steps);
+    ck_assert_msg(worst < 1e-6 && steps < 2000, "%g, %ld steps", worst, steps);
+  }
+}
+END_TEST
+
+/* a load from outside goes to the motor and the joint: torque and force of a wrench about the centre of mass */
+START_TEST(test_load) {
+  run r;
+  tdm_wrench load[2] = {{{30, -40, 5}, {1, 2, 3}}, {{0, 10, 0}, {0, 0, -1}}};
+  run_open_good(&r, PENDULUM("'start':'step'"), "box");
+  double at = 0.1;
+  run_window(&r, at, load, 2, 1, &at); /* load at the end of the window: the sum of the coefficients */
+  double c = cos(w * at), s = sin(w * at);
+  CLOSE(run_value(&r, "driver.motor.torque"), m * g * r0 * c - (r0 * (c * -30 - s * 30) + 2), 1e-4);
+  CLOSE(run_value(&r, "joint.pivot.fx"), -m * w * w * r0 * c - 30, 1e-4);
+  CLOSE(run_value(&r, "joint.pivot.fy"), -m * w * w * r0 * s + m * g + 30, 1e-4);
+  CLOSE(run_value(&r, "joint.pivot.fz"), -5, 1e-6);
+  /* loads that jump by several times the weight at every window leave the motion alone */
+  for (int i = 1; i <= 2000; i++) {
+    double F = 1e4 * sin(i * i), M = 1e4 * cos(i * i);
+    tdm_wrench jump = {{0, F, 0}, {0, 0, M}};
+    at += 5e-4;
+    run_window(&r, at, &jump, 1, 1, &at);
+    CLOSE(run_value(&r, "driver.motor.torque"), (m * g - F) * r0 * cos(w * at) - M, 1e-3);
+    CLOSE(run_value(&r, "joint.pivot.fy"), -m * w * w * r0 * sin(w * at) + m * g - F, 1e-3);
+    CLOSE(run_value(&r, "driver.motor.angle"), w * at, 1e-8);
+  }
+  long steps = run_close_steps(&r);
+  ck_assert_msg(steps < 2500, "%ld steps in 2001 windows", steps);
+}
+END_TEST
+
+/* ---- two free bodies ---- */
+
+/* Coaxial rotors without a fixed body and with a torsional spring between them: angular momentum stays zero, and the
+ * torque is J thetaddot + k theta with J = J1 J2/(J1 + J2). The spring counts its angle by itself. */
+START_TEST(test_rotors) {
+  const double J1 = 2, J2 = 3, J = J1 * J2 / (J1 + J2), k = 0.7, rise = 0.5, rate = -9;
+  run r;
+  run_open_good(&r,
+                "{'gravity':[0,0,0],'bodies':[{'name':'a','mass':5,'inertia':[2,1.5,1.5],'position':[0,1,0]},"
+                "{'name':'b','mass':6,'inertia':[3,2,2],'position':[0,1,0]}],"
+                "'joints':[{'name':'shaft','type':'revolute','bodies':['a','b'],'point':[0,1,0],'axis':[1,0,0]}],"
+                "'drivers':[{'name':'motor','type':'rotational_motor','joint':'shaft','motion':{'type':'constant_rate',"
+                "'rate':-9,'start':'smooth','rise':0.5}}],"
+                "'forces':[{'name':'spring','type':'torsional_spring_damper','joint':'shaft','stiffness':0.7}]}",
+                "a b");
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 6);
+  mbd_motion law = {.ops = mbd_motion_table[0], .rate = rate, .rise = rise};
+  for (int i = 1; i <= 400; i++) {
+    double t = 0.01 * i;
+    run_to(&r, t);
+    mbd_motion_value x = mbd_motion_at(&law, t);
+    CLOSE(r.state[0].twist.angular.x, -J2 / (J1 + J2) * x.rate, 1e-6);
+    CLOSE(r.state[1].twist.angular.x, J1 / (J1 + J2) * x.rate, 1e-6);
+    CLOSE(run_value(&r, "driver.motor.torque"), J * x.acceleration + k * x.value, 1e-5);
+    CLOSE(run_value(&r, "force.spring.angle"), x.value, 1e-7);
+    CLOSE(run_value(&r, "driver.motor.angle"), x.value, 1e-8);
+  }
+  ck_assert_double_lt(run_value(&r, "driver.motor.angle"), -10 * M_PI / 2); /* over several turns */
+  run_close(&r);
+}
+END_TEST
+
+/* A motor with an oblique axis on a base that swings on a ball: the work of its torque is the change of energy.
+ * Simpson's rule over the samples is exact to about 1e-8 here. */
+START_TEST(test_work) {
+  run r;
+  enum { N = 2000 };
+  const double H = 1e-3;
+  double work = 0, power[3] = {0}, worst = 0, scale = 0;
+  run_open_good(&r,
+                "{'bodies':[{'name':'base','mass':4,'inertia':[0.3,0.4,0.5,0.02,0.01,-0.03],'position':[0.1,0,-0.5]},"
+                "{'name':'arm','mass':2,'inertia':[0.05,0.2,0.18,0.01,0,0.02],'position':[0.5,0.2,-0.7]}],"
+                "'joints':[{'name':'ball','type':'spherical','bodies':['ground','base'],'point':[0,0,0]},"
+                "{'name':'hip','type':'revolute','bodies':['base','arm'],'point':[0.2,0,-0.6],'axis':[1,2,-1]}],"
+                "'drivers':[{'name':'motor','type':'rotational_motor','joint':'hip','motion':{'type':'constant_rate',"
+                "'rate':8,'start':'step'}}],'solver':{'relative_tolerance':1e-9}}",
+                "");
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 3);
+  ck_assert_int_eq(r.ready.nwarning, 0);
+  const double *start = r.ready.initial;
+  double energy = start[run_channel(&r, "energy.kinetic")] + start[run_channel(&r, "energy.potential")];
+  power[0] = start[run_channel(&r, "driver.motor.torque")] * start[run_channel(&r, "driver.motor.rate")];
+  for (int i = 1; i <= N; i++) {
+    run_to(&r, H * i);
+    power[2 - i % 2] = run_value(&r, "driver.motor.torque") * run_value(&r, "driver.motor.rate");
+    if (i % 2)
+      continue;
+    work += H / 3 * (power[0] + 4 * power[1] + power[2]);
+    power[0] = power[2];
+    double now = run_value(&r, "energy.kinetic") + run_value(&r, "energy.potential");
+    worst = fmax(worst, fabs(now - energy - work));
+    scale = fmax(scale, fabs(work));
+  }
+  printf("work: %.3g J of up to %.3g J unaccounted for\n", worst, scale);
+  ck_assert_msg(scale > 5 && worst < 1e-6 * scale, "%g J of %g J", worst, scale);
+  run_close(&r);
+}
+END_TEST
+
+/* ---- velocities at the start ---- */
+
+#define WHEEL(velocity)                                                                                            \
+  "{'bodies':[{'name':'wheel','mass':1,'inertia':[1,1,1],'position':[0.5,0,0]," velocity "}],"                     \
+  "'joints':[{'name':'axle','type':'revolute','bodies':['ground','wheel'],'point':[0,0,0],'axis':[0,0,1]}],"       \
+  "'drivers':[{'name':'motor','type':'rotational_motor','joint':'axle','motion':{'type':'constant_rate','rate':4," \
+  "'start':'step'}}]}"
+
+START_TEST(test_start_velocities) {
+  static const struct {
+    const char *scene, *path; /* of the warning, NULL: none */
+  } cases[] = {
+      {WHEEL("'velocity':[0,0,0]"), NULL},                                        /* nothing given */
+      {WHEEL("'velocity':[0,2,0],'angular_velocity':[0,0,4]"), NULL},             /* what the driver wants */
+      {WHEEL("'velocity':[0,1,0],'angular_velocity':[0,0,2]"), "mbd.drivers[0]"}, /* joints hold, the driver does not */
+      {WHEEL("'velocity':[0,0,1],'angular_velocity':[0,0,0]"), "mbd.bodies[0].velocity"},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    run r;
+    run_open_good(&r, cases[i].scene, "wheel");
+    ck_assert_int_eq(r.ready.nwarning, cases[i].path != NULL);
+    if (cases[i].path) {
+      ck_assert_str_eq(r.ready.warning[0].path, cases[i].path);
+    }
+    CLOSE(r.ready.body[0].state.twist.angular.z, 4, 1e-14);
+    CLOSE(r.ready.body[0].state.twist.velocity.y, 2, 1e-14);
+    CLOSE(r.ready.body[0].state.twist.velocity.z, 0, 1e-14);
+    run_close(&r);
+  }
+}
+END_TEST
+
+TEST_MAIN("mbd driver", 240, test_law, test_step_start, test_smooth_start, test_long_windows, test_load, test_rotors,
+          test_work, test_start_velocities)
