@@ -50,7 +50,7 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
          (double)s->n * s->dt);
   printf("  %-28s %s: %s\n", "scheme", s->scheme->name, s->scheme->summary);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->output_interval,
-         floor(s->time_end / s->output_interval) + 1);
+         floor((double)cpl_total_steps(s) * s->dt / s->output_interval + 1e-6) + 1);
   for (int i = 0; i < s->nbody; i++)
     printf("  %-28s \"%s\" (mbd) is \"%s\" (dem), %g kg, load at the start %.6g N\n", i ? "" : "coupled bodies",
            s->body[i].name[CPL_MBD], s->body[i].name[CPL_DEM], session->body[i].mass, tdm_norm(session->load[i].force));

@@ -3,14 +3,27 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static int is_file(const char *path) {
   struct stat s;
   return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
+/* The share folder of an installed tandem: beside the folder that this program lies in, wherever that was put. */
+static void share_dir(char *out, size_t size) {
+  char self[2048];
+  ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+  self[n > 0 ? n : 0] = 0;
+  for (int i = 0; i < 2 && strrchr(self, '/'); i++)
+    *strrchr(self, '/') = 0;
+  snprintf(out, size, "%s/share/tandem/scenarios", self);
+}
+
 tdm_status cpl_find_scene(char *out, size_t size, const char *name, const char *dir, tdm_error *err) {
-  const char *const usual[] = {"scenarios", TANDEM_SHARE_DIR "/scenarios", TANDEM_SOURCE_DIR "/scenarios"};
+  char share[2200];
+  share_dir(share, sizeof share);
+  const char *const usual[] = {"scenarios", share, TANDEM_SOURCE_DIR "/scenarios"};
   const char *const *place = dir ? &dir : usual;
   int nplace = dir ? 1 : 3;
   snprintf(out, size, "%s", name);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -38,23 +39,27 @@ static void child_free(cpl_child *child) {
 
 /* ---- processes ---- */
 
+static bool is_program(const char *path) {
+  struct stat s;
+  return stat(path, &s) == 0 && S_ISREG(s.st_mode) && access(path, X_OK) == 0;
+}
+
 bool cpl_find_executable(char *out, size_t size, const char *executable) {
   if (strchr(executable, '/')) {
     snprintf(out, size, "%s", executable);
-    return access(out, X_OK) == 0;
+    return is_program(out);
   }
   char self[4096];
   ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
   if (n > 0) {
     self[n] = 0;
     char *slash = strrchr(self, '/');
-    if (slash && snprintf(out, size, "%.*s/%s", (int)(slash - self), self, executable) < (int)size &&
-        access(out, X_OK) == 0)
+    if (slash && snprintf(out, size, "%.*s/%s", (int)(slash - self), self, executable) < (int)size && is_program(out))
       return true;
   }
   for (const char *path = getenv("PATH"); path && *path;) {
     size_t length = strcspn(path, ":");
-    if (snprintf(out, size, "%.*s/%s", (int)length, path, executable) < (int)size && access(out, X_OK) == 0)
+    if (snprintf(out, size, "%.*s/%s", (int)length, path, executable) < (int)size && is_program(out))
       return true;
     path += length + (path[length] == ':');
   }

@@ -3,6 +3,7 @@
 #include "coupler/report.h"
 #include "coupler/run.h"
 #include "coupler/session.h"
+#include "coupler/sweep.h"
 #include "coupler/verify.h"
 #include "dem/solver.h"
 #include "mbd/solver.h"
@@ -12,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const cpl_solver solvers[CPL_NROLE] = {
     [CPL_MBD] = {"tandem-mbd", &mbd_solver_ops},
@@ -28,6 +30,11 @@ static void usage(FILE *out) {
         "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n\n"
         "  tandem report DIR\n"
         "      Plot a result directory: every time history, simulation against reference, where the time went.\n\n"
+        "  tandem sweep SCENE [--dt LIST] [--n LIST] [--scheme LIST] [--set PATH=LIST ...] [--jobs J] [--resume]\n"
+        "               [--out DIR] [--json FILE]\n"
+        "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
+        "front.\n"
+        "      --jobs J   cells at a time (default: processors); --resume keeps cells of an interrupted sweep.\n\n"
         "  tandem verify [NAME|GROUP ...] [--out DIR] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n\n"
@@ -44,11 +51,12 @@ static void on_signal(int number) {
   cpl_interrupted = 1;
 }
 
-/* Ctrl-C and SIGTERM end a run in order. Calls that wait are woken. */
+/* Ctrl-C, SIGTERM and a closed terminal end a run in order. Calls that wait are woken. */
 static void catch_signals(void) {
   struct sigaction action = {.sa_handler = on_signal};
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
+  sigaction(SIGHUP, &action, NULL);
   signal(SIGPIPE, SIG_IGN);
 }
 
@@ -66,8 +74,8 @@ typedef struct {
   int nword;
   const char **set; /* --set values, NULL-terminated */
   int nset;
-  const char *out, *json, *scenarios;
-  bool strict;
+  const char *out, *json, *scenarios, *dt, *n, *scheme, *jobs;
+  bool strict, resume;
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
@@ -75,26 +83,37 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
   a->set = calloc((size_t)argc + 1, sizeof *a->set);
   if (!a->word || !a->set)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  struct {
-    const char *name, **value;
-  } options[] = {{"--out", &a->out}, {"--json", &a->json}, {"--scenarios", &a->scenarios}, {"--set", NULL}};
-  const char *const names[] = {"--out", "--json", "--scenarios", "--set", "--strict", "--help", "--version"};
+  const struct {
+    const char *name, **value; /* NULL value: --set, which may come more than once */
+    bool *flag;                /* instead of a value */
+  } options[] = {{"--out", &a->out, NULL},       {"--json", &a->json, NULL}, {"--scenarios", &a->scenarios, NULL},
+                 {"--set", NULL, NULL},          {"--dt", &a->dt, NULL},     {"--n", &a->n, NULL},
+                 {"--scheme", &a->scheme, NULL}, {"--jobs", &a->jobs, NULL}, {"--strict", NULL, &a->strict},
+                 {"--resume", NULL, &a->resume}, {"--help", NULL, NULL},     {"--version", NULL, NULL}};
+  enum { NOPTION = sizeof options / sizeof options[0] };
+  const char *names[NOPTION];
+  for (int k = 0; k < NOPTION; k++)
+    names[k] = options[k].name;
   for (int i = 0; i < argc; i++) {
     if (strncmp(argv[i], "--", 2) != 0) {
       a->word[a->nword++] = argv[i];
       continue;
     }
-    if (strcmp(argv[i], "--strict") == 0) {
-      a->strict = true;
-      continue;
-    }
     size_t k = 0;
-    while (k < 4 && strcmp(argv[i], options[k].name) != 0)
+    while (k < NOPTION && strcmp(argv[i], options[k].name) != 0)
       k++;
-    if (k == 4) {
-      const char *near = tdm_nearest(argv[i], names, 7);
+    if (k == NOPTION) {
+      const char *near = tdm_nearest(argv[i], names, NOPTION);
+      const char *equals = strchr(argv[i], '=');
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "unknown option %s%s%s; see tandem --help", argv[i],
-                      near ? "; did you mean " : "", near ? near : "");
+                      equals ? "; a value is a word of its own, without ="
+                      : near ? "; did you mean "
+                             : "",
+                      !equals && near ? near : "");
+    }
+    if (options[k].flag) {
+      *options[k].flag = true;
+      continue;
     }
     if (i + 1 == argc)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s needs a value", argv[i]);
@@ -108,14 +127,35 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 
 /* ---- commands ---- */
 
+/* options that a command does not know */
+static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool json, tdm_error *err) {
+  const struct {
+    bool given, known;
+    const char *name;
+  } options[] = {{a->nset > 0, run || sweep, "--set"}, {a->strict, run, "--strict"},
+                 {a->json != NULL, json, "--json"},    {a->dt != NULL, sweep, "--dt"},
+                 {a->n != NULL, sweep, "--n"},         {a->scheme != NULL, sweep, "--scheme"},
+                 {a->jobs != NULL, sweep, "--jobs"},   {a->resume, sweep, "--resume"}};
+  for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
+    if (options[k].given && !options[k].known)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s does not go with this command; see tandem --help", command,
+                      options[k].name);
+  return TDM_OK;
+}
+
+/* the one scene that a command is given, as a file */
+static tdm_status find_scene(const arguments *a, const char *command, char *scene, size_t size, tdm_error *err) {
+  if (a->nword != 1)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: name one scene; see tandem --help", command);
+  return cpl_find_scene(scene, size, a->word[0], a->scenarios, err);
+}
+
 /* run and check: one scene, up to its end or until both solvers are ready */
-static tdm_status one_scene(const arguments *a, bool check, tdm_error *err) {
+static tdm_status one_scene(const arguments *a, const char *command, bool check, tdm_error *err) {
   char scene[4096];
   cpl_run_result result;
-  if (a->nword != 1 || a->json)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-                    a->json ? "--json goes with verify" : "name one scene; see tandem --help");
-  if (cpl_find_scene(scene, sizeof scene, a->word[0], a->scenarios, err) != TDM_OK)
+  if (refuse(a, command, true, false, false, err) != TDM_OK ||
+      find_scene(a, command, scene, sizeof scene, err) != TDM_OK)
     return err->status;
   cpl_run_options options = {.scene = scene, .set = a->set, .strict = a->strict, .check = check};
   options.out = a->out ? a->out : check ? "check-out" : "run-out";
@@ -127,22 +167,24 @@ static tdm_status one_scene(const arguments *a, bool check, tdm_error *err) {
 }
 
 static tdm_status command_run(const arguments *a, tdm_error *err) {
-  return one_scene(a, false, err);
+  return one_scene(a, "run", false, err);
 }
 
 static tdm_status command_check(const arguments *a, tdm_error *err) {
-  return one_scene(a, true, err);
+  return one_scene(a, "check", true, err);
 }
 
 static tdm_status command_report(const arguments *a, tdm_error *err) {
-  if (a->nword != 1 || a->nset || a->json || a->strict || a->out)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "report: name one result directory, and nothing else");
+  if (refuse(a, "report", false, false, false, err) != TDM_OK)
+    return err->status;
+  if (a->nword != 1)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "report: name one result directory");
   return cpl_report(a->word[0], scn_table, err);
 }
 
 static tdm_status command_verify(const arguments *a, tdm_error *err) {
-  if (a->nset || a->strict)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "verify: %s goes with run", a->nset ? "--set" : "--strict");
+  if (refuse(a, "verify", false, false, true, err) != TDM_OK)
+    return err->status;
   cpl_verify_options options = {.scenario = scn_table,
                                 .name = a->word,
                                 .out = a->out ? a->out : "verify-out",
@@ -152,12 +194,51 @@ static tdm_status command_verify(const arguments *a, tdm_error *err) {
   return cpl_verify_all(&options, err);
 }
 
+/* the axes of a sweep, in the order dt, n, scheme, --set */
+static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error *err) {
+  const char *const lists[] = {a->dt, a->n, a->scheme}, *const paths[] = {"time.dt", "coupling.n", "coupling.scheme"};
+  for (int i = 0; i < 3; i++)
+    if (lists[i] && cpl_sweep_axis(o, paths[i], lists[i], err) != TDM_OK)
+      return err->status;
+  for (int i = 0; i < a->nset; i++) {
+    char path[TDM_PATH_MAX];
+    const char *equals = strchr(a->set[i], '=');
+    if (!equals || equals == a->set[i] || (size_t)(equals - a->set[i]) >= sizeof path)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --set %s: write PATH=LIST", a->set[i]);
+    snprintf(path, sizeof path, "%.*s", (int)(equals - a->set[i]), a->set[i]);
+    if (cpl_sweep_axis(o, path, equals + 1, err) != TDM_OK)
+      return err->status;
+  }
+  return TDM_OK;
+}
+
+static tdm_status command_sweep(const arguments *a, tdm_error *err) {
+  char scene[4096], *end = NULL;
+  cpl_sweep_options options = {.out = a->out ? a->out : "sweep-out", .json = a->json, .resume = a->resume};
+  if (refuse(a, "sweep", false, true, true, err) != TDM_OK ||
+      find_scene(a, "sweep", scene, sizeof scene, err) != TDM_OK)
+    return err->status;
+  options.scene = scene;
+  options.scenarios = scn_table;
+  options.jobs = a->jobs ? (int)strtol(a->jobs, &end, 10) : (int)sysconf(_SC_NPROCESSORS_ONLN);
+  memcpy(options.solver, solvers, sizeof solvers);
+  if (options.jobs < 1 || (end && *end))
+    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --jobs %s: give a number of at least 1", a->jobs);
+  else if (read_axes(a, &options, err) == TDM_OK)
+    cpl_sweep(&options, err);
+  cpl_sweep_free(&options);
+  return err->status;
+}
+
 int main(int argc, char **argv) {
   const struct {
     const char *name;
     tdm_status (*run)(const arguments *, tdm_error *);
-  } commands[] = {
-      {"run", command_run}, {"check", command_check}, {"report", command_report}, {"verify", command_verify}};
+  } commands[] = {{"run", command_run},
+                  {"check", command_check},
+                  {"report", command_report},
+                  {"sweep", command_sweep},
+                  {"verify", command_verify}};
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };
   const char *names[NCOMMAND];
   for (int i = 0; i < NCOMMAND; i++)

@@ -34,7 +34,8 @@ static void write_script(FILE *f, const char *name, int nplot, const cpl_plot *p
   }
 }
 
-/* gnuplot on the script, in its directory, its words into name.log. Returns the exit status, -1 when it cannot run. */
+/* gnuplot on the script, in its directory, its words into name.gnuplot. Returns the exit status, -1 when it cannot run.
+ */
 static int run_gnuplot(const char *dir, const char *script, const char *log) {
   pid_t pid = fork();
   if (pid < 0)
@@ -58,7 +59,7 @@ static int run_gnuplot(const char *dir, const char *script, const char *log) {
 tdm_status cpl_plot_write(const char *dir, const char *name, int nplot, const cpl_plot *plot, tdm_error *err) {
   char path[4096], script[256], log[256];
   snprintf(script, sizeof script, "%s.gp", name);
-  snprintf(log, sizeof log, "%s.log", name);
+  snprintf(log, sizeof log, "%s.gnuplot", name); /* not .log: dem.log is the solver's */
   snprintf(path, sizeof path, "%s/%s", dir, script);
   FILE *f = fopen(path, "w");
   if (!f)

@@ -3,8 +3,10 @@
 #include "protocol/log.h"
 
 #include <errno.h>
+#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,12 +22,10 @@ static tdm_status cannot(const char *path, const char *what, tdm_error *err) {
                   strerror(errno));
 }
 
-tdm_status cpl_record_open(cpl_record *record, const char *dir, tdm_error *err) {
+tdm_status cpl_make_directory(const char *dir, tdm_error *err) {
   char path[4096];
-  *record = (cpl_record){0};
-  if (!*dir || strlen(dir) + 128 > sizeof record->dir)
+  if (!*dir || strlen(dir) + 256 > sizeof path)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--out: %s", *dir ? "the name is too long" : "the name is empty");
-  snprintf(record->dir, sizeof record->dir, "%s", dir);
   snprintf(path, sizeof path, "%s/", dir);
   for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
     *slash = 0;
@@ -33,10 +33,48 @@ tdm_status cpl_record_open(cpl_record *record, const char *dir, tdm_error *err) 
       return cannot(path, "made", err);
     *slash = '/';
   }
-  FILE *f = fopen(cpl_record_path(record, "summary.json", path, sizeof path), "w");
-  if (!f)
+  return TDM_OK;
+}
+
+/* Time histories and pictures of an earlier run, maybe of another scene, would mix with the new ones. */
+static void remove_old(const cpl_record *record) {
+  static const char *const patterns[] = {"body_*",       "mbd.*",  "dem.*",     "comparison.*",
+                                         "summary.json", "time.*", "index.html"};
+  for (size_t i = 0; i < sizeof patterns / sizeof patterns[0]; i++) {
+    char pattern[4352];
+    glob_t found;
+    cpl_record_path(record, patterns[i], pattern, sizeof pattern);
+    if (glob(pattern, GLOB_NOSORT, NULL, &found) == 0) {
+      for (size_t k = 0; k < found.gl_pathc; k++)
+        unlink(found.gl_pathv[k]);
+      globfree(&found);
+    }
+  }
+}
+
+tdm_status cpl_record_open(cpl_record *record, const char *dir, const char *scene, FILE **log, tdm_error *err) {
+  char path[4352];
+  struct stat given, there;
+  *record = (cpl_record){0};
+  if (cpl_make_directory(dir, err) != TDM_OK)
+    return err->status;
+  snprintf(record->dir, sizeof record->dir, "%s", dir);
+  cpl_record_path(record, "scene.json", path, sizeof path);
+  if (stat(scene, &given) == 0 && stat(path, &there) == 0 && given.st_dev == there.st_dev &&
+      given.st_ino == there.st_ino)
+    return tdm_fail(
+        err, TDM_ERR_FILE, NULL,
+        "%s: is the scene itself, and a run writes its own scene.json there; give another directory with --out", path);
+  cpl_record_path(record, "server.log", path, sizeof path);
+  *log = fopen(path, "ae"); /* e: solver processes do not inherit the lock */
+  if (!*log)
     return cannot(path, "written", err);
-  fclose(f);
+  if (flock(fileno(*log), LOCK_EX | LOCK_NB) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: another run writes into this directory; give another one with --out",
+                    dir);
+  if (ftruncate(fileno(*log), 0) != 0)
+    return cannot(path, "written", err);
+  remove_old(record);
   return TDM_OK;
 }
 

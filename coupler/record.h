@@ -23,8 +23,13 @@ typedef struct cpl_record {
   double last_flush;
 } cpl_record;
 
-/* Make the directory (and its parents) and make sure that files can be written there. */
-tdm_status cpl_record_open(cpl_record *record, const char *dir, tdm_error *err);
+/* Make a directory and its parents; one that is there is fine. */
+tdm_status cpl_make_directory(const char *dir, tdm_error *err);
+
+/* Make the directory (and its parents), remove what an earlier run left there, and open *log (server.log; the caller
+ * closes it). The log is locked until then: a second run into the same directory is refused, and so is a directory
+ * whose scene.json is the scene `scene` itself, which would be overwritten. */
+tdm_status cpl_record_open(cpl_record *record, const char *dir, const char *scene, FILE **log, tdm_error *err);
 
 /* dir/name into out (size bytes). */
 const char *cpl_record_path(const cpl_record *record, const char *name, char *out, size_t size);

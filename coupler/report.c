@@ -129,7 +129,8 @@ static tdm_status plot_time(report *r, tdm_error *err) {
   double exchange = wall(r, "dem_exchange") + wall(r, "mbd_exchange");
   fprintf(f, "part,time [s]\nstart,%g\nDEM,%g\nMBD,%g\nexchange,%g\nserver,%g\n", wall(r, "setup"), wall(r, "dem"),
           wall(r, "mbd"), exchange, wall(r, "coupling") - exchange);
-  fclose(f);
+  if (fclose(f) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   static const cpl_curve bars = {"time.csv", "2:xtic(1)", "", "boxes"};
   static const cpl_plot plot = {"Where the time went",
                                 "",
@@ -163,16 +164,20 @@ static void print_agreement(FILE *page, const cpl_comparison *c) {
   }
 }
 
-static tdm_status compare(report *r, const cpl_scenario *scenario, FILE *page, tdm_error *err) {
+/* A comparison that cannot be made (a run that was cut short, other parameters) is a notice: the rest is still worth
+ * it. */
+static void compare(report *r, const cpl_scenario *scenario, FILE *page) {
   cpl_comparison c = {0};
-  if (scenario && scenario->compare && scenario->compare(r->dir, &c, err) == TDM_OK &&
-      cpl_comparison_write(&c, r->dir, err) == TDM_OK) {
+  tdm_error err = {0};
+  if (scenario && scenario->compare && scenario->compare(r->dir, &c, &err) == TDM_OK &&
+      cpl_comparison_write(&c, r->dir, &err) == TDM_OK) {
     print_agreement(page, &c);
-    if (cpl_comparison_plot(&c, r->dir, err) == TDM_OK)
+    if (cpl_comparison_plot(&c, r->dir, &err) == TDM_OK)
       add_picture(r, "comparison");
   }
+  if (err.status != TDM_OK)
+    fprintf(stderr, "tandem: notice: no comparison: %s\n", err.message);
   cpl_comparison_free(&c);
-  return err->status;
 }
 
 /* ---- the page ---- */
@@ -213,7 +218,8 @@ static tdm_status write_report(report *r, const cpl_scenario *scenario, tdm_erro
   if (!page)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   write_head(page, r);
-  if (compare(r, scenario, page, err) == TDM_OK && plot_time(r, err) == TDM_OK)
+  compare(r, scenario, page);
+  if (err->status == TDM_OK && plot_time(r, err) == TDM_OK)
     plot_histories(r, err);
   for (int i = 0; i < r->npicture; i++)
     fprintf(page, "<h2>%s</h2>\n<a href=\"%s.svg\"><img src=\"%s.png\" alt=\"%s\"></a>\n", r->picture[i], r->picture[i],
@@ -243,7 +249,7 @@ tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error 
   if (err->status == TDM_OK) {
     r->dir = dir;
     r->summary = summary;
-    write_report(r, cpl_scenario_of(scenarios, scene), err);
+    write_report(r, cpl_scenario_of(scenarios, scene, err), err);
   }
   free(r);
   json_decref(scene);

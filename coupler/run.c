@@ -39,10 +39,10 @@ static tdm_status load(run_state *run, tdm_error *err) {
       return err->status;
   if (cpl_settings_read(&run->settings, &run->scene, err) != TDM_OK)
     return err->status;
-  if (cpl_record_open(&run->record, o->out, err) != TDM_OK)
+  if (cpl_record_open(&run->record, o->out, o->scene, &run->log, err) != TDM_OK) {
+    run->record.dir[0] = 0; /* the directory is not ours to write */
     return err->status;
-  char path[4096];
-  run->log = fopen(cpl_record_path(&run->record, "server.log", path, sizeof path), "w");
+  }
   tdm_log_open(run->log, "server");
   return cpl_record_json(&run->record, "scene.json", run->scene.root, err);
 }
@@ -91,7 +91,10 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
     return cpl_launch_thread(child, run->options->solver[role].ops, endpoint, run->context, log, s->timeout, err);
   }
   const char *command = s->command[role] ? s->command[role] : run->options->solver[role].executable;
-  return cpl_launch_process(child, command, endpoint, name, log, s->timeout, err);
+  cpl_launch_process(child, command, endpoint, name, log, s->timeout, err);
+  if (err->status != TDM_OK && s->command[role])
+    snprintf(err->path, sizeof err->path, "coupling.solvers.%s", name);
+  return err->status;
 }
 
 static tdm_status start(run_state *run, tdm_error *err) {
@@ -179,14 +182,17 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
   const cpl_settings *s = &run->settings;
   struct utsname machine = {0};
   uname(&machine);
+  char name[4096];
+  snprintf(name, sizeof name, "%s", run->options->scene);
+  tdm_utf8_clean(name);
   json_t *json = json_pack(
       "{s:s, s:s, s:{s:f, s:f, s:I, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
-      "tandem", TANDEM_VERSION, "scene", run->options->scene, "settings", "time.end", s->time_end, "time.dt", s->dt,
-      "coupling.n", (json_int_t)s->n, "coupling.scheme", s->scheme ? s->scheme->name : "", "output.interval",
-      s->output_interval, "machine", "system", machine.sysname, "processor", machine.machine, "cores",
-      (int)sysconf(_SC_NPROCESSORS_ONLN), "windows", (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s",
-      "all", r->wall, "setup", r->setup, "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling",
-      cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
+      "tandem", TANDEM_VERSION, "scene", name, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
+      (json_int_t)s->n, "coupling.scheme", s->scheme ? s->scheme->name : "", "output.interval", s->output_interval,
+      "machine", "system", machine.sysname, "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN),
+      "windows", (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s", "all", r->wall, "setup", r->setup,
+      "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling", cpl_run_coupling(r), "dem_exchange",
+      r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];
@@ -254,10 +260,10 @@ tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_e
   *result = (cpl_run_result){0};
   if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
     result->setup = tdm_clock() - begin;
-    if (options->check)
-      cpl_check_print(&run.settings, &run.session);
-    else
+    if (!options->check)
       solve(&run, result, err);
+    else if (!options->quiet)
+      cpl_check_print(&run.settings, &run.session);
   }
   finish(&run, result, begin, err);
   if (run.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */

@@ -11,7 +11,7 @@ typedef struct {
   const char *out;        /* result directory */
   bool strict;            /* refuse a run whose solvers warn */
   bool quiet;             /* no progress, no warnings on standard error */
-  bool check;             /* stop when both solvers are ready, and print what would run */
+  bool check;             /* stop when both solvers are ready, and print what would run (not when quiet) */
   cpl_solver solver[CPL_NROLE];
 } cpl_run_options;
 

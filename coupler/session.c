@@ -31,6 +31,7 @@ static tdm_status blame(cpl_session *s, int role, tdm_error *err, bool with_log)
            p->software[0] ? " (" : "", p->software, p->software[0] ? ")" : "", err->message,
            refused[0] ? "; what came from it was refused: " : "", refused, lines[0] ? "; its last log lines: " : "",
            lines);
+  tdm_utf8_clean(message);
   memcpy(err->message, message, sizeof message);
   return err->status;
 }
@@ -75,7 +76,6 @@ static void meet_stranger(cpl_session *s, const tdm_peer *peer, const void *data
       cpl_partner *p = &s->partner[which];
       p->connected = true;
       p->peer = *peer;
-      p->last_heard = tdm_clock();
       snprintf(p->name, sizeof p->name, "%.60s", name && *name ? name : role);
       snprintf(p->software, sizeof p->software, "%.120s", software ? software : "unknown software");
       p->capabilities = json_incref(json_object_get(hello, "capabilities"));
@@ -112,35 +112,50 @@ static void beat(cpl_session *s, double now) {
       tdm_transport_send(s->transport, &s->partner[r].peer, &s->out, NULL); /* a lost partner is found elsewhere */
 }
 
-/* After a slice without a message: interrupts, dead children, silence of partner `role` since `since`. */
-static tdm_status check_health(cpl_session *s, int role, double since, int *deaths, tdm_error *err) {
-  double now = tdm_clock();
+/* Waiting for a partner: how long it has been silent. Only time spent listening counts, so that a run that was stopped
+ * (Ctrl-Z) may go on. */
+typedef struct {
+  int role;
+  double last_look, silence; /* [s] */
+  int deaths;                /* looks at which a child was found dead */
+} wait;
+
+static tdm_status check_children(cpl_session *s, wait *w, tdm_error *err) {
   char how[96], message[256];
-  if (cpl_interrupted)
-    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; what was computed until then is kept");
-  beat(s, now);
   for (int r = 0; r < CPL_NROLE; r++)
     if (s->partner[r].child && !cpl_child_running(s->partner[r].child, how, sizeof how)) {
-      if (++*deaths < 2)
+      if (++w->deaths < 2)
         return TDM_OK; /* its last words may still be under way */
       snprintf(message, sizeof message, "the solver ended before the run did (%s)", how);
       return blame_new(s, r, TDM_ERR_LOST, true, err, message);
     }
-  double heard = s->partner[role].last_heard > since ? s->partner[role].last_heard : since;
-  if (s->settings->by_hand[role] && !s->partner[role].connected) {
-    if (now - since <= s->settings->join_timeout)
+  return TDM_OK;
+}
+
+/* After each look for a message: interrupts, signs of life to all, dead children, a partner that is silent too long. */
+static tdm_status check_health(cpl_session *s, wait *w, bool empty, tdm_error *err) {
+  const double longest_look = 2e-3 * SLICE_MS;
+  double now = tdm_clock(), passed = now - w->last_look;
+  char message[256];
+  w->last_look = now;
+  w->silence += passed < longest_look ? passed : longest_look;
+  if (cpl_interrupted)
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; what was computed until then is kept");
+  beat(s, now);
+  if (empty && check_children(s, w, err) != TDM_OK)
+    return err->status;
+  if (s->settings->by_hand[w->role] && !s->partner[w->role].connected) {
+    if (w->silence <= s->settings->join_timeout)
       return TDM_OK;
     snprintf(message, sizeof message, "it was not started within %g s; start it with --connect %s",
              s->settings->join_timeout, tdm_transport_endpoint(s->transport));
-    return blame_new(s, role, TDM_ERR_TIMEOUT, true, err, message);
+    return blame_new(s, w->role, TDM_ERR_TIMEOUT, true, err, message);
   }
-  if (now - heard > s->settings->timeout) {
-    snprintf(message, sizeof message,
-             "no answer for %g s; it hangs, or its work takes longer: then raise coupling.timeout",
-             s->settings->timeout);
-    return blame_new(s, role, TDM_ERR_TIMEOUT, true, err, message);
-  }
-  return TDM_OK;
+  if (w->silence <= s->settings->timeout)
+    return TDM_OK;
+  snprintf(message, sizeof message,
+           "no answer for %g s; it hangs, or its work takes longer: then raise coupling.timeout", s->settings->timeout);
+  return blame_new(s, w->role, TDM_ERR_TIMEOUT, true, err, message);
 }
 
 /* The partner who sent this, or -1. */
@@ -155,7 +170,6 @@ static int who(const cpl_session *s, const tdm_peer *peer) {
 static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type, const void *data, size_t size,
                        tdm_header *header, bool *got, tdm_error *err) {
   char message[160];
-  s->partner[from].last_heard = tdm_clock();
   if (tdm_header_read(header, data, size, err) != TDM_OK)
     return blame(s, from, err, true);
   if (header->type == TDM_HEARTBEAT)
@@ -178,21 +192,20 @@ static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type
 
 /* Wait for a message of `type` from `role`; the header's payload lives until the next receive. HELLO: any partner's. */
 static tdm_status wait_for(cpl_session *s, int role, tdm_message_type type, tdm_header *header, tdm_error *err) {
-  double since = tdm_clock();
-  int deaths = 0;
+  wait w = {.role = role, .last_look = tdm_clock()};
   while (true) {
     tdm_peer peer;
     const void *data;
     size_t size;
     tdm_status status = tdm_transport_receive(s->transport, SLICE_MS, &peer, &data, &size, err);
-    if (status == TDM_OK && !data)
-      status = check_health(s, role, since, &deaths, err);
-    if (status != TDM_OK)
-      return status;
-    if (!data)
-      continue;
-    int from = who(s, &peer);
-    if (from < 0) {
+    int from = data ? who(s, &peer) : -1;
+    if (status == TDM_OK && from >= 0) {
+      bool got = false;
+      status = hear(s, from, role, type, data, size, header, &got, err);
+      if (got)
+        return TDM_OK;
+      w.silence = from == role ? 0 : w.silence;
+    } else if (status == TDM_OK && data) {
       if (check_version(s, data, size, err) != TDM_OK) {
         send_error(s, &peer, err);
         return err->status;
@@ -200,11 +213,10 @@ static tdm_status wait_for(cpl_session *s, int role, tdm_message_type type, tdm_
       meet_stranger(s, &peer, data, size);
       if (type == TDM_HELLO && s->partner[role].connected)
         return TDM_OK;
-      continue;
     }
-    bool got = false;
-    status = hear(s, from, role, type, data, size, header, &got, err);
-    if (status != TDM_OK || got)
+    if (status == TDM_OK)
+      status = check_health(s, &w, !data, err);
+    if (status != TDM_OK)
       return status;
   }
 }

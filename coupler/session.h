@@ -17,7 +17,6 @@ typedef struct {
   char name[64], software[128]; /* from HELLO */
   json_t *capabilities;         /* from HELLO, array of strings */
   cpl_child *child;             /* NULL when it was started by hand */
-  double last_heard;            /* [s] tdm_clock */
   int nchannel;
   tdm_channel *channel; /* (nchannel) from READY */
   double *initial;      /* (nchannel) values at the start */
@@ -50,10 +49,11 @@ tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_e
 tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step *step, tdm_result *result,
                             tdm_error *err);
 
-/* "dem (tandem-dem 0.1.0)" */
+/* The name of its HELLO, or its role. */
 const char *cpl_session_name(const cpl_session *session, cpl_role role);
 
-/* FINISH to all that are connected, or ERROR with the reason when `err` is set; then free. Does not stop processes. */
+/* FINISH to all that are connected, or ERROR when `err` is set (the run was given up); then free. Does not stop
+ * processes. */
 void cpl_session_close(cpl_session *session, const tdm_error *err);
 
 /* Set by a signal handler: running calls return TDM_ERR_INTERRUPTED soon after. */

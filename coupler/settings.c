@@ -67,20 +67,16 @@ static void read_bodies(cpl_settings *s, tdm_object *coupling) {
   }
 }
 
-/* "tcp://HOST:PORT" on this machine only: a link beyond it would need keys. */
+/* "tcp://127.0.0.1:PORT": this machine only, a link beyond it would need keys. */
 static void read_address(cpl_settings *s, tdm_object *o) {
-  static const char *const hosts[] = {"tcp://127.0.0.1:", "tcp://localhost:", "tcp://[::1]:"};
+  static const char host[] = "tcp://127.0.0.1:";
   s->address = tdm_get_string(o, "address", "tcp://127.0.0.1:*");
   if (tdm_has(o, "address") && s->transport != CPL_TCP)
     tdm_object_fail(o, "address", "goes with \"transport\": \"tcp\"; set that, or leave the address out");
-  for (int i = 0; i < 3; i++) {
-    size_t n = strlen(hosts[i]);
-    const char *port = s->address + n;
-    if (strncmp(s->address, hosts[i], n) == 0 &&
-        (strcmp(port, "*") == 0 || (*port && strspn(port, "0123456789") == strlen(port) && atol(port) <= 65535)))
-      return;
-  }
-  tdm_object_fail(o, "address", "\"%s\" is no address on this machine; give tcp://127.0.0.1:PORT", s->address);
+  const char *port = strncmp(s->address, host, strlen(host)) == 0 ? s->address + strlen(host) : "";
+  bool number = *port && strspn(port, "0123456789") == strlen(port) && strlen(port) < 6 && atol(port) <= 65535;
+  if (!number && strcmp(port, "*") != 0)
+    tdm_object_fail(o, "address", "\"%s\" is no address on this machine; give tcp://127.0.0.1:PORT", s->address);
 }
 
 /* Foreign solvers: a command, or null for one that somebody else starts. */
@@ -115,6 +111,9 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
   s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
   s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);
+  if (s->timeout < 1)
+    tdm_object_fail(&o, "timeout", "is %g s, but solvers give a sign of life every 0.5 s only; take at least 1",
+                    s->timeout);
   s->join_timeout = tdm_get_number(&o, "join_timeout", 300, TDM_POSITIVE);
   read_address(s, &o);
   read_solvers(s, &o);

@@ -88,11 +88,19 @@ tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c,
   return TDM_OK;
 }
 
-const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene) {
-  const char *name = json_string_value(json_object_get(scene, "scenario"));
-  for (; name && table->name; table++)
-    if (strcmp(table->name, name) == 0)
-      return table;
+const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene, tdm_error *err) {
+  const char *name = json_string_value(json_object_get(scene, "scenario")), *known[256];
+  int nknown = 0;
+  if (!name)
+    return NULL;
+  for (const cpl_scenario *s = table; s->name && nknown < 256; s++) {
+    if (strcmp(s->name, name) == 0)
+      return s;
+    known[nknown++] = s->name;
+  }
+  const char *near = tdm_nearest(name, known, nknown);
+  tdm_fail(err, TDM_ERR_SCENE, "scenario", "\"%s\" is no scenario%s%s%s", name, near ? "; did you mean \"" : "",
+           near ? near : "", near ? "\"?" : "; leave the key out if none fits");
   return NULL;
 }
 

@@ -18,10 +18,13 @@ typedef struct {
   tdm_status (*verify)(cpl_verify *v, tdm_error *err);
   /* Fill *c (zeroed; freed by the caller also after an error) from a result directory; NULL: no reference as curves. */
   tdm_status (*compare)(const char *dir, cpl_comparison *c, tdm_error *err);
+  const char *state[3]; /* names of the comparison's states and of its load, for rows without numbers */
+  const char *load;
 } cpl_scenario;
 
-/* The scenario that a scene names as its own in the key "scenario", or NULL. */
-const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene);
+/* The scenario that a scene names as its own in the key "scenario"; NULL when it names none, or (an error) none that is
+ * in the table. */
+const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene, tdm_error *err);
 
 typedef enum {
   CPL_NO_LIMIT, /* reported only */

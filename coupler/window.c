@@ -8,12 +8,18 @@
 
 tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, struct cpl_record *record,
                          tdm_error *err) {
-  size_t nbody = (size_t)settings->nbody + 1; /* + 1: never an empty allocation */
-  double samples = ceil((double)settings->n * settings->dt / settings->output_interval) + 2;
+  size_t nbody = (size_t)settings->nbody + 1;                                  /* + 1: never an empty allocation */
+  double steps = fmin((double)settings->n, (double)cpl_total_steps(settings)); /* of the longest window */
+  double samples = ceil(steps * settings->dt / settings->output_interval) + 2;
   *loop = (cpl_loop){.settings = settings, .session = session, .record = record, .nbody = settings->nbody};
-  if (samples > TDM_COUNT_MAX)
-    return tdm_fail(err, TDM_ERR_SCENE, "output.interval", "is %g s: %g output times in a window of %g s; take fewer",
-                    settings->output_interval, samples, (double)settings->n * settings->dt);
+  for (int r = 0; r < CPL_NROLE; r++) { /* a window's RESULT must fit into a frame */
+    double row = session->partner[r].nchannel + TDM_STATE_DOUBLES * (double)settings->nbody;
+    if (samples > TDM_COUNT_MAX || 8 * samples * row > TDM_FRAME_MAX / 2)
+      return tdm_fail(err, TDM_ERR_SCENE, "output.interval",
+                      "is %g s: %g output times in a window of %g s are more than a message holds; take a longer "
+                      "interval or a smaller coupling.n",
+                      settings->output_interval, samples, steps * settings->dt);
+  }
   loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
   loop->sample_time = calloc((size_t)samples, sizeof *loop->sample_time);
   loop->state_start = calloc(nbody, sizeof *loop->state_start);
@@ -58,7 +64,7 @@ static void open_window(cpl_loop *loop) {
   loop->nsample = 0;
   while (true) {
     double time = (double)loop->next_sample * s->output_interval;
-    if (time > loop->t1 + 1e-9 * s->dt)
+    if (time > loop->t1 + 1e-6 * s->dt)
       break;
     loop->sample_time[loop->nsample++] = time < loop->t1 ? time : loop->t1;
     loop->next_sample++;

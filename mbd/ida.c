@@ -16,6 +16,8 @@ struct mbd_ida {
   const mbd_model *model; /* borrowed */
   mbd_data *data;         /* borrowed */
   mbd_kkt *kkt;           /* borrowed */
+  mbd_stop_fn stop_fn;    /* NULL: never stop early */
+  void *stop_context;
   SUNContext context;
   void *mem;
   N_Vector y, yp, sample, id, atol;
@@ -93,7 +95,8 @@ static void weights(mbd_ida *ida) {
   }
 }
 
-tdm_status mbd_ida_create(mbd_ida **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
+tdm_status mbd_ida_create(mbd_ida **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_stop_fn stop,
+                          void *context, tdm_error *err) {
   mbd_ida *ida = *out = calloc(1, sizeof *ida);
   if (!ida || SUNContext_Create(NULL, &ida->context))
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator");
@@ -101,6 +104,8 @@ tdm_status mbd_ida_create(mbd_ida **out, const mbd_model *model, mbd_data *data,
   ida->model = model;
   ida->data = data;
   ida->kkt = kkt;
+  ida->stop_fn = stop;
+  ida->stop_context = context;
   ida->y = N_VNew_Serial(n, ida->context);
   ida->yp = N_VNew_Serial(n, ida->context);
   ida->sample = N_VNew_Serial(n, ida->context);
@@ -252,6 +257,8 @@ tdm_status mbd_ida_advance(mbd_ida *ida, double t1, int nsample, const double *s
     }
     t = flag == IDA_TSTOP_RETURN ? ida->stop : reached;
     mbd_accept(ida->model, data, t, y);
+    if (ida->stop_fn && ida->stop_fn(ida->stop_context))
+      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
     if (samples(ida, t, &next, nsample, sample_time, sample, context, err))
       return err->status;
   }

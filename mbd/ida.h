@@ -12,8 +12,12 @@ typedef struct mbd_ida mbd_ida;
 /* Called for each sample time with the state there (dense output); y is borrowed. */
 typedef tdm_status (*mbd_sample_fn)(void *context, int sample, double t, const double *y, tdm_error *err);
 
-/* Borrows model, data and kkt, which must outlive it. */
-tdm_status mbd_ida_create(mbd_ida **ida, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err);
+/* Called after each of the integrator's steps; true asks it to stop. */
+typedef bool (*mbd_stop_fn)(void *context);
+
+/* Borrows model, data and kkt, which must outlive it. `stop` may be NULL. */
+tdm_status mbd_ida_create(mbd_ida **ida, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_stop_fn stop,
+                          void *context, tdm_error *err);
 void mbd_ida_destroy(mbd_ida **ida);
 
 /* Start at time t from data's positions and velocities, which are consistent, with data's load. */

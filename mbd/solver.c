@@ -10,6 +10,7 @@
 enum { WARNINGS_MAX = 3 };
 
 typedef struct {
+  tdm_participant *participant; /* borrowed, NULL in tests without a server */
   mbd_model *model;
   mbd_data *data;
   mbd_kkt *kkt;
@@ -121,12 +122,18 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
 }
 
+/* tells the server that the solver lives; true when the work is no longer wanted */
+static bool should_stop(void *context) {
+  solver *s = context;
+  return s->participant && tdm_participant_alive(s->participant) != TDM_OK;
+}
+
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
                          tdm_error *err) {
-  (void)p;
   solver *s = *self = calloc(1, sizeof *s);
   if (!s)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
+  s->participant = p;
   if (mbd_model_load(&s->model, assignment->scene, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
@@ -136,7 +143,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for %d bodies", s->model->nbody);
   s->data->t = assignment->time_start;
   if (mbd_assemble(s->model, s->data, s->kkt, &s->assembly, err) || prepare(s, assignment->time_start, err) ||
-      mbd_ida_create(&s->ida, s->model, s->data, s->kkt, err))
+      mbd_ida_create(&s->ida, s->model, s->data, s->kkt, should_stop, s, err))
     return err->status;
   *ready = (tdm_ready){.body = s->body,
                        .nchannel = s->nchannel,

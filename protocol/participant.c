@@ -20,7 +20,8 @@ struct tdm_participant {
   tdm_assigned_body *body;
   int nbody, nchannel;
   bool is_mbd, finished; /* finished: the server said FINISH or was lost */
-  double last_sent, last_heard, step_start;
+  double last_sent, step_start;
+  double last_look, silence; /* when it last listened; how long nothing came while it listened [s] */
   uint64_t window;
   double t1; /* end of the window under way */
 };
@@ -41,22 +42,29 @@ static tdm_status send_control(tdm_participant *p, tdm_message_type type, const 
   return status == TDM_OK ? send_frame(p, err) : status;
 }
 
+/* Count time without a word from the server. Only time spent listening counts: a process that was stopped (Ctrl-Z) and
+ * goes on has not been left alone. Returns true when it is too long. */
+static bool count_silence(tdm_participant *p, bool heard, double most) {
+  double now = tdm_clock(), passed = now - p->last_look;
+  p->last_look = now;
+  p->silence = heard ? 0 : p->silence + (passed < most ? passed : most);
+  return p->silence > p->def.timeout;
+}
+
 /* Wait for the next message other than HEARTBEAT; ERROR from the server becomes err. */
 static tdm_status receive(tdm_participant *p, tdm_header *header, tdm_error *err) {
-  p->last_heard = tdm_clock();
+  count_silence(p, true, 0);
   while (true) {
     const void *data;
     size_t size;
     tdm_status status = tdm_transport_receive(p->transport, SLICE_MS, NULL, &data, &size, err);
     if (status != TDM_OK)
       return status;
-    if (!data) {
-      if (tdm_clock() - p->last_heard > p->def.timeout)
-        return tdm_fail(err, TDM_ERR_TIMEOUT, NULL, "nothing heard from the server at %s for %g s: it ended or hangs",
-                        p->def.endpoint, p->def.timeout);
+    if (count_silence(p, data != NULL, 2e-3 * SLICE_MS))
+      return tdm_fail(err, TDM_ERR_TIMEOUT, NULL, "nothing heard from the server at %s for %g s: it ended or hangs",
+                      p->def.endpoint, p->def.timeout);
+    if (!data)
       continue;
-    }
-    p->last_heard = tdm_clock();
     status = tdm_header_read(header, data, size, err);
     if (status != TDM_OK)
       return status;
@@ -78,23 +86,24 @@ static tdm_status unexpected(const tdm_header *header, const char *expected, tdm
 }
 
 tdm_status tdm_participant_alive(tdm_participant *p) {
-  double now = tdm_clock();
   if (p->finished)
     return TDM_ERR_INTERRUPTED;
-  if (now - p->last_sent < alive_interval)
+  if (tdm_clock() - p->last_sent < alive_interval)
     return TDM_OK;
   tdm_error err = {0};
-  if (send_control(p, TDM_HEARTBEAT, NULL, &err) != TDM_OK)
-    p->finished = true;
   const void *data;
   size_t size;
   tdm_header header;
+  bool heard = false;
+  /* listen first: when the server has gone there is nobody to send to */
   while (tdm_transport_receive(p->transport, 0, NULL, &data, &size, &err) == TDM_OK && data) {
-    p->last_heard = now;
+    heard = true;
     if (tdm_header_read(&header, data, size, &err) != TDM_OK || header.type != TDM_HEARTBEAT)
       p->finished = true; /* FINISH or ERROR; nothing else may come while the solver works */
   }
-  if (now - p->last_heard > p->def.timeout)
+  if (count_silence(p, heard, 4 * alive_interval))
+    p->finished = true;
+  if (!p->finished && send_control(p, TDM_HEARTBEAT, NULL, &err) != TDM_OK)
     p->finished = true;
   return p->finished ? TDM_ERR_INTERRUPTED : TDM_OK;
 }
@@ -238,7 +247,8 @@ bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result
     p->finished = true;
     return false;
   }
-  p->step_start = tdm_clock();
+  p->step_start = p->last_look; /* when the message came */
+  p->last_sent = p->step_start; /* the work begins: no sign of life is due before alive_interval */
   if (header.type != TDM_STEP) {
     unexpected(&header, "STEP", err);
     return false;

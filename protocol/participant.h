@@ -95,8 +95,9 @@ bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result
 /* Send the RESULT of the step that _next gave; its window, time and wall time are filled in here. */
 tdm_status tdm_participant_advance(tdm_participant *p, const tdm_result *result, tdm_error *err);
 
-/* To be called from long work (a settling bed, a long window): tells the server that the solver lives. Cheap: sends at
- * most twice a second. Returns TDM_ERR_INTERRUPTED when the server asked to stop or is gone: drop the work then. */
+/* To be called after every step of the solver's own: tells the server that it lives. Cheap: one look at the clock, and
+ * a message at most twice a second. Returns TDM_ERR_INTERRUPTED when the server asked to stop or is gone: drop the work
+ * then. */
 tdm_status tdm_participant_alive(tdm_participant *p);
 
 /* Send ERROR if err is set, close and free. *p becomes NULL. p or *p may be NULL. */

@@ -88,8 +88,6 @@ double tdm_get_number(tdm_object *o, const char *key, double fallback, tdm_range
  */
 long tdm_get_integer(tdm_object *o, const char *key, long fallback, long least);
 
-bool tdm_get_bool(tdm_object *o, const char *key, bool fallback);
-
 /* A string that lives as long as the JSON; `fallback` when missing (NULL: an error, and "" is returned). */
 const char *tdm_get_string(tdm_object *o, const char *key, const char *fallback);
 

@@ -274,5 +274,6 @@ void tdm_scene_locate(const tdm_scene *scene, tdm_error *err) {
   char message[TDM_MESSAGE_MAX];
   tdm_scene_place(scene->text, err->path, &line, &column);
   snprintf(message, sizeof message, "%.200s:%d:%d: %.200s: %.600s", scene->file, line, column, err->path, err->message);
+  tdm_utf8_clean(message);
   memcpy(err->message, message, sizeof message);
 }

@@ -20,6 +20,36 @@ const char *tdm_status_text(tdm_status status) {
   return (unsigned)status < TDM_STATUS_COUNT ? status_table[status].text : "unknown status";
 }
 
+/* Bytes of the character at p: 0 when it is none, negative when the text ends within it. */
+static int utf8_length(const unsigned char *p) {
+  int n = *p < 0x80 ? 1 : *p >= 0xC2 && *p < 0xE0 ? 2 : (*p & 0xF0) == 0xE0 ? 3 : *p >= 0xF0 && *p < 0xF5 ? 4 : 0;
+  for (int i = 1; i < n; i++) {
+    if (!p[i])
+      return -1;
+    if ((p[i] & 0xC0) != 0x80)
+      return 0;
+  }
+  /* overlong forms, surrogates, beyond U+10FFFF */
+  if ((p[0] == 0xE0 && p[1] < 0xA0) || (p[0] == 0xED && p[1] >= 0xA0) || (p[0] == 0xF0 && p[1] < 0x90) ||
+      (p[0] == 0xF4 && p[1] >= 0x90))
+    return 0;
+  return n;
+}
+
+void tdm_utf8_clean(char *text) {
+  unsigned char *p = (unsigned char *)text;
+  while (*p) {
+    int n = utf8_length(p);
+    if (n < 0) {
+      *p = 0;
+      return;
+    }
+    if (n == 0)
+      *p = '?';
+    p += n > 0 ? n : 1;
+  }
+}
+
 tdm_status tdm_fail(tdm_error *err, tdm_status status, const char *path, const char *format, ...) {
   if (!err)
     return status;
@@ -31,6 +61,8 @@ tdm_status tdm_fail(tdm_error *err, tdm_status status, const char *path, const c
   va_start(args, format);
   vsnprintf(err->message, sizeof err->message, format, args);
   va_end(args);
+  tdm_utf8_clean(err->path);
+  tdm_utf8_clean(err->message);
   return status;
 }
 

@@ -48,6 +48,10 @@ const char *tdm_status_text(tdm_status status);
 tdm_status tdm_fail(tdm_error *err, tdm_status status, const char *path, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/* Make a text that was cut or came from elsewhere good UTF-8, in place: a last character that is not whole is cut off,
+ * bytes that are none become '?'. */
+void tdm_utf8_clean(char *text);
+
 /* The candidate nearest to `word` by edit distance, or NULL when none is near (more than 1/3 of its letters differ,
  * at least 2). Candidates may contain NULL entries, which are skipped. */
 const char *tdm_nearest(const char *word, const char *const *candidates, int ncandidate);

@@ -5,6 +5,7 @@
 #include <check.h>
 #include <ctype.h>
 #include <dirent.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,6 +62,45 @@ static inline void write_file(const char *dir, const char *name, const char *tex
   ck_assert_ptr_nonnull(f);
   fputs(text, f);
   fclose(f);
+}
+
+/* Start `tandem` with these arguments (NULL-terminated, the program's name not among them), its output to DIR/output.
+ */
+static inline pid_t background(const char *dir, const char *const *arguments) {
+  pid_t pid = fork();
+  if (pid != 0)
+    return pid;
+  char path[256];
+  const char *argv[32] = {"tandem"};
+  for (int i = 0; i < 30 && arguments[i]; i++)
+    argv[i + 1] = arguments[i];
+  snprintf(path, sizeof path, "%s/output", dir);
+  if (!freopen(path, "w", stdout) || dup2(1, 2) < 0)
+    _exit(126);
+  execv(TANDEM_BIN_DIR "/tandem", (char *const *)argv);
+  _exit(127);
+}
+
+/* Wait up to `seconds` for a background process; its exit status, -1 when it did not end (it is killed then). */
+static inline int background_end(pid_t pid, double seconds) {
+  int status;
+  for (int i = 0; i < (int)(seconds / 0.05); i++, usleep(50000))
+    if (waitpid(pid, &status, WNOHANG) == pid)
+      return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  kill(pid, SIGKILL);
+  waitpid(pid, NULL, 0);
+  return -1;
+}
+
+/* What a background process has printed so far, into command_output. */
+static inline void background_output(const char *dir) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/output", dir);
+  FILE *f = fopen(path, "r");
+  size_t n = f ? fread(command_output, 1, sizeof command_output - 1, f) : 0;
+  command_output[n] = 0;
+  if (f)
+    fclose(f);
 }
 
 /* The processes (zombies left out) whose command line has this text: their number, and the last one's id in *pid. */

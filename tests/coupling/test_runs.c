@@ -146,36 +146,30 @@ START_TEST(an_empty_box_is_an_oscillator) {
 }
 END_TEST
 
-/* Start a run that would take long, let it work, send it a signal. Returns its exit status. */
-static int interrupted(const char *option, const char *interval, int number) {
-  pid_t pid = fork();
-  if (pid == 0) {
-    char file[256], out[256];
-    snprintf(file, sizeof file, "%s/scene.json", dir);
-    snprintf(out, sizeof out, "%s/out", dir);
-    if (!freopen("/dev/null", "w", stderr) || !freopen("/dev/null", "w", stdout))
-      _exit(126);
-    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", file, "--out", out, "--set", "time.end=1e5", "--set", interval,
-          "--set", option, NULL);
-    _exit(127);
-  }
+/* Start a run that would take long, with two overrides. */
+static pid_t long_run(const char *first, const char *second) {
+  char file[256], out[256];
+  snprintf(file, sizeof file, "%s/scene.json", dir);
+  snprintf(out, sizeof out, "%s/out", dir);
+  const char *const arguments[] = {"run",   file,  "--out", out,    "--set", "time.end=1e5",
+                                   "--set", first, "--set", second, NULL};
+  return background(dir, arguments);
+}
+
+/* Let a long run work, send it a signal. Returns its exit status. */
+static int interrupted(const char *first, const char *second, int number) {
+  pid_t pid = long_run(first, second);
   sleep(2);
   kill(pid, number);
-  int status = -1;
-  for (int i = 0; i < 100; i++, usleep(100000))
-    if (waitpid(pid, &status, WNOHANG) == pid)
-      return WIFEXITED(status) ? WEXITSTATUS(status) : -2;
-  kill(pid, SIGKILL);
-  return -1;
+  return background_end(pid, 10);
 }
 
 START_TEST(ctrl_c_keeps_what_was_computed) {
   setup();
   static const char *const options[] = {"coupling.transport=ipc", "coupling.transport=inproc", "coupling.n=100000000"};
+  static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
   for (int i = 0; i < 3; i++) {
-    ck_assert_int_eq(
-        interrupted(options[i], i == 2 ? "output.interval=10" : "output.interval=0.01", i == 1 ? SIGTERM : SIGINT),
-        130);
+    ck_assert_int_eq(interrupted(options[i], i == 2 ? "output.interval=10" : "output.interval=0.01", signals[i]), 130);
     expect_nothing_left(dir);
     ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
     expect_output("TDM_ERR_INTERRUPTED");
@@ -186,6 +180,158 @@ START_TEST(ctrl_c_keeps_what_was_computed) {
     ck_assert_int_gt(t.nrow, 10);
     cpl_table_free(&t);
   }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(ctrl_c_while_settling_as_threads) {
+  setup();
+  pid_t pid = long_run("coupling.transport=inproc", "dem.settle={\"speed\": 1e-12, \"max_time\": 1e6}");
+  sleep(1);
+  kill(pid, SIGINT);
+  ck_assert_int_eq(background_end(pid, 2.5), 130); /* the thread is asked and ends: no force after 3 s */
+  directory_remove(dir);
+}
+END_TEST
+
+/* Send a signal to the server and to its solvers, as a terminal does. */
+static void signal_all(pid_t server, int number) {
+  static const char *const solvers[] = {"tandem-mbd", "tandem-dem"};
+  kill(server, number);
+  for (int i = 0; i < 2; i++) {
+    char text[128];
+    pid_t pid;
+    snprintf(text, sizeof text, "%s --connect ipc://%s", solvers[i], dir);
+    ck_assert_int_eq(find_processes(text, &pid), 1);
+    kill(pid, number);
+  }
+}
+
+START_TEST(a_stopped_run_goes_on) {
+  setup();
+  pid_t pid = long_run("coupling.timeout=1", "output.interval=0.01");
+  sleep(1);
+  signal_all(pid, SIGSTOP);
+  sleep(3);
+  signal_all(pid, SIGCONT);
+  sleep(2);
+  ck_assert_int_eq(waitpid(pid, NULL, WNOHANG), 0);
+  kill(pid, SIGINT);
+  ck_assert_int_eq(background_end(pid, 5), 130);
+  directory_remove(dir);
+}
+END_TEST
+
+/* resident memory [kB] of the one process whose command line has this text */
+static long resident(const char *text) {
+  pid_t pid;
+  char path[64], line[256];
+  long size = -1;
+  ck_assert_int_eq(find_processes(text, &pid), 1);
+  snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+  FILE *f = fopen(path, "r");
+  while (f && fgets(line, sizeof line, f))
+    sscanf(line, "VmRSS: %ld", &size);
+  if (f)
+    fclose(f);
+  return size;
+}
+
+START_TEST(memory_is_constant) {
+#ifdef __SANITIZE_ADDRESS__
+  return; /* its quarantine grows */
+#endif
+  setup();
+  pid_t pid = long_run("coupling.n=1", "output.interval=0.01");
+  char text[3][160];
+  long before[3];
+  sleep(2);
+  snprintf(text[0], sizeof text[0], "tandem run %s", dir);
+  snprintf(text[1], sizeof text[1], "tandem-mbd --connect ipc://%s", dir);
+  snprintf(text[2], sizeof text[2], "tandem-dem --connect ipc://%s", dir);
+  for (int i = 0; i < 3; i++)
+    before[i] = resident(text[i]);
+  sleep(4); /* tens of thousands of windows */
+  for (int i = 0; i < 3; i++)
+    ck_assert_msg(resident(text[i]) <= before[i] + 64, "%s grew from %ld to %ld kB", text[i], before[i],
+                  resident(text[i]));
+  kill(pid, SIGINT);
+  ck_assert_int_eq(background_end(pid, 5), 130);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_bar_on_a_terminal) {
+  setup();
+  ck_assert_int_eq(command("script -qec 'tandem run %s/scene.json --out %s/out --set time.end=2 --set coupling.n=1' "
+                           "/dev/null",
+                           dir, dir),
+                   0);
+  expect_output("[==");
+  expect_output("windows/s");
+  expect_output("left");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(an_installed_tandem_finds_its_own) {
+  setup();
+  ck_assert_int_eq(
+      command("sh -c 'mkdir -p %s/p/bin %s/p/share/tandem/scenarios/mine %s/elsewhere && cp " TANDEM_BIN_DIR
+              "/tandem " TANDEM_BIN_DIR "/tandem-mbd %s/p/bin && cp " TANDEM_BIN_DIR
+              "/tandem-dem %s/elsewhere && cp %s/scene.json %s/p/share/tandem/scenarios/mine'",
+              dir, dir, dir, dir, dir, dir, dir),
+      0);
+  /* the scenario from the share folder, mbd from beside the program, dem from PATH */
+  int status = command("env PATH=%s/elsewhere:/usr/bin:/bin %s/p/bin/tandem run mine --out %s/out", dir, dir, dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  /* ./scenarios comes first */
+  ck_assert_int_eq(command("sh -c 'mkdir -p %s/scenarios/mine && echo {} >%s/scenarios/mine/scene.json'", dir, dir), 0);
+  ck_assert_int_eq(command("sh -c 'cd %s && p/bin/tandem run mine --out out'", dir), 1);
+  expect_output("scenarios/mine/scene.json");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(result_directories_are_guarded) {
+  setup();
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s", dir, dir), 1);
+  expect_output("is the scene itself");
+  pid_t pid = long_run("coupling.n=1", "output.interval=0.01");
+  usleep(700000);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out", dir, dir), 1);
+  expect_output("another run writes into this directory");
+  kill(pid, SIGINT);
+  ck_assert_int_eq(background_end(pid, 5), 130);
+  write_file(dir, "out/body_other.csv", "time [s]\n0\n"); /* left by another scene */
+  run("out", "");
+  ck_assert_int_ne(command("ls %s/out/body_other.csv", dir), 0);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_report_plots_and_keeps_the_logs) {
+  setup();
+  run("out", "");
+  ck_assert_int_eq(command("tandem report %s/out", dir), 0);
+  static const char *const files[] = {"body_box.png", "body_box.svg", "mbd.png", "dem.png",   "time.png",
+                                      "index.html",   "dem.log",      "mbd.log", "server.log"};
+  for (int i = 0; i < 9; i++)
+    ck_assert_msg(command("test -s %s/out/%s", dir, files[i]) == 0, "no %s", files[i]);
+  ck_assert_int_eq(command("tandem report %s", dir), 1);
+  expect_output("give the directory of a run");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(check_tells_what_would_run) {
+  setup();
+  ck_assert_int_eq(command("tandem check %s/scene.json --out %s/out", dir, dir), 0);
+  static const char *const words[] = {"500 DEM steps",      "100 windows",   "lommen",
+                                      "degrees_of_freedom", "rayleigh_step", "\"box\" (mbd) is \"tub\" (dem), 5 kg",
+                                      "0 warnings"};
+  for (int i = 0; i < 7; i++)
+    expect_output(words[i]);
   directory_remove(dir);
 }
 END_TEST
@@ -238,4 +384,6 @@ END_TEST
 
 TEST_MAIN("runs", 120, runs_are_bit_identical, the_grid_does_not_depend_on_n, the_last_window_is_shorter,
           loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
-          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went)
+          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went, ctrl_c_while_settling_as_threads,
+          a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal, an_installed_tandem_finds_its_own,
+          result_directories_are_guarded, a_report_plots_and_keeps_the_logs, check_tells_what_would_run)

@@ -27,7 +27,11 @@ static tdm_status failing(cpl_verify *v, tdm_error *err) {
 }
 
 static const cpl_scenario table[] = {
-    {"good", "scenarios", "", good}, {"missed", "others", "", missed}, {"failing", "others", "", failing}, {0}};
+    {.name = "good", .group = "scenarios", .verify = good},
+    {.name = "missed", .group = "others", .verify = missed},
+    {.name = "failing", .group = "others", .verify = failing},
+    {0},
+};
 
 static json_t *verify(const char *const *names, tdm_status expected) {
   const char *dir = directory_make();

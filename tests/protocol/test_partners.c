@@ -161,11 +161,12 @@ START_TEST(a_server_that_dies_takes_its_solvers) {
   setup();
   pid_t pid = fork();
   if (pid == 0) {
-    char arguments[256];
+    char file[256], out[256];
     setenv("FAULT", "hangs", 1);
     setenv("FAULT_WINDOW", "3", 1);
-    snprintf(arguments, sizeof arguments, "%s/scene.json", dir);
-    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", arguments, "--out", dir, "--set",
+    snprintf(file, sizeof file, "%s/scene.json", dir);
+    snprintf(out, sizeof out, "%s/out", dir);
+    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", file, "--out", out, "--set",
           "coupling.solvers.dem=" TANDEM_TEST_DIR "/faulty_solver", "--set", "coupling.timeout=50", NULL);
     _exit(127);
   }

@@ -1,0 +1,271 @@
+#include "coupler/sweep.h"
+
+#include "coupler/record.h"
+#include "protocol/log.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- the grid ---- */
+
+tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
+  if (o->naxis == CPL_AXES_MAX - 1 || strlen(path) >= TDM_PATH_MAX)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: at most %d axes", CPL_AXES_MAX - 1);
+  for (int a = 0; a < o->naxis; a++)
+    if (strcmp(o->axis[a].path, path) == 0)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s is given twice", path);
+  cpl_axis *axis = &o->axis[o->naxis++];
+  snprintf(axis->path, sizeof axis->path, "%s", path);
+  const char *start = list;
+  int depth = 0;
+  bool quoted = false;
+  for (const char *c = list;; c++) {
+    quoted = *c == '"' ? !quoted : quoted;
+    depth += !quoted && (*c == '[' || *c == '{');
+    depth -= !quoted && (*c == ']' || *c == '}');
+    if (*c && (*c != ',' || depth > 0 || quoted))
+      continue;
+    if (c == start || axis->nvalue == CPL_VALUES_MAX)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s=%s: %s", path, list,
+                      c == start ? "an empty value" : "too many values");
+    axis->value[axis->nvalue++] = strndup(start, (size_t)(c - start));
+    start = c + 1;
+    if (!*c)
+      return TDM_OK;
+  }
+}
+
+void cpl_sweep_free(cpl_sweep_options *o) {
+  for (int a = 0; a < o->naxis; a++)
+    for (int i = 0; i < o->axis[a].nvalue; i++)
+      free(o->axis[a].value[i]);
+  o->naxis = 0;
+}
+
+/* Settings that change neither the bed nor anything before the run. */
+static bool shares_bed(const char *path) {
+  return strncmp(path, "time.", 5) == 0 || strncmp(path, "coupling.", 9) == 0 || strncmp(path, "output.", 7) == 0;
+}
+
+/* Cell number -> values of its axes; the first axis runs slowest. Returns the number of its bed. */
+static int fill_cell(const cpl_sweep_options *o, int index, cpl_cell *cell) {
+  int bed = 0, value[CPL_AXES_MAX];
+  for (int a = o->naxis - 1; a >= 0; a--) {
+    value[a] = index % o->axis[a].nvalue;
+    index /= o->axis[a].nvalue;
+  }
+  for (int a = 0; a < o->naxis; a++) {
+    const cpl_axis *axis = &o->axis[a];
+    const char *last = strrchr(axis->path, '.') ? strrchr(axis->path, '.') + 1 : axis->path;
+    size_t used = strlen(cell->name);
+    snprintf(cell->name + used, sizeof cell->name - used, "%s%s=%s", a ? " " : "", last, axis->value[value[a]]);
+    snprintf(cell->assignment[a], sizeof cell->assignment[a], "%s=%s", axis->path, axis->value[value[a]]);
+    cell->set[a] = cell->assignment[a];
+    if (!shares_bed(axis->path))
+      bed = bed * axis->nvalue + value[a];
+  }
+  int n = snprintf(cell->dir, sizeof cell->dir, "%s/cells/", o->out);
+  snprintf(cell->dir + n, sizeof cell->dir - (size_t)n, "%s", cell->name);
+  for (char *c = cell->dir + n; *c; c++)
+    if (!isalnum((unsigned char)*c) && !strchr("=._-+", *c))
+      *c = '_';
+  return bed;
+}
+
+/* ---- the settled bed ---- */
+
+/* Let a cell take its bed from a file that all cells with the same bed share; only tandem's own DEM knows the key. */
+static void share_bed(const cpl_sweep_options *o, const tdm_scene *scene, int bed, cpl_cell *cell) {
+  char path[4096];
+  if (!tdm_scene_value(scene->root, "dem.settle") || tdm_scene_value(scene->root, "dem.settle.store") ||
+      tdm_scene_value(scene->root, "coupling.solvers.dem"))
+    return;
+  snprintf(path, sizeof path, "%s/bed_%d", o->out, bed);
+  if (snprintf(cell->assignment[o->naxis], sizeof cell->assignment[0], "dem.settle.store=%s", path) <
+      (int)sizeof cell->assignment[0])
+    cell->set[o->naxis] = cell->assignment[o->naxis];
+}
+
+/* Settle once for each bed, before cells run side by side. A bed that cannot be made fails in its cells, with words. */
+static void make_beds(const cpl_sweep_options *o, const cpl_cell *cell, int ncell) {
+  for (int i = 0; i < ncell; i++) {
+    const char *store = cell[i].set[o->naxis];
+    bool first = store != NULL;
+    for (int j = 0; j < i && first; j++)
+      first = strcmp(cell[j].assignment[o->naxis], store) != 0;
+    if (!first || cell[i].row || access(strchr(store, '=') + 1, R_OK) == 0)
+      continue;
+    tdm_error err = {0};
+    cpl_run_result result;
+    char out[4200];
+    snprintf(out, sizeof out, "%s/bed-out", o->out);
+    fprintf(stderr, "tandem: settling the bed\n");
+    cpl_run_options run = {.scene = o->scene, .set = cell[i].set, .out = out, .quiet = true, .check = true};
+    memcpy(run.solver, o->solver, sizeof run.solver);
+    cpl_run(&run, &result, &err);
+  }
+}
+
+/* ---- rows on disk ---- */
+
+static void row_file(const cpl_cell *cell, char *out, size_t size) {
+  snprintf(out, size, "%s/row.json", cell->dir);
+}
+
+/* The row of an earlier sweep, if it was of the very same scene. */
+static json_t *earlier_row(const cpl_sweep_options *o, const cpl_cell *cell) {
+  char file[4352];
+  tdm_scene scene = {0};
+  tdm_error err = {0};
+  json_t *row = NULL;
+  snprintf(file, sizeof file, "%s/scene.json", cell->dir);
+  json_t *before = json_load_file(file, 0, NULL);
+  if (before && tdm_scene_read(&scene, o->scene, &err) == TDM_OK) {
+    for (const char *const *set = cell->set; *set; set++)
+      tdm_scene_set(&scene, *set, &err);
+    row_file(cell, file, sizeof file);
+    if (json_equal(before, scene.root))
+      row = json_load_file(file, 0, NULL);
+  }
+  tdm_scene_destroy(&scene);
+  json_decref(before);
+  return row;
+}
+
+/* ---- jobs ---- */
+
+typedef struct {
+  pid_t pid; /* 0: free */
+  int cell;
+  double begin;
+} job;
+
+/* A cell in a process of its own: whatever happens to it, the sweep goes on. */
+static pid_t start_cell(const cpl_sweep_options *o, const cpl_cell *cell) {
+  char file[4352];
+  row_file(cell, file, sizeof file);
+  unlink(file);
+  fflush(NULL);
+  pid_t pid = fork();
+  if (pid != 0)
+    return pid;
+  int null = open("/dev/null", O_WRONLY);
+  dup2(null, 1);
+  dup2(null, 2);
+  json_t *row = cpl_cell_run(o, cell);
+  int failed = !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
+  _exit(failed);
+}
+
+static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds) {
+  const char *status = json_string_value(json_object_get(cell->row, "status"));
+  const char *reason = json_string_value(json_object_get(cell->row, "reason"));
+  fprintf(stderr, "tandem: [%d/%d] %s: %s%s%.100s, %.1f s\n", done, ncell, cell->name, status ? status : "?",
+          reason && *reason ? ", " : "", reason ? reason : "", seconds);
+}
+
+/* A job that ended: its row, or why there is none. */
+static void end_cell(const cpl_sweep_options *o, cpl_cell *cell, int status) {
+  char file[4352], reason[96];
+  row_file(cell, file, sizeof file);
+  cell->row = json_load_file(file, 0, NULL);
+  if (cell->row || cpl_interrupted)
+    return;
+  if (WIFSIGNALED(status))
+    snprintf(reason, sizeof reason, "the cell's process was ended by signal %d", WTERMSIG(status));
+  else
+    snprintf(reason, sizeof reason, "the cell's results cannot be written into its directory");
+  cell->row = cpl_cell_row(o, cell, "failed", reason);
+}
+
+static void run_cells(const cpl_sweep_options *o, cpl_cell *cell, int ncell) {
+  job jobs[64] = {{0}};
+  int njob = o->jobs < 64 ? o->jobs : 64, next = 0, running = 0, done = 0;
+  for (int i = 0; i < ncell; i++)
+    done += cell[i].row != NULL;
+  if (done > 0)
+    fprintf(stderr, "tandem: %d of %d cells are there already\n", done, ncell);
+  while (running > 0 || (next < ncell && !cpl_interrupted)) {
+    for (int j = 0; j < njob && !cpl_interrupted; j++) {
+      while (next < ncell && cell[next].row)
+        next++;
+      if (jobs[j].pid || next == ncell)
+        continue;
+      jobs[j] = (job){start_cell(o, &cell[next]), next, tdm_clock()};
+      if (jobs[j].pid < 0) {
+        cell[next].row = cpl_cell_row(o, &cell[next], "failed", "no process could be made for this cell");
+        jobs[j].pid = 0;
+      } else {
+        running++;
+      }
+      next++;
+    }
+    for (int j = 0; j < njob && cpl_interrupted == 1; j++)
+      if (jobs[j].pid)
+        kill(jobs[j].pid, SIGTERM); /* Ctrl-C reaches the cells anyway, a signal to this process alone does not */
+    cpl_interrupted += cpl_interrupted == 1;
+    int status;
+    pid_t pid = waitpid(-1, &status, WNOHANG);
+    for (int j = 0; j < njob && pid > 0; j++)
+      if (jobs[j].pid == pid) {
+        end_cell(o, &cell[jobs[j].cell], status);
+        jobs[j].pid = 0;
+        running--;
+        if (cell[jobs[j].cell].row)
+          print_cell(&cell[jobs[j].cell], ++done, ncell, tdm_clock() - jobs[j].begin);
+      }
+    if (pid <= 0)
+      nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+  }
+}
+
+/* ---- the sweep ---- */
+
+static tdm_status prepare(const cpl_sweep_options *o, cpl_cell *cell, int ncell, tdm_error *err) {
+  tdm_scene scene = {0};
+  char dir[4200];
+  snprintf(dir, sizeof dir, "%s/cells", o->out);
+  if (tdm_scene_read(&scene, o->scene, err) == TDM_OK)
+    cpl_scenario_of(o->scenarios, scene.root, err);
+  tdm_scene_locate(&scene, err);
+  if (err->status == TDM_OK && cpl_make_directory(dir, err) == TDM_OK)
+    for (int i = 0; i < ncell; i++) {
+      int bed = fill_cell(o, i, &cell[i]);
+      share_bed(o, &scene, bed, &cell[i]);
+      if (o->resume)
+        cell[i].row = earlier_row(o, &cell[i]);
+    }
+  tdm_scene_destroy(&scene);
+  return err->status;
+}
+
+tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
+  long ncell = 1;
+  for (int a = 0; a < o->naxis; a++) {
+    ncell *= o->axis[a].nvalue;
+    if (ncell > 10000)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: more than 10000 cells");
+  }
+  cpl_cell *cell = calloc((size_t)ncell, sizeof *cell);
+  if (!cell)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  if (prepare(o, cell, (int)ncell, err) == TDM_OK) {
+    make_beds(o, cell, (int)ncell);
+    run_cells(o, cell, (int)ncell);
+    cpl_sweep_report(o, cell, (int)ncell, err);
+    if (cpl_interrupted)
+      tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; --resume continues the sweep");
+  }
+  for (long i = 0; i < ncell; i++)
+    json_decref(cell[i].row);
+  free(cell);
+  return err->status;
+}

@@ -1,0 +1,200 @@
+/* One cell of a sweep: run it, compare it, decide whether it is ok, unstable or failed. */
+#include "coupler/sweep.h"
+
+#include "coupler/table.h"
+#include "protocol/log.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double load_span = 0.02;   /* [s] of the means of F_20ms */
+static const double growth_limit = 0.1; /* energy gained, against the span of energies so far */
+
+static json_t *number(double x) {
+  return isfinite(x) ? json_real(x) : json_null();
+}
+
+/* The scene of a cell as it runs (the caller destroys it), and the scenario that it names. */
+static const cpl_scenario *cell_scene(const cpl_sweep_options *o, const cpl_cell *cell, tdm_scene *scene) {
+  tdm_error err = {0};
+  if (tdm_scene_read(scene, o->scene, &err) != TDM_OK)
+    return NULL;
+  for (const char *const *set = cell->set; *set; set++)
+    tdm_scene_set(scene, *set, &err);
+  return cpl_scenario_of(o->scenarios, scene->root, &err);
+}
+
+/* A copy of the value at a path, null when there is none. */
+static json_t *value_at(const tdm_scene *scene, const char *path) {
+  const json_t *value = tdm_scene_value(scene->root, path);
+  return value ? json_deep_copy(value) : json_null();
+}
+
+json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const char *status, const char *reason) {
+  tdm_scene scene = {0};
+  const cpl_scenario *scenario = cell_scene(o, cell, &scene);
+  json_t *settings = json_object(), *r2 = json_object(), *nse = json_object();
+  for (int a = 0; a < o->naxis; a++)
+    json_object_set_new(settings, o->axis[a].path, value_at(&scene, o->axis[a].path));
+  for (int i = 0; scenario && i < 3 && scenario->state[i]; i++) {
+    json_object_set_new(r2, scenario->state[i], json_null());
+    json_object_set_new(nse, scenario->state[i], json_null());
+  }
+  if (scenario && scenario->load) {
+    char mean[64];
+    snprintf(mean, sizeof mean, "%s_20ms", scenario->load);
+    json_object_set_new(r2, scenario->load, json_null());
+    json_object_set_new(r2, mean, json_null());
+  }
+  json_t *scheme = value_at(&scene, "coupling.scheme");
+  if (json_is_null(scheme)) {
+    json_decref(scheme);
+    scheme = json_string("lommen");
+  }
+  json_t *row = json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"),
+                          "n", value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status,
+                          "reason", reason, "wall_s", "simulated_s", "r2", r2, "nse", nse, "energy_residual");
+  tdm_scene_destroy(&scene);
+  return row;
+}
+
+static void judge(json_t *row, const char *status, const char *reason) {
+  json_object_set_new(row, "status", json_string(status));
+  json_object_set_new(row, "reason", json_string(reason));
+}
+
+/* ---- instability that a run survives ---- */
+
+/* The first time at which particles have left, or NAN. */
+static double time_of_loss(const cpl_table *dem) {
+  const double *time = cpl_table_column(dem, "time", NULL), *lost = cpl_table_column(dem, "particles.lost", NULL);
+  for (int i = 0; time && lost && i < dem->nrow; i++)
+    if (lost[i] > 0)
+      return time[i];
+  return NAN;
+}
+
+/* Energies of both solvers on the output grid; all NULL when a solver does not give them. */
+typedef struct {
+  const double *body_kinetic, *body_potential, *kinetic, *com[3];
+  double mass, gravity[3];
+} energies;
+
+static bool find_energies(energies *e, const cpl_table *mbd, const cpl_table *dem, const json_t *scene,
+                          const json_t *summary) {
+  static const char *const com[] = {"particles.com.x", "particles.com.y", "particles.com.z"};
+  const json_t *mass = tdm_scene_value(summary, "solvers.dem.report.particle_mass");
+  const json_t *gravity = tdm_scene_value(scene, "dem.gravity");
+  *e = (energies){.gravity = {0, 0, -9.81}, .mass = json_number_value(mass)};
+  e->body_kinetic = cpl_table_column(mbd, "energy.kinetic", NULL);
+  e->body_potential = cpl_table_column(mbd, "energy.potential", NULL);
+  e->kinetic = cpl_table_column(dem, "particles.kinetic_energy", NULL);
+  for (int k = 0; k < 3; k++) {
+    e->com[k] = cpl_table_column(dem, com[k], NULL);
+    if (gravity)
+      e->gravity[k] = json_number_value(json_array_get(gravity, (size_t)k));
+  }
+  /* a motor or a source supplies energy: no verdict then */
+  bool supplied = tdm_scene_value(scene, "mbd.drivers[0]") || tdm_scene_value(scene, "dem.sources[0]");
+  return !supplied && e->body_kinetic && e->body_potential && e->kinetic && e->com[0] && e->com[1] && e->com[2];
+}
+
+/* The first time at which the mechanical energy has grown without a source, or NAN. The energy stored in contacts is
+ * not counted: it is small against the span of the others. */
+static double time_of_growth(const cpl_table *mbd, const cpl_table *dem, const json_t *scene, const json_t *summary) {
+  energies e;
+  if (!find_energies(&e, mbd, dem, scene, summary))
+    return NAN;
+  const double *time = cpl_table_column(dem, "time", NULL);
+  int n = mbd->nrow < dem->nrow ? mbd->nrow : dem->nrow;
+  double start = 0, kinetic_most = 0, potential_least = INFINITY, potential_most = -INFINITY;
+  for (int i = 0; i < n; i++) {
+    double kinetic = e.body_kinetic[i] + e.kinetic[i], potential = e.body_potential[i];
+    for (int k = 0; k < 3; k++)
+      potential -= e.mass * e.gravity[k] * e.com[k][i];
+    if (i == 0)
+      start = kinetic + potential;
+    kinetic_most = fmax(kinetic_most, kinetic);
+    potential_least = fmin(potential_least, potential);
+    potential_most = fmax(potential_most, potential);
+    double span = kinetic_most + potential_most - potential_least;
+    if (!isfinite(kinetic + potential) || (i > 10 && kinetic + potential - start > growth_limit * span))
+      return time[i];
+  }
+  return NAN;
+}
+
+static void look_for_instability(const cpl_cell *cell, json_t *row) {
+  char file[4352], reason[160];
+  cpl_table mbd = {0}, dem = {0};
+  snprintf(file, sizeof file, "%s/scene.json", cell->dir);
+  json_t *scene = json_load_file(file, 0, NULL);
+  snprintf(file, sizeof file, "%s/summary.json", cell->dir);
+  json_t *summary = json_load_file(file, 0, NULL);
+  snprintf(file, sizeof file, "%s/mbd.csv", cell->dir);
+  cpl_table_read(&mbd, file, NULL);
+  snprintf(file, sizeof file, "%s/dem.csv", cell->dir);
+  cpl_table_read(&dem, file, NULL);
+  double loss = time_of_loss(&dem), growth = time_of_growth(&mbd, &dem, scene, summary);
+  if (!isnan(loss) && !(growth < loss)) {
+    snprintf(reason, sizeof reason, "particles left at %.4g s", loss);
+    judge(row, "unstable", reason);
+  } else if (!isnan(growth)) {
+    snprintf(reason, sizeof reason, "the energy grew without a source from %.4g s on", growth);
+    judge(row, "unstable", reason);
+  }
+  cpl_table_free(&mbd);
+  cpl_table_free(&dem);
+  json_decref(scene);
+  json_decref(summary);
+}
+
+/* ---- numbers ---- */
+
+static void add_numbers(json_t *row, const cpl_comparison *c) {
+  json_t *r2 = json_object_get(row, "r2"), *nse = json_object_get(row, "nse");
+  for (int i = 0; i < c->ncurve; i++) {
+    const cpl_compared *curve = &c->curve[i];
+    json_object_set_new(r2, curve->name, number(cpl_comparison_r2(c, curve)));
+    if (curve->kind == CPL_STATE) {
+      json_object_set_new(nse, curve->name, number(cpl_comparison_nse(c, curve)));
+    } else {
+      char name[64];
+      snprintf(name, sizeof name, "%s_20ms", curve->name);
+      json_object_set_new(r2, name, number(cpl_comparison_r2_mean(c, curve, load_span)));
+    }
+  }
+}
+
+json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
+  tdm_error err = {0};
+  cpl_run_result result;
+  cpl_run_options run = {.scene = o->scene, .set = cell->set, .out = cell->dir, .quiet = true};
+  memcpy(run.solver, o->solver, sizeof run.solver);
+  tdm_status status = cpl_run(&run, &result, &err);
+  if (status == TDM_ERR_INTERRUPTED)
+    return NULL;
+  json_t *row = cpl_cell_row(o, cell,
+                             status == TDM_OK            ? "ok"
+                             : status == TDM_ERR_NUMERIC ? "unstable"
+                                                         : "failed",
+                             err.message);
+  json_object_set_new(row, "wall_s", json_real(result.wall));
+  json_object_set_new(row, "simulated_s", json_real(result.simulated));
+  if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC))
+    look_for_instability(cell, row);
+  tdm_scene scene = {0};
+  const cpl_scenario *scenario = cell_scene(o, cell, &scene);
+  cpl_comparison c = {0};
+  tdm_error compared = {0};
+  if (scenario && scenario->compare && result.windows > 0 && scenario->compare(cell->dir, &c, &compared) == TDM_OK) {
+    cpl_comparison_write(&c, cell->dir, &compared);
+    cpl_comparison_plot(&c, cell->dir, &compared);
+    if (status == TDM_OK) /* numbers over a part of the run would not compare */
+      add_numbers(row, &c);
+  }
+  cpl_comparison_free(&c);
+  tdm_scene_destroy(&scene);
+  return row;
+}

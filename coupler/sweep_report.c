@@ -1,0 +1,349 @@
+/* What a sweep leaves: the table, the JSON, heat maps, error against run time. */
+#include "coupler/sweep.h"
+
+#include "coupler/find.h"
+#include "coupler/table.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double good_r2 = 0.99; /* [L18] marks cells above it */
+
+static const char *text_of(const json_t *row, const char *key) {
+  const char *text = json_string_value(json_object_get(row, key));
+  return text ? text : "";
+}
+
+static double number_of(const json_t *row, const char *group, const char *key) {
+  const json_t *value = json_object_get(group ? json_object_get(row, group) : row, key);
+  return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+/* The names of the numbers that rows have: from any row, they are the same in all. */
+typedef struct {
+  const char *name[8]; /* of r2: states, load, load_20ms */
+  int nname;
+  const char *state[4]; /* of nse */
+  int nstate;
+} columns;
+
+static columns find_columns(const cpl_cell *cell, int ncell) {
+  columns c = {0};
+  const char *key;
+  json_t *value;
+  for (int i = 0; i < ncell && c.nname == 0; i++) {
+    json_object_foreach(json_object_get(cell[i].row, "r2"), key, value) if (c.nname < 8) c.name[c.nname++] = key;
+    json_object_foreach(json_object_get(cell[i].row, "nse"), key, value) if (c.nstate < 4) c.state[c.nstate++] = key;
+  }
+  return c;
+}
+
+/* ---- what the paper has for the same cells ---- */
+
+/* published.csv beside the scene: dt, n, and r2_<name> columns; zeroed when there is none. */
+static cpl_table read_published(const cpl_sweep_options *o) {
+  char file[4200];
+  cpl_table t = {0};
+  const char *slash = strrchr(o->scene, '/');
+  snprintf(file, sizeof file, "%.*spublished.csv", slash ? (int)(slash - o->scene) + 1 : 0, o->scene);
+  if (access(file, R_OK) == 0)
+    cpl_table_read(&t, file, NULL);
+  return t;
+}
+
+static double published(const cpl_table *t, const json_t *row, const char *name) {
+  char column[64];
+  snprintf(column, sizeof column, "r2_%s", name);
+  const double *dt = cpl_table_column(t, "dt", NULL), *n = cpl_table_column(t, "n", NULL);
+  const double *value = cpl_table_column(t, column, NULL);
+  for (int i = 0; dt && n && value && i < t->nrow; i++)
+    if (fabs(dt[i] / number_of(row, NULL, "dt") - 1) < 1e-9 && n[i] == number_of(row, NULL, "n"))
+      return value[i];
+  return NAN;
+}
+
+/* ---- tables ---- */
+
+static void print_number(double x, bool colour, bool judged) {
+  char text[16] = "-";
+  if (!isnan(x))
+    snprintf(text, sizeof text, x > -10 ? "%.5f" : "%.1e", x);
+  bool good = judged && x > good_r2;
+  printf(" %s%10s%s", colour && good ? "\033[32m" : "", text, colour && good ? "\033[0m" : "");
+}
+
+static void print_table(const cpl_cell *cell, int ncell, const columns *c, const cpl_table *paper) {
+  bool colour = isatty(1);
+  printf("%-44s %-8s %8s", "cell", "status", "wall");
+  for (int i = 0; i < c->nstate; i++)
+    printf(" %6s%-4s", "nse_", c->state[i]);
+  for (int i = 0; i < c->nname; i++)
+    printf(" %4s%-6s", "r2_", c->name[i]);
+  puts(paper->nrow ? "  [L18] r2" : "");
+  for (int k = 0; k < ncell; k++) {
+    const json_t *row = cell[k].row;
+    if (!row)
+      continue;
+    printf("%-44s %-8s %6.1f s", cell[k].name, text_of(row, "status"), number_of(row, NULL, "wall_s"));
+    for (int i = 0; i < c->nstate; i++)
+      print_number(number_of(row, "nse", c->state[i]), colour, true);
+    for (int i = 0; i < c->nname; i++)
+      print_number(number_of(row, "r2", c->name[i]), colour, true);
+    for (int i = 0; i < c->nname; i++)
+      if (!isnan(published(paper, row, c->name[i])))
+        print_number(published(paper, row, c->name[i]), colour, true);
+    printf("  %s\n", text_of(row, "reason"));
+  }
+}
+
+static void html_text(FILE *f, const char *text) {
+  for (; *text; text++)
+    if (*text == '<')
+      fputs("&lt;", f);
+    else if (*text == '&')
+      fputs("&amp;", f);
+    else
+      fputc(*text, f);
+}
+
+static void html_number(FILE *f, double x) {
+  if (isnan(x))
+    fputs("<td>–</td>", f);
+  else
+    fprintf(f, "<td%s>%.5f</td>", x > good_r2 ? " class=\"good\"" : "", x);
+}
+
+static tdm_status open_file(const cpl_sweep_options *o, const char *name, FILE **f, tdm_error *err) {
+  char file[4352];
+  snprintf(file, sizeof file, "%s/%s", o->out, name);
+  *f = fopen(file, "w");
+  return *f ? TDM_OK : tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno));
+}
+
+static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, const columns *c,
+                             const cpl_table *paper, tdm_error *err) {
+  FILE *f;
+  if (open_file(o, "table.html", &f, err) != TDM_OK)
+    return err->status;
+  fputs(
+      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>tandem "
+      "sweep</title>\n<style>body{font-family:sans-serif;margin:2em}"
+      "td,th{padding:0.2em 0.8em;text-align:right}.good{background:#cdeccd}img{max-width:60em;display:block}</style>\n"
+      "<h1>tandem sweep</h1>\n<p>Marked: above 0.99.</p>\n<table>\n<tr><th>cell</th><th>status</th><th>wall [s]</th>",
+      f);
+  for (int i = 0; i < c->nstate; i++)
+    fprintf(f, "<th>nse %s</th>", c->state[i]);
+  for (int i = 0; i < c->nname; i++)
+    fprintf(f, "<th>r2 %s</th>", c->name[i]);
+  for (int i = 0; paper->nrow && i < c->nname; i++)
+    fprintf(f, "<th>[L18] r2 %s</th>", c->name[i]);
+  fputs("<th></th></tr>\n", f);
+  for (int k = 0; k < ncell; k++) {
+    const json_t *row = cell[k].row;
+    if (!row)
+      continue;
+    fprintf(f, "<tr><td><a href=\"%s/comparison.png\">", cell[k].dir + strlen(o->out) + 1);
+    html_text(f, cell[k].name);
+    fprintf(f, "</a></td><td>%s</td><td>%.1f</td>", text_of(row, "status"), number_of(row, NULL, "wall_s"));
+    for (int i = 0; i < c->nstate; i++)
+      html_number(f, number_of(row, "nse", c->state[i]));
+    for (int i = 0; i < c->nname; i++)
+      html_number(f, number_of(row, "r2", c->name[i]));
+    for (int i = 0; paper->nrow && i < c->nname; i++)
+      html_number(f, published(paper, row, c->name[i]));
+    fputs("<td>", f);
+    html_text(f, text_of(row, "reason"));
+    fputs("</td></tr>\n", f);
+  }
+  fputs("</table>\n<img src=\"cost.png\" alt=\"error against run time\">\n", f);
+  for (int i = 0; i < c->nstate; i++)
+    fprintf(f, "<img src=\"heat_%s.png\" alt=\"nse of %s\">\n", c->state[i], c->state[i]);
+  fclose(f);
+  return TDM_OK;
+}
+
+static tdm_status write_json(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, tdm_error *err) {
+  char file[4352];
+  json_t *rows = json_array();
+  for (int k = 0; k < ncell; k++)
+    if (cell[k].row)
+      json_array_append(rows, cell[k].row);
+  json_t *json = json_pack("{s:s, s:o}", "tandem", TANDEM_VERSION, "rows", rows);
+  snprintf(file, sizeof file, "%s/sweep.json", o->out);
+  const char *files[] = {file, o->json};
+  for (int i = 0; i < 2; i++)
+    if (files[i] && json_dump_file(json, files[i], JSON_INDENT(2)) != 0)
+      tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", files[i], strerror(errno));
+  json_decref(json);
+  return err->status;
+}
+
+/* ---- error against run time ---- */
+
+/* The largest 1 - nse of a row's states; NaN without numbers. */
+static double error_of(const json_t *row, const columns *c) {
+  double error = c->nstate ? 0 : NAN;
+  for (int i = 0; i < c->nstate; i++)
+    error = isnan(error) ? NAN : fmax(error, 1 - number_of(row, "nse", c->state[i]));
+  for (int i = 0; i < c->nstate; i++)
+    if (isnan(number_of(row, "nse", c->state[i])))
+      error = NAN;
+  return error;
+}
+
+/* No other cell is both cheaper and better. */
+static bool on_front(const cpl_cell *cell, int ncell, int k, const columns *c) {
+  double error = error_of(cell[k].row, c), wall = number_of(cell[k].row, NULL, "wall_s");
+  for (int j = 0; j < ncell; j++)
+    if (j != k && error_of(cell[j].row, c) < error && number_of(cell[j].row, NULL, "wall_s") < wall)
+      return false;
+  return !isnan(error);
+}
+
+static tdm_status write_csv(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, const columns *c,
+                            tdm_error *err) {
+  FILE *f;
+  if (open_file(o, "sweep.csv", &f, err) != TDM_OK)
+    return err->status;
+  fputs("dt [s],n [1],scheme,status,wall [s],error [1],pareto [1]", f);
+  for (int i = 0; i < c->nstate; i++)
+    fprintf(f, ",nse_%s [1]", c->state[i]);
+  for (int i = 0; i < c->nname; i++)
+    fprintf(f, ",r2_%s [1]", c->name[i]);
+  fputc('\n', f);
+  for (int k = 0; k < ncell; k++) {
+    const json_t *row = cell[k].row;
+    if (!row)
+      continue;
+    fprintf(f, "%g,%g,%s,%s,%.4g,%.6g,%d", number_of(row, NULL, "dt"), number_of(row, NULL, "n"),
+            text_of(row, "scheme"), text_of(row, "status"), number_of(row, NULL, "wall_s"), error_of(row, c),
+            on_front(cell, ncell, k, c));
+    for (int i = 0; i < c->nstate; i++)
+      fprintf(f, ",%.8g", number_of(row, "nse", c->state[i]));
+    for (int i = 0; i < c->nname; i++)
+      fprintf(f, ",%.8g", number_of(row, "r2", c->name[i]));
+    fputc('\n', f);
+  }
+  fclose(f);
+  return TDM_OK;
+}
+
+static void plot_cost(const cpl_sweep_options *o, tdm_error *err) {
+  static const cpl_curve curves[] = {
+      {"sweep.csv", "($5):($6)", "cells", "points pt 7 ps 1.2"},
+      {"sweep.csv", "($7 == 1 ? $5 : NaN):($6)", "Pareto front: none is both cheaper and better",
+       "points pt 6 ps 2.4 lw 2"},
+      {"sweep.csv", "($5):($6):(sprintf('%.0e n=%g %s', $1, $2, strcol(3)))", "", "labels left offset 1,0.4 font ',8'"},
+  };
+  static const cpl_plot plot = {"Error against run time (cells without numbers are left out)",
+                                "wall time [s]",
+                                "largest 1 - nse of the states",
+                                "set logscale xy\nset format '%g'\nset offsets 0.1,0.5,0,0\n",
+                                3,
+                                curves};
+  cpl_plot_write(o->out, "cost", 1, &plot, err);
+}
+
+/* ---- heat maps ---- */
+
+/* Values of a number in all rows, without repeats, in order of appearance. */
+static int distinct(const cpl_cell *cell, int ncell, const char *key, double *out, int most) {
+  int n = 0;
+  for (int k = 0; k < ncell; k++) {
+    double x = number_of(cell[k].row, NULL, key);
+    int i = 0;
+    while (i < n && out[i] != x)
+      i++;
+    if (i == n && n < most && !isnan(x))
+      out[n++] = x;
+  }
+  return n;
+}
+
+static int distinct_schemes(const cpl_cell *cell, int ncell, const char **out, int most) {
+  int n = 0;
+  for (int k = 0; k < ncell; k++) {
+    const char *scheme = text_of(cell[k].row, "scheme");
+    int i = 0;
+    while (i < n && strcmp(out[i], scheme) != 0)
+      i++;
+    if (i == n && n < most && *scheme)
+      out[n++] = scheme;
+  }
+  return n;
+}
+
+/* One panel a scheme: nse of a state over n (across) and dt (down). Cells without a number stay white. */
+static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, const char *state,
+                            tdm_error *err) {
+  enum { SCHEMES = 8 };
+  double dt[CPL_VALUES_MAX], n[CPL_VALUES_MAX];
+  const char *scheme[SCHEMES];
+  int ndt = distinct(cell, ncell, "dt", dt, CPL_VALUES_MAX), nn = distinct(cell, ncell, "n", n, CPL_VALUES_MAX);
+  int nscheme = distinct_schemes(cell, ncell, scheme, SCHEMES);
+  char file[SCHEMES][64], title[SCHEMES][96], setup[4096] = "", name[64];
+  cpl_curve curves[SCHEMES][2];
+  cpl_plot plots[SCHEMES];
+  int used = snprintf(setup, sizeof setup,
+                      "set cbrange [0.9:1]\nunset key\nset palette defined (0 '#b33', 0.9 '#fd8', 1 '#3a3')\n"
+                      "set xrange [-0.5:%g]\nset yrange [-0.5:%g]\nset xtics (",
+                      nn - 0.5, ndt - 0.5);
+  for (int i = 0; i < nn; i++)
+    used += snprintf(setup + used, sizeof setup - (size_t)used, "%s'%g' %d", i ? ", " : "", n[i], i);
+  used += snprintf(setup + used, sizeof setup - (size_t)used, ")\nset ytics (");
+  for (int i = 0; i < ndt; i++)
+    used += snprintf(setup + used, sizeof setup - (size_t)used, "%s'%g' %d", i ? ", " : "", dt[i], i);
+  snprintf(setup + used, sizeof setup - (size_t)used, ")\n");
+  for (int s = 0; s < nscheme; s++) {
+    FILE *f;
+    snprintf(file[s], sizeof file[s], "heat_%s_%.32s.csv", state, scheme[s]);
+    if (open_file(o, file[s], &f, err) != TDM_OK)
+      return err->status;
+    fputs("n,dt,nse\n", f);
+    for (int k = 0; k < ncell; k++) {
+      const json_t *row = cell[k].row;
+      double value = number_of(row, "nse", state);
+      if (strcmp(text_of(row, "scheme"), scheme[s]) != 0 || isnan(value))
+        continue;
+      int i = 0, j = 0;
+      while (i < nn && n[i] != number_of(row, NULL, "n"))
+        i++;
+      while (j < ndt && dt[j] != number_of(row, NULL, "dt"))
+        j++;
+      fprintf(f, "%d,%d,%.6g\n", i, j, value);
+    }
+    fclose(f);
+    snprintf(title[s], sizeof title[s], "nse of %s, %s", state, scheme[s]);
+    curves[s][0] = (cpl_curve){file[s], "1:2:($3 < 0.9 ? 0.9 : $3)", "", "points pt 5 ps 7 palette"};
+    curves[s][1] = (cpl_curve){file[s], "1:2:(sprintf('%.4g', $3))", "", "labels"};
+    plots[s] = (cpl_plot){title[s], "n", "dt [s]", setup, 2, curves[s]};
+  }
+  snprintf(name, sizeof name, "heat_%s", state);
+  return nscheme ? cpl_plot_write(o->out, name, nscheme, plots, err) : TDM_OK;
+}
+
+tdm_status cpl_sweep_report(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, tdm_error *err) {
+  columns c = find_columns(cell, ncell);
+  cpl_table paper = read_published(o);
+  tdm_error plot = {0};
+  print_table(cell, ncell, &c, &paper);
+  if (write_json(o, cell, ncell, err) == TDM_OK && write_csv(o, cell, ncell, &c, err) == TDM_OK)
+    write_html(o, cell, ncell, &c, &paper, err);
+  bool numbers = false;
+  for (int k = 0; k < ncell; k++)
+    numbers = numbers || !isnan(error_of(cell[k].row, &c));
+  if (numbers) {
+    plot_cost(o, &plot);
+    for (int i = 0; i < c.nstate && plot.status == TDM_OK; i++)
+      plot_heat(o, cell, ncell, c.state[i], &plot);
+    if (plot.status != TDM_OK)
+      fprintf(stderr, "tandem: notice: %s\n", plot.message);
+  }
+  cpl_table_free(&paper);
+  printf("table, JSON, plots and the cells' curves in %s (table.html shows them)\n", o->out);
+  return err->status;
+}
