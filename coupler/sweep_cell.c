@@ -9,7 +9,7 @@
 #include <string.h>
 
 static const double load_span = 0.02;   /* [s] of the means of F_20ms */
-static const double growth_limit = 0.1; /* energy gained, against the span of energies so far */
+static const double growth_limit = 0.1; /* energy gained, against the span of the energies */
 
 static json_t *number(double x) {
   return isfinite(x) ? json_real(x) : json_null();
@@ -100,28 +100,30 @@ static bool find_energies(energies *e, const cpl_table *mbd, const cpl_table *de
   return !supplied && e->body_kinetic && e->body_potential && e->kinetic && e->com[0] && e->com[1] && e->com[2];
 }
 
-/* The first time at which the mechanical energy has grown without a source, or NAN. The energy stored in contacts is
- * not counted: it is small against the span of the others. */
+/* The first time at which the mechanical energy has grown without a source, or NAN: by more than a share of the span
+ * that kinetic and potential energy have over the run. The energy stored in contacts is not counted: it is small
+ * against that. */
 static double time_of_growth(const cpl_table *mbd, const cpl_table *dem, const json_t *scene, const json_t *summary) {
   energies e;
   if (!find_energies(&e, mbd, dem, scene, summary))
     return NAN;
   const double *time = cpl_table_column(dem, "time", NULL);
   int n = mbd->nrow < dem->nrow ? mbd->nrow : dem->nrow;
-  double start = 0, kinetic_most = 0, potential_least = INFINITY, potential_most = -INFINITY;
-  for (int i = 0; i < n; i++) {
-    double kinetic = e.body_kinetic[i] + e.kinetic[i], potential = e.body_potential[i];
-    for (int k = 0; k < 3; k++)
-      potential -= e.mass * e.gravity[k] * e.com[k][i];
-    if (i == 0)
-      start = kinetic + potential;
-    kinetic_most = fmax(kinetic_most, kinetic);
-    potential_least = fmin(potential_least, potential);
-    potential_most = fmax(potential_most, potential);
-    double span = kinetic_most + potential_most - potential_least;
-    if (!isfinite(kinetic + potential) || (i > 10 && kinetic + potential - start > growth_limit * span))
-      return time[i];
-  }
+  double start = 0, span = 0, kinetic_most = 0, potential_least = INFINITY, potential_most = -INFINITY;
+  for (int pass = 0; pass < 2; pass++)
+    for (int i = 0; i < n; i++) {
+      double kinetic = e.body_kinetic[i] + e.kinetic[i], potential = e.body_potential[i];
+      for (int k = 0; k < 3; k++)
+        potential -= e.mass * e.gravity[k] * e.com[k][i];
+      if (i == 0)
+        start = kinetic + potential;
+      if (!isfinite(kinetic + potential) || (pass == 1 && kinetic + potential - start > growth_limit * span))
+        return time[i];
+      kinetic_most = fmax(kinetic_most, kinetic);
+      potential_least = fmin(potential_least, potential);
+      potential_most = fmax(potential_most, potential);
+      span = kinetic_most + potential_most - potential_least;
+    }
   return NAN;
 }
 

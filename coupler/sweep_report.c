@@ -239,12 +239,13 @@ static void plot_cost(const cpl_sweep_options *o, tdm_error *err) {
        "points pt 6 ps 2.4 lw 2"},
       {"sweep.csv", "($5):($6):(sprintf('%.0e n=%g %s', $1, $2, strcol(3)))", "", "labels left offset 1,0.4 font ',8'"},
   };
-  static const cpl_plot plot = {"Error against run time (cells without numbers are left out)",
-                                "wall time [s]",
-                                "largest 1 - nse of the states",
-                                "set logscale xy\nset format '%g'\nset offsets 0.1,0.5,0,0\n",
-                                3,
-                                curves};
+  static const cpl_plot plot = {
+      "Error against run time (cells without numbers are left out)",
+      "wall time [s]",
+      "largest 1 - nse of the states",
+      "set logscale xy\nset format '%g'\nset offsets graph 0.05, graph 0.25, graph 0.05, graph 0.05\n",
+      3,
+      curves};
   cpl_plot_write(o->out, "cost", 1, &plot, err);
 }
 

@@ -173,13 +173,7 @@ static void read_random(filler *f) {
   tdm_object *o = f->o;
   long count = tdm_get_integer(o, "count", TDM_REQUIRED_INT, 0);
   double radius[2] = {0, 0};
-  if (tdm_has(o, "radius") && json_is_array(json_object_get(o->json, "radius")))
-    tdm_get_numbers(o, "radius", radius, 2, true);
-  else
-    radius[0] = radius[1] = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
-  if (!o->err->status && !(radius[0] > 0 && radius[1] >= radius[0]))
-    tdm_object_fail(o, "radius", "is [%g, %g] but must be [smallest, largest], both greater than 0", radius[0],
-                    radius[1]);
+  dem_read_radius(o, radius);
   long seed = tdm_get_integer(o, "seed", 1, 0);
   tdm_object region = tdm_get_object(o, "region", true);
   tdm_vec3 low = tdm_get_vec3(&region, "min", NULL), high = tdm_get_vec3(&region, "max", NULL);

@@ -4,9 +4,9 @@
 double dem_kick_drift(dem_data *d, double dt, tdm_vec3 shift) {
   const dem_model *m = d->model;
   double moved2 = 0;
-  for (int i = 0; i < m->nparticle; i++) {
-    double half = 0.5 * dt, per_mass = 1 / m->mass[i];
-    double per_inertia = 2.5 * per_mass / (m->radius[i] * m->radius[i]);
+  for (int i = 0; i < d->nparticle; i++) {
+    double half = 0.5 * dt, per_mass = 1 / d->mass[i];
+    double per_inertia = 2.5 * per_mass / (d->radius[i] * d->radius[i]);
     tdm_vec3 a = tdm_axpy(per_mass, d->force[i], m->gravity);
     tdm_vec3 alpha = tdm_scale(per_inertia, d->torque[i]);
     tdm_vec3 v = tdm_axpy(half, a, d->velocity[i]), w = tdm_axpy(half, alpha, d->spin[i]);
@@ -27,9 +27,9 @@ double dem_kick_drift(dem_data *d, double dt, tdm_vec3 shift) {
 
 void dem_kick(dem_data *d, double dt) {
   const dem_model *m = d->model;
-  for (int i = 0; i < m->nparticle; i++) {
-    double half = 0.5 * dt, per_mass = 1 / m->mass[i];
-    double per_inertia = 2.5 * per_mass / (m->radius[i] * m->radius[i]);
+  for (int i = 0; i < d->nparticle; i++) {
+    double half = 0.5 * dt, per_mass = 1 / d->mass[i];
+    double per_inertia = 2.5 * per_mass / (d->radius[i] * d->radius[i]);
     d->velocity[i] = tdm_axpy(half, tdm_axpy(per_mass, d->force[i], m->gravity), d->velocity[i]);
     d->spin[i] = tdm_axpy(half * per_inertia, d->torque[i], d->spin[i]);
   }

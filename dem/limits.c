@@ -18,21 +18,96 @@ static double impact_speed(const dem_data *d) {
   double fastest = 0, largest = 0, body_speed = 0;
   for (int b = 0; b < m->nbody; b++)
     body_speed = fmax(body_speed, tdm_norm(d->twist[b].velocity));
-  for (int i = 0; i < m->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     fastest = fmax(fastest, tdm_norm(d->velocity[i]));
-    largest = fmax(largest, m->radius[i]);
+    largest = fmax(largest, d->radius[i]);
   }
   return fmax(fastest + body_speed, sqrt(2 * tdm_norm(m->gravity) * 2 * largest));
 }
 
-/* shortest contact of particle i, with its like or with a wall */
-static double shortest_contact(const dem_model *m, int i, double speed) {
-  double shortest = INFINITY;
-  const dem_pair *row = &m->pair[m->kind[i] * m->nmaterial];
+/* ---- the speed to be expected ---- */
+
+/* the lowest and highest of what is there, along `up` */
+typedef struct {
+  tdm_vec3 up;
+  double low, high;
+} extent;
+
+static void include(extent *e, tdm_vec3 x) {
+  double at = tdm_dot(x, e->up);
+  e->low = fmin(e->low, at);
+  e->high = fmax(e->high, at);
+}
+
+static void include_box(extent *e, const dem_box *box, tdm_pose pose) {
+  for (int corner = 0; corner < 8; corner++) {
+    tdm_vec3 to = tdm_v3(corner & 1 ? box->half.x : -box->half.x, corner & 2 ? box->half.y : -box->half.y,
+                         corner & 4 ? box->half.z : -box->half.z);
+    include(e, tdm_pose_point(pose, tdm_add(box->center, to)));
+  }
+}
+
+/* how far x can fall until it meets a plane [m] */
+static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
+  double deepest = 0;
+  for (int w = 0; w < d->model->nwall; w++) {
+    tdm_vec3 n;
+    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
+    if (d->model->wall[w].primitive == DEM_PLANE && slope > 0.1 && gap > 0)
+      deepest = fmax(deepest, gap / slope);
+  }
+  return deepest;
+}
+
+static double fall_height(const dem_data *d) {
+  const dem_model *m = d->model;
+  if (tdm_norm(m->gravity) == 0)
+    return 0;
+  extent e = {tdm_scale(-1, tdm_unit(m->gravity)), INFINITY, -INFINITY};
+  double deepest = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    include(&e, d->position[i]);
+    deepest = fmax(deepest, fall_of(d, e.up, d->position[i]));
+  }
+  for (int s = 0; s < m->nsource; s++) {
+    include(&e, m->source[s].low);
+    include(&e, m->source[s].high);
+    deepest = fmax(deepest, fall_of(d, e.up, m->source[s].low));
+    deepest = fmax(deepest, fall_of(d, e.up, m->source[s].high));
+  }
+  for (int k = 0; k < m->nbox; k++)
+    include_box(&e, &m->box[k], d->pose[m->box[k].body]);
+  return fmax(deepest, e.high > e.low ? e.high - e.low : 0);
+}
+
+double dem_expected_speed(const dem_data *d) {
+  const dem_model *m = d->model;
+  if (m->expected_speed > 0)
+    return m->expected_speed;
+  double speed = impact_speed(d);
+  for (int s = 0; s < m->nsource; s++) {
+    const dem_source *source = &m->source[s];
+    tdm_vec3 v = source->velocity;
+    if (source->relative >= 0)
+      v = tdm_axpy(source->factor, d->twist[source->relative].velocity, v);
+    for (int b = 0; b < m->nbody; b++)
+      speed = fmax(speed, tdm_norm(tdm_sub(v, d->twist[b].velocity)));
+    speed = fmax(speed, tdm_norm(v));
+  }
+  return sqrt(speed * speed + 2 * tdm_norm(m->gravity) * fall_height(d));
+}
+
+/* ---- the three limits ---- */
+
+/* Rayleigh step and shortest contact (with its like or with a wall) of one kind of particle */
+static void add_particle(dem_limits *l, const dem_model *m, int kind, double radius, double mass) {
+  double density = mass / (4.0 / 3 * M_PI * radius * radius * radius);
+  const dem_material *material = &m->material[kind];
+  l->rayleigh = fmin(l->rayleigh, dem_rayleigh(radius, density, material->shear, material->poisson));
+  const dem_pair *row = &m->pair[kind * m->nmaterial];
   for (int k = 0; k < m->nmaterial; k++)
     if (row[k].given)
-      shortest = fmin(shortest, dem_contact_time(m->mass[i] / 2, m->radius[i] / 2, row[k].young, speed));
-  return shortest;
+      l->contact = fmin(l->contact, dem_contact_time(mass / 2, radius / 2, row[k].young, l->speed));
 }
 
 /* stiffness that a contact of this overlap adds at a particle [N/m] */
@@ -46,12 +121,12 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
   const dem_model *m = d->model;
   for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
     int j = d->pairs.other[k];
-    double both = m->radius[i] + m->radius[j];
+    double both = d->radius[i] + d->radius[j];
     double overlap = both - tdm_norm(tdm_sub(d->position[i], d->position[j]));
     if (overlap <= 0)
       continue;
-    const dem_pair *pair = &m->pair[m->kind[i] * m->nmaterial + m->kind[j]];
-    double s = stiffness(m, pair, m->radius[i] * m->radius[j] / both, overlap);
+    const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
+    double s = stiffness(m, pair, d->radius[i] * d->radius[j] / both, overlap);
     sum[i] += s;
     sum[j] += s;
   }
@@ -59,47 +134,60 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
     int w = d->walls.other[k];
     tdm_vec3 n;
     double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->position[i], &n);
-    if (gap >= m->radius[i] || gap <= -m->radius[i])
+    if (gap >= d->radius[i] || gap <= -d->radius[i])
       continue;
-    const dem_pair *pair = &m->pair[m->kind[i] * m->nmaterial + m->body[m->wall[w].body].material];
-    sum[i] += stiffness(m, pair, m->radius[i], m->radius[i] - gap);
+    const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[w].body].material];
+    sum[i] += stiffness(m, pair, d->radius[i], d->radius[i] - gap);
   }
 }
 
 static double smallest_eigen(const dem_data *d) {
-  const dem_model *m = d->model;
-  double *sum = calloc((size_t)m->nparticle + 1, sizeof *sum), smallest = INFINITY;
+  double *sum = calloc((size_t)d->nparticle + 1, sizeof *sum), smallest = INFINITY;
   if (!sum)
     return smallest;
-  for (int i = 0; i < m->nparticle; i++)
+  for (int i = 0; i < d->nparticle; i++)
     add_stiffness(d, i, sum);
-  for (int i = 0; i < m->nparticle; i++)
+  for (int i = 0; i < d->nparticle; i++)
     if (sum[i] > 0)
-      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] / m->mass[i]));
+      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] / d->mass[i]));
   free(sum);
   return smallest;
 }
 
-dem_limits dem_limits_now(const dem_data *d) {
+static dem_limits limits_at(const dem_data *d, double speed) {
   const dem_model *m = d->model;
-  dem_limits l = {.rayleigh = INFINITY, .contact = INFINITY};
-  l.speed = impact_speed(d);
-  for (int i = 0; i < m->nparticle; i++) {
-    double r = m->radius[i], density = m->mass[i] / (4.0 / 3 * M_PI * r * r * r);
-    const dem_material *material = &m->material[m->kind[i]];
-    l.rayleigh = fmin(l.rayleigh, dem_rayleigh(r, density, material->shear, material->poisson));
-    l.contact = fmin(l.contact, shortest_contact(m, i, l.speed));
-  }
+  dem_limits l = {.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
+  for (int i = 0; i < d->nparticle; i++)
+    add_particle(&l, m, d->kind[i], d->radius[i], d->mass[i]);
   l.eigen = smallest_eigen(d);
-  l.step = 0.4 * l.rayleigh;
-  l.by = "0.4 of the Rayleigh step";
-  if (l.contact / 10 < l.step) {
-    l.step = l.contact / 10;
-    l.by = "a tenth of the shortest contact time";
+  return l;
+}
+
+static void choose_step(dem_limits *l) {
+  double least = fmin(DEM_RAYLEIGH_SHARE * l->rayleigh, DEM_EIGEN_SHARE * l->eigen);
+  l->step = fmin(least, DEM_CONTACT_SHARE * l->contact);
+  l->most = fmin(least, DEM_CONTACT_SHARE_MOST * l->contact);
+  l->by = l->most < least                            ? "a tenth of the shortest contact time"
+          : least < DEM_RAYLEIGH_SHARE * l->rayleigh ? "0.8 of the stable step of the stiffest particle"
+                                                     : "0.4 of the Rayleigh step";
+}
+
+dem_limits dem_limits_now(const dem_data *d) {
+  dem_limits l = limits_at(d, impact_speed(d));
+  choose_step(&l);
+  return l;
+}
+
+dem_limits dem_limits_expected(const dem_data *d) {
+  const dem_model *m = d->model;
+  dem_limits l = limits_at(d, dem_expected_speed(d));
+  for (int s = 0; s < m->nsource; s++) {
+    const dem_source *source = &m->source[s];
+    for (int k = 0; k < 2; k++) {
+      double r = source->radius[k], full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
+      add_particle(&l, m, source->kind, r, source->mass > 0 ? source->mass : full);
+    }
   }
-  if (0.8 * l.eigen < l.step) {
-    l.step = 0.8 * l.eigen;
-    l.by = "0.8 of the stable step of the stiffest particle";
-  }
+  choose_step(&l);
   return l;
 }

@@ -1,23 +1,31 @@
 /* Limits of the DEM step.
  *
  * Rayleigh: dt_R = pi R sqrt(rho/G) / (0.1631 nu + 0.8766), the time a surface wave takes around a particle ([L18]
- * Eq. 26, where the parenthesis stands inside the root in print); 0.4 of it is a common limit.
- * Contact: an impact takes t_c = 2.868 (m*^2 / (R* E*^2 v))^(1/5) (Hertz) and needs at least ten steps.
+ * Eq. 26, where the parenthesis stands inside the root in print); a share of 0.2 to 0.4 is common.
+ * Contact: an impact takes t_c = 2.868 (m*^2 / (R* E*^2 v))^(1/5) (Hertz); 20 steps resolve it well, 10 are the least.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
  * contacts that touch now; tangentially (1 + m R^2/I) S_t = 3.5 S_t acts. 0.8 of it is taken.
+ * Particles that sources will make count for the first two.
  */
 #ifndef DEM_LIMITS_H
 #define DEM_LIMITS_H
 
 #include "dem/data.h"
 
+/* shares of the three times above that a step may take */
+#define DEM_RAYLEIGH_SHARE 0.4
+#define DEM_CONTACT_SHARE 0.05     /* recommended */
+#define DEM_CONTACT_SHARE_MOST 0.1 /* more is doubtful */
+#define DEM_EIGEN_SHARE 0.8
+
 typedef struct {
   double rayleigh; /* smallest dt_R [s]; inf without particles */
-  double speed; /* at which the contact time is taken: the fastest of relative motion and a fall by a diameter [m/s] */
-  double contact; /* shortest t_c [s]; inf when nothing can move */
-  double eigen;   /* smallest 2/omega [s]; inf when nothing touches */
-  double step;    /* the step that keeps all limits [s] */
-  const char *by; /* which one decides, in words */
+  double speed;    /* at which the contact time is taken [m/s] */
+  double contact;  /* shortest t_c [s]; inf when nothing can move */
+  double eigen;    /* smallest 2/omega [s]; inf when nothing touches */
+  double step;     /* the step that keeps all limits, with the recommended share of the contact [s] */
+  double most;     /* the same with the largest share of the contact: a longer step is doubtful [s] */
+  const char *by;  /* which one decides `most`, in words */
 } dem_limits;
 
 /* Rayleigh step of a sphere [s]: radius [m], density [kg/m3], shear modulus [Pa]. */
@@ -26,7 +34,16 @@ double dem_rayleigh(double radius, double density, double shear, double poisson)
 /* Duration of an undamped Hertz impact [s] at speed v [m/s]; inf for v = 0. */
 double dem_contact_time(double mass, double radius, double young, double speed);
 
-/* The limits of the present state. */
+/* The limits of the present state, with the contact time at the speed of the fastest relative motion or of a fall by a
+ * diameter, whichever is higher. */
 dem_limits dem_limits_now(const dem_data *data);
+
+/* The same with the contact time at dem_expected_speed. */
+dem_limits dem_limits_expected(const dem_data *data);
+
+/* The largest relative speed to be expected [m/s]: dem.expected_speed if the scene has it, else that of the fastest
+ * motion now, or of a source, after a fall over the largest height that is there: of the particles and containers, and
+ * of particles and sources above planes. */
+double dem_expected_speed(const dem_data *data);
 
 #endif

@@ -9,6 +9,8 @@
 #include "dem/geometry/shape.h"
 #include "protocol/participant.h"
 
+#include <stdint.h>
+
 typedef struct {
   char *name;
   double density; /* [kg/m3] */
@@ -36,6 +38,36 @@ typedef struct {
   tdm_state start; /* world */
 } dem_body;
 
+/* Makes particles during the run (flow.h). */
+typedef struct {
+  char *name;
+  int kind;           /* material */
+  double radius[2];   /* smallest, largest [m]; uniform between */
+  double mass;        /* of one particle [kg], 0: from the density */
+  double rate;        /* [1/s], 0: mass_rate decides */
+  double mass_rate;   /* [kg/s], 0: rate decides */
+  tdm_vec3 low, high; /* box in which the centres appear, world [m]; a point when both are equal */
+  tdm_vec3 velocity;  /* world [m/s] */
+  int relative;       /* body whose velocity is added, -1: none */
+  double factor;      /* of that velocity */
+  double start, end;  /* [s]; inf: no end */
+  uint64_t count;     /* at most so many particles */
+  uint64_t seed;
+} dem_source;
+
+/* Takes particles away during the run (flow.h). */
+typedef enum { DEM_SINK_AFTER_CONTACT, DEM_SINK_BOX, DEM_SINK_PLANE } dem_sink_type;
+
+enum { DEM_SINKS_MAX = 32 }; /* one bit each in dem_data.touched */
+
+typedef struct {
+  char *name;
+  dem_sink_type type;
+  int body;               /* after_contact */
+  tdm_vec3 low, high;     /* box: world [m] */
+  tdm_vec3 point, normal; /* plane: takes what is behind it; world */
+} dem_sink;
+
 /* Particles that one entry of dem.particles made: [first, first + count). */
 typedef struct {
   int first, count;
@@ -47,6 +79,7 @@ typedef struct {
   double max_time; /* [s] */
   double dt;       /* [s], 0: chosen from the step limits */
   double drag;     /* rate at which velocities and spins decay while settling [1/s] */
+  char *store;     /* file that keeps the settled bed, NULL: none */
 } dem_settling;
 
 typedef struct dem_model {
@@ -74,6 +107,14 @@ typedef struct dem_model {
   int ngroup;
   dem_group *group; /* (ngroup) */
 
+  int nbox;
+  dem_box *box; /* (nbox) containers */
+
+  int nsource, nsink;
+  dem_source *source; /* (nsource) */
+  dem_sink *sink;     /* (nsink) */
+
+  /* the particles at the start; how many there are now, and which, is in the data */
   int nparticle;
   double *radius;     /* (nparticle) [m] */
   double *mass;       /* (nparticle) [kg] */
@@ -81,6 +122,8 @@ typedef struct dem_model {
   tdm_vec3 *position; /* (nparticle) at the start [m] */
   tdm_vec3 *velocity; /* (nparticle) at the start [m/s] */
   tdm_vec3 *spin;     /* (nparticle) angular velocity at the start [rad/s] */
+
+  double expected_speed; /* largest relative speed that the user expects [m/s], 0: estimated */
 
   dem_settling settle;
 } dem_model;

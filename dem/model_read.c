@@ -56,6 +56,16 @@ int dem_read_material(const dem_model *m, tdm_object *o) {
   return 0;
 }
 
+void dem_read_radius(tdm_object *o, double radius[2]) {
+  if (tdm_has(o, "radius") && json_is_array(json_object_get(o->json, "radius")))
+    tdm_get_numbers(o, "radius", radius, 2, true);
+  else
+    radius[0] = radius[1] = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  if (!o->err->status && !(radius[0] > 0 && radius[1] >= radius[0]))
+    tdm_object_fail(o, "radius", "is [%g, %g] but must be [smallest, largest], both greater than 0", radius[0],
+                    radius[1]);
+}
+
 /* damping of a pair from its restitution */
 static void set_damping(dem_pair *pair, bool clip, tdm_error *err, const char *path) {
   double beta = 0;
@@ -124,6 +134,8 @@ static void check_pairs(const dem_model *m, tdm_error *err) {
   int *many = allocate((size_t)m->nmaterial, sizeof *many, err); /* particles of a material */
   for (int i = 0; many && i < m->nparticle; i++)
     many[m->kind[i]]++;
+  for (int s = 0; many && s < m->nsource; s++)
+    many[m->source[s].kind] += m->source[s].count > 1 ? 2 : (int)m->source[s].count;
   for (int a = 0; many && a < m->nmaterial; a++)
     for (int b = a; b < m->nmaterial; b++) {
       bool meet = a == b ? many[a] > 1 : many[a] > 0 && many[b] > 0;
@@ -184,6 +196,15 @@ static void unknown_body(const dem_model *m, const char *path, const char *name,
     tdm_fail(err, TDM_ERR_SCENE, path, "\"%s\" is no body of dem.bodies; add it there%s%s%s", name,
              m->nbody ? " or name one of them, such as \"" : "", m->nbody ? m->body[0].name : "", m->nbody ? "\"" : "");
   free(names);
+}
+
+int dem_read_body(const dem_model *m, tdm_object *o, const char *key) {
+  const char *name = tdm_get_string(o, key, NULL);
+  int b = dem_find_body(m, name);
+  char path[TDM_PATH_MAX];
+  if (b < 0 && !o->err->status)
+    unknown_body(m, tdm_path(path, o, key, -1), name, o->err);
+  return b < 0 ? 0 : b;
 }
 
 /* tie the assignment's coupled bodies to bodies of the scene */
@@ -261,6 +282,8 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
   }
   m->wall = walls.wall;
   m->nwall = walls.count;
+  m->box = walls.box;
+  m->nbox = walls.nbox;
   if (!err->status)
     couple_bodies(m, assignment, err);
 }
@@ -275,6 +298,17 @@ static double mean_radius(const dem_model *m) {
   return m->nparticle ? sum / m->nparticle : 1;
 }
 
+/* for the skin: every source counts as one particle, so that a scene without particles has one too */
+static double mean_radius_ahead(const dem_model *m) {
+  double sum = 0;
+  for (int i = 0; i < m->nparticle; i++)
+    sum += m->radius[i];
+  for (int s = 0; s < m->nsource; s++)
+    sum += 0.5 * (m->source[s].radius[0] + m->source[s].radius[1]);
+  int n = m->nparticle + m->nsource;
+  return n ? sum / n : 1;
+}
+
 static void read_settle(dem_model *m, tdm_object *section) {
   m->settle.wanted = tdm_has(section, "settle");
   tdm_object o = tdm_get_object(section, "settle", false);
@@ -287,6 +321,10 @@ static void read_settle(dem_model *m, tdm_object *section) {
   /* a fifth of the rate at which a particle falls by its size: a short fall is not felt, rolling ends */
   m->settle.drag =
       tdm_get_number(&o, "drag", 0.2 * sqrt(tdm_norm(m->gravity) / (2 * mean_radius(m))), TDM_NOT_NEGATIVE);
+  const char *store = tdm_has(&o, "store") ? tdm_get_string(&o, "store", NULL) : NULL;
+  if (store && !store[0])
+    tdm_object_fail(&o, "store", "is empty; give the file that keeps the settled bed, or remove the key");
+  m->settle.store = store ? strdup(store) : NULL;
   tdm_object_close(&o);
 
   /* all pairs have the same restitution: solve for the damping once */
@@ -321,11 +359,18 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   json_t *particles = tdm_get_array(&o, "particles", false);
   if (!err->status)
     dem_fill_read(m, particles, err);
+  json_t *sources = tdm_get_array(&o, "sources", false), *sinks = tdm_get_array(&o, "sinks", false);
+  if (!err->status)
+    dem_sources_read(m, sources, err);
+  if (!err->status)
+    dem_sinks_read(m, sinks, err);
   if (!err->status)
     check_pairs(m, err);
   if (!err->status)
     read_settle(m, &o);
   tdm_has(&o, "settle");
-  m->skin = tdm_get_number(&o, "skin", 0.1 * mean_radius(m), TDM_POSITIVE);
+  m->skin = tdm_get_number(&o, "skin", 0.1 * mean_radius_ahead(m), TDM_POSITIVE);
+  bool has_speed = tdm_has(&o, "expected_speed");
+  m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);
 }

@@ -1,20 +1,23 @@
 /* Settling: see settle.h. */
 #include "dem/settle.h"
 
+#include "dem/bed.h"
 #include "dem/check.h"
+#include "dem/geometry/walls.h"
 #include "dem/limits.h"
+#include "dem/search/pairs.h"
 #include "dem/step.h"
 
 static double fastest(const dem_data *d) {
   double v2 = 0;
-  for (int i = 0; i < d->model->nparticle; i++)
+  for (int i = 0; i < d->nparticle; i++)
     v2 = fmax(v2, tdm_dot(d->velocity[i], d->velocity[i]));
   return sqrt(v2);
 }
 
 /* take a share of all velocities away: nothing else stops a sphere that rolls in a hollow */
 static void drag(dem_data *d, double share) {
-  for (int i = 0; i < d->model->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     d->velocity[i] = tdm_scale(1 - share, d->velocity[i]);
     d->spin[i] = tdm_scale(1 - share, d->spin[i]);
   }
@@ -28,7 +31,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while settling");
     drag(d, settle->drag * out->dt);
-    if (k % 256 == 0 && p && tdm_participant_alive(p))
+    if (p && tdm_participant_alive(p))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while settling");
     if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
       return err->status;
@@ -42,27 +45,119 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
   return dem_check_finite(d, out->time, err);
 }
 
-tdm_status dem_settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+/* step and quiet time: longer than a particle lingers at the top of a bounce */
+static double choose_times(const dem_data *d, dem_settled *out) {
   const dem_model *m = d->model;
-  *out = (dem_settled){.rest = true};
-  if (m->nparticle == 0)
-    return TDM_OK;
   dem_limits limits = dem_limits_now(d);
   out->dt = m->settle.dt > 0 ? m->settle.dt : fmin(0.2 * limits.rayleigh, limits.contact / 30);
   double g = tdm_norm(m->gravity), quiet = 50 * out->dt;
   quiet = fmax(quiet, isfinite(limits.contact) ? 2 * limits.contact : 0);
-  quiet = fmax(quiet, g > 0 ? 20 * m->settle.speed / g : 0);
+  return fmax(quiet, g > 0 ? 20 * m->settle.speed / g : 0);
+}
 
-  /* the bodies are held: at rest while settling */
-  for (int b = 0; b < m->nbody; b++)
+static void hold_bodies(dem_data *d) {
+  for (int b = 0; b < d->model->nbody; b++)
     d->twist[b] = d->twist_mid[b] = (tdm_twist){0};
+}
+
+/* at rest, with the bodies' own twists again */
+static void stand_still(dem_data *d) {
+  for (int i = 0; i < d->nparticle; i++)
+    d->velocity[i] = d->spin[i] = tdm_v3(0, 0, 0);
+  for (int b = 0; b < d->model->nbody; b++)
+    d->twist[b] = d->twist_mid[b] = d->model->body[b].start.twist;
+  d->nstep = 0;
+}
+
+/* let the particles come to rest with the bodies held */
+static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+  double quiet = choose_times(d, out);
+  hold_bodies(d);
   if (run(d, quiet, p, out, err))
     return err->status;
-  for (int i = 0; i < m->nparticle; i++)
-    d->velocity[i] = d->spin[i] = tdm_v3(0, 0, 0);
-  for (int b = 0; b < m->nbody; b++)
-    d->twist[b] = d->twist_mid[b] = m->body[b].start.twist;
-  d->nstep = 0;
+  stand_still(d);
+  return TDM_OK;
+}
+
+/* ---- pressing lids ---- */
+
+static const double press_speed = 0.05; /* of a lid on its way [m/s] */
+
+/* Move each lid inward while the bed pushes less than it should, outward while it pushes too much. Returns the largest
+ * deviation from the wanted force, as a share of it. */
+static double move_lids(dem_data *d, double dt) {
+  double worst = 0;
+  for (int k = 0; k < d->model->nbox; k++) {
+    const dem_box *box = &d->model->box[k];
+    if (box->lid < 0 || !(box->press > 0))
+      continue;
+    double lack = 1 - dem_lid_force(d, box) / box->press;
+    d->lid[box->lid] -= press_speed * dt * fmax(-1, fmin(1, 5 * lack)); /* slower when nearly there */
+    worst = fmax(worst, fabs(lack));
+  }
+  dem_walls_put(d);
+  return worst;
+}
+
+/* Press the lids on a settled bed until it is at rest under the wanted force: it has no free play then. */
+static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+  const dem_settling *settle = &d->model->settle;
+  const double close_enough = 0.01;
+  double quiet = choose_times(d, out), moved = 0;
+  uint64_t still = 0, most = (uint64_t)fmin(ceil(settle->max_time / out->dt), 1e15);
+  hold_bodies(d);
+  for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
+    bool pressed = move_lids(d, out->dt) < close_enough;
+    moved += press_speed * out->dt;
+    if (4 * moved > d->model->skin) { /* no list margin knows of a wall that moves on its body */
+      moved = 0;
+      if (!dem_lists_build(d))
+        return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
+    }
+    if (!dem_step(d, NULL, 0, 1, true, out->dt))
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
+    drag(d, settle->drag * out->dt);
+    if (p && tdm_participant_alive(p))
+      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while pressing a lid");
+    if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
+      return err->status;
+    still = pressed && fastest(d) < settle->speed ? still + 1 : 0;
+  }
+  out->rest = out->rest && still > 0;
+  stand_still(d);
+  return dem_check_finite(d, out->time, err);
+}
+
+static bool any_press(const dem_model *m) {
+  for (int k = 0; k < m->nbox; k++)
+    if (m->box[k].lid >= 0 && m->box[k].press > 0)
+      return true;
+  return false;
+}
+
+/* settle, or read what was settled before */
+static tdm_status settle_or_read(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+  if (!d->model->settle.store)
+    return settle(d, p, out, err);
+  bool found;
+  if (dem_bed_read(d, out, &found, err) || found)
+    return err->status;
+  if (dem_bed_check_writable(d->model, err) || settle(d, p, out, err))
+    return err->status;
+  return dem_bed_write(d, out, err);
+}
+
+tdm_status dem_settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+  *out = (dem_settled){.rest = true};
+  if (d->nparticle > 0 && settle_or_read(d, p, out, err))
+    return err->status;
+  dem_lids_place(d);
+  if (d->nparticle > 0 && any_press(d->model)) {
+    if (!dem_forces_now(d, true))
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    if (press(d, p, out, err))
+      return err->status;
+  }
   if (!dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   return TDM_OK;

@@ -12,12 +12,14 @@
 
 typedef struct {
   bool rest;       /* the bed came to rest in time */
+  bool stored;     /* it came from the file settle.store */
   double dt, time; /* step, and simulated time that it took [s] */
   double speed;    /* largest particle speed at the end, before velocities were set to 0 [m/s] */
 } dem_settled;
 
-/* Settle `data`, which is at the start. `participant` is told that the solver lives (NULL: nobody is). Errors:
- * TDM_ERR_INTERRUPTED, TDM_ERR_NUMERIC, TDM_ERR_MEMORY; not coming to rest is none. */
+/* Settle `data`, which is at the start, or take the bed from settle.store; then lids are in place. `participant` is
+ * told that the solver lives (NULL: nobody is). Errors: TDM_ERR_INTERRUPTED, TDM_ERR_NUMERIC, TDM_ERR_MEMORY,
+ * TDM_ERR_FILE; not coming to rest is none. */
 tdm_status dem_settle(dem_data *data, tdm_participant *participant, dem_settled *settled, tdm_error *err);
 
 #endif

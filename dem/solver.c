@@ -6,20 +6,19 @@
 #include "dem/solver.h"
 
 #include "dem/check.h"
+#include "dem/flow.h"
 #include "dem/geometry/walls.h"
-#include "dem/limits.h"
+#include "dem/report.h"
 #include "dem/settle.h"
 #include "dem/step.h"
 #include "protocol/log.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WARNINGS_MAX = 8 };
-
-/* one row an output channel: name, unit. channel_values fills them in this order. */
+/* One row an output channel: name, unit. channel_values fills them in this order; then come two for each source, two
+ * for each sink, and the balance if there is any of them. */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -30,14 +29,15 @@ enum { WARNINGS_MAX = 8 };
   X("particles.velocity.z", "m/s")   \
   X("particles.kinetic_energy", "J") \
   X("particles.contacts", "1")       \
-  X("particles.lost", "1")
+  X("particles.lost", "1")           \
+  X("particles.mass", "kg")
 
 static const tdm_channel channels[] = {
 #define X(name, unit) {name, unit},
     CHANNEL_LIST(X)
 #undef X
 };
-enum { NCHANNEL = sizeof channels / sizeof channels[0] };
+enum { NCHANNEL = sizeof channels / sizeof channels[0], LOST = 9 };
 
 typedef struct {
   dem_model *model;
@@ -45,32 +45,85 @@ typedef struct {
   tdm_participant *participant; /* borrowed */
   dem_motion *motion;           /* (ncoupled) paths of the present window */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
-  double initial[NCHANNEL];
-  tdm_warning warning[WARNINGS_MAX];
-  int nwarning;
-  json_t *report;
+  int nchannel;
+  tdm_channel *channel; /* (nchannel) */
+  double *initial;      /* (nchannel) */
+  dem_report report;
   long lost; /* particles through walls so far, as logged */
 } dem_solver;
 
 /* ---- outputs ---- */
 
-static void channel_values(const dem_data *d, double out[NCHANNEL]) {
+/* (nchannel) values of the present state */
+static void channel_values(const dem_data *d, double *out) {
   const dem_model *m = d->model;
   tdm_vec3 x = {0, 0, 0}, p = {0, 0, 0};
   double mass = 0, energy = 0;
-  for (int i = 0; i < m->nparticle; i++) {
-    mass += m->mass[i];
-    x = tdm_axpy(m->mass[i], d->position[i], x);
-    p = tdm_axpy(m->mass[i], d->velocity[i], p);
-    double inertia = 0.4 * m->mass[i] * m->radius[i] * m->radius[i];
-    energy += 0.5 * m->mass[i] * tdm_dot(d->velocity[i], d->velocity[i]);
+  for (int i = 0; i < d->nparticle; i++) {
+    mass += d->mass[i];
+    x = tdm_axpy(d->mass[i], d->position[i], x);
+    p = tdm_axpy(d->mass[i], d->velocity[i], p);
+    double inertia = 0.4 * d->mass[i] * d->radius[i] * d->radius[i];
+    energy += 0.5 * d->mass[i] * tdm_dot(d->velocity[i], d->velocity[i]);
     energy += 0.5 * inertia * tdm_dot(d->spin[i], d->spin[i]);
   }
   double per_mass = mass > 0 ? 1 / mass : 0;
-  double values[NCHANNEL] = {m->nparticle,        per_mass * x.x,           per_mass * x.y, per_mass * x.z,
-                             per_mass * p.x,      per_mass * p.y,           per_mass * p.z, energy,
-                             (double)d->ncontact, (double)dem_count_lost(d)};
+  double values[NCHANNEL] = {d->nparticle,
+                             per_mass * x.x,
+                             per_mass * x.y,
+                             per_mass * x.z,
+                             per_mass * p.x,
+                             per_mass * p.y,
+                             per_mass * p.z,
+                             energy,
+                             (double)d->ncontact,
+                             (double)dem_count_lost(d),
+                             mass};
   memcpy(out, values, sizeof values);
+  out += NCHANNEL;
+  for (int s = 0; s < m->nsource; s++) {
+    *out++ = (double)d->source[s].made;
+    *out++ = (double)(d->source[s].due - d->source[s].made);
+  }
+  for (int s = 0; s < m->nsink; s++) {
+    *out++ = (double)d->sink[s].removed;
+    *out++ = d->sink[s].mass;
+  }
+  if (m->nsource + m->nsink > 0) {
+    *out++ = dem_balance_number(d);
+    *out++ = dem_balance_mass(d);
+  }
+}
+
+static void name_channel(tdm_channel *c, const char *group, const char *name, const char *what, const char *unit) {
+  snprintf(c->name, sizeof c->name, "%s.%s.%s", group, name, what);
+  snprintf(c->unit, sizeof c->unit, "%s", unit);
+}
+
+/* the channels of this scene; false: no memory */
+static bool make_channels(dem_solver *s) {
+  const dem_model *m = s->model;
+  int flows = m->nsource + m->nsink;
+  s->nchannel = NCHANNEL + (flows > 0 ? 2 * flows + 2 : 0);
+  s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
+  s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
+  if (!s->channel || !s->initial)
+    return false;
+  memcpy(s->channel, channels, sizeof channels);
+  tdm_channel *c = s->channel + NCHANNEL;
+  for (int k = 0; k < m->nsource; k++) {
+    name_channel(c++, "source", m->source[k].name, "created", "1");
+    name_channel(c++, "source", m->source[k].name, "waiting", "1");
+  }
+  for (int k = 0; k < m->nsink; k++) {
+    name_channel(c++, "sink", m->sink[k].name, "removed", "1");
+    name_channel(c++, "sink", m->sink[k].name, "mass", "kg");
+  }
+  if (flows > 0) {
+    *c++ = (tdm_channel){"balance.number", "1"};
+    *c++ = (tdm_channel){"balance.mass", "kg"};
+  }
+  return true;
 }
 
 static void add_load(tdm_wrench *sum, const tdm_wrench *load) {
@@ -100,110 +153,45 @@ static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
       result->sample_load[j * nc + c] = d->sample_mean[c];
   }
   d->sample_count = 0;
-  if (result->nchannel == NCHANNEL) {
-    double *values = &result->channel[j * NCHANNEL];
+  if (result->nchannel == s->nchannel) {
+    double *values = &result->channel[j * s->nchannel];
     channel_values(d, values);
-    note_lost(s, t, (long)values[NCHANNEL - 1]);
+    note_lost(s, t, (long)values[LOST]);
   }
 }
 
 /* ---- create ---- */
 
-static void warn(dem_solver *s, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
-
-static void warn(dem_solver *s, const char *path, const char *format, ...) {
-  if (s->nwarning == WARNINGS_MAX)
-    return;
-  tdm_warning *w = &s->warning[s->nwarning++];
-  snprintf(w->path, sizeof w->path, "%s", path);
-  va_list args;
-  va_start(args, format);
-  vsnprintf(w->message, sizeof w->message, format, args);
-  va_end(args);
-}
-
-/* a number for the report: null when it is not finite */
-static json_t *number(double x) {
-  return isfinite(x) ? json_real(x) : json_null();
-}
-
-static json_t *make_report(const dem_solver *s, const dem_limits *limits, const dem_settled *settled) {
-  const dem_model *m = s->model;
-  double mass = 0;
-  for (int i = 0; i < m->nparticle; i++)
-    mass += m->mass[i];
-  json_t *r = json_object();
-  json_object_set_new(r, "particles", json_integer(m->nparticle));
-  json_object_set_new(r, "particle_mass", number(mass));
-  json_object_set_new(r, "bodies", json_integer(m->nbody));
-  json_object_set_new(r, "walls", json_integer(m->nwall));
-  json_object_set_new(r, "contacts", json_integer(s->data->ncontact));
-  json_object_set_new(r, "normal", json_string(m->law->normal));
-  json_object_set_new(r, "tangential", json_string(m->law->tangential));
-  json_object_set_new(r, "tail", json_string(m->law->tail));
-  json_object_set_new(r, "skin", number(m->skin));
-  json_object_set_new(r, "rayleigh_step", number(limits->rayleigh));
-  json_object_set_new(r, "contact_time", number(limits->contact));
-  json_object_set_new(r, "contact_speed", number(limits->speed));
-  json_object_set_new(r, "steps_per_contact", number(limits->contact / m->dt));
-  json_object_set_new(r, "eigen_step", number(limits->eigen));
-  json_object_set_new(r, "step_limit", number(limits->step));
-  if (m->settle.wanted)
-    json_object_set_new(r, "settle",
-                        json_pack("{s:b, s:f, s:f, s:f}", "rest", settled->rest, "time", settled->time, "dt",
-                                  settled->dt, "speed", settled->speed));
-  return r;
-}
-
-static void warn_start(dem_solver *s, const dem_limits *limits, const dem_settled *settled, int nbehind) {
-  const dem_model *m = s->model;
-  if (nbehind > 0)
-    warn(s, "dem.particles",
-         "%d particles are behind a plane, which does not act on them; planes are infinite, so move "
-         "the particles or the plane unless this is meant",
-         nbehind);
-  if (!settled->rest)
-    warn(s, "dem.settle",
-         "the bed did not come to rest within max_time = %g s: a particle still moves at %.3g m/s; raise "
-         "max_time or speed (%g m/s), or lower restitution",
-         m->settle.max_time, settled->speed, m->settle.speed);
-  if (m->settle.wanted && dem_count_lost(s->data) > 0)
-    warn(s, "dem.settle",
-         "%ld particles went through a wall while settling; reduce settle.dt (%g s) or start them with "
-         "less overlap and speed",
-         dem_count_lost(s->data), settled->dt);
-  if (m->dt > limits->step)
-    warn(s, "time.dt",
-         "%g s is above %s, %.4g s (Rayleigh step %.4g s, contact time %.4g s at %.3g m/s); use at most "
-         "%.3g s, or softer or larger particles",
-         m->dt, limits->by, limits->step, limits->rayleigh, limits->contact, limits->speed, limits->step);
-}
-
 /* Particles in place and at rest; *ready told. */
 static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_model *m = s->model;
+  dem_data *d = s->data;
   int nbehind = 0;
   dem_settled settled = {.rest = true};
-  if (dem_check_start(s->data, &nbehind, err))
+  if (dem_check_start(d, &nbehind, err))
     return err->status;
-  if (m->settle.wanted && dem_settle(s->data, s->participant, &settled, err))
+  if (m->settle.wanted && dem_settle(d, s->participant, &settled, err))
     return err->status;
-  dem_limits limits = dem_limits_now(s->data);
-  warn_start(s, &limits, &settled, nbehind);
-  s->report = make_report(s, &limits, &settled);
+  if (!m->settle.wanted && dem_lids_place(d) && !dem_forces_now(d, false))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
-    s->load[c] = s->data->sample_mean[c] = s->data->body_load[m->coupled_body[c]];
-  channel_values(s->data, s->initial);
+    s->load[c] = d->sample_mean[c] = d->body_load[m->coupled_body[c]];
+  int nparticle = d->nparticle;
+  if (!dem_flow(d, m->time_start, m->dt))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
+  dem_report_flow(&s->report, d);
+  channel_values(d, s->initial);
 
   ready->load = s->load;
-  ready->nchannel = NCHANNEL;
-  ready->channel = channels;
+  ready->nchannel = s->nchannel;
+  ready->channel = s->channel;
   ready->initial = s->initial;
-  ready->nwarning = s->nwarning;
-  ready->warning = s->warning;
-  ready->report = s->report;
-  tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g step_limit=%.4g", m->nparticle,
-          m->nwall, s->data->ncontact, settled.time, limits.step);
+  ready->nwarning = s->report.nwarning;
+  ready->warning = s->report.warning;
+  ready->report = s->report.json;
+  tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,
+          m->nwall, d->ncontact, settled.time, settled.stored ? "yes" : "no");
   return TDM_OK;
 }
 
@@ -219,7 +207,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   s->data = dem_data_create(s->model);
   s->motion = calloc((size_t)assignment->nbody + 1, sizeof *s->motion);
   s->load = calloc((size_t)assignment->nbody + 1, sizeof *s->load);
-  if (!s->data || !s->motion || !s->load)
+  if (!s->data || !s->motion || !s->load || !make_channels(s))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", s->model->nparticle);
   return start(s, ready, err);
 }
@@ -243,6 +231,13 @@ static double window_dt(const dem_model *m, const tdm_step *step) {
   return fabs(own - m->dt) <= 1e-6 * m->dt ? m->dt : own;
 }
 
+/* The time at which a step ended, from the number of steps since the start, so that sources do not depend on how the
+ * run is cut into windows; from the window when that is not cut into the scene's steps. */
+static double step_time(const dem_data *d, const tdm_step *step, uint64_t k, double dt) {
+  double t = step->t0 + (double)k * dt, own = d->model->time_start + (double)d->nstep * d->model->dt;
+  return fabs(t - own) < 1e-3 * dt ? own : t;
+}
+
 static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, tdm_error *err) {
   dem_solver *s = self;
   dem_data *d = s->data;
@@ -264,11 +259,14 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     }
     d->sample_count++;
 
+    double t = step_time(d, step, k, dt);
+    if (!dem_flow(d, t, dt))
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
+
     /* the last step closes what is left */
-    double t = step->t0 + (double)k * dt;
-    while (sample < step->nsample && (t >= step->sample_time[sample] - 1e-9 * dt || k == step->nstep))
+    while (sample < step->nsample && (t >= step->sample_time[sample] - 1e-6 * dt || k == step->nstep))
       close_sample(s, sample++, t, result);
-    if (k % 256 == 0 && s->participant && tdm_participant_alive(s->participant))
+    if (s->participant && tdm_participant_alive(s->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
@@ -280,9 +278,11 @@ static void destroy(void *self) {
   dem_solver *s = self;
   if (!s)
     return;
-  json_decref(s->report);
+  json_decref(s->report.json);
   dem_data_destroy(&s->data);
   dem_model_destroy(&s->model);
+  free(s->channel);
+  free(s->initial);
   free(s->motion);
   free(s->load);
   free(s);

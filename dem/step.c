@@ -27,7 +27,7 @@ bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, boo
 }
 
 bool dem_forces_now(dem_data *d, bool settling) {
-  for (int i = 0; i < d->model->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     d->velocity_ahead[i] = d->velocity[i];
     d->spin_ahead[i] = d->spin[i];
     d->force[i] = d->torque[i] = tdm_v3(0, 0, 0);

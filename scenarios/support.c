@@ -55,22 +55,27 @@ double scn_number_or(const json_t *json, const char *path, double fallback) {
   return json_is_number(value) ? json_number_value(value) : fallback;
 }
 
-tdm_status scn_verify_comparison(cpl_verify *v, double least_nse, tdm_error *err) {
-  char dir[4096], name[64];
-  cpl_comparison c = {0};
-  if (cpl_verify_run(v, "", NULL, dir, sizeof dir, err) != TDM_OK)
+tdm_status scn_verify_run_and_compare(cpl_verify *v, double least_nse, char *dir, size_t size, cpl_comparison *c,
+                                      tdm_error *err) {
+  char name[64];
+  if (cpl_verify_run(v, "", NULL, dir, size, err) != TDM_OK || cpl_verify_compare(v, dir, c, err) != TDM_OK)
     return err->status;
-  if (cpl_verify_compare(v, dir, &c, err) == TDM_OK) {
-    for (int i = 0; i < c.ncurve; i++) {
-      const cpl_compared *curve = &c.curve[i];
-      if (curve->kind == CPL_STATE) {
-        snprintf(name, sizeof name, "nse_%s", curve->name);
-        cpl_verify_measure(v, name, "", cpl_comparison_nse(&c, curve), CPL_AT_LEAST, least_nse);
-      }
-      snprintf(name, sizeof name, "r2_%s", curve->name);
-      cpl_verify_measure(v, name, "", cpl_comparison_r2(&c, curve), CPL_NO_LIMIT, 0);
+  for (int i = 0; i < c->ncurve; i++) {
+    const cpl_compared *curve = &c->curve[i];
+    if (curve->kind == CPL_STATE) {
+      snprintf(name, sizeof name, "nse_%s", curve->name);
+      cpl_verify_measure(v, name, "", cpl_comparison_nse(c, curve), CPL_AT_LEAST, least_nse);
     }
+    snprintf(name, sizeof name, "r2_%s", curve->name);
+    cpl_verify_measure(v, name, "", cpl_comparison_r2(c, curve), CPL_NO_LIMIT, 0);
   }
+  return TDM_OK;
+}
+
+tdm_status scn_verify_comparison(cpl_verify *v, double least_nse, tdm_error *err) {
+  char dir[4096];
+  cpl_comparison c = {0};
+  scn_verify_run_and_compare(v, least_nse, dir, sizeof dir, &c, err);
   cpl_comparison_free(&c);
   return err->status;
 }

@@ -14,4 +14,11 @@ tdm_status scn_collision(cpl_verify *v, tdm_error *err);
 tdm_status scn_spring_damper(cpl_verify *v, tdm_error *err);
 tdm_status scn_spring_damper_compare(const char *dir, cpl_comparison *c, tdm_error *err);
 
+tdm_status scn_stream(cpl_verify *v, tdm_error *err);
+tdm_status scn_stream_compare(const char *dir, cpl_comparison *c, tdm_error *err);
+tdm_status scn_pendulum(cpl_verify *v, tdm_error *err);
+tdm_status scn_pendulum_compare(const char *dir, cpl_comparison *c, tdm_error *err);
+tdm_status scn_torsional(cpl_verify *v, tdm_error *err);
+tdm_status scn_torsional_compare(const char *dir, cpl_comparison *c, tdm_error *err);
+
 #endif

@@ -37,15 +37,15 @@ DEM_KERNEL tdm_vec3 contact_force(const dem_pair *pair, dem_slot *slot, tdm_vec3
 DEM_KERNEL void pair_loop(const dem_model *m, dem_data *d, bool settling, double dt, normal_law *normal, tail_law *tail,
                           tangential_law *tangential, const bool history) {
   const dem_pair *table = settling ? m->settle_pair : m->pair;
-  const double *restrict radius = m->radius, *restrict mass = m->mass;
-  const int *restrict first = d->pairs.first, *restrict other = d->pairs.other, *restrict kind = m->kind;
+  const double *restrict radius = d->radius, *restrict mass = d->mass;
+  const int *restrict first = d->pairs.first, *restrict other = d->pairs.other, *restrict kind = d->kind;
   const tdm_vec3 *restrict x = d->position, *restrict v = d->velocity_ahead, *restrict w = d->spin_ahead;
   const tdm_vec3 *restrict v_mid = d->velocity, *restrict w_mid = d->spin;
   tdm_vec3 *restrict force = d->force, *restrict torque = d->torque;
   dem_slot *restrict slot = d->pairs.slot;
   long touching = 0;
 
-  for (int i = 0; i < m->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     tdm_vec3 xi = x[i], fi = force[i], ti = torque[i];
     for (int k = first[i]; k < first[i + 1]; k++) {
       int j = other[k];
@@ -88,8 +88,8 @@ DEM_KERNEL void wall_loop(const dem_model *m, dem_data *d, bool settling, double
   const int *first = d->walls.first, *other = d->walls.other;
   dem_slot *slot = d->walls.slot;
 
-  for (int i = 0; i < m->nparticle; i++) {
-    double radius = m->radius[i];
+  for (int i = 0; i < d->nparticle; i++) {
+    double radius = d->radius[i];
     for (int k = first[i]; k < first[i + 1]; k++) {
       const dem_wall *wall = &m->wall[other[k]];
       tdm_vec3 n;
@@ -114,8 +114,8 @@ DEM_KERNEL void wall_loop(const dem_model *m, dem_data *d, bool settling, double
 
       /* a held body is immovable; a coupled one has its own mass */
       double inverse = settling ? 0 : d->body_inverse[b];
-      double mass = m->mass[i] / (1 + m->mass[i] * inverse);
-      const dem_pair *pair = &table[m->kind[i] * m->nmaterial + m->body[b].material];
+      double mass = d->mass[i] / (1 + d->mass[i] * inverse);
+      const dem_pair *pair = &table[d->kind[i] * m->nmaterial + m->body[b].material];
       tdm_vec3 f = contact_force(pair, history ? &slot[k] : NULL, n, radius - gap, radius, mass, vc, vc_mid, turn, dt,
                                  normal, tail, tangential);
       d->force[i] = tdm_add(d->force[i], f);

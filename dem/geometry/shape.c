@@ -49,6 +49,30 @@ static void read_open(tdm_object *o, bool closed[6]) {
   }
 }
 
+/* "lid": the face that is left away while settling, -1: none */
+static int read_lid(tdm_object *o, const bool closed[6], dem_box *box) {
+  if (!tdm_has(o, "lid"))
+    return -1;
+  tdm_object lid = tdm_get_object(o, "lid", true);
+  int face = tdm_get_choice(&lid, "face", face_names, 6, -1);
+  box->gap = tdm_get_number(&lid, "gap", TDM_REQUIRED, TDM_NOT_NEGATIVE);
+  box->press = tdm_get_number(&lid, "press", 0, TDM_NOT_NEGATIVE);
+  if (face >= 0 && !closed[face])
+    tdm_object_fail(&lid, "face", "\"%s\" is open; remove it from \"open\", or the lid", face_names[face]);
+  tdm_object_close(&lid);
+  return face;
+}
+
+static void append_box(dem_wall_list *list, dem_box box, tdm_error *err) {
+  dem_box *grown = realloc(list->box, (size_t)(list->nbox + 1) * sizeof *grown);
+  if (!grown) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for box %d", list->nbox);
+    return;
+  }
+  list->box = grown;
+  list->box[list->nbox++] = box;
+}
+
 static void read_box(tdm_object *o, int body, dem_wall_list *list) {
   static const char *const sides[] = {"inside", "outside"};
   tdm_vec3 size = tdm_get_vec3(o, "size", NULL);
@@ -63,10 +87,14 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
   if (side == 1) {
     if (tdm_has(o, "open"))
       tdm_object_fail(o, "open", "only a box with \"side\": \"inside\" has open faces; remove the key");
+    if (tdm_has(o, "lid"))
+      tdm_object_fail(o, "lid", "only a box with \"side\": \"inside\" has a lid; remove the key");
     append(list, (dem_wall){.primitive = DEM_SOLID_BOX, .body = body, .point = center, .half = half}, o->err);
     return;
   }
   const double h[3] = {half.x, half.y, half.z};
+  dem_box box = {.body = body, .center = center, .half = half, .lid = -1};
+  int lid = read_lid(o, closed, &box);
   for (int face = 0; face < 6; face++) {
     if (!closed[face])
       continue;
@@ -77,8 +105,11 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
                      .body = body,
                      .point = tdm_axpy(h[face / 2], outward, center),
                      .normal = tdm_scale(-1, outward)};
+    if (face == lid)
+      box.lid = list->count;
     append(list, wall, o->err);
   }
+  append_box(list, box, o->err);
 }
 
 void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err) {

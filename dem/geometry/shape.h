@@ -27,13 +27,25 @@ typedef struct {
   tdm_mat3 axes;          /* box: body axes to world */
 } dem_wall_place;
 
-/* A growing list of walls. */
+/* A container: a box shape seen from inside, and its lid if it has one. */
+typedef struct {
+  int body;
+  tdm_vec3 center, half; /* body axes [m] */
+  int lid;               /* wall that is the lid, -1: none */
+  double gap;            /* of the lid above the highest particle [m] */
+  double press;          /* force with which the lid is then pressed on the bed, 0: none [N] */
+} dem_box;
+
+/* Growing lists of walls and of boxes. */
 typedef struct {
   dem_wall *wall;
   int count;
+  dem_box *box;
+  int nbox;
 } dem_wall_list;
 
-/* Read one entry of a body's "shapes" and append its walls (list->wall is freed by the owner). */
+/* Read one entry of a body's "shapes" and append its walls (list->wall and list->box are freed by the
+ * owner). */
 void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err);
 
 /* Where a wall is when its body is at `pose`. */

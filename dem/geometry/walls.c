@@ -1,9 +1,17 @@
 /* The walls of moving bodies: see walls.h. The contacts with them are in contact/loop.c. */
 #include "dem/geometry/walls.h"
 
+/* where wall w is now */
+static void put(dem_data *d, int w) {
+  dem_wall wall = d->model->wall[w];
+  if (d->lid[w] != 0)
+    wall.point = tdm_axpy(-d->lid[w], wall.normal, wall.point);
+  d->wall[w] = dem_wall_put(&wall, &d->pose[wall.body]);
+}
+
 void dem_walls_put(dem_data *d) {
   for (int w = 0; w < d->model->nwall; w++)
-    d->wall[w] = dem_wall_put(&d->model->wall[w], &d->pose[d->model->wall[w].body]);
+    put(d, w);
 }
 
 void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n) {
@@ -17,31 +25,92 @@ void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t
   }
   for (int w = 0; w < m->nwall; w++)
     if (m->body[m->wall[w].body].coupled >= 0)
-      d->wall[w] = dem_wall_put(&m->wall[w], &d->pose[m->wall[w].body]);
+      put(d, w);
 }
 
-/* is particle i through plane w? */
-static bool behind(const dem_data *d, int i, int w) {
+bool dem_behind(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
-  return wall->primitive == DEM_PLANE && dem_wall_gap(wall, &d->wall[w], d->position[i], &n) <= -d->model->radius[i];
+  return wall->primitive == DEM_PLANE && dem_wall_gap(wall, &d->wall[w], d->position[i], &n) <= -d->radius[i];
 }
 
-void dem_mark_front(dem_data *d) {
+void dem_mark_front(dem_data *d, int first) {
   int nwall = d->model->nwall;
-  for (int i = 0; i < d->model->nparticle; i++)
+  for (int i = first; i < d->nparticle; i++)
     for (int w = 0; w < nwall; w++)
-      d->front[(size_t)i * (size_t)nwall + (size_t)w] = !behind(d, i, w);
+      d->front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
+}
+
+bool dem_through(const dem_data *d, int i, int w) {
+  return d->front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
 }
 
 long dem_count_lost(const dem_data *d) {
-  int nwall = d->model->nwall;
   long lost = 0;
-  for (int i = 0; i < d->model->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     bool through = false;
-    for (int w = 0; w < nwall && !through; w++)
-      through = d->front[(size_t)i * (size_t)nwall + (size_t)w] && behind(d, i, w);
+    for (int w = 0; w < d->model->nwall && !through; w++)
+      through = dem_through(d, i, w);
     lost += through;
   }
   return lost;
+}
+
+/* ---- lids ---- */
+
+/* A lid that is away is a plane so far out that nothing reaches it: no loop needs to know. */
+static const double lid_away = 1e9; /* [m] */
+
+void dem_lids_away(dem_data *d) {
+  for (int k = 0; k < d->model->nbox; k++)
+    if (d->model->box[k].lid >= 0)
+      d->lid[d->model->box[k].lid] = lid_away;
+}
+
+/* is particle i over the box's face that the lid closes: between the side faces, not below the opposite one? */
+static bool over_box(const dem_data *d, const dem_box *box, tdm_vec3 outward, int i) {
+  tdm_pose pose = d->pose[box->body];
+  tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->position[i], pose.position));
+  x = tdm_sub(x, box->center);
+  const double at[3] = {x.x, x.y, x.z}, half[3] = {box->half.x, box->half.y, box->half.z};
+  const double out[3] = {outward.x, outward.y, outward.z};
+  for (int a = 0; a < 3; a++)
+    if (out[a] != 0 ? out[a] * at[a] < -half[a] : fabs(at[a]) > half[a])
+      return false;
+  return true;
+}
+
+bool dem_lids_place(dem_data *d) {
+  const dem_model *m = d->model;
+  bool any = false;
+  for (int k = 0; k < m->nbox; k++) {
+    const dem_box *box = &m->box[k];
+    if (box->lid < 0)
+      continue;
+    any = true;
+    const dem_wall *wall = &m->wall[box->lid];
+    tdm_pose pose = d->pose[box->body];
+    tdm_vec3 outward = tdm_scale(-1, wall->normal), axis = tdm_quat_rotate(pose.orientation, outward);
+    tdm_vec3 face = tdm_pose_point(pose, wall->point);
+    double highest = -INFINITY; /* over the nominal face */
+    for (int i = 0; i < d->nparticle; i++)
+      if (over_box(d, box, outward, i))
+        highest = fmax(highest, tdm_dot(tdm_sub(d->position[i], face), axis) + d->radius[i]);
+    d->lid[box->lid] = isfinite(highest) ? highest + box->gap : 0;
+  }
+  dem_walls_put(d);
+  return any;
+}
+
+double dem_lid_force(const dem_data *d, const dem_box *box) {
+  const dem_model *m = d->model;
+  double sum = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    tdm_vec3 n;
+    double overlap = d->radius[i] - dem_wall_gap(&m->wall[box->lid], &d->wall[box->lid], d->position[i], &n);
+    const dem_pair *pair = &m->settle_pair[d->kind[i] * m->nmaterial + m->body[box->body].material];
+    if (overlap > 0 && overlap < 2 * d->radius[i])
+      sum += 4.0 / 3.0 * pair->young * sqrt(d->radius[i] * overlap) * overlap; /* Hertz */
+  }
+  return sum;
 }

@@ -11,10 +11,25 @@ void dem_bodies_move(dem_data *data, const dem_motion *motion, uint64_t k, uint6
 /* Put the walls of all bodies where the poses say. */
 void dem_walls_put(dem_data *data);
 
-/* Note which planes each particle is in front of: the reference for dem_count_lost. */
-void dem_mark_front(dem_data *data);
+/* Is particle i altogether behind plane w? False for walls that are no planes. */
+bool dem_behind(const dem_data *data, int i, int w);
+
+/* Note which planes the particles from `first` on are in front of: the reference for dem_count_lost. */
+void dem_mark_front(dem_data *data, int first);
+
+/* Is particle i behind plane w, which it began in front of? */
+bool dem_through(const dem_data *data, int i, int w);
 
 /* Particles that are behind a plane that they began in front of: they went through it and feel it no more. */
 long dem_count_lost(const dem_data *data);
+
+/* Take the lids away, until dem_lids_place puts each at the highest particle in its box plus its gap (without
+ * particles: at its face). Both leave the forces as they are; the lists are to be rebuilt after placing.
+ * dem_lids_place returns whether there is any lid. */
+void dem_lids_away(dem_data *data);
+bool dem_lids_place(dem_data *data);
+
+/* Elastic part of the force of the particles on a lid, along its outward normal [N]. */
+double dem_lid_force(const dem_data *data, const dem_box *box);
 
 #endif

@@ -22,7 +22,7 @@ static void bins(const dem_cells *cells, tdm_vec3 x, int out[3]) {
 /* as many cells as the particles' extent asks for, but not many more than there are particles */
 static void choose_counts(dem_cells *cells, const dem_data *d) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  int np = d->model->nparticle;
+  int np = d->nparticle;
   for (int i = 0; i < np; i++) {
     const double x[3] = {d->position[i].x, d->position[i].y, d->position[i].z};
     for (int a = 0; a < 3; a++) {
@@ -59,7 +59,7 @@ bool dem_cells_fill(dem_cells *cells, dem_data *d, double size) {
 
   /* counting sort, which keeps the order */
   memset(grid->first, 0, (ncell + 1) * sizeof *grid->first);
-  int np = d->model->nparticle;
+  int np = d->nparticle;
   for (int i = 0; i < np; i++) {
     int b[3];
     bins(cells, d->position[i], b);

@@ -15,7 +15,7 @@ static bool lists_hold(const dem_data *d, double moved2) {
   const double safety = 0.999; /* round-off must not decide */
   const dem_model *m = d->model;
   double moved = sqrt(moved2);
-  if (!d->list_valid || !(2 * moved < safety * m->skin))
+  if (!d->list_valid || d->list_stale || !(2 * moved < safety * m->skin))
     return false;
   tdm_vec3 u = dem_lists_shift(d);
   for (int b = 0; b < m->nbody; b++) {
@@ -70,20 +70,20 @@ static bool build_pairs(dem_data *d, const dem_list *before) {
   const dem_model *m = d->model;
   dem_list *list = &d->pairs;
   double largest = 0;
-  for (int i = 0; i < m->nparticle; i++)
-    largest = fmax(largest, m->radius[i]);
+  for (int i = 0; i < d->nparticle; i++)
+    largest = fmax(largest, d->radius[i]);
   dem_cells cells;
   if (!dem_cells_fill(&cells, d, 2 * largest + m->skin))
     return false;
 
-  for (int i = 0; i < m->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     list->first[i] = (int)list->count;
     int near[27], nnear = dem_cells_near(&cells, d, i, near);
     for (int c = 0; c < nnear; c++)
       for (int k = d->grid.first[near[c]]; k < d->grid.first[near[c] + 1]; k++) {
         int j = d->grid.particle[k];
         tdm_vec3 dx = tdm_sub(d->position[i], d->position[j]);
-        double range = m->radius[i] + m->radius[j] + m->skin;
+        double range = d->radius[i] + d->radius[j] + m->skin;
         if (j > i && tdm_dot(dx, dx) < range * range && !append(d, list, j))
           return false;
       }
@@ -91,23 +91,23 @@ static bool build_pairs(dem_data *d, const dem_list *before) {
     if (before)
       carry_history(list, before, i);
   }
-  list->first[m->nparticle] = (int)list->count;
+  list->first[d->nparticle] = (int)list->count;
   return true;
 }
 
 static bool build_walls(dem_data *d, const dem_list *before) {
   const dem_model *m = d->model;
   dem_list *list = &d->walls;
-  for (int i = 0; i < m->nparticle; i++) {
+  for (int i = 0; i < d->nparticle; i++) {
     list->first[i] = (int)list->count;
     for (int w = 0; w < m->nwall; w++) {
       const dem_wall *wall = &m->wall[w];
       tdm_vec3 n;
       double gap = dem_wall_gap(wall, &d->wall[w], d->position[i], &n);
       /* distance from where a contact begins; a plane ends one radius behind its surface */
-      double away = gap - m->radius[i];
+      double away = gap - d->radius[i];
       if (wall->primitive == DEM_PLANE)
-        away = fmax(away, -gap - m->radius[i]);
+        away = fmax(away, -gap - d->radius[i]);
       if (away < m->skin) {
         if (!append(d, list, w))
           return false;
@@ -118,14 +118,14 @@ static bool build_walls(dem_data *d, const dem_list *before) {
     if (before)
       carry_history(list, before, i);
   }
-  list->first[m->nparticle] = (int)list->count;
+  list->first[d->nparticle] = (int)list->count;
   return true;
 }
 
 /* note where everything is */
 static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
-  for (int i = 0; i < m->nparticle; i++)
+  for (int i = 0; i < d->nparticle; i++)
     d->position_at_list[i] = d->position[i];
   for (int b = 0; b < m->nbody; b++) {
     d->pose_at_list[b] = d->pose[b];
@@ -133,7 +133,7 @@ static void note_positions(dem_data *d) {
     d->reach[b] = 0;
     if (m->body[b].coupled < 0)
       continue;
-    for (int i = 0; i < m->nparticle; i++)
+    for (int i = 0; i < d->nparticle; i++)
       d->reach[b] = fmax(d->reach[b], tdm_norm(tdm_sub(d->position[i], d->pose[b].position)));
   }
 }
@@ -148,6 +148,7 @@ bool dem_lists_build(dem_data *d) {
   bool carry = d->model->law->history && d->list_valid;
   note_positions(d);
   d->list_valid = build_pairs(d, carry ? &d->spare_pairs : NULL) && build_walls(d, carry ? &d->spare_walls : NULL);
+  d->list_stale = false;
   d->nrebuild++;
   return d->list_valid;
 }

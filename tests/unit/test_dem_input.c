@@ -9,6 +9,8 @@
   "]"
 #define ONE(x) "'particles':[{'type':'list','material':'grain','radius':0.05,'positions':[" x "]}]"
 
+#define SOURCE(x) "{'name':'feed','material':'grain','radius':0.05," x "}"
+
 typedef struct {
   const char *scene, *path, *says;
 } bad;
@@ -58,6 +60,48 @@ static const bad bads[] = {
      "'spacing':0.1,'corner':[0,0,0]}]}",
      "dem.particles[0].spacing", "overlap"},
     {"{" MATERIALS "," PAIRS "," ONE("[0,0,0],[0,0,0.05]") "}", "dem.particles[0]", "overlaps"},
+    {"{" MATERIALS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0]") "]}", "dem.pairs", "\"grain\" and \"grain\""},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'position':[0,0,0]") "]}", "dem.sources[0].rate", "mass_rate"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':0,'position':[0,0,0]") "]}", "dem.sources[0].rate",
+     "greater than 0"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'mass_rate':2,'position':[0,0,0]") "]}",
+     "dem.sources[0].mass_rate", "excludes"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1") "]}", "dem.sources[0].position", "region"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0],'region':{}") "]}",
+     "dem.sources[0].region", "excludes"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'region':{'min':[0,0,0],'max':[1,-1,1]}") "]}",
+     "dem.sources[0].region.max", "smaller than min"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0],'start':2,'end':2") "]}",
+     "dem.sources[0].end", "after start"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0],'count':1.5") "]}",
+     "dem.sources[0].count", "whole number"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0],'velocty':[0,0,0]") "]}",
+     "dem.sources[0].velocty", "velocity"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0],'relative_to':{'body':'cube'}") "]}",
+     "dem.sources[0].relative_to.body", "no body"},
+    {"{" MATERIALS "," PAIRS
+     ",'sources':[" SOURCE("'rate':1,'position':[0,0,0]") "," SOURCE("'rate':1,'position':[1,0,0]") "]}",
+     "dem.sources[1].name", "already"},
+    {"{" MATERIALS "," PAIRS ",'sources':[{'name':'a b'}]}", "dem.sources[0].name", "letters"},
+    {"{" MATERIALS "," PAIRS ",'sources':[{'name':'a','material':'grain','radius':[0.2,0.1]}]}",
+     "dem.sources[0].radius", "smallest, largest"},
+    {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'bocks'}]}", "dem.sinks[0].type", "box"},
+    {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'after_contact'}]}", "dem.sinks[0].body", "missing"},
+    {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'plane','point':[0,0,0],'normal':[0,0,0]}]}",
+     "dem.sinks[0].normal", "zero"},
+    {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'box','min':[0,0,0],'max':[1,1,1],'body':'x'}]}",
+     "dem.sinks[0].body", "unknown key"},
+    {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'inside','size':"
+     "[1,1,1],'open':['+z'],'lid':{'face':'+z','gap':0}}]}]}",
+     "dem.bodies[0].shapes[0].lid.face", "open"},
+    {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'inside','size':"
+     "[1,1,1],'lid':{'face':'+z','gap':-1}}]}]}",
+     "dem.bodies[0].shapes[0].lid.gap", "0 or greater"},
+    {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'outside',"
+     "'size':[1,1,1],'lid':{'face':'+z','gap':0}}]}]}",
+     "dem.bodies[0].shapes[0].lid", "inside"},
+    {"{" MATERIALS "," PAIRS ",'settle':{'store':''}}", "dem.settle.store", "empty"},
+    {"{" MATERIALS "," PAIRS ",'expected_speed':0}", "dem.expected_speed", "greater than 0"},
 };
 
 static const bad bads_coupled[] = {
@@ -127,7 +171,7 @@ enum { SAMPLES = 4 };
 
 typedef struct {
   tdm_wrench load, sample_load[SAMPLES];
-  double channel[SAMPLES * 16];
+  double channel[SAMPLES * 32];
 } outcome;
 
 /* one window of n steps from step k0, the box rising by `speed` */
@@ -214,6 +258,54 @@ START_TEST(test_split_windows) {
 }
 END_TEST
 
+/* a bed with a source above it and a sink that skims it */
+#define FLOW                                                                                                           \
+  "{" MATERIALS "," PAIRS "," BOX ",'particles':[{'type':'random','material':'grain','count':40,'radius':[0.04,0.05]," \
+  "'region':{'min':[-0.5,-0.5,-0.5],'max':[0.5,0.5,0.5]}}],"                                                           \
+  "'sources':[{'name':'feed','material':'grain','radius':0.05,'mass':0.5,'rate':300,'start':1e-3,"                     \
+  "'position':[0,0,1],'velocity':[60,0,0]},"                                                                           \
+  "{'name':'stuck','material':'grain','radius':0.05,'mass':0.5,'rate':50,'position':[0,0,-0.5]}],"                     \
+  "'sinks':[{'name':'right','type':'plane','point':[0.4,0,0],'normal':[-1,0,0]}]}"
+
+static double channel_of(const session *s, const outcome *out, int sample, const char *name) {
+  for (int c = 0; c < s->ready.nchannel; c++)
+    if (strcmp(s->ready.channel[c].name, name) == 0)
+      return out->channel[sample * s->ready.nchannel + c];
+  ck_abort_msg("no channel %s", name);
+  return 0;
+}
+
+START_TEST(test_flow_channels) {
+  /* the balance in the channels; the same however the run is cut into windows; a source without room is a warning */
+  const double times[] = {2e-3, 3e-3, 7.5e-3, 1e-2};
+  session *a = open_session(FLOW, 1e-4), *b = open_session(FLOW, 1e-4);
+  ck_assert_int_eq(a->ready.nwarning, 1);
+  ck_assert_str_eq(a->ready.warning[0].path, "dem.sources[1]");
+  outcome whole, first, second;
+  ck_assert_int_eq(window(a, 0, 100, 0, 4, times, &whole), TDM_OK);
+  ck_assert_int_eq(window(b, 0, 50, 0, 2, times, &first), TDM_OK);
+  ck_assert_int_eq(window(b, 50, 50, 0, 2, times + 2, &second), TDM_OK);
+  size_t half = 2 * (size_t)a->ready.nchannel * sizeof(double);
+  ck_assert_mem_eq(first.channel, whole.channel, half);
+  ck_assert_mem_eq(second.channel, whole.channel + 2 * a->ready.nchannel, half);
+  const double made[] = {1, 1, 2, 3}; /* at 1, 4.33, 7.67 ms */
+  for (int k = 0; k < 4; k++) {
+    double removed = channel_of(a, &whole, k, "sink.right.removed");
+    ck_near(channel_of(a, &whole, k, "source.feed.created"), made[k], 0);
+    ck_near(channel_of(a, &whole, k, "source.feed.waiting"), 0, 0);
+    ck_near(channel_of(a, &whole, k, "source.stuck.waiting"), 1, 0);
+    ck_near(channel_of(a, &whole, k, "particles.count"), 40 + made[k] - removed, 0);
+    ck_near(channel_of(a, &whole, k, "balance.number"), 0, 0);
+    ck_near(channel_of(a, &whole, k, "balance.mass"), 0, 0);
+    ck_assert(removed > 0);
+  }
+  double all = channel_of(a, &whole, 3, "particles.mass") + channel_of(a, &whole, 3, "sink.right.mass");
+  ck_relative(all, json_number_value(json_object_get(a->ready.report, "particle_mass")) + 1.5, 1e-12);
+  close_session(a);
+  close_session(b);
+}
+END_TEST
+
 START_TEST(test_repeatable) {
   outcome out[2];
   for (int k = 0; k < 2; k++) {
@@ -254,4 +346,4 @@ START_TEST(test_fill) {
 END_TEST
 
 TEST_MAIN("dem input", 120, test_bad_scenes, test_ready, test_no_particles, test_split_windows, test_repeatable,
-          test_fill)
+          test_fill, test_flow_channels)

@@ -1,0 +1,272 @@
+/* Storing settled beds: see bed.h. */
+#include "dem/bed.h"
+
+#include "dem/search/pairs.h"
+
+#include <errno.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "stored beds are little-endian"
+#endif
+
+static const char magic[8] = {'T', 'N', 'D', 'M', 'B', 'E', 'D', '\n'};
+
+/* Raise it when the format changes, or when the same inputs settle to another bed. */
+enum { BED_VERSION = 1 };
+
+static const char key[] = "dem.settle.store";
+
+typedef struct {
+  char magic[8];
+  uint64_t version, fingerprint;
+  uint64_t nparticle, npair, nwall; /* npair, nwall: contacts that touch */
+  uint64_t rest;
+  double dt, time, speed; /* of dem_settled */
+} header;
+
+/* a contact's history: particle and partner (particle or wall) */
+typedef struct {
+  uint32_t particle, other;
+  dem_slot slot;
+} entry;
+_Static_assert(sizeof(header) == 80 && sizeof(entry) == 40, "no padding in the file");
+
+/* ---- fingerprint ---- */
+
+/* FNV-1a, 64 bits */
+static uint64_t hash_bytes(uint64_t h, const void *bytes, size_t n) {
+  const unsigned char *b = bytes;
+  for (size_t i = 0; i < n; i++)
+    h = (h ^ b[i]) * 0x100000001b3u;
+  return h;
+}
+
+static uint64_t hash_numbers(uint64_t h, const double *x, size_t n) {
+  return hash_bytes(h, x, n * sizeof *x);
+}
+
+static uint64_t hash_vectors(uint64_t h, const tdm_vec3 *x, size_t n) {
+  return hash_bytes(h, x, n * sizeof *x);
+}
+
+static const uint64_t hash_start = 0xcbf29ce484222325u;
+
+static uint64_t hash_walls(uint64_t h, const dem_model *m) {
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    bool lid = false; /* away while settling */
+    for (int k = 0; k < m->nbox; k++)
+      lid = lid || m->box[k].lid == w;
+    const double what[] = {wall->primitive, wall->body, lid};
+    h = hash_numbers(h, what, 3);
+    if (lid)
+      continue;
+    h = hash_vectors(h, &wall->point, 1);
+    h = hash_vectors(h, &wall->normal, 1);
+    h = hash_vectors(h, &wall->half, 1);
+  }
+  return h;
+}
+
+uint64_t dem_bed_fingerprint(const dem_model *m) {
+  size_t np = (size_t)m->nparticle;
+  uint64_t h = hash_start;
+  const char *const laws[] = {m->law->normal, m->law->tangential, m->law->tail};
+  for (int k = 0; k < 3; k++)
+    h = hash_bytes(h, laws[k], strlen(laws[k]) + 1);
+  const dem_settling *s = &m->settle;
+  const double counts[] = {m->nmaterial, m->nbody, m->nwall, m->nparticle};
+  const double keys[] = {s->speed, s->max_time, s->dt, s->drag};
+  h = hash_numbers(h, counts, 4);
+  h = hash_numbers(h, keys, 4);
+  h = hash_vectors(h, &m->gravity, 1);
+  for (int k = 0; k < m->nmaterial; k++) {
+    const double material[] = {m->material[k].young, m->material[k].poisson};
+    h = hash_numbers(h, material, 2);
+  }
+  for (int k = 0; k < m->nmaterial * m->nmaterial; k++) {
+    const dem_pair *p = &m->settle_pair[k];
+    const double pair[] = {p->given, p->friction, p->young, p->shear, p->normal_damping, p->tangential_damping};
+    h = hash_numbers(h, pair, p->given ? 6 : 1);
+  }
+  for (int b = 0; b < m->nbody; b++) { /* the twist: it decides settle.dt when that is not given */
+    const double material = m->body[b].material;
+    h = hash_numbers(h, &material, 1);
+    h = hash_bytes(h, &m->body[b].start, sizeof m->body[b].start);
+  }
+  h = hash_walls(h, m);
+  h = hash_numbers(h, m->radius, np);
+  h = hash_numbers(h, m->mass, np);
+  h = hash_bytes(h, m->kind, np * sizeof *m->kind);
+  h = hash_vectors(h, m->position, np);
+  h = hash_vectors(h, m->velocity, np);
+  return hash_vectors(h, m->spin, np);
+}
+
+/* ---- reading ---- */
+
+/* read n bytes and add them to the checksum; false at the end of the file */
+static bool get(FILE *f, void *bytes, size_t n, uint64_t *sum) {
+  if (fread(bytes, 1, n, f) != n)
+    return false;
+  *sum = hash_bytes(*sum, bytes, n);
+  return true;
+}
+
+/* put a history into its place in a list; false when the list has no such contact */
+static bool put_slot(dem_list *list, int nparticle, const entry *e) {
+  if (e->particle >= (uint32_t)nparticle)
+    return false;
+  for (int k = list->first[e->particle]; k < list->first[e->particle + 1]; k++)
+    if ((uint32_t)list->other[k] == e->other) {
+      list->slot[k] = e->slot;
+      return true;
+    }
+  return false;
+}
+
+static bool get_slots(FILE *f, dem_list *list, int nparticle, uint64_t n, uint64_t *sum, bool *fits) {
+  for (uint64_t k = 0; k < n; k++) {
+    entry e;
+    if (!get(f, &e, sizeof e, sum))
+      return false;
+    *fits = *fits && list->slot && put_slot(list, nparticle, &e);
+  }
+  return true;
+}
+
+static tdm_status refuse(const dem_data *d, tdm_error *err, const char *what) {
+  return tdm_fail(err, TDM_ERR_FILE, key,
+                  "\"%s\" %s; delete the file to settle and store the bed anew, or give another name",
+                  d->model->settle.store, what);
+}
+
+/* the file ended too early, or cannot be read at all (a folder) */
+static tdm_status refuse_short(FILE *f, const dem_data *d, tdm_error *err) {
+  if (ferror(f))
+    return tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be read: %s; name another file", d->model->settle.store,
+                    strerror(errno));
+  return refuse(d, err, "is cut short");
+}
+
+static tdm_status read_bed(FILE *f, dem_data *d, dem_settled *out, tdm_error *err) {
+  header h;
+  uint64_t sum = hash_start, stored;
+  if (!get(f, &h, sizeof h, &sum))
+    return refuse_short(f, d, err);
+  if (memcmp(h.magic, magic, sizeof magic) != 0)
+    return refuse(d, err, "is no stored bed");
+  if (h.version != BED_VERSION)
+    return refuse(d, err, "was written by another version of tandem");
+  if (h.fingerprint != dem_bed_fingerprint(d->model) || h.nparticle != (uint64_t)d->nparticle)
+    return refuse(d, err,
+                  "holds the bed of another scene (particles, materials, shapes, poses, gravity or dem.settle differ)");
+  if (!get(f, d->position, (size_t)d->nparticle * sizeof *d->position, &sum))
+    return refuse_short(f, d, err);
+  for (int i = 0; i < d->nparticle; i++)
+    d->velocity[i] = d->spin[i] = tdm_v3(0, 0, 0);
+  d->list_valid = false; /* histories of the start are not these */
+  if (!dem_lists_build(d))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  bool fits = true;
+  if (!get_slots(f, &d->pairs, d->nparticle, h.npair, &sum, &fits) ||
+      !get_slots(f, &d->walls, d->nparticle, h.nwall, &sum, &fits) || fread(&stored, sizeof stored, 1, f) != 1)
+    return refuse_short(f, d, err);
+  if (stored != sum || !fits || fgetc(f) != EOF)
+    return refuse(d, err, "is damaged");
+  *out = (dem_settled){.rest = h.rest != 0, .stored = true, .dt = h.dt, .time = h.time, .speed = h.speed};
+  return TDM_OK;
+}
+
+tdm_status dem_bed_read(dem_data *d, dem_settled *out, bool *found, tdm_error *err) {
+  const char *name = d->model->settle.store;
+  FILE *f = fopen(name, "rb");
+  *found = f != NULL;
+  if (!f)
+    return errno == ENOENT ? TDM_OK
+                           : tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be read: %s", name, strerror(errno));
+  read_bed(f, d, out, err);
+  fclose(f);
+  return err->status;
+}
+
+/* ---- writing ---- */
+
+tdm_status dem_bed_check_writable(const dem_model *m, tdm_error *err) {
+  char copy[4096];
+  snprintf(copy, sizeof copy, "%s", m->settle.store);
+  const char *folder = dirname(copy);
+  if (access(folder, W_OK) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, key,
+                    "\"%s\" cannot be written: folder \"%s\": %s; make the folder or name another one", m->settle.store,
+                    folder, strerror(errno));
+  return TDM_OK;
+}
+
+static bool put(FILE *f, const void *bytes, size_t n, uint64_t *sum) {
+  *sum = hash_bytes(*sum, bytes, n);
+  return fwrite(bytes, 1, n, f) == n;
+}
+
+static uint64_t count_touching(const dem_list *list) {
+  uint64_t n = 0;
+  for (size_t k = 0; list->slot && k < list->count; k++)
+    n += list->slot[k].circle > 0;
+  return n;
+}
+
+static bool put_slots(FILE *f, const dem_list *list, int nparticle, uint64_t *sum) {
+  for (int i = 0; list->slot && i < nparticle; i++)
+    for (int k = list->first[i]; k < list->first[i + 1]; k++) {
+      entry e = {(uint32_t)i, (uint32_t)list->other[k], list->slot[k]};
+      if (e.slot.circle > 0 && !put(f, &e, sizeof e, sum))
+        return false;
+    }
+  return true;
+}
+
+static bool write_bed(FILE *f, const dem_data *d, const dem_settled *settled) {
+  uint64_t sum = hash_start;
+  header h = {.version = BED_VERSION,
+              .fingerprint = dem_bed_fingerprint(d->model),
+              .nparticle = (uint64_t)d->nparticle,
+              .npair = count_touching(&d->pairs),
+              .nwall = count_touching(&d->walls),
+              .rest = settled->rest,
+              .dt = settled->dt,
+              .time = settled->time,
+              .speed = settled->speed};
+  memcpy(h.magic, magic, sizeof magic);
+  return put(f, &h, sizeof h, &sum) && put(f, d->position, (size_t)d->nparticle * sizeof *d->position, &sum) &&
+         put_slots(f, &d->pairs, d->nparticle, &sum) && put_slots(f, &d->walls, d->nparticle, &sum) &&
+         fwrite(&sum, sizeof sum, 1, f) == 1;
+}
+
+tdm_status dem_bed_write(const dem_data *d, const dem_settled *settled, tdm_error *err) {
+  const char *name = d->model->settle.store;
+  char temporary[4200];
+  snprintf(temporary, sizeof temporary, "%s.%ld.tmp", name, (long)getpid());
+  FILE *f = fopen(temporary, "wb");
+  bool good = f && write_bed(f, d, settled);
+  good = f && fflush(f) == 0 && fsync(fileno(f)) == 0 && good;
+  int error = errno;
+  if (f && fclose(f) != 0 && good) {
+    error = errno;
+    good = false;
+  }
+  if (good && rename(temporary, name) != 0) {
+    error = errno;
+    good = false;
+  }
+  if (good)
+    return TDM_OK;
+  if (f)
+    remove(temporary);
+  return tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be written: %s; make room or name another file", name,
+                  strerror(error));
+}

@@ -1,0 +1,231 @@
+/* The report of READY: see report.h. Its keys are in README.md. */
+#include "dem/report.h"
+
+#include "dem/geometry/walls.h"
+#include "dem/limits.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+dem_fill dem_fill_now(const dem_data *d) {
+  dem_fill f = {0};
+  for (int i = 0; i < d->nparticle; i++) {
+    f.mass += d->mass[i];
+    f.com = tdm_axpy(d->mass[i], d->position[i], f.com);
+  }
+  f.com = f.mass > 0 ? tdm_scale(1 / f.mass, f.com) : f.com;
+  for (int i = 0; i < d->nparticle; i++) {
+    tdm_vec3 r = tdm_sub(d->position[i], f.com);
+    const double x[3] = {r.x, r.y, r.z};
+    double own = 0.4 * d->mass[i] * d->radius[i] * d->radius[i], r2 = tdm_dot(r, r);
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++)
+        f.inertia.m[a][b] += (a == b ? own + d->mass[i] * r2 : 0) - d->mass[i] * x[a] * x[b];
+  }
+  return f;
+}
+
+/* ---- warnings and notes ---- */
+
+static void warn(dem_report *r, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+static void warn(dem_report *r, const char *path, const char *format, ...) {
+  if (r->nwarning == DEM_WARNINGS_MAX)
+    return;
+  tdm_warning *w = &r->warning[r->nwarning++];
+  snprintf(w->path, sizeof w->path, "%s", path);
+  va_list args;
+  va_start(args, format);
+  vsnprintf(w->message, sizeof w->message, format, args);
+  va_end(args);
+}
+
+/* a line for the reader of the report: worth knowing, no reason for doubt */
+static void note(dem_report *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void note(dem_report *r, const char *format, ...) {
+  char text[TDM_MESSAGE_MAX];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  json_array_append_new(json_object_get(r->json, "notes"), json_string(text));
+}
+
+static void warn_start(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
+  const dem_model *m = d->model;
+  if (nbehind > 0)
+    warn(r, "dem.particles",
+         "%d particles are behind a plane, which does not act on them; planes are infinite, so move "
+         "the particles or the plane unless this is meant",
+         nbehind);
+  if (!settled->rest)
+    warn(r, "dem.settle",
+         "the bed did not come to rest within max_time = %g s: a particle still moves at %.3g m/s; raise "
+         "max_time or speed (%g m/s), or lower restitution",
+         m->settle.max_time, settled->speed, m->settle.speed);
+  if (m->settle.wanted && dem_count_lost(d) > 0)
+    warn(r, "dem.settle",
+         "%ld particles went through a wall while settling; reduce settle.dt (%g s) or start them with "
+         "less overlap and speed",
+         dem_count_lost(d), settled->dt);
+}
+
+static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limits) {
+  if (m->dt > limits->most)
+    warn(r, "time.dt",
+         "%g s is above %s, %.4g s (Rayleigh step %.4g s, contact time %.4g s at %.3g m/s); use at most "
+         "%.3g s, softer or larger particles, or give dem.expected_speed if the speed is lower",
+         m->dt, limits->by, limits->most, limits->rayleigh, limits->contact, limits->speed, limits->most);
+  else if (m->dt > DEM_CONTACT_SHARE * limits->contact)
+    note(r,
+         "time.dt = %g s takes %.1f steps for the shortest contact, %.3g s at %.3g m/s: 20 are recommended, for fast "
+         "impacts only",
+         m->dt, limits->contact / m->dt, limits->contact, limits->speed);
+}
+
+/* ---- figures ---- */
+
+/* a number for the report: null when it is not finite */
+static json_t *number(double x) {
+  return isfinite(x) ? json_real(x) : json_null();
+}
+
+static json_t *vector(tdm_vec3 v) {
+  return json_pack("[f,f,f]", v.x, v.y, v.z);
+}
+
+static json_t *report_fill(const dem_data *d, const dem_fill *fill) {
+  json_t *inertia = json_array(), *r = json_object();
+  for (int k = 0; k < 9; k++)
+    json_array_append_new(inertia, number(fill->inertia.m[k / 3][k % 3]));
+  json_object_set_new(r, "number", json_integer(d->nparticle));
+  json_object_set_new(r, "mass", number(fill->mass));
+  json_object_set_new(r, "com", vector(fill->com));
+  json_object_set_new(r, "inertia", inertia);
+  return r;
+}
+
+/* one limit: the time, the share of it that the step takes, and the share it may take */
+static json_t *report_limit(double time, double dt, double most) {
+  json_t *r = json_object();
+  json_object_set_new(r, "time", number(time));
+  json_object_set_new(r, "share", number(dt / time));
+  json_object_set_new(r, "recommended", number(most));
+  json_object_set_new(r, "kept", json_boolean(!(dt > most * time)));
+  return r;
+}
+
+static void report_limits(dem_report *r, const dem_model *m, const dem_limits *limits) {
+  json_object_set_new(r->json, "rayleigh_step", number(limits->rayleigh));
+  json_object_set_new(r->json, "contact_time", number(limits->contact));
+  json_object_set_new(r->json, "contact_speed", number(limits->speed));
+  json_object_set_new(r->json, "steps_per_contact", number(limits->contact / m->dt));
+  json_object_set_new(r->json, "eigen_step", number(limits->eigen));
+  json_object_set_new(r->json, "step_limit", number(limits->step));
+  json_t *all = json_object();
+  json_object_set_new(all, "rayleigh", report_limit(limits->rayleigh, m->dt, DEM_RAYLEIGH_SHARE));
+  json_object_set_new(all, "eigenfrequency", report_limit(limits->eigen, m->dt, DEM_EIGEN_SHARE));
+  json_object_set_new(all, "contact", report_limit(limits->contact, m->dt, DEM_CONTACT_SHARE));
+  json_object_set_new(r->json, "limits", all);
+}
+
+/* of the particles that are there or that a source will make [kg] */
+static double heaviest_particle(const dem_data *d) {
+  const dem_model *m = d->model;
+  double heaviest = 0;
+  for (int i = 0; i < d->nparticle; i++)
+    heaviest = fmax(heaviest, d->mass[i]);
+  for (int s = 0; s < m->nsource; s++) {
+    double r = m->source[s].radius[1], full = m->material[m->source[s].kind].density * 4.0 / 3 * M_PI * r * r * r;
+    heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
+  }
+  return heaviest;
+}
+
+/* particles against each coupled body */
+static void report_ratios(dem_report *r, const dem_data *d, double mass) {
+  const dem_model *m = d->model;
+  double heaviest = heaviest_particle(d);
+  json_t *all = json_array();
+  for (int c = 0; c < m->ncoupled; c++) {
+    const dem_body *b = &m->body[m->coupled_body[c]];
+    json_t *one = json_object();
+    json_object_set_new(one, "body", json_string(b->name));
+    json_object_set_new(one, "mass", number(b->mass));
+    json_object_set_new(one, "all_particles", number(mass / b->mass));
+    json_object_set_new(one, "heaviest_particle", number(heaviest / b->mass));
+    json_array_append_new(all, one);
+    if (mass > b->mass)
+      note(r,
+           "the particles (%.4g kg) are heavier than \"%s\" (%.4g kg): schemes that extrapolate the load lose "
+           "stability as the window grows; keep coupling.n small",
+           mass, b->name, b->mass);
+    if (m->wall_mass > 0 && b->mass < 100 * heaviest)
+      warn(r, "dem.contact.wall_mass",
+           "takes %g kg for \"%s\" (%.4g kg), which is lighter than 100 times the heaviest particle (%.4g kg): the "
+           "contacts damp too much; use \"body\"",
+           m->wall_mass, b->name, b->mass, heaviest);
+  }
+  json_object_set_new(r->json, "mass_ratios", all);
+}
+
+static void report_lids(dem_report *r, const dem_data *d) {
+  const dem_model *m = d->model;
+  json_t *all = json_array();
+  for (int k = 0; k < m->nbox; k++) {
+    int w = m->box[k].lid;
+    if (w < 0)
+      continue;
+    const dem_wall *wall = &m->wall[w];
+    tdm_vec3 at = tdm_axpy(-d->lid[w], wall->normal, wall->point);
+    json_t *one = json_object();
+    json_object_set_new(one, "body", json_string(m->body[wall->body].name));
+    json_object_set_new(one, "point", vector(at));
+    json_object_set_new(one, "outward", vector(tdm_scale(-1, wall->normal)));
+    json_object_set_new(one, "over_face", number(d->lid[w]));
+    json_array_append_new(all, one);
+  }
+  json_object_set_new(r->json, "lids", all);
+}
+
+void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
+  const dem_model *m = d->model;
+  *r = (dem_report){.json = json_object()};
+  json_object_set_new(r->json, "notes", json_array());
+  dem_fill fill = dem_fill_now(d);
+  dem_limits limits = dem_limits_expected(d);
+  json_object_set_new(r->json, "particles", json_integer(d->nparticle));
+  json_object_set_new(r->json, "particle_mass", number(fill.mass));
+  json_object_set_new(r->json, "fill", report_fill(d, &fill));
+  json_object_set_new(r->json, "bodies", json_integer(m->nbody));
+  json_object_set_new(r->json, "walls", json_integer(m->nwall));
+  json_object_set_new(r->json, "sources", json_integer(m->nsource));
+  json_object_set_new(r->json, "sinks", json_integer(m->nsink));
+  json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
+  json_object_set_new(r->json, "normal", json_string(m->law->normal));
+  json_object_set_new(r->json, "tangential", json_string(m->law->tangential));
+  json_object_set_new(r->json, "tail", json_string(m->law->tail));
+  json_object_set_new(r->json, "skin", number(m->skin));
+  warn_start(r, d, settled, nbehind);
+  report_limits(r, m, &limits);
+  warn_step(r, m, &limits);
+  report_ratios(r, d, fill.mass);
+  report_lids(r, d);
+  if (m->settle.wanted)
+    json_object_set_new(r->json, "settle",
+                        json_pack("{s:b, s:b, s:f, s:f, s:f}", "rest", settled->rest, "stored", settled->stored, "time",
+                                  settled->time, "dt", settled->dt, "speed", settled->speed));
+}
+
+void dem_report_flow(dem_report *r, const dem_data *d) {
+  for (int s = 0; s < d->model->nsource; s++) {
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.sources[%d]", s);
+    if (d->source[s].blocked)
+      warn(r, path,
+           "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, or "
+           "move the source",
+           (unsigned long long)d->source[s].made);
+  }
+}
