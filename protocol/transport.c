@@ -1,7 +1,10 @@
 #include "protocol/transport.h"
 
+#include "protocol/log.h"
+
 #include <assert.h>
 #include <errno.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zmq.h>
@@ -103,6 +106,19 @@ static int drop_parts(tdm_transport *t) {
   return parts;
 }
 
+/* Look for a message without sleeping for a short while: the partner often answers within microseconds, and waking a
+ * thread costs more than that. Yielding lets ZeroMQ's own threads work on few processors. Returns as zmq_msg_recv. */
+static int receive_soon(tdm_transport *t, int timeout_ms) {
+  const double patience = 100e-6; /* [s] */
+  if (timeout_ms == 0)
+    return zmq_msg_recv(&t->message, t->socket, ZMQ_DONTWAIT);
+  double until = tdm_clock() + patience;
+  int got;
+  while ((got = zmq_msg_recv(&t->message, t->socket, ZMQ_DONTWAIT)) < 0 && errno == EAGAIN && tdm_clock() < until)
+    sched_yield();
+  return got >= 0 || errno != EAGAIN ? got : zmq_msg_recv(&t->message, t->socket, 0);
+}
+
 tdm_status tdm_transport_receive(tdm_transport *t, int timeout_ms, tdm_peer *peer, const void **data, size_t *size,
                                  tdm_error *err) {
   *data = NULL;
@@ -111,7 +127,7 @@ tdm_status tdm_transport_receive(tdm_transport *t, int timeout_ms, tdm_peer *pee
     zmq_setsockopt(t->socket, ZMQ_RCVTIMEO, &timeout_ms, sizeof timeout_ms);
     t->timeout_ms = timeout_ms;
   }
-  if (zmq_msg_recv(&t->message, t->socket, 0) < 0) {
+  if (receive_soon(t, timeout_ms) < 0) {
     if (errno == EAGAIN || errno == EINTR)
       return TDM_OK;
     return tdm_fail(err, TDM_ERR_LOST, NULL, "cannot receive: %s", zmq_strerror(errno));

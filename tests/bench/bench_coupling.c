@@ -125,10 +125,11 @@ static double coupled(const char *file, const char *out, const char *transport, 
 int main(int argc, char **argv) {
   long windows = argc > 1 ? atol(argv[1]) : 20000;
   int repeats = argc > 2 ? atoi(argv[2]) : 5;
-  char dir[] = "/tmp/tandem-bench-XXXXXX", file[128], endpoint[128], line[256];
+  char dir[] = "/tmp/tandem-bench-XXXXXX", file[128], out[128], endpoint[128], line[256];
   if (windows < 1 || repeats < 1 || repeats > REPEATS_MAX || !mkdtemp(dir))
     return 1;
   snprintf(file, sizeof file, "%s/scene.json", dir);
+  snprintf(out, sizeof out, "%s/out", dir);
   snprintf(endpoint, sizeof endpoint, "ipc://%s/bare", dir);
   FILE *f = fopen(file, "w");
   fprintf(f, scene, (double)windows * 1e-4);
@@ -136,9 +137,9 @@ int main(int argc, char **argv) {
   double bare_ipc[REPEATS_MAX], bare_inproc[REPEATS_MAX], ipc[REPEATS_MAX], inproc[REPEATS_MAX];
   for (int i = 0; i < repeats; i++) {
     bare_ipc[i] = bare(endpoint, 1, windows);
-    ipc[i] = coupled(file, dir, "coupling.transport=ipc", &windows);
+    ipc[i] = coupled(file, out, "coupling.transport=ipc", &windows);
     bare_inproc[i] = bare("inproc://bare", 0, windows);
-    inproc[i] = coupled(file, dir, "coupling.transport=inproc", &windows);
+    inproc[i] = coupled(file, out, "coupling.transport=inproc", &windows);
   }
   double a = median(bare_ipc, repeats), b = median(ipc, repeats), c = median(bare_inproc, repeats),
          d = median(inproc, repeats);
