@@ -161,6 +161,7 @@ static pid_t start_cell(const cpl_sweep_options *o, const cpl_cell *cell) {
   dup2(null, 1);
   dup2(null, 2);
   json_t *row = cpl_cell_run(o, cell);
+  cpl_make_directory(cell->dir, NULL); /* a scene that is refused has made none */
   int failed = !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
   _exit(failed);
 }

@@ -182,7 +182,7 @@ json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
                              : status == TDM_ERR_NUMERIC ? "unstable"
                                                          : "failed",
                              err.message);
-  json_object_set_new(row, "wall_s", json_real(result.wall));
+  json_object_set_new(row, "wall_s", json_real(result.wall)); /* also of a failed cell: it was tried */
   json_object_set_new(row, "simulated_s", json_real(result.simulated));
   if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC))
     look_for_instability(cell, row);

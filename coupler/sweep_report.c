@@ -88,7 +88,7 @@ static void print_table(const cpl_cell *cell, int ncell, const columns *c, const
     const json_t *row = cell[k].row;
     if (!row)
       continue;
-    printf("%-44s %-8s %6.1f s", cell[k].name, text_of(row, "status"), number_of(row, NULL, "wall_s"));
+    printf("%-44s %-8s %6.1f s", cell[k].name, text_of(row, "status"), fmax(0, number_of(row, NULL, "wall_s")));
     for (int i = 0; i < c->nstate; i++)
       print_number(number_of(row, "nse", c->state[i]), colour, true);
     for (int i = 0; i < c->nname; i++)
@@ -290,7 +290,7 @@ static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, in
   cpl_curve curves[SCHEMES][2];
   cpl_plot plots[SCHEMES];
   int used = snprintf(setup, sizeof setup,
-                      "set cbrange [0.9:1]\nunset key\nset palette defined (0 '#b33', 0.9 '#fd8', 1 '#3a3')\n"
+                      "set cbrange [0.9:1]\nunset key\nset palette defined (0 '#bb3333', 0.9 '#ffdd88', 1 '#33aa33')\n"
                       "set xrange [-0.5:%g]\nset yrange [-0.5:%g]\nset xtics (",
                       nn - 0.5, ndt - 0.5);
   for (int i = 0; i < nn; i++)

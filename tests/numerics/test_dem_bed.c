@@ -2,6 +2,7 @@
 #include "test_dem_support.h"
 
 #include "dem/bed.h"
+#include "dem/geometry/walls.h"
 #include "dem/limits.h"
 #include "dem/report.h"
 #include "dem/settle.h"
@@ -139,6 +140,41 @@ START_TEST(test_lid) {
   ck_near(out.channel[0], 40, 0);
   ck_near(out.channel[9], 0, 0);
   close_session(s);
+}
+END_TEST
+
+START_TEST(test_lid_that_presses) {
+  /* the bed is at rest under the lid's force, and turning gravity over does not move it: no free play */
+  const char *scene = "{" MATERIAL ",'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],"
+                      "'bodies':[{'name':'box','material':'a','shapes':[{'type':'box','side':'inside',"
+                      "'size':[0.3,1.2,0.3],'lid':{'face':'+y','gap':1e-3%s}}]}],"
+                      "'gravity':[0,-9.81,0],'settle':{'friction':0,'speed':5e-3},"
+                      "'particles':[{'type':'random','body':'box','material':'a','count':40,'radius':0.04,"
+                      "'seed':1,'region':{'min':[-0.15,-0.6,-0.15],'max':[0.15,0.6,0.15]}}]}";
+  const double wanted = 200; /* [N]; the particles weigh 105 N */
+  double moved[2];
+  for (int pressed = 0; pressed < 2; pressed++) {
+    tdm_assigned_body box = {.name = "box", .mass = 10, .state = state_at(0, 0, 0)};
+    rig *r = rig_make(scene_json(scene, pressed ? ",'press':200" : ""), 1e-4, 1, &box);
+    dem_data *d = r->data;
+    dem_settled settled;
+    tdm_error err = {0};
+    ck_assert_int_eq(dem_settle(d, NULL, &settled, &err), TDM_OK);
+    ck_assert(settled.rest);
+    ck_near(dem_lid_force(d, &r->model->box[0]), pressed ? wanted : 0, 0.02 * wanted);
+    double before = 0, after = 0;
+    for (int i = 0; i < d->nparticle; i++)
+      before += d->position[i].y / d->nparticle;
+    dem_model *upside_down = r->model;
+    upside_down->gravity.y = 9.81;
+    for (int k = 0; k < 10000; k++)
+      ck_assert(dem_step(d, NULL, 0, 1, false, 1e-4));
+    for (int i = 0; i < d->nparticle; i++)
+      after += d->position[i].y / d->nparticle;
+    moved[pressed] = after - before;
+    rig_free(r);
+  }
+  ck_assert_msg(moved[0] > 0.01 && fabs(moved[1]) < 0.1 * moved[0], "moved by %g and %g m", moved[0], moved[1]);
 }
 END_TEST
 
@@ -336,5 +372,5 @@ START_TEST(test_ratios) {
 }
 END_TEST
 
-TEST_MAIN("dem bed", 300, test_lid, test_lid_without_settling, test_fill, test_stored_bed, test_bad_store, test_limits,
-          test_ratios)
+TEST_MAIN("dem bed", 300, test_lid, test_lid_that_presses, test_lid_without_settling, test_fill, test_stored_bed,
+          test_bad_store, test_limits, test_ratios)

@@ -278,6 +278,37 @@ START_TEST(test_effective_mass) {
 }
 END_TEST
 
+START_TEST(test_mass_that_changes) {
+  /* the load of one overlap and approach speed, with the damping of m_p m_b/(m_p + m_b); a new mass holds from the next
+   * evaluation on */
+  tdm_assigned_body body = {.name = "cube", .mass = 1, .state = state_at(0, 0, -0.1)};
+  const char *scene = "{'gravity': [0,0,0],"
+                      "'materials': [{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.3}],"
+                      "'pairs': [{'materials':['a','a'],'restitution':0.5,'friction':0.5}], %s"
+                      "'bodies': [{'name':'cube','material':'a','shapes':"
+                      "            [{'type':'box','size':[0.2,0.2,0.2],'side':'outside'}]}],"
+                      "'particles': [{'type':'list','material':'a','radius':0.05,'mass':1,"
+                      "               'positions':[[0,0,0.049]],'velocity':[0,0,-1]}]}";
+  const double masses[] = {1, 1e3, 0.2};
+  rig *r = rig_make(scene_json(scene, ""), 1e-5, 1, &body);
+  double damping[3], effective[3];
+  for (int i = 0; i < 3; i++) {
+    dem_set_body_mass(r->data, 0, masses[i]);
+    ck_assert(dem_forces_now(r->data, false));
+    double away = -r->data->body_load[0].force.z;
+    r->data->velocity[0].z = 0;
+    ck_assert(dem_forces_now(r->data, false));
+    damping[i] = away + r->data->body_load[0].force.z; /* what the approach adds */
+    r->data->velocity[0].z = -1;
+    effective[i] = masses[i] / (1 + masses[i]);
+    ck_assert_double_gt(damping[i], 1);
+  }
+  ck_near(damping[1] / damping[0], sqrt(effective[1] / effective[0]), 1e-9);
+  ck_near(damping[2] / damping[0], sqrt(effective[2] / effective[0]), 1e-9);
+  rig_free(r);
+}
+END_TEST
+
 START_TEST(test_rayleigh) {
   ck_near(dem_rayleigh(0.05, 1000, 1e8, 0.2), 5.46e-4, 0.5e-6); /* [L18] Eq. 26 with the parenthesis outside the root */
 }
@@ -285,4 +316,4 @@ END_TEST
 
 TEST_MAIN("dem contact", 120, test_hertz_impact, test_damping_ratio, test_restitution, test_verlet_order,
           test_sliding_to_rolling, test_incline, test_gross_sliding, test_oblique_impact, test_no_energy_from_springs,
-          test_effective_mass, test_rayleigh)
+          test_effective_mass, test_mass_that_changes, test_rayleigh)

@@ -1,0 +1,179 @@
+/* tandem sweep: the grid, its rows, resuming, cells that fail or are unstable. */
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <jansson.h>
+#include <math.h>
+
+/* spring_damper with 20 particles and a short run: same reference, small fill. */
+static const char scene[] =
+    "{\"scenario\": \"spring_damper\", \"time\": {\"end\": 0.3, \"dt\": 2e-4},\n"
+    " \"coupling\": {\"n\": 5, \"bodies\": [{\"mbd\": \"box\", \"dem\": \"box\"}]},\n"
+    " \"mbd\": {\"bodies\": [{\"name\": \"box\", \"mass\": 10, \"inertia\": [1, 1, 1], \"position\": [0, 0, 0]}],\n"
+    "  \"joints\": [{\"name\": \"guide\", \"type\": \"prismatic\", \"bodies\": [\"ground\", \"box\"], \"point\": [0, "
+    "0, 0],\n"
+    "   \"axis\": [0, 0, 1]}],\n"
+    "  \"forces\": [{\"name\": \"spring\", \"type\": \"spring_damper\", \"bodies\": [\"ground\", \"box\"],\n"
+    "   \"points\": [[0, 0, 3], [0, 0, 0]], \"stiffness\": 500, \"damping\": 50, \"preload\": 10}]},\n"
+    " \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, \"young_modulus\": 1e7, \"poisson_ratio\": "
+    "0.2}],\n"
+    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 0.9, \"friction\": 0.5}],\n"
+    "  \"bodies\": [{\"name\": \"box\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": [0.3, 0.3, "
+    "0.8],\n"
+    "   \"side\": \"inside\"}]}],\n"
+    "  \"particles\": [{\"type\": \"random\", \"material\": \"m\", \"count\": 20, \"radius\": 0.05, \"total_mass\": "
+    "20,\n"
+    "   \"region\": {\"min\": [-0.15, -0.15, -0.4], \"max\": [0.15, 0.15, 0.4]}}],\n"
+    "  \"settle\": {\"speed\": 5e-3}}}\n";
+
+static const char *dir;
+
+static void setup(void) {
+  dir = directory_make();
+  write_file(dir, "scene.json", scene);
+}
+
+static json_t *rows_of(const char *name) {
+  char file[256];
+  snprintf(file, sizeof file, "%s/%s", dir, name);
+  json_t *json = json_load_file(file, 0, NULL);
+  ck_assert_ptr_nonnull(json);
+  json_t *rows = json_incref(json_object_get(json, "rows"));
+  json_decref(json);
+  ck_assert(json_is_array(rows));
+  return rows;
+}
+
+static const char *text(const json_t *row, const char *key) {
+  return json_string_value(json_object_get(row, key));
+}
+
+START_TEST(a_grid_and_its_rows) {
+  setup();
+  int status = command("tandem sweep %s/scene.json --dt 2e-4,1e-4 --n 1,1000 --scheme lommen,hold --jobs 2 --out %s/s "
+                       "--json %s/rows.json",
+                       dir, dir, dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  expect_output("[8/8]");
+  json_t *rows = rows_of("rows.json");
+  ck_assert_uint_eq(json_array_size(rows), 8);
+  size_t i;
+  json_t *row;
+  int good = 0;
+  json_array_foreach(rows, i, row) {
+    static const char *const keys[] = {"dt",     "n",           "scheme", "settings", "status",         "reason",
+                                       "wall_s", "simulated_s", "r2",     "nse",      "energy_residual"};
+    for (int k = 0; k < 11; k++)
+      ck_assert_msg(json_object_get(row, keys[k]) != NULL, "no %s", keys[k]);
+    ck_assert(json_is_null(json_object_get(row, "energy_residual")));
+    json_t *r2 = json_object_get(row, "r2"), *nse = json_object_get(row, "nse");
+    ck_assert(json_object_get(r2, "x") && json_object_get(r2, "v") && json_object_get(r2, "F") &&
+              json_object_get(r2, "F_20ms"));
+    ck_assert_uint_eq(json_object_size(nse), 2);
+    ck_assert_double_eq(json_number_value(json_object_get(json_object_get(row, "settings"), "time.dt")),
+                        json_number_value(json_object_get(row, "dt")));
+    if (json_integer_value(json_object_get(row, "n")) == 1) {
+      ck_assert_msg(strcmp(text(row, "status"), "ok") == 0, "%s: %s", text(row, "status"), text(row, "reason"));
+      ck_assert_double_gt(json_number_value(json_object_get(nse, "x")), 0.99);
+      good++;
+    } else { /* windows of 0.1 s with a fill twice as heavy as the box */
+      ck_assert_str_eq(text(row, "status"), "unstable");
+      ck_assert_ptr_nonnull(strstr(text(row, "reason"), " s"));
+    }
+  }
+  ck_assert_int_eq(good, 4);
+  json_decref(rows);
+  static const char *const files[] = {"sweep.json",
+                                      "sweep.csv",
+                                      "table.html",
+                                      "cost.png",
+                                      "heat_x.png",
+                                      "heat_v.png",
+                                      "cells/dt=2e-4_n=1_scheme=lommen/comparison.png"};
+  for (int k = 0; k < 7; k++)
+    ck_assert_msg(command("test -s %s/s/%s", dir, files[k]) == 0, "no %s", files[k]);
+  ck_assert_int_eq(command("ls %s/s/bed_0", dir), 0); /* one bed for all cells */
+  ck_assert_int_ne(command("ls %s/s/bed_1", dir), 0);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(resuming_keeps_what_is_there) {
+  setup();
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5,10 --out %s/s", dir, dir), 0);
+  ck_assert_int_eq(command("rm %s/s/cells/n=10/row.json", dir), 0);
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5,10,20 --out %s/s --resume", dir, dir), 0);
+  expect_output("1 of 3 cells are there already");
+  expect_output("[3/3]");
+  json_t *rows = rows_of("s/sweep.json");
+  ck_assert_uint_eq(json_array_size(rows), 3);
+  json_decref(rows);
+  /* another scene: nothing is kept */
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5 --set time.end=0.2 --out %s/s --resume", dir, dir), 0);
+  ck_assert_ptr_null(strstr(command_output, "there already"));
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(failing_cells_are_results) {
+  setup();
+  ck_assert_int_eq(
+      command("tandem sweep %s/scene.json --n 5,0 --set 'dem.pairs[0].friction=0.5,-1' --out %s/s", dir, dir), 0);
+  json_t *rows = rows_of("s/sweep.json");
+  ck_assert_uint_eq(json_array_size(rows), 4);
+  int failed = 0;
+  for (size_t i = 0; i < 4; i++) {
+    json_t *row = json_array_get(rows, i);
+    if (strcmp(text(row, "status"), "failed") != 0)
+      continue;
+    failed++;
+    ck_assert(json_is_null(json_object_get(json_object_get(row, "nse"), "x")));
+    ck_assert(json_is_null(json_object_get(json_object_get(row, "r2"), "F_20ms")));
+    ck_assert(strstr(text(row, "reason"), "at least 1") || strstr(text(row, "reason"), "0 or greater"));
+  }
+  ck_assert_int_eq(failed, 3);
+  json_decref(rows);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(interrupted_and_resumed) {
+  setup();
+  char file[128], out[128];
+  snprintf(file, sizeof file, "%s/scene.json", dir);
+  snprintf(out, sizeof out, "%s/s", dir);
+  const char *const arguments[] = {"sweep",  file, "--n",   "5,1", "--set", "time.end=0.3,1e5",
+                                   "--jobs", "2",  "--out", out,   NULL};
+  pid_t pid = background(dir, arguments);
+  for (int i = 0; i < 200 && command("test -s %s/cells/n=5_end=0.3/row.json", out) != 0; i++)
+    usleep(50000);
+  sleep(1);
+  kill(pid, SIGTERM);
+  ck_assert_int_eq(background_end(pid, 15), 130);
+  background_output(dir);
+  expect_output("--resume continues the sweep");
+  expect_nothing_left(dir);
+  json_t *rows = rows_of("s/sweep.json");
+  ck_assert_uint_ge(json_array_size(rows), 1); /* what was done is there; the endless cells are not */
+  ck_assert_uint_le(json_array_size(rows), 2);
+  json_decref(rows);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(wrong_command_lines) {
+  setup();
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5,,10", dir), 2);
+  expect_output("an empty value");
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --jobs none", dir), 2);
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5 --set coupling.n=3", dir), 2);
+  expect_output("given twice");
+  ck_assert_int_eq(command("tandem run %s/scene.json --dt 1e-4", dir), 2);
+  expect_output("--dt does not go with this command");
+  ck_assert_int_eq(command("tandem sweep %s/nothing.json --n 5 --out %s/s", dir, dir), 1);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("sweep", 180, a_grid_and_its_rows, resuming_keeps_what_is_there, failing_cells_are_results,
+          interrupted_and_resumed, wrong_command_lines)
