@@ -58,6 +58,7 @@ static void catch_signals(void) {
   sigaction(SIGTERM, &action, NULL);
   sigaction(SIGHUP, &action, NULL);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN); /* a file at its size limit is an error of the write, as on a full disk */
 }
 
 static int finish(const tdm_error *err) {

@@ -234,16 +234,17 @@ static tdm_status write_csv(const cpl_sweep_options *o, const cpl_cell *cell, in
 
 static void plot_cost(const cpl_sweep_options *o, tdm_error *err) {
   static const cpl_curve curves[] = {
-      {"sweep.csv", "($5):($6)", "cells", "points pt 7 ps 1.2"},
-      {"sweep.csv", "($7 == 1 ? $5 : NaN):($6)", "Pareto front: none is both cheaper and better",
+      {"sweep.csv", "($5):($6 > 10 ? 10 : $6)", "cells (errors above 10 are drawn at 10)", "points pt 7 ps 1.2"},
+      {"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6)", "Pareto front: none is both cheaper and better",
        "points pt 6 ps 2.4 lw 2"},
-      {"sweep.csv", "($5):($6):(sprintf('%.0e n=%g %s', $1, $2, strcol(3)))", "", "labels left offset 1,0.4 font ',8'"},
+      {"sweep.csv", "($5):($6 > 10 ? 10 : $6):(sprintf('%.0e n=%g %s', $1, $2, strcol(3)))", "",
+       "labels left rotate by 50 offset 0.4,0.6 font ',7'"},
   };
   static const cpl_plot plot = {
       "Error against run time (cells without numbers are left out)",
       "wall time [s]",
       "largest 1 - nse of the states",
-      "set logscale xy\nset format '%g'\nset offsets graph 0.05, graph 0.25, graph 0.05, graph 0.05\n",
+      "set logscale xy\nset format '%g'\nset offsets graph 0.05, graph 0.1, graph 0.6, graph 0.05\n",
       3,
       curves};
   cpl_plot_write(o->out, "cost", 1, &plot, err);

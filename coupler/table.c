@@ -36,6 +36,8 @@ static double *read_rows(cpl_table *t, FILE *f, char **line, size_t *size, int *
       rows = larger;
       capacity *= 2;
     }
+    if (!strchr(*line, '\n'))
+      break; /* the last row of a run that was cut short, not whole */
     char *p = *line;
     for (int c = 0; c < t->ncolumn; c++) {
       char *end;

@@ -324,6 +324,29 @@ START_TEST(a_report_plots_and_keeps_the_logs) {
 }
 END_TEST
 
+START_TEST(a_full_disk_leaves_readable_results) {
+  /* a limit on the size of files makes writes fail as a full disk does */
+  setup();
+  int status = command(
+      "sh -c 'ulimit -f 200; tandem run %s/scene.json --out %s/out --set time.end=20 --set coupling.n=50'", dir, dir);
+  ck_assert_msg(status == 1, "%d: %s", status, command_output);
+  expect_output("a time history cannot be written");
+  expect_output("what is there stays readable");
+  cpl_table t;
+  tdm_error err = {0};
+  read_body(&t, "out");
+  ck_assert_int_gt(t.nrow, 100);
+  const double *time = cpl_table_column(&t, "time", &err), *z = cpl_table_column(&t, "z", &err);
+  for (int i = 0; i < t.nrow; i++) {
+    ck_assert_double_eq_tol(time[i], i * 1e-3, 1e-9);
+    ck_assert_double_lt(fabs(z[i]), 1);
+  }
+  cpl_table_free(&t);
+  expect_nothing_left(dir);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(check_tells_what_would_run) {
   setup();
   ck_assert_int_eq(command("tandem check %s/scene.json --out %s/out", dir, dir), 0);
@@ -386,4 +409,5 @@ TEST_MAIN("runs", 120, runs_are_bit_identical, the_grid_does_not_depend_on_n, th
           loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
           a_solver_killed_at_a_random_window, the_summary_tells_how_it_went, ctrl_c_while_settling_as_threads,
           a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal, an_installed_tandem_finds_its_own,
-          result_directories_are_guarded, a_report_plots_and_keeps_the_logs, check_tells_what_would_run)
+          result_directories_are_guarded, a_report_plots_and_keeps_the_logs, check_tells_what_would_run,
+          a_full_disk_leaves_readable_results)
