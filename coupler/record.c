@@ -185,6 +185,16 @@ tdm_status cpl_record_json(const cpl_record *record, const char *name, const jso
   return TDM_OK;
 }
 
+json_t *cpl_record_read(const char *dir, const char *name, tdm_error *err) {
+  char path[4352];
+  json_error_t where;
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  json_t *json = json_load_file(path, 0, &where);
+  if (!json)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %s; give the directory of a run (--out of tandem run)", path, where.text);
+  return json;
+}
+
 tdm_status cpl_record_close(cpl_record *record, tdm_error *err) {
   tdm_error late = {0};
   if (record->body)

@@ -44,6 +44,9 @@ tdm_status cpl_record_samples(cpl_record *record, uint64_t first, int nsample, c
 /* Write `json` (borrowed) as a file of the directory. */
 tdm_status cpl_record_json(const cpl_record *record, const char *name, const json_t *json, tdm_error *err);
 
+/* Read a JSON file of a result directory (new reference); NULL and an error when `dir` is none. */
+json_t *cpl_record_read(const char *dir, const char *name, tdm_error *err);
+
 /* Close the time histories. An error of the disk that came up late is reported here. */
 tdm_status cpl_record_close(cpl_record *record, tdm_error *err);
 

@@ -1,6 +1,7 @@
 #include "coupler/report.h"
 
-#include "coupler/settings.h"
+#include "coupler/html.h"
+#include "coupler/record.h"
 #include "coupler/table.h"
 
 #include <errno.h>
@@ -182,28 +183,15 @@ static void compare(report *r, const cpl_scenario *scenario, FILE *page) {
 
 /* ---- the page ---- */
 
-static void write_text(FILE *f, const char *text) {
-  for (; *text; text++)
-    if (*text == '<')
-      fputs("&lt;", f);
-    else if (*text == '&')
-      fputs("&amp;", f);
-    else
-      fputc(*text, f);
-}
-
 static void write_head(FILE *page, const report *r) {
   static const char *const keys[] = {"scene", "status", "error"};
-  fputs("<!doctype html>\n<meta charset=\"utf-8\">\n<title>tandem report</title>\n"
-        "<style>body{font-family:sans-serif;max-width:60em;margin:2em auto}img{width:100%}"
-        "td,th{padding:0.2em 1em;text-align:right}</style>\n<h1>tandem report</h1>\n",
-        page);
+  cpl_html_head(page, "tandem report");
   for (int i = 0; i < 3; i++) {
     const char *value = json_string_value(json_object_get(r->summary, keys[i]));
     if (!value)
       continue;
     fprintf(page, "<p>%s: ", keys[i]);
-    write_text(page, value);
+    cpl_html_text(page, value);
     fputs("</p>\n", page);
   }
   fprintf(page, "<p>simulated: %g s in %lld windows, %.2f s wall</p>\n",
@@ -230,19 +218,9 @@ static tdm_status write_report(report *r, const cpl_scenario *scenario, tdm_erro
   return err->status;
 }
 
-static json_t *read_json(const char *dir, const char *name, tdm_error *err) {
-  char path[4352];
-  json_error_t where;
-  snprintf(path, sizeof path, "%s/%s", dir, name);
-  json_t *json = json_load_file(path, 0, &where);
-  if (!json)
-    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %s; give the directory of a run (--out of tandem run)", path, where.text);
-  return json;
-}
-
 tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error *err) {
-  json_t *scene = read_json(dir, "scene.json", err);
-  json_t *summary = scene ? read_json(dir, "summary.json", err) : NULL;
+  json_t *scene = cpl_record_read(dir, "scene.json", err);
+  json_t *summary = scene ? cpl_record_read(dir, "summary.json", err) : NULL;
   report *r = calloc(1, sizeof *r);
   if (!r)
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");

@@ -1,7 +1,7 @@
 /* What a sweep leaves: the table, the JSON, heat maps, error against run time. */
 #include "coupler/sweep.h"
 
-#include "coupler/find.h"
+#include "coupler/html.h"
 #include "coupler/table.h"
 
 #include <errno.h>
@@ -100,16 +100,6 @@ static void print_table(const cpl_cell *cell, int ncell, const columns *c, const
   }
 }
 
-static void html_text(FILE *f, const char *text) {
-  for (; *text; text++)
-    if (*text == '<')
-      fputs("&lt;", f);
-    else if (*text == '&')
-      fputs("&amp;", f);
-    else
-      fputc(*text, f);
-}
-
 static void html_number(FILE *f, double x) {
   if (isnan(x))
     fputs("<td>–</td>", f);
@@ -129,12 +119,8 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
   FILE *f;
   if (open_file(o, "table.html", &f, err) != TDM_OK)
     return err->status;
-  fputs(
-      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>tandem "
-      "sweep</title>\n<style>body{font-family:sans-serif;margin:2em}"
-      "td,th{padding:0.2em 0.8em;text-align:right}.good{background:#cdeccd}img{max-width:60em;display:block}</style>\n"
-      "<h1>tandem sweep</h1>\n<p>Marked: above 0.99.</p>\n<table>\n<tr><th>cell</th><th>status</th><th>wall [s]</th>",
-      f);
+  cpl_html_head(f, "tandem sweep");
+  fputs("<p>Marked: above 0.99.</p>\n<table>\n<tr><th>cell</th><th>status</th><th>wall [s]</th>", f);
   for (int i = 0; i < c->nstate; i++)
     fprintf(f, "<th>nse %s</th>", c->state[i]);
   for (int i = 0; i < c->nname; i++)
@@ -147,7 +133,7 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
     if (!row)
       continue;
     fprintf(f, "<tr><td><a href=\"%s/comparison.png\">", cell[k].dir + strlen(o->out) + 1);
-    html_text(f, cell[k].name);
+    cpl_html_text(f, cell[k].name);
     fprintf(f, "</a></td><td>%s</td><td>%.1f</td>", text_of(row, "status"), number_of(row, NULL, "wall_s"));
     for (int i = 0; i < c->nstate; i++)
       html_number(f, number_of(row, "nse", c->state[i]));
@@ -156,7 +142,7 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
     for (int i = 0; paper->nrow && i < c->nname; i++)
       html_number(f, published(paper, row, c->name[i]));
     fputs("<td>", f);
-    html_text(f, text_of(row, "reason"));
+    cpl_html_text(f, text_of(row, "reason"));
     fputs("</td></tr>\n", f);
   }
   fputs("</table>\n<img src=\"cost.png\" alt=\"error against run time\">\n", f);

@@ -4,7 +4,8 @@
 
 #include "protocol/status.h"
 
-/* A CSV file with one header line; columns are kept one after the other. A last row without its line break is left out. */
+/* A CSV file with one header line; columns are kept one after the other. A last row without its line break is left out.
+ */
 typedef struct {
   int ncolumn, nrow;
   char **name;  /* (ncolumn) without the unit: "x" of "x [m]" */

@@ -1,23 +1,15 @@
 #include "scenarios/support.h"
 
+#include "coupler/record.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static json_t *read_json(const char *dir, const char *name, tdm_error *err) {
-  char file[4096];
-  json_error_t where;
-  snprintf(file, sizeof file, "%s/%s", dir, name);
-  json_t *json = json_load_file(file, 0, &where);
-  if (!json)
-    tdm_fail(err, TDM_ERR_FILE, NULL, "%s:%d: %s; is this the directory of a run?", file, where.line, where.text);
-  return json;
-}
-
 tdm_status scn_result_read(scn_result *r, const char *dir, tdm_error *err) {
   char file[4352];
-  r->scene = read_json(dir, "scene.json", err);
-  r->summary = r->scene ? read_json(dir, "summary.json", err) : NULL;
+  r->scene = cpl_record_read(dir, "scene.json", err);
+  r->summary = r->scene ? cpl_record_read(dir, "summary.json", err) : NULL;
   if (!r->summary)
     return err->status;
   const json_t *bodies = json_object_get(json_object_get(r->scene, "coupling"), "bodies");

@@ -192,6 +192,10 @@ START_TEST(a_solver_without_a_server_gives_up) {
   ck_assert_int_eq(command("tandem-mbd --connect ipc:///tmp/tandem-test-nobody --timeout 0.5"), 1);
   expect_output("nothing heard from the server");
   ck_assert_int_lt((int)(time(NULL) - begin), 10);
+  ck_assert_int_eq(command("tandem-dem --connect tcp://127.0.0.1:1 --timeout 0.5"), 1);
+  expect_output("nothing heard from the server at tcp://127.0.0.1:1");
+  ck_assert_int_eq(command("tandem-dem --connect nonsense"), 1);
+  expect_output("cannot connect to nonsense");
   ck_assert_int_eq(command("tandem-dem --conect ipc:///tmp/x"), 2);
   expect_output("wrong option");
   ck_assert_int_eq(command("tandem-dem"), 2);

@@ -1,0 +1,13 @@
+/* The little HTML that reports and sweeps write. */
+#ifndef CPL_HTML_H
+#define CPL_HTML_H
+
+#include <stdio.h>
+
+/* A page's head, with its title as heading, and the styles of tables and pictures. */
+void cpl_html_head(FILE *page, const char *title);
+
+/* Text, with < and & written as entities. */
+void cpl_html_text(FILE *page, const char *text);
+
+#endif
