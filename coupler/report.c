@@ -92,8 +92,11 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
       if (++column > 1)
         add_column(p, file, cell, column);
     }
-    if (p->nplot > 0 && cpl_plot_write(r->dir, picture, p->nplot, p->plot, err) == TDM_OK)
+    tdm_error plot = {0};
+    if (p->nplot > 0 && cpl_plot_write(r->dir, picture, p->nplot, p->plot, &plot) == TDM_OK)
       add_picture(r, picture);
+    else if (p->nplot > 0)
+      fprintf(stderr, "tandem: notice: %s\n", plot.message);
   }
   free(line);
   free(p);

@@ -28,6 +28,10 @@ tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *li
   int depth = 0;
   bool quoted = false;
   for (const char *c = list;; c++) {
+    if (quoted && *c == '\\' && c[1]) {
+      c++;
+      continue;
+    }
     quoted = *c == '"' ? !quoted : quoted;
     depth += !quoted && (*c == '[' || *c == '{');
     depth -= !quoted && (*c == ']' || *c == '}');
@@ -36,7 +40,16 @@ tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *li
     if (c == start || axis->nvalue == CPL_VALUES_MAX)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s=%s: %s", path, list,
                       c == start ? "an empty value" : "too many values");
-    axis->value[axis->nvalue++] = strndup(start, (size_t)(c - start));
+    char *value = strndup(start, (size_t)(c - start));
+    for (int i = 0; value && i < axis->nvalue; i++)
+      if (strcmp(axis->value[i], value) == 0)
+        tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s has the value %.100s twice", path, value);
+    axis->value[axis->nvalue] = value;
+    if (!value)
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+    axis->nvalue++;
+    if (err->status != TDM_OK)
+      return err->status;
     start = c + 1;
     if (!*c)
       return TDM_OK;
@@ -55,60 +68,97 @@ static bool shares_bed(const char *path) {
   return strncmp(path, "time.", 5) == 0 || strncmp(path, "coupling.", 9) == 0 || strncmp(path, "output.", 7) == 0;
 }
 
-/* Cell number -> values of its axes; the first axis runs slowest. Returns the number of its bed. */
-static int fill_cell(const cpl_sweep_options *o, int index, cpl_cell *cell) {
-  int bed = 0, value[CPL_AXES_MAX];
+/* FNV-1a, 64 bits */
+static uint64_t hash_text(const char *text) {
+  uint64_t h = 0xcbf29ce484222325u;
+  for (; *text; text++)
+    h = (h ^ (unsigned char)*text) * 0x100000001b3u;
+  return h;
+}
+
+/* The directory of a cell: its name with other characters for those that are awkward; a long one is cut and gets its
+ * hash, so that cells stay apart. */
+static void choose_dir(const cpl_sweep_options *o, const char *full_name, cpl_cell *cell) {
+  int n = snprintf(cell->dir, sizeof cell->dir, "%s/cells/", o->out);
+  bool awkward = strlen(full_name) > 200;
+  snprintf(cell->dir + n, sizeof cell->dir - (size_t)n, "%.200s", full_name);
+  for (char *c = cell->dir + n; *c; c++)
+    if (!isalnum((unsigned char)*c) && !strchr("=._-+", *c)) {
+      awkward = awkward || *c != ' ';
+      *c = '_';
+    }
+  if (awkward)
+    snprintf(cell->dir + strlen(cell->dir), 20, "_%08x", (unsigned)hash_text(full_name));
+}
+
+/* Cell number -> values of its axes; the first axis runs slowest. */
+static tdm_status fill_cell(const cpl_sweep_options *o, int index, cpl_cell *cell, tdm_error *err) {
+  int value[CPL_AXES_MAX];
+  char *name = strdup("");
   for (int a = o->naxis - 1; a >= 0; a--) {
     value[a] = index % o->axis[a].nvalue;
     index /= o->axis[a].nvalue;
   }
-  for (int a = 0; a < o->naxis; a++) {
+  for (int a = 0; a < o->naxis && name; a++) {
     const cpl_axis *axis = &o->axis[a];
     const char *last = strrchr(axis->path, '.') ? strrchr(axis->path, '.') + 1 : axis->path;
-    size_t used = strlen(cell->name);
-    snprintf(cell->name + used, sizeof cell->name - used, "%s%s=%s", a ? " " : "", last, axis->value[value[a]]);
-    snprintf(cell->assignment[a], sizeof cell->assignment[a], "%s=%s", axis->path, axis->value[value[a]]);
+    char *longer = NULL;
+    if (asprintf(&longer, "%s%s%s=%s", name, a ? " " : "", last, axis->value[value[a]]) < 0 ||
+        asprintf(&cell->assignment[a], "%s=%s", axis->path, axis->value[value[a]]) < 0)
+      tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     cell->set[a] = cell->assignment[a];
-    if (!shares_bed(axis->path))
-      bed = bed * axis->nvalue + value[a];
+    free(name);
+    name = longer;
   }
-  int n = snprintf(cell->dir, sizeof cell->dir, "%s/cells/", o->out);
-  snprintf(cell->dir + n, sizeof cell->dir - (size_t)n, "%s", cell->name);
-  for (char *c = cell->dir + n; *c; c++)
-    if (!isalnum((unsigned char)*c) && !strchr("=._-+", *c))
-      *c = '_';
-  return bed;
+  snprintf(cell->name, sizeof cell->name, "%s", name ? name : "");
+  tdm_utf8_clean(cell->name);
+  choose_dir(o, name ? name : "", cell);
+  free(name);
+  return err->status;
 }
 
 /* ---- the settled bed ---- */
 
-/* Let a cell take its bed from a file that all cells with the same bed share; only tandem's own DEM knows the key. */
-static void share_bed(const cpl_sweep_options *o, const tdm_scene *scene, int bed, cpl_cell *cell) {
-  char path[4096];
-  if (!tdm_scene_value(scene->root, "dem.settle") || tdm_scene_value(scene->root, "dem.settle.store") ||
-      tdm_scene_value(scene->root, "coupling.solvers.dem"))
-    return;
-  snprintf(path, sizeof path, "%s/bed_%d", o->out, bed);
-  if (snprintf(cell->assignment[o->naxis], sizeof cell->assignment[0], "dem.settle.store=%s", path) <
-      (int)sizeof cell->assignment[0])
-    cell->set[o->naxis] = cell->assignment[o->naxis];
+/* Let a cell take its bed from a file that all cells with the same bed share: its name is the hash of all of the scene
+ * that is neither time, coupling nor output. Only tandem's own DEM knows the key. */
+static void share_bed(const cpl_sweep_options *o, cpl_cell *cell) {
+  static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema"};
+  tdm_scene scene = {0};
+  tdm_error err = {0};
+  if (tdm_scene_read(&scene, o->scene, &err) == TDM_OK) {
+    for (const char *const *set = cell->set; *set; set++)
+      tdm_scene_set(&scene, *set, &err);
+    bool ours = tdm_scene_value(scene.root, "dem.settle") && !tdm_scene_value(scene.root, "dem.settle.store") &&
+                !tdm_scene_value(scene.root, "coupling.solvers.dem");
+    for (int i = 0; i < 6; i++)
+      json_object_del(scene.root, others[i]);
+    char *text = ours ? json_dumps(scene.root, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
+    if (text && asprintf(&cell->assignment[o->naxis], "dem.settle.store=%s/bed_%016llx", o->out,
+                         (unsigned long long)hash_text(text)) > 0)
+      cell->set[o->naxis] = cell->assignment[o->naxis];
+    free(text);
+  }
+  tdm_scene_destroy(&scene);
 }
 
 /* Settle once for each bed, before cells run side by side. A bed that cannot be made fails in its cells, with words. */
 static void make_beds(const cpl_sweep_options *o, const cpl_cell *cell, int ncell) {
-  for (int i = 0; i < ncell; i++) {
-    const char *store = cell[i].set[o->naxis];
-    bool first = store != NULL;
-    for (int j = 0; j < i && first; j++)
-      first = strcmp(cell[j].assignment[o->naxis], store) != 0;
-    if (!first || cell[i].row || access(strchr(store, '=') + 1, R_OK) == 0)
+  for (int i = 0; i < ncell && !cpl_interrupted; i++) {
+    const char *store = cell[i].assignment[o->naxis], *set[CPL_AXES_MAX + 2];
+    if (!store || cell[i].row || access(strchr(store, '=') + 1, R_OK) == 0)
       continue;
+    int nset = 0; /* what has nothing to do with the bed may be wrong in this cell: leave it out */
+    for (int a = 0; a < o->naxis; a++)
+      if (!shares_bed(o->axis[a].path))
+        set[nset++] = cell[i].assignment[a];
+    set[nset++] = store;
+    set[nset] = NULL;
     tdm_error err = {0};
     cpl_run_result result;
     char out[4200];
     snprintf(out, sizeof out, "%s/bed-out", o->out);
     fprintf(stderr, "tandem: settling the bed\n");
-    cpl_run_options run = {.scene = o->scene, .set = cell[i].set, .out = out, .quiet = true, .check = true};
+    cpl_run_options run = {.scene = o->scene, .set = set, .out = out, .quiet = true, .check = true};
     memcpy(run.solver, o->solver, sizeof run.solver);
     cpl_run(&run, &result, &err);
   }
@@ -134,6 +184,11 @@ static json_t *earlier_row(const cpl_sweep_options *o, const cpl_cell *cell) {
     row_file(cell, file, sizeof file);
     if (json_equal(before, scene.root))
       row = json_load_file(file, 0, NULL);
+    const char *status = json_string_value(json_object_get(row, "status"));
+    if (row && (!status || strcmp(status, "failed") == 0)) { /* what failed is tried again */
+      json_decref(row);
+      row = NULL;
+    }
   }
   tdm_scene_destroy(&scene);
   json_decref(before);
@@ -150,9 +205,13 @@ typedef struct {
 
 /* A cell in a process of its own: whatever happens to it, the sweep goes on. */
 static pid_t start_cell(const cpl_sweep_options *o, const cpl_cell *cell) {
+  static const char *const old[] = {"row.json", "scene.json", "summary.json", "comparison.csv", "comparison.png"};
   char file[4352];
+  for (int i = 0; i < 5; i++) { /* a cell that fails early must not stand beside another scene's results */
+    snprintf(file, sizeof file, "%s/%s", cell->dir, old[i]);
+    unlink(file);
+  }
   row_file(cell, file, sizeof file);
-  unlink(file);
   fflush(NULL);
   pid_t pid = fork();
   if (pid != 0)
@@ -238,9 +297,8 @@ static tdm_status prepare(const cpl_sweep_options *o, cpl_cell *cell, int ncell,
     cpl_scenario_of(o->scenarios, scene.root, err);
   tdm_scene_locate(&scene, err);
   if (err->status == TDM_OK && cpl_make_directory(dir, err) == TDM_OK)
-    for (int i = 0; i < ncell; i++) {
-      int bed = fill_cell(o, i, &cell[i]);
-      share_bed(o, &scene, bed, &cell[i]);
+    for (int i = 0; i < ncell && fill_cell(o, i, &cell[i], err) == TDM_OK; i++) {
+      share_bed(o, &cell[i]);
       if (o->resume)
         cell[i].row = earlier_row(o, &cell[i]);
     }
@@ -255,6 +313,11 @@ tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
     if (ncell > 10000)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: more than 10000 cells");
   }
+  FILE *json = o->json ? fopen(o->json, "w") : NULL; /* better now than after the grid */
+  if (o->json && !json)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", o->json, strerror(errno));
+  if (json)
+    fclose(json);
   cpl_cell *cell = calloc((size_t)ncell, sizeof *cell);
   if (!cell)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
@@ -265,8 +328,11 @@ tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
     if (cpl_interrupted)
       tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; --resume continues the sweep");
   }
-  for (long i = 0; i < ncell; i++)
+  for (long i = 0; i < ncell; i++) {
     json_decref(cell[i].row);
+    for (int a = 0; a <= o->naxis; a++)
+      free(cell[i].assignment[a]);
+  }
   free(cell);
   return err->status;
 }

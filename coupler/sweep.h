@@ -1,8 +1,8 @@
 /* `tandem sweep`: a grid of runs of one scene, as [L18] Table II.
  *
- *   out/bed_<k>           the settled bed that cells share (one for each combination of other settings)
+ *   out/bed_<hash>        the settled bed that cells share (one for each combination of other settings)
  *   out/cells/<name>/     result directory of a cell, its comparison, and row.json, which --resume reads
- *   out/sweep.json, sweep.csv, table.html, heat_<scheme>.png, cost.png
+ *   out/sweep.json, sweep.csv, table.html, heat_<state>.png, cost.png
  *
  * A cell that fails or is unstable is a result, not a failure of the sweep.
  */
@@ -42,11 +42,11 @@ tdm_status cpl_sweep(const cpl_sweep_options *options, tdm_error *err);
 /* ---- one cell (sweep_cell.c) ---- */
 
 typedef struct {
-  char name[512];                         /* "dt=1e-5 n=10 scheme=lommen" */
-  char dir[4096];                         /* its result directory */
-  char assignment[CPL_AXES_MAX + 1][512]; /* "path=value" for each axis, then the stored bed's */
-  const char *set[CPL_AXES_MAX + 2];      /* the same, NULL-terminated */
-  json_t *row;                            /* NULL until it was tried */
+  char name[512];                     /* "dt=1e-5 n=10 scheme=lommen" */
+  char dir[4096];                     /* its result directory */
+  char *assignment[CPL_AXES_MAX + 1]; /* "path=value" for each axis, then the stored bed's; owned */
+  const char *set[CPL_AXES_MAX + 2];  /* the same, NULL-terminated */
+  json_t *row;                        /* NULL until it was tried */
 } cpl_cell;
 
 /* Run a cell and judge it: a row as the JSON contract of the sweep has it (new reference). */

@@ -46,8 +46,12 @@ static columns find_columns(const cpl_cell *cell, int ncell) {
 
 /* published.csv beside the scene: dt, n, and r2_<name> columns; zeroed when there is none. */
 static cpl_table read_published(const cpl_sweep_options *o) {
+  static const char *const axes[] = {"time.dt", "coupling.n", "coupling.scheme"};
   char file[4200];
   cpl_table t = {0};
+  for (int a = 0; a < o->naxis; a++) /* with anything else changed it is not the paper's run */
+    if (strcmp(o->axis[a].path, axes[0]) && strcmp(o->axis[a].path, axes[1]) && strcmp(o->axis[a].path, axes[2]))
+      return t;
   const char *slash = strrchr(o->scene, '/');
   snprintf(file, sizeof file, "%.*spublished.csv", slash ? (int)(slash - o->scene) + 1 : 0, o->scene);
   if (access(file, R_OK) == 0)
@@ -57,6 +61,8 @@ static cpl_table read_published(const cpl_sweep_options *o) {
 
 static double published(const cpl_table *t, const json_t *row, const char *name) {
   char column[64];
+  if (strcmp(text_of(row, "scheme"), "lommen") != 0)
+    return NAN;
   snprintf(column, sizeof column, "r2_%s", name);
   const double *dt = cpl_table_column(t, "dt", NULL), *n = cpl_table_column(t, "n", NULL);
   const double *value = cpl_table_column(t, column, NULL);
@@ -83,7 +89,10 @@ static void print_table(const cpl_cell *cell, int ncell, const columns *c, const
     printf(" %6s%-4s", "nse_", c->state[i]);
   for (int i = 0; i < c->nname; i++)
     printf(" %4s%-6s", "r2_", c->name[i]);
-  puts(paper->nrow ? "  [L18] r2" : "");
+  for (int i = 0; paper->nrow && i < c->nname; i++)
+    if (strstr(c->name[i], "_20ms") == NULL)
+      printf(" [L18]r2_%-2s", c->name[i]);
+  puts("");
   for (int k = 0; k < ncell; k++) {
     const json_t *row = cell[k].row;
     if (!row)
@@ -132,9 +141,15 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
     const json_t *row = cell[k].row;
     if (!row)
       continue;
-    fprintf(f, "<tr><td><a href=\"%s/comparison.png\">", cell[k].dir + strlen(o->out) + 1);
+    char picture[4352];
+    snprintf(picture, sizeof picture, "%s/comparison.png", cell[k].dir);
+    bool curves = access(picture, R_OK) == 0;
+    fputs("<tr><td>", f);
+    if (curves)
+      fprintf(f, "<a href=\"%s\">", picture + strlen(o->out) + 1);
     cpl_html_text(f, cell[k].name);
-    fprintf(f, "</a></td><td>%s</td><td>%.1f</td>", text_of(row, "status"), number_of(row, NULL, "wall_s"));
+    fprintf(f, "%s</td><td>%s</td><td>%.1f</td>", curves ? "</a>" : "", text_of(row, "status"),
+            fmax(0, number_of(row, NULL, "wall_s")));
     for (int i = 0; i < c->nstate; i++)
       html_number(f, number_of(row, "nse", c->state[i]));
     for (int i = 0; i < c->nname; i++)
@@ -145,7 +160,9 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
     cpl_html_text(f, text_of(row, "reason"));
     fputs("</td></tr>\n", f);
   }
-  fputs("</table>\n<img src=\"cost.png\" alt=\"error against run time\">\n", f);
+  fputs("</table>\n", f);
+  if (c->nstate > 0)
+    fputs("<img src=\"cost.png\" alt=\"error against run time\">\n", f);
   for (int i = 0; i < c->nstate; i++)
     fprintf(f, "<img src=\"heat_%s.png\" alt=\"nse of %s\">\n", c->state[i], c->state[i]);
   fclose(f);
@@ -252,14 +269,14 @@ static int distinct(const cpl_cell *cell, int ncell, const char *key, double *ou
   return n;
 }
 
-static int distinct_schemes(const cpl_cell *cell, int ncell, const char **out, int most) {
+static int distinct_schemes(const cpl_cell *cell, int ncell, const char *state, const char **out, int most) {
   int n = 0;
   for (int k = 0; k < ncell; k++) {
     const char *scheme = text_of(cell[k].row, "scheme");
     int i = 0;
     while (i < n && strcmp(out[i], scheme) != 0)
       i++;
-    if (i == n && n < most && *scheme)
+    if (i == n && n < most && !isnan(number_of(cell[k].row, "nse", state)))
       out[n++] = scheme;
   }
   return n;
@@ -272,7 +289,7 @@ static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, in
   double dt[CPL_VALUES_MAX], n[CPL_VALUES_MAX];
   const char *scheme[SCHEMES];
   int ndt = distinct(cell, ncell, "dt", dt, CPL_VALUES_MAX), nn = distinct(cell, ncell, "n", n, CPL_VALUES_MAX);
-  int nscheme = distinct_schemes(cell, ncell, scheme, SCHEMES);
+  int nscheme = distinct_schemes(cell, ncell, state, scheme, SCHEMES);
   char file[SCHEMES][64], title[SCHEMES][96], setup[4096] = "", name[64];
   cpl_curve curves[SCHEMES][2];
   cpl_plot plots[SCHEMES];
@@ -319,8 +336,11 @@ tdm_status cpl_sweep_report(const cpl_sweep_options *o, const cpl_cell *cell, in
   cpl_table paper = read_published(o);
   tdm_error plot = {0};
   print_table(cell, ncell, &c, &paper);
-  if (write_json(o, cell, ncell, err) == TDM_OK && write_csv(o, cell, ncell, &c, err) == TDM_OK)
-    write_html(o, cell, ncell, &c, &paper, err);
+  tdm_error html = {0};
+  write_csv(o, cell, ncell, &c, err);
+  write_html(o, cell, ncell, &c, &paper, &html);
+  if (html.status != TDM_OK)
+    tdm_fail(err, html.status, NULL, "%s", html.message);
   bool numbers = false;
   for (int k = 0; k < ncell; k++)
     numbers = numbers || !isnan(error_of(cell[k].row, &c));
@@ -331,6 +351,9 @@ tdm_status cpl_sweep_report(const cpl_sweep_options *o, const cpl_cell *cell, in
     if (plot.status != TDM_OK)
       fprintf(stderr, "tandem: notice: %s\n", plot.message);
   }
+  tdm_error json = {0};
+  if (write_json(o, cell, ncell, &json) != TDM_OK)
+    tdm_fail(err, json.status, NULL, "%s", json.message);
   cpl_table_free(&paper);
   printf("table, JSON, plots and the cells' curves in %s (table.html shows them)\n", o->out);
   return err->status;

@@ -1,6 +1,7 @@
 /* Storing settled beds: see bed.h. */
 #include "dem/bed.h"
 
+#include "dem/geometry/walls.h"
 #include "dem/search/pairs.h"
 
 #include <errno.h>
@@ -25,8 +26,8 @@ typedef struct {
   char magic[8];
   uint64_t version, fingerprint;
   uint64_t nparticle, npair, nwall; /* npair, nwall: contacts that touch */
-  uint64_t rest;
-  double dt, time, speed; /* of dem_settled */
+  uint64_t rest;                    /* bit 0: at rest, bit 1: lids pressed */
+  double dt, time, speed;           /* of dem_settled */
 } header;
 
 /* a contact's history: particle and partner (particle or wall) */
@@ -69,6 +70,10 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
     h = hash_vectors(h, &wall->point, 1);
     h = hash_vectors(h, &wall->normal, 1);
     h = hash_vectors(h, &wall->half, 1);
+  }
+  for (int k = 0; k < m->nbox; k++) {
+    const double lid[] = {m->box[k].lid, m->box[k].gap, m->box[k].press};
+    h = hash_numbers(h, lid, 3);
   }
   return h;
 }
@@ -168,6 +173,9 @@ static tdm_status read_bed(FILE *f, dem_data *d, dem_settled *out, tdm_error *er
                   "holds the bed of another scene (particles, materials, shapes, poses, gravity or dem.settle differ)");
   if (!get(f, d->position, (size_t)d->nparticle * sizeof *d->position, &sum))
     return refuse_short(f, d, err);
+  if (!get(f, d->lid, (size_t)d->model->nwall * sizeof *d->lid, &sum))
+    return refuse_short(f, d, err);
+  dem_walls_put(d);
   for (int i = 0; i < d->nparticle; i++)
     d->velocity[i] = d->spin[i] = tdm_v3(0, 0, 0);
   d->list_valid = false; /* histories of the start are not these */
@@ -179,7 +187,12 @@ static tdm_status read_bed(FILE *f, dem_data *d, dem_settled *out, tdm_error *er
     return refuse_short(f, d, err);
   if (stored != sum || !fits || fgetc(f) != EOF)
     return refuse(d, err, "is damaged");
-  *out = (dem_settled){.rest = h.rest != 0, .stored = true, .dt = h.dt, .time = h.time, .speed = h.speed};
+  *out = (dem_settled){.rest = (h.rest & 1) != 0,
+                       .pressed = (h.rest & 2) != 0,
+                       .stored = true,
+                       .dt = h.dt,
+                       .time = h.time,
+                       .speed = h.speed};
   return TDM_OK;
 }
 
@@ -237,12 +250,13 @@ static bool write_bed(FILE *f, const dem_data *d, const dem_settled *settled) {
               .nparticle = (uint64_t)d->nparticle,
               .npair = count_touching(&d->pairs),
               .nwall = count_touching(&d->walls),
-              .rest = settled->rest,
+              .rest = (uint64_t)settled->rest + 2 * (uint64_t)settled->pressed,
               .dt = settled->dt,
               .time = settled->time,
               .speed = settled->speed};
   memcpy(h.magic, magic, sizeof magic);
   return put(f, &h, sizeof h, &sum) && put(f, d->position, (size_t)d->nparticle * sizeof *d->position, &sum) &&
+         put(f, d->lid, (size_t)d->model->nwall * sizeof *d->lid, &sum) &&
          put_slots(f, &d->pairs, d->nparticle, &sum) && put_slots(f, &d->walls, d->nparticle, &sum) &&
          fwrite(&sum, sizeof sum, 1, f) == 1;
 }

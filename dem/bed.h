@@ -11,7 +11,7 @@
 
 /* A number that changes when the settled bed would: materials, pairs while settling, contact laws, walls, poses,
  * particles, gravity, settle keys. It does not depend on time.dt, the coupling, restitution and friction of the run,
- * sources, sinks, or where a lid will lie. */
+ * sources or sinks. */
 uint64_t dem_bed_fingerprint(const dem_model *model);
 
 /* Load settle.store into data, which is at the start; forces are not evaluated yet. *found is false when there is no

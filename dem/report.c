@@ -64,6 +64,15 @@ static void warn_start(dem_report *r, const dem_data *d, const dem_settled *sett
          "the bed did not come to rest within max_time = %g s: a particle still moves at %.3g m/s; raise "
          "max_time or speed (%g m/s), or lower restitution",
          m->settle.max_time, settled->speed, m->settle.speed);
+  if (!settled->pressed)
+    warn(r, "dem.bodies",
+         "a lid did not reach its force within dem.settle.max_time = %g s; lower \"press\", or raise max_time",
+         m->settle.max_time);
+  for (int k = 0; k < m->nbox; k++)
+    if (m->box[k].lid >= 0 && m->box[k].press > 0 && dem_deepest(d, m->box[k].lid) > 0.1)
+      warn(r, "dem.bodies",
+           "a lid is pressed %.2g of a radius into a particle; lower \"press\", or raise the stiffness",
+           dem_deepest(d, m->box[k].lid));
   if (m->settle.wanted && dem_count_lost(d) > 0)
     warn(r, "dem.settle",
          "%ld particles went through a wall while settling; reduce settle.dt (%g s) or start them with "

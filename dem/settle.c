@@ -102,7 +102,7 @@ static double move_lids(dem_data *d, double dt) {
 /* Press the lids on a settled bed until it is at rest under the wanted force: it has no free play then. */
 static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   const dem_settling *settle = &d->model->settle;
-  const double close_enough = 0.01;
+  const double close_enough = 0.01; /* of the wanted force */
   double quiet = choose_times(d, out), moved = 0;
   uint64_t still = 0, most = (uint64_t)fmin(ceil(settle->max_time / out->dt), 1e15);
   hold_bodies(d);
@@ -123,7 +123,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
       return err->status;
     still = pressed && fastest(d) < settle->speed ? still + 1 : 0;
   }
-  out->rest = out->rest && still > 0;
+  out->pressed = (double)still * out->dt >= quiet;
   stand_still(d);
   return dem_check_finite(d, out->time, err);
 }
@@ -135,29 +135,36 @@ static bool any_press(const dem_model *m) {
   return false;
 }
 
+/* settle, then put the lids on the bed and press them */
+static tdm_status settle_and_close(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+  if (settle(d, p, out, err))
+    return err->status;
+  dem_lids_place(d);
+  if (!any_press(d->model))
+    return TDM_OK;
+  if (!dem_forces_now(d, true))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  return press(d, p, out, err);
+}
+
 /* settle, or read what was settled before */
 static tdm_status settle_or_read(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   if (!d->model->settle.store)
-    return settle(d, p, out, err);
+    return settle_and_close(d, p, out, err);
   bool found;
   if (dem_bed_read(d, out, &found, err) || found)
     return err->status;
-  if (dem_bed_check_writable(d->model, err) || settle(d, p, out, err))
+  if (dem_bed_check_writable(d->model, err) || settle_and_close(d, p, out, err))
     return err->status;
   return dem_bed_write(d, out, err);
 }
 
 tdm_status dem_settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
-  *out = (dem_settled){.rest = true};
-  if (d->nparticle > 0 && settle_or_read(d, p, out, err))
+  *out = (dem_settled){.rest = true, .pressed = true};
+  if (d->nparticle == 0)
+    dem_lids_place(d);
+  else if (settle_or_read(d, p, out, err))
     return err->status;
-  dem_lids_place(d);
-  if (d->nparticle > 0 && any_press(d->model)) {
-    if (!dem_forces_now(d, true))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-    if (press(d, p, out, err))
-      return err->status;
-  }
   if (!dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   return TDM_OK;

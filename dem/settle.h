@@ -12,6 +12,7 @@
 
 typedef struct {
   bool rest;       /* the bed came to rest in time */
+  bool pressed;    /* lids that are to be pressed reached their force in time, or there are none */
   bool stored;     /* it came from the file settle.store */
   double dt, time; /* step, and simulated time that it took [s] */
   double speed;    /* largest particle speed at the end, before velocities were set to 0 [m/s] */

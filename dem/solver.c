@@ -167,7 +167,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_model *m = s->model;
   dem_data *d = s->data;
   int nbehind = 0;
-  dem_settled settled = {.rest = true};
+  dem_settled settled = {.rest = true, .pressed = true};
   if (dem_check_start(d, &nbehind, err))
     return err->status;
   if (m->settle.wanted && dem_settle(d, s->participant, &settled, err))

@@ -102,6 +102,16 @@ bool dem_lids_place(dem_data *d) {
   return any;
 }
 
+double dem_deepest(const dem_data *d, int w) {
+  double deepest = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    tdm_vec3 n;
+    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], d->position[i], &n);
+    deepest = fmax(deepest, 1 - gap / d->radius[i]);
+  }
+  return deepest;
+}
+
 double dem_lid_force(const dem_data *d, const dem_box *box) {
   const dem_model *m = d->model;
   double sum = 0;

@@ -29,6 +29,9 @@ long dem_count_lost(const dem_data *data);
 void dem_lids_away(dem_data *data);
 bool dem_lids_place(dem_data *data);
 
+/* Largest overlap of a particle with wall w, as a share of its radius. */
+double dem_deepest(const dem_data *data, int w);
+
 /* Elastic part of the force of the particles on a lid, along its outward normal [N]. */
 double dem_lid_force(const dem_data *data, const dem_box *box);
 

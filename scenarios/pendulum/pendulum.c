@@ -31,7 +31,7 @@ static double angle_at(motion m, double t) {
   return m.rate * m.rise * s * s * s * s * (2.5 - 3 * s + s * s);
 }
 
-/* [L18] Fig.: how far a path inside a window is from the arc that the box's centre goes, for windows of n steps. */
+/* How far a path inside a window is from the arc that the box's centre goes, for windows of n steps. */
 static void path_errors(double radius, double rate, double h, double *linear, double *hermite) {
   *linear = *hermite = 0;
   double turn = rate * h; /* the window from angle -turn/2 to turn/2 */

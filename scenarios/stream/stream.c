@@ -96,7 +96,14 @@ tdm_status scn_stream_compare(const char *dir, cpl_comparison *c, tdm_error *err
   const double *time = err->status == TDM_OK ? cpl_table_column(&r.body, "time", err) : NULL;
   const double *x = time ? cpl_table_column(&r.body, "x", err) : NULL;
   const double *vx = x ? cpl_table_column(&r.body, "vx", err) : NULL;
-  if (vx && cpl_comparison_init(c, r.body.nrow, time, err) == TDM_OK) {
+  const double *waiting = vx ? cpl_table_column(&r.dem, "source.feeder.waiting", NULL) : NULL;
+  for (int i = 0; waiting && i < r.dem.nrow; i++)
+    if (waiting[i] > 0) {
+      tdm_fail(err, TDM_ERR_SCENE, "dem.sources[0].rate",
+               "particles had to wait for room: the reference does not know that");
+      break;
+    }
+  if (err->status == TDM_OK && vx && cpl_comparison_init(c, r.body.nrow, time, err) == TDM_OK) {
     cpl_compared *position = cpl_comparison_add(c, "x", "m", CPL_STATE, "Displacement of the cube", err);
     cpl_compared *velocity = cpl_comparison_add(c, "v", "m/s", CPL_STATE, "Velocity of the cube", err);
     for (int i = 0; err->status == TDM_OK && i < c->nrow; i++) {

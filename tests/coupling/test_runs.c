@@ -385,8 +385,8 @@ START_TEST(a_solver_killed_at_a_random_window) {
   for (int i = 0; i < 4; i++) {
     char find[128], named[64];
     snprintf(find, sizeof find, "tandem-%s --connect ipc://%s", solvers[i % 2], dir);
-    snprintf(named, sizeof named, "error: %s (tandem-%s", solvers[i % 2], solvers[i % 2]);
-    int delay = rand() % 400000; /* [us] */
+    snprintf(named, sizeof named, "error: %s", solvers[i % 2]); /* its software is known only after HELLO */
+    int delay = rand() % 400000;                                /* [us] */
     pid_t killer = fork();
     if (killer == 0) {
       pid_t victim;
