@@ -9,6 +9,7 @@
 #include "mbd/solver.h"
 #include "scenarios/table.h"
 
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -221,10 +222,12 @@ static tdm_status command_sweep(const arguments *a, tdm_error *err) {
     return err->status;
   options.scene = scene;
   options.scenarios = scn_table;
-  options.jobs = a->jobs ? (int)strtol(a->jobs, &end, 10) : (int)sysconf(_SC_NPROCESSORS_ONLN);
+  options.jobs =
+      a->jobs ? (int)strtol(a->jobs, &end, 10) : (int)fmin(CPL_JOBS_MAX, (double)sysconf(_SC_NPROCESSORS_ONLN));
   memcpy(options.solver, solvers, sizeof solvers);
-  if (options.jobs < 1 || (end && *end))
-    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --jobs %s: give a number of at least 1", a->jobs);
+  if (options.jobs < 1 || options.jobs > CPL_JOBS_MAX || (end && *end))
+    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --jobs %s: give a number from 1 to %d", a->jobs ? a->jobs : "",
+             CPL_JOBS_MAX);
   else if (read_axes(a, &options, err) == TDM_OK)
     cpl_sweep(&options, err);
   cpl_sweep_free(&options);

@@ -247,8 +247,8 @@ static void end_cell(const cpl_sweep_options *o, cpl_cell *cell, int status) {
 }
 
 static void run_cells(const cpl_sweep_options *o, cpl_cell *cell, int ncell) {
-  job jobs[64] = {{0}};
-  int njob = o->jobs < 64 ? o->jobs : 64, next = 0, running = 0, done = 0;
+  job jobs[CPL_JOBS_MAX] = {{0}};
+  int njob = o->jobs, next = 0, running = 0, done = 0;
   for (int i = 0; i < ncell; i++)
     done += cell[i].row != NULL;
   if (done > 0)

@@ -282,7 +282,21 @@ static int distinct_schemes(const cpl_cell *cell, int ncell, const char *state, 
   return n;
 }
 
-/* One panel a scheme: nse of a state over n (across) and dt (down). Cells without a number stay white. */
+/* Do two cells differ in nothing but dt, n and scheme? */
+static bool same_others(const cpl_sweep_options *o, const json_t *a, const json_t *b) {
+  for (int i = 0; i < o->naxis; i++) {
+    const char *path = o->axis[i].path;
+    if (strcmp(path, "time.dt") == 0 || strcmp(path, "coupling.n") == 0 || strcmp(path, "coupling.scheme") == 0)
+      continue;
+    if (!json_equal(json_object_get(json_object_get(a, "settings"), path),
+                    json_object_get(json_object_get(b, "settings"), path)))
+      return false;
+  }
+  return true;
+}
+
+/* One panel a scheme: nse of a state over n (across) and dt (down), for the first values of all other axes. Cells
+ * without a number stay white. */
 static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, const char *state,
                             tdm_error *err) {
   enum { SCHEMES = 8 };
@@ -312,7 +326,7 @@ static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, in
     for (int k = 0; k < ncell; k++) {
       const json_t *row = cell[k].row;
       double value = number_of(row, "nse", state);
-      if (strcmp(text_of(row, "scheme"), scheme[s]) != 0 || isnan(value))
+      if (strcmp(text_of(row, "scheme"), scheme[s]) != 0 || isnan(value) || !same_others(o, cell[0].row, row))
         continue;
       int i = 0, j = 0;
       while (i < nn && n[i] != number_of(row, NULL, "n"))
