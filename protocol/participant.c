@@ -61,7 +61,8 @@ static tdm_status receive(tdm_participant *p, tdm_header *header, tdm_error *err
     if (status != TDM_OK)
       return status;
     if (count_silence(p, data != NULL, 2e-3 * SLICE_MS))
-      return tdm_fail(err, TDM_ERR_TIMEOUT, NULL, "nothing heard from the server at %s for %g s: it is not there, has ended or hangs",
+      return tdm_fail(err, TDM_ERR_TIMEOUT, NULL,
+                      "nothing heard from the server at %s for %g s: it is not there, has ended or hangs",
                       p->def.endpoint, p->def.timeout);
     if (!data)
       continue;
