@@ -75,8 +75,21 @@ bool tdm_has(tdm_object *o, const char *key) {
   return ask(o, key) != NULL;
 }
 
+/* A key that must be there is not; a key that nobody has asked for may be a slip of it. */
 static void missing(tdm_object *o, const char *key, const char *what) {
-  tdm_object_fail(o, key, "missing; give %s", what);
+  const char *candidates[TDM_KEYS_MAX], *there;
+  int n = 0;
+  json_t *value;
+  json_object_foreach(o->json, there, value) {
+    bool asked = false;
+    for (int i = 0; i < o->nasked && !asked; i++)
+      asked = strcmp(o->asked[i], there) == 0;
+    if (!asked && n < TDM_KEYS_MAX)
+      candidates[n++] = there;
+  }
+  const char *near = tdm_nearest(key, candidates, n);
+  tdm_object_fail(o, key, "missing; give %s%s%s%s", what, near ? " (is \"" : "", near ? near : "",
+                  near ? "\" a slip of it?)" : "");
 }
 
 static void wrong_type(tdm_object *o, const char *key, const char *what, const json_t *value) {

@@ -75,6 +75,7 @@ END_TEST
 
 START_TEST(wrong_values_name_their_place) {
   expect("{\"thing\": {}}", TDM_ERR_SCENE, "thing.size", "missing");
+  expect("{\"thing\": {\"sice\": 2}}", TDM_ERR_SCENE, "thing.size", "is \"sice\" a slip of it?");
   expect("{\"thing\": 3}", TDM_ERR_SCENE, "thing", "must be an object");
   expect("{\"thing\": {\n  \"name\": \"a\",\n  \"size\": -2}}", TDM_ERR_SCENE, "thing.size", ":3:3: thing.size: is -2");
   expect("{\"thing\": {\"size\": \"2\"}}", TDM_ERR_SCENE, "thing.size", "must be a number, not a string");
