@@ -1,0 +1,66 @@
+/* The searches: each makes the same list of pairs that are near, in its own way.
+ *
+ * A search is a row of the table in search.c. It gets the spheres and a distance, and returns for every particle i the
+ * particles j > i, ascending, whose surfaces are nearer than `skin`:
+ *   |x_i - x_j| < r_i + r_j + skin
+ * (the nearest images when the box repeats). So results do not depend on the search, only the time does.
+ */
+#ifndef DEM_SEARCH_SEARCH_H
+#define DEM_SEARCH_SEARCH_H
+
+#include "dem/sphere.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The box that repeats. */
+typedef struct {
+  bool periodic[3];
+  double low[3], length[3]; /* [m]; positions are kept in [low, low + length) in a periodic direction */
+} dem_domain;
+
+typedef struct {
+  const dem_sphere *sphere; /* (n) */
+  int n;
+  double skin; /* [m] */
+  dem_domain domain;
+  int nthread; /* threads that may be used; the result does not depend on it */
+} dem_search_input;
+
+/* Pairs in CSR form: the partners of i are other[first[i]] ... other[first[i+1] - 1], ascending, all greater than i. */
+typedef struct {
+  int *first; /* (n + 1) */
+  int *other; /* (count) */
+  size_t count, capacity;
+  size_t first_capacity;
+} dem_rows;
+
+/* What a search keeps between calls: scratch memory, and what speeds the next call up. Nothing in it decides the
+ * result. */
+typedef struct dem_search dem_search;
+
+/* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests); "auto" is not
+ * among them. */
+extern const char *const dem_search_names[];
+
+/* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. */
+const char *dem_search_choose(const dem_search_input *input);
+
+/* NULL: no memory, or no such search. */
+dem_search *dem_search_create(const char *name);
+void dem_search_destroy(dem_search **search);
+
+/* Fill rows (owned by the caller, zero at first, freed by dem_rows_free). False: no memory. */
+bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows);
+
+/* Are the lists of this search to be made anew after so many steps even if nothing moved? 0: no. */
+int dem_search_interval(const dem_search *search);
+
+/* The skin of this search: the one that the scene asks for, or the search's own (verlet-1967: 5 r_max - 2 r_max). */
+double dem_search_skin(const dem_search *search, double asked, double largest_radius);
+
+/* Room for another `more` partners. False: no memory. */
+bool dem_rows_reserve(dem_rows *rows, int n, size_t more);
+void dem_rows_free(dem_rows *rows);
+
+#endif
