@@ -39,9 +39,14 @@ typedef struct {
   double radius;
 } ball;
 
+/* Particles, one after the other: from a file, or a lattice. */
 typedef struct {
-  ball *ball;
-  int n;
+  FILE *file;
+  const char *name;
+  long line;
+  int n; /* how many there are */
+  double mean, side;
+  int next;
 } bed;
 
 /* ---- options ---- */
@@ -101,39 +106,63 @@ static bool read_options(options *o, int argc, char **argv) {
 
 /* ---- beds ---- */
 
-static tdm_status read_bed(bed *b, const char *name, tdm_error *err) {
-  FILE *f = fopen(name, "r");
-  if (!f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be read: %s", name, strerror(errno));
+/* the next particle of a file; false at its end, or after an error */
+static bool next_line(bed *b, ball *s, tdm_error *err) {
   char line[512];
-  int room = 0;
-  for (long at = 1; !err->status && fgets(line, sizeof line, f); at++) {
+  while (fgets(line, sizeof line, b->file)) {
+    b->line++;
     char *comment = strchr(line, '#');
     if (comment)
       *comment = 0;
     if (!line[strspn(line, " \t\r\n")])
       continue;
-    ball s;
-    if (sscanf(line, "%lf %lf %lf %lf", &s.position.x, &s.position.y, &s.position.z, &s.radius) != 4 ||
-        !tdm_finite(&s.position.x, 3) || !(s.radius > 0 && isfinite(s.radius))) {
-      tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", line %ld: not \"x y z r\" with a radius greater than 0", name, at);
-      break;
-    }
-    if (b->n == room) {
-      room = 2 * room + 1024;
-      ball *grown = realloc(b->ball, (size_t)room * sizeof *grown);
-      if (!grown) {
-        tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", room);
-        break;
-      }
-      b->ball = grown;
-    }
-    b->ball[b->n++] = s;
+    if (sscanf(line, "%lf %lf %lf %lf", &s->position.x, &s->position.y, &s->position.z, &s->radius) == 4 &&
+        tdm_finite(&s->position.x, 3) && s->radius > 0 && isfinite(s->radius))
+      return true;
+    tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", line %ld: not \"x y z r\" with a radius greater than 0", b->name,
+             b->line);
+    return false;
   }
-  fclose(f);
+  return false;
+}
+
+static void rewind_bed(bed *b) {
+  if (b->file)
+    rewind(b->file);
+  b->line = 0;
+  b->next = 0;
+}
+
+/* open a file and look through it: the number, the mean radius, the smallest square floor */
+static tdm_status open_bed(bed *b, const char *name, tdm_error *err) {
+  *b = (bed){.name = name, .file = fopen(name, "r")};
+  if (!b->file)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be read: %s", name, strerror(errno));
+  ball s;
+  double sum = 0;
+  for (; next_line(b, &s, err); b->n++) {
+    sum += s.radius;
+    b->side = fmax(b->side, fmax(s.position.x, s.position.y) + s.radius);
+  }
   if (!err->status && b->n == 0)
     tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" has no particles; lines are \"x y z r\"", name);
+  b->mean = b->n > 0 ? sum / b->n : 1;
   return err->status;
+}
+
+/* spheres of 5 mm on a loose lattice, each a little off its place */
+static ball next_of_lattice(bed *b) {
+  const double r = 0.005, pitch = 2.1 * r;
+  int side = (int)(b->side / pitch), k = b->next++;
+  uint64_t draw = 6364136223846793005u * (uint64_t)(k + 1);
+  double off[3], gap = b->side / side;
+  for (int a = 0; a < 3; a++) {
+    draw = (draw ^ draw >> 29) * 0xbf58476d1ce4e5b9u + 1442695040888963407u;
+    off[a] = ((double)(draw >> 11) * 0x1p-53 - 0.5) * (pitch - 2 * r);
+  }
+  return (ball){tdm_v3((k % side + 0.5) * gap + off[0], (k / side % side + 0.5) * gap + off[1],
+                       (k / (side * side) + 0.6) * pitch + off[2]),
+                r};
 }
 
 /* The floor and four walls of side L with the material of the peers' bed, no particles. */
@@ -168,22 +197,27 @@ static void engine_destroy(engine *e) {
   dem_model_destroy(&e->model);
 }
 
-static tdm_status engine_create(engine *e, const options *o, const bed *b, tdm_error *err) {
-  double mean = 0;
-  for (int i = 0; i < b->n; i++)
-    mean += b->ball[i].radius / b->n;
-  tdm_assignment assignment = {.scene = box_scene(o, o->skin > 0 ? o->skin : 0.1 * mean), .dt = o->dt, .n = 1};
+static bool add_ball(engine *e, ball s) {
+  double mass = e->model->material[0].density * 4.0 / 3 * M_PI * s.radius * s.radius * s.radius;
+  return dem_data_add(e->data, &(dem_newcomer){.position = s.position, .radius = s.radius, .mass = mass});
+}
+
+static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
+  tdm_assignment assignment = {.scene = box_scene(o, o->skin > 0 ? o->skin : 0.1 * b->mean), .dt = o->dt, .n = 1};
   tdm_status status = dem_model_load(&e->model, &assignment, err);
   json_decref(assignment.scene);
   if (status)
     return status;
   e->data = dem_data_create(e->model);
   bool good = e->data && dem_data_reserve(e->data, b->n);
+  rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {
-    double r = b->ball[i].radius;
-    good = dem_data_add(e->data, &(dem_newcomer){.position = b->ball[i].position,
-                                                 .radius = r,
-                                                 .mass = e->model->material[0].density * 4.0 / 3 * M_PI * r * r * r});
+    ball s = {0};
+    if (!b->file)
+      s = next_of_lattice(b);
+    else if (!next_line(b, &s, err))
+      return err->status ? err->status : tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" changed while it was read", b->name);
+    good = add_ball(e, s);
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
@@ -203,110 +237,84 @@ static double kinetic_energy(const dem_data *d) {
   return sum;
 }
 
-/* N spheres of 5 mm on a loose lattice, each a little off its place */
-static tdm_status lattice(bed *b, int n, double box, tdm_error *err) {
-  const double r = 0.005, pitch = 2.1 * r;
-  int side = (int)(box / pitch);
-  b->ball = malloc((size_t)n * sizeof *b->ball);
-  if (!b->ball)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", n);
-  if (side < 1)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of 5 mm", box);
-  uint64_t draw = 1;
-  double off[3];
-  for (b->n = 0; b->n < n; b->n++) {
-    for (int a = 0; a < 3; a++) {
-      draw = draw * 6364136223846793005u + 1442695040888963407u;
-      off[a] = ((double)(draw >> 11) * 0x1p-53 - 0.5) * (pitch - 2 * r);
+/* let the bed fall, with a drag that leaves it at rest */
+static tdm_status settle(engine *e, const options *o, tdm_error *err) {
+  dem_data *d = e->data;
+  double height = 0, mass = 0, drag = exp(-10 * o->dt);
+  for (int i = 0; i < d->nparticle; i++) {
+    height = fmax(height, d->sphere[i].position.z);
+    mass += d->mass[i];
+  }
+  double quiet = 1e-7 * mass * 9.81 * d->sphere[0].radius;
+  long most = (long)((1 + 8 * sqrt(2 * height / 9.81)) / o->dt);
+  for (long k = 1; k <= most; k++) {
+    if (!dem_step(d, NULL, 0, 1, false, o->dt))
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    for (int i = 0; i < d->nparticle; i++) {
+      d->pace[i].velocity = tdm_scale(drag, d->pace[i].velocity);
+      d->pace[i].spin = tdm_scale(drag, d->pace[i].spin);
     }
-    int k = b->n, layer = k / (side * side), row = k / side % side, at = k % side;
-    double gap = box / side;
-    b->ball[k] =
-        (ball){tdm_v3((at + 0.5) * gap + off[0], (row + 0.5) * gap + off[1], (layer + 0.6) * pitch + off[2]), r};
+    if (k % 100 == 0 && (double)k * o->dt > 0.1 && kinetic_energy(d) < quiet)
+      break;
   }
   return TDM_OK;
 }
 
-/* let the bed fall, with a drag that leaves it at rest */
-static tdm_status settle(bed *b, const options *o, tdm_error *err) {
-  engine e = {0};
-  double height = 0, drag = exp(-10 * o->dt);
-  if (engine_create(&e, o, b, err) == TDM_OK) {
-    for (int i = 0; i < b->n; i++)
-      height = fmax(height, b->ball[i].position.z);
-    double mass = e.data->mass[0] * b->n, quiet = 1e-9 * mass * 9.81 * 0.005;
-    long most = (long)((1 + 8 * sqrt(2 * height / 9.81)) / o->dt);
-    for (long k = 1; k <= most; k++) {
-      if (!dem_step(e.data, NULL, 0, 1, false, o->dt)) {
-        tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-        break;
-      }
-      for (int i = 0; i < b->n && drag < 1; i++) {
-        e.data->pace[i].velocity = tdm_scale(drag, e.data->pace[i].velocity);
-        e.data->pace[i].spin = tdm_scale(drag, e.data->pace[i].spin);
-      }
-      if (k % 100 == 0 && (double)k * o->dt > 0.1 && kinetic_energy(e.data) < quiet)
-        break;
-    }
-    for (int i = 0; i < b->n; i++) {
-      ball *s = &b->ball[e.data->id[i]];
-      s->position = e.data->sphere[i].position;
-    }
-  }
-  engine_destroy(&e);
-  return err->status;
-}
-
-/* the cache's file of a made bed; false: there is no cache folder */
-static bool cache_name(char name[PATH_MAX], const options *o) {
+/* the file in which a made bed is kept: in the cache folder, else a temporary one */
+static void cache_name(char name[PATH_MAX], const options *o) {
   const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-  char folder[PATH_MAX / 2];
+  char folder[PATH_MAX / 2] = "/tmp";
   if (cache && cache[0])
     snprintf(folder, sizeof folder, "%s", cache);
   else if (home && home[0])
     snprintf(folder, sizeof folder, "%s/.cache", home);
-  else
-    return false;
   mkdir(folder, 0755);
   strncat(folder, "/tandem", sizeof folder - strlen(folder) - 1);
   mkdir(folder, 0755);
   snprintf(name, PATH_MAX, "%s/bed_%d_%.6g.txt", folder, o->particles, o->box);
-  return access(folder, W_OK) == 0;
 }
 
-/* beside it first, then renamed; failing costs only time */
-static void keep_bed(const bed *b, const char *name) {
+/* beside it first, then renamed */
+static tdm_status keep_bed(const dem_data *d, const char *name, tdm_error *err) {
   char temporary[PATH_MAX + 32];
   snprintf(temporary, sizeof temporary, "%s.%ld", name, (long)getpid());
   FILE *f = fopen(temporary, "w");
-  if (!f)
-    return;
-  fprintf(f, "# settled bed: x y z r [m]\n");
-  for (int i = 0; i < b->n; i++) {
-    tdm_vec3 x = b->ball[i].position;
-    fprintf(f, "%.9g %.9g %.9g %.9g\n", x.x, x.y, x.z, b->ball[i].radius);
+  if (f) {
+    fprintf(f, "# settled bed: x y z r [m]\n");
+    for (int i = 0; i < d->nparticle; i++) {
+      tdm_vec3 x = d->sphere[i].position;
+      fprintf(f, "%.12g %.12g %.12g %.12g\n", x.x, x.y, x.z, d->sphere[i].radius);
+    }
   }
-  if (fclose(f) != 0 || rename(temporary, name) != 0)
-    remove(temporary);
+  if (f && fclose(f) == 0 && rename(temporary, name) == 0)
+    return TDM_OK;
+  int error = errno;
+  remove(temporary);
+  return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", where the bed is kept, cannot be written: %s; set XDG_CACHE_HOME",
+                  name, strerror(error));
 }
 
-static tdm_status make_bed(bed *b, const options *o, tdm_error *err) {
-  char name[PATH_MAX];
-  bool cache = cache_name(name, o);
-  if (cache && access(name, R_OK) == 0 && read_bed(b, name, err) == TDM_OK && b->n == o->particles)
+/* Settle a bed in a process's own engine and keep it, unless it is kept already. */
+static tdm_status make_bed(bed *b, char name[PATH_MAX], const options *o, tdm_error *err) {
+  cache_name(name, o);
+  if (access(name, R_OK) == 0 && open_bed(b, name, err) == TDM_OK && b->n == o->particles)
     return TDM_OK;
+  if (b->file)
+    fclose(b->file);
   *err = (tdm_error){0};
-  free(b->ball);
-  *b = (bed){0};
-  fprintf(stderr, "settling %d particles\n", o->particles);
+  *b = (bed){.n = o->particles, .mean = 0.005, .side = o->box};
+  if (o->box < 0.0105)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of 5 mm", o->box);
+  fprintf(stderr, "settling %d particles; the bed is kept in %s\n", o->particles, name);
   options plain = *o;
-  plain.law = NULL;
+  plain.law = plain.simd = plain.search = NULL;
+  plain.skin = 0;
   plain.dt = 8.6e-5;
-  if (lattice(b, o->particles, o->box, err) || settle(b, &plain, err))
-    return err->status;
-  if (cache)
-    keep_bed(b, name);
-  return TDM_OK;
+  engine e = {0};
+  if (engine_create(&e, &plain, b, err) == TDM_OK && settle(&e, &plain, err) == TDM_OK)
+    keep_bed(e.data, name, err);
+  engine_destroy(&e);
+  return err->status ? err->status : open_bed(b, name, err);
 }
 
 /* ---- measuring ---- */
@@ -363,7 +371,7 @@ static double cpu_clock(void) {
          1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
 }
 
-static tdm_status measure(const options *o, const bed *b, json_t **out, tdm_error *err) {
+static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err) {
   engine e = {0};
   if (engine_create(&e, o, b, err) || run_steps(e.data, o, (o->steps + 9) / 10, err)) {
     engine_destroy(&e);
@@ -404,19 +412,20 @@ int dem_bench_main(int argc, char **argv) {
   }
   if (!read_options(&o, argc, argv))
     return EXIT_FAILURE;
+  char name[PATH_MAX];
   if (o.bed) {
-    read_bed(&b, o.bed, &err);
-    for (int i = 0; i < b.n && !(o.box > 0 && i == 0); i++) /* the smallest square that holds them */
-      o.box = fmax(o.box, fmax(b.ball[i].position.x, b.ball[i].position.y) + b.ball[i].radius);
+    open_bed(&b, o.bed, &err);
+    o.box = o.box > 0 ? o.box : b.side;
   } else {
     o.box = o.box > 0 ? o.box : 0.01 * cbrt(o.particles);
-    make_bed(&b, &o, &err);
+    make_bed(&b, name, &o, &err);
   }
   if (o.steps == 0)
     o.steps = (long)fmax(100, 2e7 / fmax(1, b.n));
   if (!err.status)
     measure(&o, &b, &out, &err);
-  free(b.ball);
+  if (b.file)
+    fclose(b.file);
   if (err.status) {
     fprintf(stderr, "tandem-dem bench: %s%s%s\n", err.path, err.path[0] ? ": " : "", err.message);
     return EXIT_FAILURE;

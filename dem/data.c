@@ -56,13 +56,12 @@ static size_t layout_particles(dem_data *d, char *block) {
   PARTICLE_STATE(X)
 #undef X
   PLACE(pairs.first, np);
-  PLACE(spare_pairs.first, np);
   PLACE(number, np);
   size_t nchunk = (size_t)dem_chunks(d->capacity);
   PLACE(pairs.chunk, nchunk + 1);
   PLACE(walls.chunk, nchunk + 1);
-  PLACE(spare_pairs.chunk, nchunk + 1);
   PLACE(spare_walls.chunk, nchunk + 1);
+  PLACE(chunk_spare, nchunk + 1);
   PLACE(crossings.chunk, nchunk + 1);
   PLACE(chunk_load, nchunk * (size_t)d->model->nbody);
   return used;
@@ -144,23 +143,28 @@ bool dem_data_reserve(dem_data *d, int n) {
   return dem_crossings_reserve(d, n - d->nparticle);
 }
 
-/* a new array of n entries in place of the old one, whose contents go */
-static bool renew(void *array, size_t n, size_t size) {
-  void **p = array;
+/* an aligned array of n entries, the first `keep` of them those of the old one */
+static bool grow(void *array, size_t n, size_t keep, size_t size) {
+  void **p = array, *grown = aligned_alloc(64, (n * size + 127) & ~(size_t)63);
+  if (!grown)
+    return false;
+  if (keep > 0)
+    memcpy(grown, *p, keep * size);
   free(*p);
-  *p = aligned_alloc(64, (n * size + 127) & ~(size_t)63);
-  return *p != NULL;
+  *p = grown;
+  return true;
 }
 
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
   if (count <= list->capacity)
     return true;
-  size_t capacity = (count + count / 8 + 64) & ~(size_t)7;
-  list->capacity = 0;
-  if (!renew(&list->one, capacity, sizeof(int)) || !renew(&list->other, capacity, sizeof(int)) ||
-      !renew(&list->sink, capacity, sizeof(int)) ||
-      (ncolumn > 0 && !renew(&list->history, capacity * (size_t)ncolumn, sizeof(double))))
+  size_t before = list->capacity, capacity = (count + count / 8 + 64) & ~(size_t)7;
+  if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
+      !grow(&list->sink, capacity, 0, sizeof(int)) ||
+      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
     return false;
+  for (int q = ncolumn - 1; q > 0; q--) /* columns move apart, the last first */
+    memmove(list->history + (size_t)q * capacity, list->history + (size_t)q * before, before * sizeof(double));
   list->capacity = capacity;
   return true;
 }
@@ -170,8 +174,8 @@ bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
     return true;
   size_t capacity = count + count / 4 + 64;
   list->capacity = 0;
-  if (!renew(&list->entry, capacity, sizeof *list->entry) ||
-      (ncolumn > 0 && !renew(&list->history, capacity * (size_t)ncolumn, sizeof(double))))
+  if (!grow(&list->entry, capacity, 0, sizeof *list->entry) ||
+      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, 0, sizeof(double))))
     return false;
   list->capacity = capacity;
   return true;
@@ -293,10 +297,7 @@ void dem_data_destroy(dem_data **data) {
                     d->pairs.other,
                     d->pairs.sink,
                     d->pairs.history,
-                    d->spare_pairs.one,
-                    d->spare_pairs.other,
-                    d->spare_pairs.sink,
-                    d->spare_pairs.history,
+                    d->column,
                     d->walls.entry,
                     d->walls.history,
                     d->spare_walls.entry,
@@ -414,28 +415,38 @@ void dem_data_remove(dem_data *d, const int *gone) {
 
 /* ---- order ---- */
 
-/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers. */
+/* an array of n records of `words` 64-bit words, or of n ints, in a new order; copy: room for a word of each */
+static void reorder_words(uint64_t *array, size_t n, size_t words, const int *from, uint64_t *copy) {
+  for (size_t w = 0; w < words; w++) {
+    for (size_t p = 0; p < n; p++)
+      copy[p] = array[p * words + w];
+    for (size_t p = 0; p < n; p++)
+      array[p * words + w] = copy[from[p]];
+  }
+}
+
+static void reorder_bytes(char *array, size_t n, size_t size, const int *from, char *copy) {
+  for (size_t b = 0; b < size; b++) {
+    for (size_t p = 0; p < n; p++)
+      copy[p] = array[p * size + b];
+    for (size_t p = 0; p < n; p++)
+      array[p * size + b] = copy[from[p]];
+  }
+}
+
 bool dem_data_permute(dem_data *d, const int *from) {
-  size_t np = (size_t)d->nparticle, largest = 0;
-#define X(field, n) largest = (size_t)(n) * sizeof *d->field > largest ? (size_t)(n) * sizeof *d->field : largest;
-  PARTICLE_STATE(X)
-#undef X
-  if (sizeof *d->push > largest)
-    largest = sizeof *d->push;
-  char *copy = malloc(np * largest + 1);
+  size_t n = (size_t)d->nparticle;
+  uint64_t *copy = malloc((n + 1) * sizeof *copy); /* a word of each particle at a time: little memory */
   if (!copy)
     return false;
-#define MOVE(field, n)                                                          \
-  {                                                                             \
-    size_t size = (size_t)(n) * sizeof *d->field;                               \
-    memcpy(copy, d->field, np *size);                                           \
-    for (size_t p = 0; p < np; p++)                                             \
-      memcpy((char *)d->field + p * size, copy + (size_t)from[p] * size, size); \
-  }
-#define X(field, n) MOVE(field, n)
+#define X(field, each)                                                                                            \
+  if ((size_t)(each) * sizeof *d->field % sizeof *copy == 0)                                                      \
+    reorder_words((uint64_t *)(void *)d->field, n, (size_t)(each) * sizeof *d->field / sizeof *copy, from, copy); \
+  else                                                                                                            \
+    reorder_bytes((char *)d->field, n, (size_t)(each) * sizeof *d->field, from, (char *)copy);
   PARTICLE_STATE(X)
+  X(push, 1)
 #undef X
-  MOVE(push, 1)
   free(copy);
   return true;
 }

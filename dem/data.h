@@ -127,8 +127,10 @@ typedef struct dem_data {
   uint64_t sample_count;   /* steps in sample_sum */
 
   /* not part of the state */
-  dem_pairs spare_pairs; /* the lists of before, at a rebuild */
-  dem_wall_contacts spare_walls;
+  dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
+  size_t *chunk_spare;           /* (nchunk + 1) */
+  double *column;                /* (column_capacity) a column of histories, at a rebuild */
+  size_t column_capacity;
   dem_rows rows;      /* what the search found */
   dem_search *search; /* owned */
   int *number;        /* (nparticle) scratch */
@@ -172,7 +174,12 @@ bool dem_data_reserve(dem_data *data, int n);
  * contact.wall_mass. */
 void dem_set_body_mass(dem_data *data, int i, double mass);
 
-/* Room for `count` entries; what is there may be lost. False: no memory. */
+/* The particle after the last one of a chunk. */
+static inline int dem_chunk_end(const dem_data *d, int c) {
+  return c + 1 < d->nchunk ? (c + 1) * DEM_CHUNK : d->nparticle;
+}
+
+/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. False: no memory. */
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
 bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
 

@@ -27,16 +27,11 @@ DEM_INLINE v8 gravity_of(const dem_model *m) {
   return (v8){m->gravity.x, m->gravity.y, m->gravity.z, 0, 0, 0, 0, 0};
 }
 
-static int chunk_end(const dem_data *d, int c) {
-  int end = (c + 1) * DEM_CHUNK;
-  return end < d->nparticle ? end : d->nparticle;
-}
-
 static double begin(dem_data *d, int chunk, double dt, tdm_vec3 shift) {
   const v8 half = {0.5 * dt, 0.5 * dt, 0.5 * dt, 0, 0.5 * dt, 0.5 * dt, 0.5 * dt, 0};
   const v8 drift = {dt, dt, dt, 0, 0, 0, 0, 0}, g = gravity_of(d->model), zero = {0};
   double moved2 = 0, sum = 0;
-  for (int i = chunk * DEM_CHUNK, end = chunk_end(d, chunk); i < end; i++) {
+  for (int i = chunk * DEM_CHUNK, end = dem_chunk_end(d, chunk); i < end; i++) {
     dem_sphere *s = &d->sphere[i];
     v8 a = half * acceleration(s, &d->push[i], g);
     v8 v = load8(&d->pace[i]) + a, ahead = v + a;
@@ -69,7 +64,7 @@ static void add_crossings(dem_data *d, int chunk) {
 static void finish(dem_data *d, int chunk, double dt) {
   const v8 half = {0.5 * dt, 0.5 * dt, 0.5 * dt, 0, 0.5 * dt, 0.5 * dt, 0.5 * dt, 0}, g = gravity_of(d->model);
   add_crossings(d, chunk);
-  for (int i = chunk * DEM_CHUNK, end = chunk_end(d, chunk); i < end; i++)
+  for (int i = chunk * DEM_CHUNK, end = dem_chunk_end(d, chunk); i < end; i++)
     store8(&d->pace[i], load8(&d->pace[i]) + half * acceleration(&d->sphere[i], &d->push[i], g));
 }
 

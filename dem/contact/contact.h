@@ -29,7 +29,7 @@ typedef struct {
   vd3 slip;        /* tangential velocity of the particle against the partner at the contact [m/s] */
   vd turn;         /* of the contact about its normal: radius-weighted mean spin [rad/s] */
   vd radius;       /* effective, R* [m] */
-  vd inverse_mass; /* effective, 1/m* [1/kg] */
+  vd mass;         /* effective, m* [kg] */
   double dt;       /* [s], 0: evaluate only */
   dem_coefficients pair;
 

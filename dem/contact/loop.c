@@ -66,13 +66,14 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *no
       continue;
     }
     touching += __builtin_popcount(vm_bits(c.touching));
-    vd r = vd_sqrt(r2);
-    c.normal = vd3_scale(vd_set(1) / vd_max(r, vd_set(1e-300)), x);
+    /* one division for the three reciprocals of the distance, the sum of the radii and of the inverse masses */
+    vd r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
+    vd per_all = vd_set(1) / (both * s[7]), per_r = per_all * (sum * s[7]), per_sum = per_all * (r * s[7]);
+    c.normal = vd3_scale(per_r, x);
     c.normal.z = vd_pick(vm_equal(r2, vd_set(0)), vd_set(1), c.normal.z); /* coincident centres: any direction */
     c.overlap = sum - r;
-    vd per_sum = vd_set(1) / sum;
     c.radius = vd_set(0.25) * (sum * sum - s[3] * s[3]) * per_sum;
-    c.inverse_mass = s[7];
+    c.mass = per_all * both;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
         c.pair.index[l] = d->kind[i[l]] * m->nmaterial + d->kind[j[l]];
@@ -115,7 +116,7 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const int ncolumn, nor
   c.normal = (vd3){vd_load(v[NX]), vd_load(v[NY]), vd_load(v[NZ])};
   c.overlap = vd_load(v[OVERLAP]);
   c.radius = vd_load(v[RADIUS]);
-  c.inverse_mass = vd_load(v[PER_MASS]);
+  c.mass = vd_set(1) / vd_load(v[PER_MASS]);
   c.turn = vd_load(v[TURN]);
   vd3 velocity = {vd_load(v[VX]), vd_load(v[VY]), vd_load(v[VZ])};
   outcome out = law(&c, velocity, b->history[0], DEM_W, ncolumn, normal, tangential);

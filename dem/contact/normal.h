@@ -14,7 +14,7 @@ DEM_KERNEL void dem_normal_hertz(dem_contact *c, vd *history) {
   vd young = DEM_OF(c, young);
   c->circle = vd_sqrt(c->radius * c->overlap);
   vd stiffness = (young + young) * c->circle; /* S_n */
-  c->damping = vd_sqrt(stiffness / c->inverse_mass);
+  c->damping = vd_sqrt(stiffness * c->mass);
   vd elastic = vd_set(2.0 / 3.0) * stiffness * c->overlap;
   vd damped = DEM_OF(c, normal_damping) * c->damping * c->rate;
   c->force = vd_max(elastic + damped, DEM_OF(c, floor));
