@@ -41,6 +41,15 @@ DEM_INLINE void close_history(double *history, size_t stride, const int ncolumn)
     vd_store(history + (size_t)q * stride, vd_set(0));
 }
 
+/* fetch the partners to come; there is room behind the list */
+DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
+  for (int l = 0; l < DEM_W; l++) {
+    __builtin_prefetch(&d->sphere[j[l]]);
+    __builtin_prefetch(&d->rotor[j[l]]);
+    __builtin_prefetch(&d->push[j[l]], 1);
+  }
+}
+
 DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *normal, tangential_law *tangential) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
@@ -52,9 +61,12 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *no
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
   long touching = 0;
+  const bool far = d->nparticle > 20000; /* more than a cache of the second level holds */
 
   for (size_t k = list->chunk[task->chunk]; k < list->chunk[task->chunk + 1]; k += DEM_W) {
     const int *i = list->one + k, *j = list->other + k;
+    if (far)
+      fetch_ahead(d, j + 2 * DEM_W);
     vd s[8], b[4];
     vd_sphere_difference(sphere, i, j, s);
     vd_rotor_sum(rotor, i, j, b);
