@@ -17,18 +17,21 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: tandem-dem bench [--particles N | --bed FILE] [--box L] [--dt S] [--steps N] [--skin M] [--threads N]\n"
-    "                        [--law NORMAL[/TANGENTIAL[/ROLLING[/COHESION]]]] [--simd NAME] [--search NAME] "
+    "usage: tandem-dem bench [--particles N [--radius R] | --bed FILE] [--box L] [--dt S] [--steps N]\n"
+    "                        [--skin M] [--threads N] [--law NORMAL[/TANGENTIAL[/ROLLING[/COHESION]]]] [--simd NAME] "
+    "[--search NAME] "
     "[--frozen]\n"
     "                        [--json FILE]\n"
-    "  --bed FILE   lines \"x y z r\" [m], # starts a comment; without it N particles of 5 mm settle first (kept in\n"
-    "               the cache folder)\n"
+    "  --bed FILE   lines \"x y z r\" [m], # starts a comment; without it N particles settle first (kept in the cache\n"
+    "               folder)\n"
+    "  --radius     of these: R or SMALLEST,LARGEST [m] (0.005)\n"
     "  --box L      side of the floor [m]; walls at 0 and L (default: what a made bed has, else from the particles)\n"
     "  --frozen     forces and histories only, particles do not move\n";
 
 typedef struct {
   const char *bed, *json, *law, *simd, *search;
   int particles, threads;
+  double radius[2]; /* of a made bed [m] */
   long steps;
   double box, dt, skin;
   bool frozen;
@@ -46,6 +49,7 @@ typedef struct {
   long line;
   int n; /* how many there are */
   double mean, side;
+  double radius[2]; /* of a lattice */
   int next;
 } bed;
 
@@ -69,7 +73,12 @@ static bool read_option(options *o, const char *key, const char *value) {
     o->simd = value;
   else if (!strcmp(key, "--search"))
     o->search = value;
-  else if (!strcmp(key, "--box"))
+  else if (!strcmp(key, "--radius")) {
+    int n = sscanf(value, "%lf,%lf", &o->radius[0], &o->radius[1]);
+    if (n == 1)
+      o->radius[1] = o->radius[0];
+    return n >= 1 && o->radius[0] > 1e-6 && o->radius[1] >= o->radius[0] && o->radius[1] < 1;
+  } else if (!strcmp(key, "--box"))
     return number(value, 1e-9, 1e9, &o->box);
   else if (!strcmp(key, "--dt"))
     return number(value, 1e-15, 1, &o->dt);
@@ -150,32 +159,35 @@ static tdm_status open_bed(bed *b, const char *name, tdm_error *err) {
   return err->status;
 }
 
-/* spheres of 5 mm on a loose lattice, each a little off its place */
+/* spheres on a loose lattice, each a little off its place */
 static ball next_of_lattice(bed *b) {
-  const double r = 0.005, pitch = 2.1 * r;
+  double pitch = 2.1 * b->radius[1], off[4], gap;
   int side = (int)(b->side / pitch), k = b->next++;
   uint64_t draw = 6364136223846793005u * (uint64_t)(k + 1);
-  double off[3], gap = b->side / side;
-  for (int a = 0; a < 3; a++) {
+  gap = b->side / side;
+  for (int a = 0; a < 4; a++) {
     draw = (draw ^ draw >> 29) * 0xbf58476d1ce4e5b9u + 1442695040888963407u;
-    off[a] = ((double)(draw >> 11) * 0x1p-53 - 0.5) * (pitch - 2 * r);
+    off[a] = (double)(draw >> 11) * 0x1p-53;
   }
-  return (ball){tdm_v3((k % side + 0.5) * gap + off[0], (k / side % side + 0.5) * gap + off[1],
-                       (k / (side * side) + 0.6) * pitch + off[2]),
-                r};
+  tdm_vec3 x = {k % side + 0.5, k / side % side + 0.5, 0.6 + k / (side * side)};
+  tdm_vec3 shake = tdm_scale(pitch - 2 * b->radius[1], tdm_v3(off[0] - 0.5, off[1] - 0.5, off[2] - 0.5));
+  return (ball){tdm_add(tdm_v3(gap * x.x, gap * x.y, pitch * x.z), shake),
+                b->radius[0] + off[3] * (b->radius[1] - b->radius[0])};
 }
 
 /* The floor and four walls of side L with the material of the peers' bed, no particles. */
-static json_t *box_scene(const options *o, double skin) {
+static json_t *box_scene(const options *o) {
   char normal[64] = "hertz", tangential[64] = "mindlin";
   if (o->law) {
     tangential[0] = 0;
     sscanf(o->law, "%63[^/]/%63[^/]", normal, tangential);
   }
-  json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f, s:f}], s:{s:s, s:s}, s:f}", "gravity",
-                        0.0, 0.0, -9.81, "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7,
-                        "poisson_ratio", 0.3, "pairs", "materials", "a", "a", "restitution", 0.5, "friction", 0.5,
-                        "contact", "normal", normal, "tangential", tangential[0] ? tangential : "none", "skin", skin);
+  json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f, s:f}], s:{s:s, s:s}}", "gravity", 0.0,
+                        0.0, -9.81, "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio",
+                        0.3, "pairs", "materials", "a", "a", "restitution", 0.5, "friction", 0.5, "contact", "normal",
+                        normal, "tangential", tangential[0] ? tangential : "none");
+  if (o->skin > 0)
+    json_object_set_new(s, "skin", json_real(o->skin));
   json_object_set_new(s, "bodies",
                       json_pack("[{s:s, s:s, s:[{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}]}]", "name", "box", "material",
                                 "a", "shapes", "type", "box", "side", "inside", "size", o->box, o->box, 1e3, "center",
@@ -203,13 +215,17 @@ static bool add_ball(engine *e, ball s) {
 }
 
 static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
-  tdm_assignment assignment = {.scene = box_scene(o, o->skin > 0 ? o->skin : 0.1 * b->mean), .dt = o->dt, .n = 1};
+  tdm_assignment assignment = {.scene = box_scene(o), .dt = o->dt, .n = 1};
   tdm_status status = dem_model_load(&e->model, &assignment, err);
   json_decref(assignment.scene);
   if (status)
     return status;
   e->data = dem_data_create(e->model);
   bool good = e->data && dem_data_reserve(e->data, b->n);
+  if (good && !(o->skin > 0)) {
+    e->model->mean_radius = b->mean;
+    e->data->skin = 0.1 * b->mean;
+  }
   rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {
     ball s = {0};
@@ -271,7 +287,7 @@ static void cache_name(char name[PATH_MAX], const options *o) {
   mkdir(folder, 0755);
   strncat(folder, "/tandem", sizeof folder - strlen(folder) - 1);
   mkdir(folder, 0755);
-  snprintf(name, PATH_MAX, "%s/bed_%d_%.6g.txt", folder, o->particles, o->box);
+  snprintf(name, PATH_MAX, "%s/bed_%d_%g_%g_%g.txt", folder, o->particles, o->radius[0], o->radius[1], o->box);
 }
 
 /* beside it first, then renamed */
@@ -302,14 +318,15 @@ static tdm_status make_bed(bed *b, char name[PATH_MAX], const options *o, tdm_er
   if (b->file)
     fclose(b->file);
   *err = (tdm_error){0};
-  *b = (bed){.n = o->particles, .mean = 0.005, .side = o->box};
-  if (o->box < 0.0105)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of 5 mm", o->box);
+  *b = (bed){.n = o->particles, .side = o->box, .radius = {o->radius[0], o->radius[1]}};
+  b->mean = 0.5 * (o->radius[0] + o->radius[1]);
+  if (o->box < 2.1 * o->radius[1])
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of %g m", o->box, o->radius[1]);
   fprintf(stderr, "settling %d particles; the bed is kept in %s\n", o->particles, name);
   options plain = *o;
   plain.law = plain.simd = plain.search = NULL;
   plain.skin = 0;
-  plain.dt = 8.6e-5;
+  plain.dt = 0.0172 * o->radius[0]; /* a fifth of the Rayleigh step */
   engine e = {0};
   if (engine_create(&e, &plain, b, err) == TDM_OK && settle(&e, &plain, err) == TDM_OK)
     keep_bed(e.data, name, err);
@@ -402,7 +419,7 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
 }
 
 int dem_bench_main(int argc, char **argv) {
-  options o = {.particles = 10000, .threads = 1, .dt = 8.6e-5};
+  options o = {.particles = 10000, .threads = 1, .dt = 8.6e-5, .radius = {0.005, 0.005}};
   tdm_error err = {0};
   bed b = {0};
   json_t *out = NULL;
@@ -417,7 +434,7 @@ int dem_bench_main(int argc, char **argv) {
     open_bed(&b, o.bed, &err);
     o.box = o.box > 0 ? o.box : b.side;
   } else {
-    o.box = o.box > 0 ? o.box : 0.01 * cbrt(o.particles);
+    o.box = o.box > 0 ? o.box : (o.radius[0] + o.radius[1]) * cbrt(o.particles);
     make_bed(&b, name, &o, &err);
   }
   if (o.steps == 0)

@@ -203,6 +203,7 @@ static void begin(dem_data *d) {
   end_particles(d);
   d->ledger.created = (uint64_t)m->nparticle;
   d->since_sort = DEM_SORT_STEPS;
+  d->skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
   for (int b = 0; b < m->nbody; b++) {
     d->pose[b] = m->body[b].start.pose;
     d->twist[b] = m->body[b].start.twist;
@@ -280,6 +281,8 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   memset(dst->push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
   dst->nstep = src->nstep;
   dst->since_sort = src->since_sort;
+  dst->since_list = src->since_list;
+  dst->skin = src->skin;
   dst->ledger = src->ledger;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;

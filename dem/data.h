@@ -116,7 +116,9 @@ typedef struct dem_data {
   dem_crossings crossings;
   bool list_valid;     /* the lists are lists of these particles */
   bool list_stale;     /* particles came: rebuild at the next step */
+  double skin;         /* of the lists [m] */
   uint64_t nrebuild;   /* of the lists */
+  uint64_t since_list; /* steps since the last of them */
   uint64_t since_sort; /* steps since the particles were put in the order of their places */
 
   long ncontact; /* touching pairs and walls at the last evaluation */

@@ -92,9 +92,10 @@ typedef struct dem_model {
   const char *simd;   /* instruction set, of dem_simd_names */
   const dem_law *law; /* the combination of contact laws */
   const struct dem_integrator *integrator;
-  bool clip;        /* the normal force never attracts */
-  double wall_mass; /* [kg] taken for every wall in the damping; 0: the body's own mass */
-  double skin;      /* of the neighbour list [m] */
+  bool clip;          /* the normal force never attracts */
+  double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */
+  double skin;        /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
+  double mean_radius; /* of the particles, every source's counted as one [m] */
 
   int nmaterial;
   dem_material *material; /* (nmaterial) */

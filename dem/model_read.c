@@ -311,7 +311,7 @@ static double mean_radius(const dem_model *m) {
   return m->nparticle ? sum / m->nparticle : 1;
 }
 
-/* for the skin: every source counts as one particle, so that a scene without particles has one too */
+/* every source counts as one particle, so that a scene without particles has one too */
 static double mean_radius_ahead(const dem_model *m) {
   double sum = 0;
   for (int i = 0; i < m->nparticle; i++)
@@ -383,7 +383,8 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   if (!err->status)
     read_settle(m, &o);
   tdm_has(&o, "settle");
-  m->skin = tdm_get_number(&o, "skin", 0.1 * mean_radius_ahead(m), TDM_POSITIVE);
+  m->mean_radius = mean_radius_ahead(m);
+  m->skin = tdm_get_number(&o, "skin", 0, tdm_has(&o, "skin") ? TDM_POSITIVE : TDM_ANY);
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);

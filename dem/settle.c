@@ -109,7 +109,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
   for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
     bool pressed = move_lids(d, out->dt) < close_enough;
     moved += press_speed * out->dt;
-    if (4 * moved > d->model->skin) { /* no list margin knows of a wall that moves on its body */
+    if (4 * moved > d->skin) { /* no list margin knows of a wall that moves on its body */
       moved = 0;
       if (!dem_lists_build(d))
         return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");

@@ -63,6 +63,7 @@ bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, boo
   end_step(d, dt);
   d->nstep++;
   d->since_sort++;
+  d->since_list++;
   return true;
 }
 
