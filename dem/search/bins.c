@@ -2,6 +2,7 @@
 #include "dem/search/bins.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -214,27 +215,30 @@ static int beside(int b, int n, int out[3]) {
   return many;
 }
 
-/* the same as ranges from begin up to end */
-static int beside_in_x(int b, int n, dem_run range[2]) {
-  if (n < 3 || (b > 0 && b < n - 1)) {
-    range[0] = n < 3 ? (dem_run){0, n} : (dem_run){b - 1, b + 2};
+/* the bins in and next to begin ... end - 1, as ranges */
+static int beside_in_x(dem_run own, int n, dem_run range[2]) {
+  dem_run r = {own.begin - 1, own.end + 1};
+  if (r.end - r.begin > n) {
+    range[0] = (dem_run){0, n};
     return 1;
   }
-  range[0] = (dem_run){0, b == 0 ? 2 : 1};
-  range[1] = (dem_run){b == 0 ? n - 1 : n - 2, n};
+  range[0] = (dem_run){r.begin < 0 ? 0 : r.begin, r.end > n ? n : r.end};
+  if (r.begin >= 0 && r.end <= n)
+    return 1;
+  range[1] = r.begin < 0 ? (dem_run){n - 1, n} : (dem_run){0, 1};
   return 2;
 }
 
-int dem_bins_runs(const dem_bins *bins, const int cell[3], int from, dem_run run[DEM_MOST_RUNS]) {
-  int y[3], z[3], n = 0;
-  dem_run x[2];
-  int nx = beside_in_x(cell[0], bins->count[0], x);
-  int ny = beside(cell[1], bins->count[1], y), nz = beside(cell[2], bins->count[2], z);
+int dem_bins_runs(const dem_bins *bins, dem_run x, int y, int z, int from, dem_run run[DEM_MOST_RUNS]) {
+  int ys[3], zs[3], n = 0;
+  dem_run xs[2];
+  int nx = beside_in_x(x, bins->count[0], xs);
+  int ny = beside(y, bins->count[1], ys), nz = beside(z, bins->count[2], zs);
   for (int c = 0; c < nz; c++)
     for (int b = 0; b < ny; b++) {
-      const int *row = bins->first + ((size_t)z[c] * (size_t)bins->count[1] + (size_t)y[b]) * (size_t)bins->count[0];
+      const int *row = bins->first + ((size_t)zs[c] * (size_t)bins->count[1] + (size_t)ys[b]) * (size_t)bins->count[0];
       for (int a = 0; a < nx; a++) {
-        int begin = row[x[a].begin], end = row[x[a].end];
+        int begin = row[xs[a].begin], end = row[xs[a].end];
         run[n] = (dem_run){begin > from ? begin : from, end};
         n += run[n].end > run[n].begin;
       }
@@ -258,8 +262,8 @@ static int part_cell(const dem_bins *bins, int t, int nthread) {
   return low;
 }
 
-/* Candidates, copied side by side: so that they are compared in full vectors, without a branch for each run. */
-enum { BATCH = 128 };
+/* Candidates, copied side by side: so that they are compared in full vectors, without a branch for each run or hit. */
+enum { BATCH = 64 };
 typedef struct {
   int n;
   double x[BATCH + DEM_LANES], y[BATCH + DEM_LANES], z[BATCH + DEM_LANES], r[BATCH + DEM_LANES];
@@ -279,29 +283,43 @@ DEM_SEARCH_KERNEL void take_run(batch *to, const dem_bins *bins, int begin, int 
   to->n += length;
 }
 
-/* append the near pairs of sphere p of bins `from` with the batch */
-DEM_SEARCH_KERNEL void compare(const batch *with, const dem_bins *from, int p, const dem_near *near, bool periodic,
-                               dem_pairs *found) {
-  double excess[BATCH + DEM_LANES]; /* distance squared less the reach squared */
-  double x = from->x[p], y = from->y[p], z = from->z[p], r = from->r[p];
-  for (int k = 0; k < with->n; k += DEM_LANES)
-    for (int l = k; l < k + DEM_LANES; l++)
-      excess[l] = dem_excess(near, periodic, x - with->x[l], y - with->y[l], z - with->z[l], r + with->r[l]);
-  int index = from->index[p];
-  dem_pair *pair = found->pair;
-  size_t count = found->count;
-  for (int k = 0; k < with->n; k++) {
-    pair[count] = (dem_pair){index, with->index[k]};
-    count += excess[k] < 0;
-  }
-  found->count = count;
+/* bit l: is excess[l] negative? The mask of eight doubles is narrowed to eight bytes, a multiplication gathers these. */
+DEM_SEARCH_KERNEL uint64_t negative(const double excess[DEM_LANES]) {
+  typedef double lanes __attribute__((vector_size(DEM_LANES * sizeof(double))));
+  typedef int8_t bytes __attribute__((vector_size(DEM_LANES)));
+  lanes e;
+  uint64_t b;
+  memcpy(&e, excess, sizeof e);
+  bytes narrow = __builtin_convertvector(e < 0, bytes);
+  memcpy(&b, &narrow, sizeof b);
+  return ((b & 0x0101010101010101u) * 0x0102040810204080u) >> 56;
 }
 
-DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, int begin,
-                            int end, const dem_near *near, bool periodic, dem_pairs *found) {
+/* bit k: is candidate k near sphere p of bins `from`? */
+DEM_SEARCH_KERNEL uint64_t compare(const batch *with, const dem_bins *from, int p, const dem_near *near,
+                                   bool periodic) {
+  double x = from->x[p], y = from->y[p], z = from->z[p], r = from->r[p];
+  uint64_t hits = 0;
+  for (int k = 0; k < with->n; k += DEM_LANES) {
+    double excess[DEM_LANES];
+    for (int l = 0; l < DEM_LANES; l++)
+      excess[l] = dem_excess(near, periodic, x - with->x[k + l], y - with->y[k + l], z - with->z[k + l],
+                             r + with->r[k + l]);
+    hits |= negative(excess) << k;
+  }
+  return with->n < BATCH ? hits & ((UINT64_C(1) << with->n) - 1) : hits;
+}
+
+/* bits for all but the first `skip` candidates */
+static inline uint64_t all_but(int skip) {
+  return skip <= 0 ? ~UINT64_C(0) : skip >= BATCH ? 0 : ~UINT64_C(0) << skip;
+}
+
+DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own,
+                            bool later, const dem_near *near, bool periodic, dem_pairs *found) {
   batch with;
   int k = 0, at = nrun > 0 ? run[0].begin : 0;
-  while (k < nrun) {
+  for (int passed = 0; k < nrun; passed += with.n) {
     with.n = 0;
     while (k < nrun && with.n < BATCH) {
       int room = BATCH - with.n, left = run[k].end - at;
@@ -310,39 +328,48 @@ DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, 
       if (left <= room && ++k < nrun)
         at = run[k].begin;
     }
-    for (int p = begin; p < end; p++) {
+    for (int p = own.begin; p < own.end; p++) {
       if (!dem_pairs_reserve(found, BATCH))
         return;
-      compare(&with, from, p, near, periodic, found);
+      uint64_t hits = compare(&with, from, p, near, periodic);
+      if (later)
+        hits &= all_but(p + 1 - own.begin - passed);
+      int index = from->index[p];
+      dem_pair *pair = found->pair + found->count;
+      for (; hits; hits &= hits - 1)
+        *pair++ = (dem_pair){index, with.index[__builtin_ctzll(hits)]};
+      found->count = (size_t)(pair - found->pair);
     }
   }
 }
 
 /* the instructions differ, the numbers do not: sums and products are the same, and none are fused */
 __attribute__((target_clones("avx512f", "avx2", "default"))) void
-dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, int begin, int end,
+dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own, bool later,
               const dem_near *near, dem_pairs *found) {
   if (near->periodic)
-    scan(bins, run, nrun, from, begin, end, near, true, found);
+    scan(bins, run, nrun, from, own, later, near, true, found);
   else
-    scan(bins, run, nrun, from, begin, end, near, false, found);
+    scan(bins, run, nrun, from, own, later, near, false, found);
 }
 
-/* the pairs within cell c, and those with the cells around that come later */
-static void pairs_of_cell(const dem_bins *bins, const dem_near *near, int c, dem_pairs *found) {
-  int begin = bins->first[c], end = bins->first[c + 1];
-  if (begin == end)
-    return;
-  for (int p = begin; p < end - 1; p++)
-    dem_bins_scan(bins, &(dem_run){p + 1, end}, 1, bins, p, p + 1, near, found);
-  int row = c / bins->count[0], cell[3] = {c % bins->count[0], row % bins->count[1], row / bins->count[1]};
-  dem_run run[DEM_MOST_RUNS];
-  int nrun = dem_bins_runs(bins, cell, end, run);
-  dem_bins_scan(bins, run, nrun, bins, begin, end, near, found);
-}
+/* A few cells that follow each other in x are taken together: copying their candidates is shared. */
+enum { TOGETHER_CELLS = 4, TOGETHER_SPHERES = 4 };
 
 void dem_bins_pairs(const dem_bins *bins, const dem_near *near, int t, int nthread, dem_pairs *found) {
-  int end = part_cell(bins, t + 1, nthread);
-  for (int c = part_cell(bins, t, nthread); c < end; c++)
-    pairs_of_cell(bins, near, c, found);
+  const int *first = bins->first, nx = bins->count[0], end = part_cell(bins, t + 1, nthread);
+  for (int c = part_cell(bins, t, nthread), next; c < end; c = next) {
+    next = c + 1;
+    if (first[c] == first[next])
+      continue;
+    int row = c / nx, x = c - row * nx;
+    int most = row * nx + nx < end ? row * nx + nx : end;
+    most = c + TOGETHER_CELLS < most ? c + TOGETHER_CELLS : most;
+    while (next < most && first[next] - first[c] < TOGETHER_SPHERES)
+      next++;
+    dem_run run[DEM_MOST_RUNS + 1] = {{first[c], first[next]}};
+    int nrun = 1 + dem_bins_runs(bins, (dem_run){x, x + next - c}, row % bins->count[1], row / bins->count[1],
+                                 first[next], run + 1);
+    dem_bins_scan(bins, run, nrun, bins, run[0], true, near, found);
+  }
 }

@@ -39,11 +39,12 @@ void dem_bins_free(dem_bins *bins);
 /* The cell of a position in each direction. */
 void dem_bins_cell(const dem_bins *bins, const double x[3], int cell[3]);
 
-/* The spheres in the cell and those around it, each once, but only those from number `from` on. */
-int dem_bins_runs(const dem_bins *bins, const int cell[3], int from, dem_run run[DEM_MOST_RUNS]);
+/* The spheres in the cells x.begin ... x.end - 1, y, z and those around, each once, but only those from `from` on. */
+int dem_bins_runs(const dem_bins *bins, dem_run x, int y, int z, int from, dem_run run[DEM_MOST_RUNS]);
 
-/* Append the near pairs of the spheres begin ... end - 1 of bins `from` with all spheres of the runs of `bins`. */
-void dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, int begin, int end,
+/* Append the near pairs of the spheres `own` of bins `from` with the spheres of the runs of `bins`. `later`: the first
+ * run is `own` itself, in which each sphere is paired with later ones only. */
+void dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own, bool later,
                    const dem_near *near, dem_pairs *found);
 
 /* Append the near pairs among the spheres of the bins that part t of nthread finds. */

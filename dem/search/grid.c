@@ -49,8 +49,8 @@ static void pairs_across(const dem_bins *fine, const dem_bins *coarse, const dem
         break;
     }
     dem_run run[DEM_MOST_RUNS];
-    int nrun = dem_bins_runs(coarse, cell, 0, run);
-    dem_bins_scan(coarse, run, nrun, fine, p, q, near, found);
+    int nrun = dem_bins_runs(coarse, (dem_run){cell[0], cell[0] + 1}, cell[1], cell[2], 0, run);
+    dem_bins_scan(coarse, run, nrun, fine, (dem_run){p, q}, false, near, found);
   }
 }
 
