@@ -354,7 +354,7 @@ dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins
 }
 
 /* A few cells that follow each other in x are taken together: copying their candidates is shared. */
-enum { TOGETHER_CELLS = 4, TOGETHER_SPHERES = 4 };
+enum { TOGETHER_CELLS = 4, TOGETHER_SPHERES = 3 };
 
 void dem_bins_pairs(const dem_bins *bins, const dem_near *near, int t, int nthread, dem_pairs *found) {
   const int *first = bins->first, nx = bins->count[0], end = part_cell(bins, t + 1, nthread);

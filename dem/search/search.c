@@ -150,12 +150,16 @@ static void count_rows(void *context, int t) {
     }
 }
 
+/* each number is carried past the sorted ones before it: exchanges without a branch, which would be guessed wrong */
 static void sort_row(int *row, int n) {
   for (int k = 1; k < n; k++) {
-    int value = row[k], at = k;
-    for (; at > 0 && row[at - 1] > value; at--)
-      row[at] = row[at - 1];
-    row[at] = value;
+    int carried = row[k];
+    for (int at = 0; at < k; at++) {
+      int there = row[at];
+      row[at] = there < carried ? there : carried;
+      carried = there < carried ? carried : there;
+    }
+    row[k] = carried;
   }
 }
 
