@@ -283,7 +283,8 @@ DEM_SEARCH_KERNEL void take_run(batch *to, const dem_bins *bins, int begin, int 
   to->n += length;
 }
 
-/* bit l: is excess[l] negative? The mask of eight doubles is narrowed to eight bytes, a multiplication gathers these. */
+/* bit l: is excess[l] negative? The mask of eight doubles is narrowed to eight bytes, a multiplication gathers these.
+ */
 DEM_SEARCH_KERNEL uint64_t negative(const double excess[DEM_LANES]) {
   typedef double lanes __attribute__((vector_size(DEM_LANES * sizeof(double))));
   typedef int8_t bytes __attribute__((vector_size(DEM_LANES)));
@@ -303,8 +304,8 @@ DEM_SEARCH_KERNEL uint64_t compare(const batch *with, const dem_bins *from, int 
   for (int k = 0; k < with->n; k += DEM_LANES) {
     double excess[DEM_LANES];
     for (int l = 0; l < DEM_LANES; l++)
-      excess[l] = dem_excess(near, periodic, x - with->x[k + l], y - with->y[k + l], z - with->z[k + l],
-                             r + with->r[k + l]);
+      excess[l] =
+          dem_excess(near, periodic, x - with->x[k + l], y - with->y[k + l], z - with->z[k + l], r + with->r[k + l]);
     hits |= negative(excess) << k;
   }
   return with->n < BATCH ? hits & ((UINT64_C(1) << with->n) - 1) : hits;

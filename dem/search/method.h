@@ -38,6 +38,11 @@ extern const dem_search_method dem_search_cells, dem_search_sweep, dem_search_gr
 /* Every pair checked: the search of "all" and "verlet-1967". */
 bool dem_find_all(void *state, const dem_search_input *input, dem_pairs *found);
 
+/* Is one grid of cells right for n spheres, of this largest radius and this sum of radii cubed, where a radius is that
+ * with half the skin? In a packing a sphere has about 15 n r_max^3 / sum r^3 candidates in cells of the largest
+ * diameter: 15 if all are equal, many more if small ones fill the cells of large ones. */
+bool dem_cells_fit(int n, double largest, double cubes);
+
 /* Room for `more` pairs beyond the count. False: no memory, which the list remembers for dem_search_run. */
 bool dem_pairs_grow(dem_pairs *pairs, size_t more);
 

@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define METHODS(X)  \
-  X(cells)          \
-  X(sweep)          \
-  X(grid)           \
-  X(verlet_1967)    \
+#define METHODS(X) \
+  X(cells)         \
+  X(sweep)         \
+  X(grid)          \
+  X(verlet_1967)   \
   X(all)
 
 static const dem_search_method *const methods[] = {
@@ -238,7 +238,7 @@ static bool prepare_lists(dem_search *search, int nthread) {
 }
 
 bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
-  assert(input->n >= 0 && input->nthread >= 1);
+  assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
   const int few = 1000; /* spheres; fewer are not worth starting threads for */
   dem_search_input in = *input;
   if (in.n < few)
@@ -247,15 +247,17 @@ bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows 
          make_rows(search->found, in.n, in.nthread, rows);
 }
 
+bool dem_cells_fit(int n, double largest, double cubes) {
+  const double worth = 10; /* measured with bench_search */
+  return n * largest * largest * largest <= worth * cubes;
+}
+
 const char *dem_search_choose(const dem_search_input *input) {
-  /* Cells cost a look at each sphere in cells of the largest diameter: in a packing that number grows as
-   * n r_max^3 / sum r^3, 1 for equal spheres. */
-  const double worth = 4;
   double largest = 0, cubes = 0;
   for (int i = 0; i < input->n; i++) {
-    double r = input->sphere[i].radius;
+    double r = input->sphere[i].radius + input->skin / 2;
     largest = r > largest ? r : largest;
     cubes += r * r * r;
   }
-  return input->n * largest * largest * largest > worth * cubes ? "grid" : "cells";
+  return dem_cells_fit(input->n, largest, cubes) ? "cells" : "grid";
 }

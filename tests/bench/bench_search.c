@@ -2,8 +2,9 @@
  *
  *   bench_search [largest number of spheres [threads]]
  *
- * Beds: spheres at the points of a disturbed face-centred lattice, numbered along the lattice ("in order") or at random;
- * the share of touching neighbours is that of a settled bed. Then sets of [A07] Fig. 2.17: discs of 10, 15 and 20 mm.
+ * Beds: spheres at the points of a disturbed face-centred lattice, numbered along the lattice ("in order") or at
+ * random; the share of touching neighbours is that of a settled bed. Then sets of [A07] Fig. 2.17: discs of 10, 15 and
+ * 20 mm.
  */
 #include "dem/search/search.h"
 #include "protocol/log.h"
