@@ -53,6 +53,11 @@ static inline bool dem_pairs_reserve(dem_pairs *pairs, size_t more) {
 /* Call work(context, t) for t = 0 ... nthread - 1, side by side where OpenMP is there. */
 void dem_search_parallel(int nthread, void (*work)(void *context, int t), void *context);
 
+/* threads for n spheres; few are not worth starting any for */
+static inline int dem_search_threads(const dem_search_input *input, int n) {
+  return n < 1000 ? 1 : input->nthread;
+}
+
 /* the part of 0 ... n that is thread t's: from dem_part(n, t, nthread) up to dem_part(n, t + 1, nthread) */
 static inline int dem_part(int n, int t, int nthread) {
   return (int)((long long)n * t / nthread);

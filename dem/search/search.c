@@ -168,11 +168,11 @@ static int compare_int(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* first[i + 1] stands at the start of row i before, at its end after */
+/* first[i + 1] stands at the start of row i before, at its end after; then the rows are sorted */
 static void fill_rows(void *context, int t) {
   const sorting *s = context;
   int begin = dem_part(s->n, t, s->nthread), end = dem_part(s->n, t + 1, s->nthread);
-  int *at = s->rows->first + 1, *other = s->rows->other;
+  int *at = s->rows->first + 1, *other = s->rows->other, start = begin < end ? at[begin] : 0;
   for (int f = 0; f < s->nthread; f++)
     for (size_t k = 0; k < s->found[f].count; k++) {
       dem_pair p = s->found[f].pair[k];
@@ -180,18 +180,11 @@ static void fill_rows(void *context, int t) {
       if (i >= begin && i < end)
         other[at[i]++] = greater(p);
     }
-}
-
-static void sort_rows(void *context, int t) {
-  const sorting *s = context;
-  int end = dem_part(s->n, t + 1, s->nthread);
-  for (int i = dem_part(s->n, t, s->nthread); i < end; i++) {
-    int *row = s->rows->other + s->rows->first[i], length = s->rows->first[i + 1] - s->rows->first[i];
-    if (length > 32)
-      qsort(row, (size_t)length, sizeof *row, compare_int);
+  for (int i = begin; i < end; start = at[i++])
+    if (at[i] - start > 32)
+      qsort(other + start, (size_t)(at[i] - start), sizeof *other, compare_int);
     else
-      sort_row(row, length);
-  }
+      sort_row(other + start, at[i] - start);
 }
 
 /* counting sort of the pairs by their lesser particle, then each row by itself */
@@ -215,7 +208,6 @@ static bool make_rows(const dem_pairs *found, int n, int nthread, dem_rows *rows
     at += length;
   }
   dem_search_parallel(nthread, fill_rows, &s);
-  dem_search_parallel(nthread, sort_rows, &s);
   rows->count = count;
   return true;
 }
@@ -239,10 +231,8 @@ static bool prepare_lists(dem_search *search, int nthread) {
 
 bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
   assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
-  const int few = 1000; /* spheres; fewer are not worth starting threads for */
   dem_search_input in = *input;
-  if (in.n < few)
-    in.nthread = 1;
+  in.nthread = dem_search_threads(&in, in.n);
   return prepare_lists(search, in.nthread) && search->method->find(search->state, &in, search->found) &&
          make_rows(search->found, in.n, in.nthread, rows);
 }
