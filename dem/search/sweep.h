@@ -40,6 +40,7 @@ typedef struct {
   dem_link *link;     /* (link_capacity) overlaps, chained by particle; the free ones chained from free_link */
   int nlink, link_capacity, free_link;
   size_t capacity;  /* particles that there is memory for */
+  long long anew;   /* comparisons of boxes when all was last made anew */
   double length[3]; /* of the domain where it repeats [m], else 0 */
 } dem_sweep;
 
