@@ -146,5 +146,4 @@ static void release(void *state) {
   free(grid->member);
 }
 
-const dem_search_method dem_search_grid = {
-    .name = "grid", .state_size = sizeof(grid_state), .find = find, .release = release};
+const dem_search_method dem_search_grid = {.state_size = sizeof(grid_state), .find = find, .release = release};

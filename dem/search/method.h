@@ -24,7 +24,6 @@ typedef struct {
 
 /* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. */
 typedef struct {
-  const char *name;
   size_t state_size;
   bool (*find)(void *state, const dem_search_input *input, dem_pairs *found); /* false: no memory for the state */
   void (*release)(void *state);                                               /* may be NULL: nothing to free */

@@ -8,21 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define METHODS(X) \
-  X(cells)         \
-  X(sweep)         \
-  X(grid)          \
-  X(verlet_1967)   \
-  X(all)
+#define SEARCHES(X)             \
+  X(cells, "cells")             \
+  X(sweep, "sweep")             \
+  X(grid, "grid")               \
+  X(verlet_1967, "verlet-1967") \
+  X(all, "all")
 
-static const dem_search_method *const methods[] = {
-#define X(name) &dem_search_##name,
-    METHODS(X)
+#define X(symbol, name) name,
+const char *const dem_search_names[] = {SEARCHES(X) NULL};
 #undef X
-};
-enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
-const char *const dem_search_names[] = {"cells", "sweep", "grid", "verlet-1967", "all", NULL};
+#define X(symbol, name) &dem_search_##symbol,
+static const dem_search_method *const methods[] = {SEARCHES(X)};
+#undef X
 
 struct dem_search {
   const dem_search_method *method;
@@ -32,20 +31,20 @@ struct dem_search {
 };
 
 dem_search *dem_search_create(const char *name) {
-  for (int m = 0; m < METHOD_COUNT; m++) {
-    if (strcmp(methods[m]->name, name) != 0)
-      continue;
-    dem_search *search = calloc(1, sizeof *search);
-    void *state = calloc(1, methods[m]->state_size + 1);
-    if (!search || !state) {
-      free(search);
-      free(state);
-      return NULL;
-    }
-    *search = (dem_search){.method = methods[m], .state = state};
-    return search;
+  int m = 0;
+  while (dem_search_names[m] && strcmp(dem_search_names[m], name) != 0)
+    m++;
+  if (!dem_search_names[m])
+    return NULL;
+  dem_search *search = calloc(1, sizeof *search);
+  void *state = calloc(1, methods[m]->state_size + 1);
+  if (!search || !state) {
+    free(search);
+    free(state);
+    return NULL;
   }
-  return NULL;
+  *search = (dem_search){.method = methods[m], .state = state};
+  return search;
 }
 
 void dem_search_destroy(dem_search **search) {

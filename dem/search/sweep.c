@@ -294,5 +294,4 @@ static void release(void *state) {
   dem_sweep_free(state);
 }
 
-const dem_search_method dem_search_sweep = {
-    .name = "sweep", .state_size = sizeof(dem_sweep), .find = find, .release = release};
+const dem_search_method dem_search_sweep = {.state_size = sizeof(dem_sweep), .find = find, .release = release};
