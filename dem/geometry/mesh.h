@@ -15,7 +15,7 @@
  * depth that of the lower triangle. Passing a crease the overlap is continuous and the normal jumps by the angle.
  *
  * Where a file has vertices that differ in the last digit or lie on the middle of another edge, the topology has
- * cracks: a contact at an edge or vertex that lies on a triangle that touches deeper is dropped, too.
+ * cracks: a contact on an open edge whose point lies on a triangle that is nearer is dropped, too.
  */
 #ifndef DEM_GEOMETRY_MESH_H
 #define DEM_GEOMETRY_MESH_H

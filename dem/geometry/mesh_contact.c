@@ -128,9 +128,6 @@ bool dem_mesh_passes(const dem_mesh *m, int from, int to) {
 
 /* does `b` belong to the contact `kept`, whose member `a` is? */
 static bool belongs(const dem_mesh *m, const touch *kept, const touch *a, const touch *b, double crack) {
-  if (b->claim.at.on != DEM_ON_FACE && a == kept &&
-      dem_mesh_nearest(m, a->claim.face, b->claim.at.point).distance2 <= crack * crack)
-    return true; /* its point lies on a triangle that touches deeper */
   if (tdm_dot(kept->normal, b->normal) < m->facet_cos)
     return false;
   tdm_vec3 d = tdm_sub(a->claim.at.point, b->claim.at.point);
@@ -138,8 +135,7 @@ static bool belongs(const dem_mesh *m, const touch *kept, const touch *a, const 
 }
 
 /* Merge contacts that belong to a deeper one; `t` is sorted, deepest first. Returns how many are left, in front. */
-static int merge(const dem_mesh *m, touch *t, int n, double radius) {
-  double crack = fmin(m->crack, 1e-3 * radius);
+static int merge(const dem_mesh *m, touch *t, int n, double crack) {
   int left = 0;
   for (int i = 0; i < n; i++)
     t[i].group = -1;
@@ -180,20 +176,35 @@ static void insert(touch *t, int *n, touch now) {
   t[place] = now;
 }
 
+/* Does the claim's point on the rim of the mesh lie on a triangle that does not belong to it by its vertices, and is
+ * nearer to x? */
+static bool bridged(const dem_mesh *m, const int *candidates, int n, tdm_vec3 x, const claim *c, double crack) {
+  bool open = c->at.on == DEM_ON_EDGE ? m->edge[c->at.feature].kind == DEM_EDGE_OPEN
+                                      : c->at.on == DEM_ON_VERTEX && m->rim[c->at.feature];
+  for (int i = 0; open && i < n; i++)
+    if (dem_mesh_nearest(m, candidates[i], x).distance2 < c->at.distance2 &&
+        dem_mesh_nearest(m, candidates[i], c->at.point).distance2 <= crack * crack)
+      return true;
+  return false;
+}
+
 int dem_mesh_contacts(const dem_mesh *m, const int *candidates, int n, tdm_vec3 x, double radius, dem_mesh_contact *out,
                       int max) {
   touch t[DEM_MESH_CONTACTS_MAX];
   int count = 0;
+  double crack = fmin(m->crack, 1e-3 * radius);
   for (int i = 0; i < n; i++) {
     claim c = claim_of(m, candidates[i], x);
     if (!(c.at.distance2 < radius * radius))
       continue;
     touch now = {.claim = descend(m, x, c)};
+    if (bridged(m, candidates, n, x, &now.claim, crack))
+      continue;
     now.gap = dem_mesh_normal(m, now.claim.face, &now.claim.at, x, &now.normal);
     insert(t, &count, now);
   }
   if (count > 1)
-    count = merge(m, t, count, radius);
+    count = merge(m, t, count, crack);
   count = count < max ? count : max;
   for (int i = 0; i < count; i++) {
     int place = i;
