@@ -94,7 +94,7 @@ START_TEST(test_solid) {
   const round_shape *c = &shapes[_i];
   state = 2;
   int inside = 0;
-  for (int trial = 0; trial < 200; trial++) {
+  for (int trial = 0; trial < 400; trial++) {
     tdm_vec3 n, m, x = tdm_v3(between(-1.2, 1.2), between(-1.2, 1.2), between(-0.3, c->length + 0.3));
     double gap = dem_frustum_gap(c->radius, c->length, x, &n), sign = is_in(c, x) ? -1 : 1;
     double least = fmin(search(on_side, c, x), fmin(search(on_end, c, x), search(on_other_end, c, x)));

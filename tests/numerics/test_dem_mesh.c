@@ -273,20 +273,24 @@ static dem_mesh *soup(int n) {
   return mesh_of(&s, DEM_MESH_FACET_ANGLE);
 }
 
-/* distance of x from a triangle by minimising over barycentric coordinates: face, then the three edges */
-static double distance_by_projection(const tdm_vec3 c[3], tdm_vec3 x) {
-  tdm_vec3 u = tdm_sub(c[1], c[0]), v = tdm_sub(c[2], c[0]), r = tdm_sub(x, c[0]);
+/* the point of a triangle nearest to x: in its plane by the normal equations, else the best of the three sides */
+static tdm_vec3 nearest_by_projection(const tdm_vec3 c[3], tdm_vec3 x) {
+  tdm_vec3 u = tdm_sub(c[1], c[0]), v = tdm_sub(c[2], c[0]), r = tdm_sub(x, c[0]), best = c[0];
   double uu = tdm_dot(u, u), uv = tdm_dot(u, v), vv = tdm_dot(v, v), ru = tdm_dot(r, u), rv = tdm_dot(r, v);
   double det = uu * vv - uv * uv, p = (vv * ru - uv * rv) / det, q = (uu * rv - uv * ru) / det;
   if (p >= 0 && q >= 0 && p + q <= 1)
-    return tdm_norm(tdm_sub(r, tdm_axpy(p, u, tdm_scale(q, v))));
-  double best = INFINITY;
+    return tdm_axpy(p, u, tdm_axpy(q, v, c[0]));
   for (int k = 0; k < 3; k++) {
     tdm_vec3 e = tdm_sub(c[(k + 1) % 3], c[k]), w = tdm_sub(x, c[k]);
-    double s = fmax(0, fmin(1, tdm_dot(w, e) / tdm_dot(e, e)));
-    best = fmin(best, tdm_norm(tdm_axpy(-s, e, w)));
+    tdm_vec3 on = tdm_axpy(fmax(0, fmin(1, tdm_dot(w, e) / tdm_dot(e, e))), e, c[k]);
+    if (tdm_norm(tdm_sub(x, on)) < tdm_norm(tdm_sub(x, best)))
+      best = on;
   }
   return best;
+}
+
+static double distance_by_projection(const tdm_vec3 c[3], tdm_vec3 x) {
+  return tdm_norm(tdm_sub(x, nearest_by_projection(c, x)));
 }
 
 START_TEST(test_near) {
@@ -524,6 +528,67 @@ START_TEST(test_candidates) {
 }
 END_TEST
 
+/* ---- bumps ---- */
+
+enum { BUMPS = 10 };
+
+/* The contacts with a rough surface, without merging, against all triangles: the nearest point of a triangle is a
+ * contact when no triangle that has this point is nearer, and counts once. */
+START_TEST(test_rough) {
+  dem_stl s = {0};
+  state = 13;
+  tdm_vec3 at[BUMPS + 1][BUMPS + 1];
+  for (int i = 0; i <= BUMPS; i++)
+    for (int j = 0; j <= BUMPS; j++)
+      at[i][j] = tdm_v3(i, j, between(0, 0.8));
+  for (int i = 0; i < BUMPS; i++)
+    for (int j = 0; j < BUMPS; j++)
+      add_quad(&s, at[i][j], at[i + 1][j], at[i + 1][j + 1], at[i][j + 1]);
+  dem_mesh *m = mesh_of(&s, 0);
+  int n = dem_mesh_figures(m)->triangles, several = 0;
+  for (int trial = 0; trial < 3000; trial++) {
+    tdm_vec3 x = tdm_v3(between(1, 9), between(1, 9), between(-0.5, 1.5)), c[3], normal;
+    double radius = between(0.3, 1.2), gap[2 * BUMPS * BUMPS], expected[32];
+    int count = 0;
+    tdm_vec3 point[32];
+    for (int t = 0; t < n; t++) {
+      dem_mesh_triangle(m, t, c, &normal);
+      gap[t] = distance_by_projection(c, x);
+    }
+    for (int t = 0; t < n; t++) {
+      if (gap[t] >= radius)
+        continue;
+      dem_mesh_triangle(m, t, c, &normal);
+      tdm_vec3 q = nearest_by_projection(c, x);
+      bool lowest = true;
+      for (int o = 0; o < n && lowest; o++) {
+        dem_mesh_triangle(m, o, c, &normal);
+        lowest = gap[o] >= gap[t] - 1e-12 || distance_by_projection(c, q) > 1e-9;
+      }
+      for (int k = 0; k < count && lowest; k++)
+        lowest = tdm_norm(tdm_sub(point[k], q)) > 1e-9;
+      if (lowest) {
+        ck_assert_int_lt(count, 32);
+        point[count] = q;
+        expected[count++] = gap[t];
+      }
+    }
+    dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+    ck_assert_int_eq(contacts(m, x, radius, out), count);
+    several += count > 1;
+    for (int k = 0; k < count; k++) {
+      int same = 0;
+      for (int i = 0; i < count; i++)
+        same += tdm_norm(tdm_sub(tdm_axpy(-out[k].gap, out[k].normal, x), point[i])) < 1e-9 &&
+                fabs(out[k].gap - expected[i]) < 1e-12;
+      ck_assert_int_eq(same, 1);
+    }
+  }
+  ck_assert_int_gt(several, 500);
+  dem_mesh_destroy(&m);
+}
+END_TEST
+
 /* ---- facets ---- */
 
 /* the inside of a drum of radius 1 along z, n facets, in `rows` rows; normals inward */
@@ -683,4 +748,4 @@ END_TEST
 
 TEST_MAIN("dem_mesh", 60, test_text, test_binary, test_bad_files, test_report_closed, test_report_faults, test_near,
           test_plane, test_inclined_plane, test_rounded_plane, test_passes, test_convex, test_concave, test_candidates,
-          test_drum, test_drum_corner, test_tight_drum, test_drum_outside, test_cracks, test_scaling)
+          test_rough, test_drum, test_drum_corner, test_tight_drum, test_drum_outside, test_cracks, test_scaling)
