@@ -166,7 +166,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const int ncolumn, normal_law *no
     const dem_sphere *s = &d->sphere[i];
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
-    bool through = wall->primitive == DEM_PLANE && gap <= -s->radius;
+    bool through = dem_wall_endless(wall) && gap <= -s->radius;
     if (gap >= s->radius || through) {
       for (int q = 0; q < ncolumn; q++)
         list->history[(size_t)q * list->capacity + k] = 0;

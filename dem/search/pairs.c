@@ -263,7 +263,7 @@ static bool list_walls_of(dem_data *d, int i) {
     double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
     /* distance from where a contact begins; a plane ends one radius behind its surface */
     double away = gap - s->radius;
-    if (wall->primitive == DEM_PLANE)
+    if (dem_wall_endless(wall))
       away = fmax(away, -gap - s->radius);
     if (!(away < d->skin))
       d->margin[wall->body] = fmin(d->margin[wall->body], away);
