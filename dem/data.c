@@ -209,6 +209,7 @@ static void begin(dem_data *d) {
     d->twist[b] = m->body[b].start.twist;
     d->body_inverse[b] = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
   }
+  dem_bodies_drive(d, m->time_start);
   dem_lids_away(d);
 }
 

@@ -104,7 +104,7 @@ typedef struct dem_model {
   dem_pair *pair;         /* (nmaterial x nmaterial), symmetric */
   dem_pair *settle_pair;  /* (nmaterial x nmaterial) the same while settling */
 
-  int nbody, ncoupled;
+  int nbody, ncoupled, ndriven;
   dem_body *body;    /* (nbody) */
   int *coupled_body; /* (ncoupled) body of each coupled body */
 

@@ -275,6 +275,7 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   body->start.pose.position = tdm_get_vec3(o, "position", &(tdm_vec3){0, 0, 0});
   body->start.pose.orientation = tdm_get_orientation(o, "orientation");
   body->drive = dem_drive_read(o, &body->start.pose);
+  m->ndriven += body->drive.given;
 
   json_t *shapes = tdm_get_array(o, "shapes", true);
   for (size_t k = 0; k < json_array_size(shapes) && !o->err->status; k++) {

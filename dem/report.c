@@ -236,7 +236,7 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "tangential", json_string(m->law->tangential));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
   json_object_set_new(r->json, "simd", json_string(m->simd));
-  json_object_set_new(r->json, "skin", number(d->skin));
+  json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));
   warn_start(r, d, settled, nbehind);
   report_limits(r, m, &limits);
   warn_step(r, m, &limits);

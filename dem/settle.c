@@ -66,6 +66,7 @@ static void stand_still(dem_data *d) {
     d->pace[i].velocity = d->pace[i].spin = tdm_v3(0, 0, 0);
   for (int b = 0; b < d->model->nbody; b++)
     d->twist[b] = d->model->body[b].start.twist;
+  dem_bodies_drive(d, d->model->time_start);
   d->nstep = 0;
 }
 

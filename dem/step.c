@@ -56,6 +56,8 @@ static void end_step(dem_data *d, double dt) {
 bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt) {
   if (motion)
     dem_bodies_move(d, motion, k, n);
+  if (!settling)
+    dem_bodies_drive(d, d->model->time_start + (double)(d->nstep + 1) * d->model->dt);
   double moved2 = begin_step(d, dt);
   if (!dem_lists_update(d, moved2))
     return false;

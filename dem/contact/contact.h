@@ -23,14 +23,14 @@ typedef struct {
 
 typedef struct {
   vm touching;
-  vd3 normal;      /* unit, from the partner to the particle */
-  vd overlap;      /* [m] */
-  vd rate;         /* of the overlap, > 0 while approaching [m/s] */
-  vd3 slip;        /* tangential velocity of the particle against the partner at the contact [m/s] */
-  vd turn;         /* of the contact about its normal: radius-weighted mean spin [rad/s] */
-  vd radius;       /* effective, R* [m] */
-  vd mass;         /* effective, m* [kg] */
-  double dt;       /* [s], 0: evaluate only */
+  vd3 normal; /* unit, from the partner to the particle */
+  vd overlap; /* [m] */
+  vd rate;    /* of the overlap, > 0 while approaching [m/s] */
+  vd3 slip;   /* tangential velocity of the particle against the partner at the contact [m/s] */
+  vd turn;    /* of the contact about its normal: radius-weighted mean spin [rad/s] */
+  vd radius;  /* effective, R* [m] */
+  vd mass;    /* effective, m* [kg] */
+  double dt;  /* [s], 0: evaluate only */
   dem_coefficients pair;
 
   /* by the normal law */

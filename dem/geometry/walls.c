@@ -27,6 +27,21 @@ void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t
       put(d, w);
 }
 
+void dem_bodies_drive(dem_data *d, double t) {
+  const dem_model *m = d->model;
+  if (m->ndriven == 0)
+    return;
+  for (int b = 0; b < m->nbody; b++)
+    if (m->body[b].drive.given) {
+      tdm_state now = dem_driven_state(&m->body[b].drive, &m->body[b].start, t);
+      d->pose[b] = now.pose;
+      d->twist[b] = now.twist;
+    }
+  for (int w = 0; w < m->nwall; w++)
+    if (m->body[m->wall[w].body].drive.given)
+      put(d, w);
+}
+
 bool dem_behind(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;

@@ -25,7 +25,7 @@ static bool lists_hold(const dem_data *d, double moved2) {
     double away = moved;
     tdm_vec3 dx = tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
     away += tdm_norm(tdm_sub(dx, u));
-    if (m->body[b].coupled >= 0) {
+    if (m->body[b].coupled >= 0 || m->body[b].drive.given) {
       tdm_quat turn = tdm_quat_mul(tdm_quat_conj(d->pose_at_list[b].orientation), d->pose[b].orientation);
       away += 2 * sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) * d->reach[b];
     }
@@ -299,7 +299,7 @@ static void note_positions(dem_data *d) {
     d->pose_at_list[b] = d->pose[b];
     d->margin[b] = INFINITY;
     d->reach[b] = 0;
-    if (m->body[b].coupled < 0)
+    if (m->body[b].coupled < 0 && !m->body[b].drive.given)
       continue;
     for (int i = 0; i < d->nparticle; i++)
       d->reach[b] = fmax(d->reach[b], tdm_norm(tdm_sub(d->sphere[i].position, d->pose[b].position)));
