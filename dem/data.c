@@ -1,7 +1,10 @@
 /* Creating, copying and destroying the data, and particles that come and go: see data.h. */
 #include "dem/data.h"
 
+#include "dem/domain.h"
+#include "dem/extras.h"
 #include "dem/geometry/walls.h"
+#include "dem/integrate.h"
 #include "dem/search/pairs.h"
 #include "dem/step.h"
 
@@ -10,16 +13,22 @@
 #include <string.h>
 
 /* The arrays of particles that are state: X(field, entries a particle). */
-#define PARTICLE_STATE(X) \
-  X(sphere, 1)            \
-  X(rotor, 1)             \
-  X(pace, 1)              \
-  X(position_at_list, 1)  \
-  X(mass, 1)              \
-  X(kind, 1)              \
-  X(id, 1)                \
-  X(touched, 1)           \
+#define PARTICLE_STATE(X)         \
+  X(sphere, 1)                    \
+  X(rotor, 1)                     \
+  X(pace, 1)                      \
+  X(position_at_list, 1)          \
+  X(mass, 1)                      \
+  X(kind, 1)                      \
+  X(id, 1)                        \
+  X(touched, 1)                   \
+  X(drive, d->model->driven)      \
+  X(memory, has_memory(d->model)) \
   X(front, d->model->nwall)
+
+static bool has_memory(const dem_model *m) {
+  return m->integrator->keeps == DEM_KEEPS_VELOCITY || m->integrator->keeps == DEM_KEEPS_PLACE;
+}
 
 /* The next `bytes` of the block, or only add up the size when block is NULL. */
 static void *place(char *block, size_t *used, size_t bytes) {
@@ -40,6 +49,7 @@ static size_t layout(dem_data *d, char *block) {
   PLACE(pose_at_list, nb);
   PLACE(margin, nb);
   PLACE(reach, nb);
+  PLACE(fast_load, nb);
   PLACE(wall, nw);
   PLACE(lid, nw);
   PLACE(sample_sum, nc);
@@ -99,17 +109,25 @@ static void end_particles(dem_data *d) {
   d->rotor[d->nparticle] = (dem_rotor){0};
 }
 
+/* room for `capacity` sums */
+static bool grow_push(const dem_data *d, dem_push **push, int capacity) {
+  dem_push *grown = zeroed((size_t)capacity * sizeof *grown);
+  if (!grown)
+    return false;
+  if (*push)
+    memcpy(grown, *push, (size_t)d->nparticle * sizeof *grown);
+  free(*push);
+  *push = grown;
+  return true;
+}
+
 bool dem_crossings_reserve(dem_data *d, int count) {
   int need = d->nparticle + 1 + count;
   if (need > d->push_capacity) {
     int capacity = need + need / 8 + 64;
-    dem_push *push = zeroed((size_t)capacity * sizeof *push);
-    if (!push)
+    bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
+    if (!grow_push(d, &d->push, capacity) || (two && !grow_push(d, &d->spare_push, capacity)))
       return false;
-    if (d->push)
-      memcpy(push, d->push, (size_t)d->nparticle * sizeof *push);
-    free(d->push);
-    d->push = push;
     d->push_capacity = capacity;
   }
   dem_crossings *c = &d->crossings;
@@ -196,7 +214,10 @@ static void begin(dem_data *d) {
     d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
     dem_exact_add(&d->ledger.mass, m->mass[i]);
   }
+  dem_drive_particles(d);
   end_particles(d);
+  d->restart = true;
+  dem_domain_begin(d);
   d->ledger.created = (uint64_t)m->nparticle;
   d->since_sort = DEM_SORT_STEPS;
   for (int b = 0; b < m->nbody; b++) {
@@ -214,16 +235,17 @@ dem_data *dem_data_create(const dem_model *model) {
   d->model = model;
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
-  d->search = dem_search_create("cells");
   d->nthread = 1;
   if (d->block)
     layout(d, d->block);
-  if (!d->block || !d->search || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
+  if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
     dem_data_destroy(&d);
     return NULL;
   }
   begin(d);
-  if (!dem_forces_now(d, false)) {
+  dem_search_input spheres = {.sphere = d->sphere, .n = d->nparticle, .skin = model->skin};
+  d->search = dem_search_create(model->search ? model->search : dem_search_choose(&spheres));
+  if (!d->search || !dem_forces_now(d, false)) {
     dem_data_destroy(&d);
     return NULL;
   }
@@ -274,8 +296,22 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
     return false;
   memcpy(dst->push, src->push, (size_t)src->nparticle * sizeof *src->push);
   memset(dst->push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  if (src->spare_push) {
+    memcpy(dst->spare_push, src->spare_push, (size_t)src->nparticle * sizeof *src->push);
+    memset(dst->spare_push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  }
   dst->nstep = src->nstep;
   dst->since_sort = src->since_sort;
+  dst->since_list = src->since_list;
+  dst->memory_dt = src->memory_dt;
+  dst->restart = src->restart;
+  dst->domain = src->domain;
+  memcpy(dst->domain_rate, src->domain_rate, sizeof src->domain_rate);
+  memcpy(dst->length_at_list, src->length_at_list, sizeof src->length_at_list);
+  dst->strained = src->strained;
+  dst->strain_steps = src->strain_steps;
+  dst->strain_dt = src->strain_dt;
+  dst->guard = src->guard;
   dst->ledger = src->ledger;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;
@@ -289,23 +325,12 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
-  void *arrays[] = {d->pairs.one,
-                    d->pairs.other,
-                    d->pairs.sink,
-                    d->pairs.history,
-                    d->spare_pairs.one,
-                    d->spare_pairs.other,
-                    d->spare_pairs.sink,
-                    d->spare_pairs.history,
-                    d->walls.entry,
-                    d->walls.history,
-                    d->spare_walls.entry,
-                    d->spare_walls.history,
-                    d->crossings.particle,
-                    d->crossings.order,
-                    d->push,
-                    d->particle_block,
-                    d->block};
+  void *arrays[] = {d->pairs.one,          d->pairs.other,         d->pairs.sink,
+                    d->pairs.history,      d->spare_pairs.one,     d->spare_pairs.other,
+                    d->spare_pairs.sink,   d->spare_pairs.history, d->walls.entry,
+                    d->walls.history,      d->spare_walls.entry,   d->spare_walls.history,
+                    d->crossings.particle, d->crossings.order,     d->push,
+                    d->spare_push,         d->particle_block,      d->block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   dem_rows_free(&d->rows);
@@ -324,10 +349,18 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->mass[i] = newcomer->mass;
   d->kind[i] = newcomer->kind;
   d->touched[i] = 0;
-  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, newcomer->velocity, 1 / newcomer->mass};
+  const dem_model *m = d->model;
+  tdm_vec3 velocity = dem_flatten(m, newcomer->velocity, 0);
+  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, velocity, 1 / newcomer->mass};
   d->rotor[i] = (dem_rotor){.radius = newcomer->radius};
-  d->pace[i] = (dem_pace){.velocity = newcomer->velocity};
+  d->pace[i] = (dem_pace){.velocity = velocity};
   d->push[i] = (dem_push){0};
+  if (d->spare_push)
+    d->spare_push[i] = (dem_push){0};
+  if (m->driven)
+    d->drive[i] = (dem_pace){0};
+  if (m->integrator->remember && !d->restart)
+    m->integrator->remember(d, i, i + 1, d->memory_dt);
   d->position_at_list[i] = newcomer->position;
   end_particles(d);
   dem_exact_add(&d->ledger.mass, newcomer->mass);
@@ -395,6 +428,8 @@ void dem_data_remove(dem_data *d, const int *gone) {
       continue;
     }
     d->push[number[i]] = d->push[i];
+    if (d->spare_push)
+      d->spare_push[number[i]] = d->spare_push[i];
 #define X(field, n)                                                                       \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
@@ -404,6 +439,8 @@ void dem_data_remove(dem_data *d, const int *gone) {
   d->nparticle = after;
   end_particles(d);
   d->push[after] = (dem_push){0};
+  if (d->spare_push)
+    d->spare_push[after] = (dem_push){0};
   if (d->nchunk > 1) {
     d->list_stale = true; /* chunks have other particles now */
     return;
@@ -436,6 +473,8 @@ bool dem_data_permute(dem_data *d, const int *from) {
   PARTICLE_STATE(X)
 #undef X
   MOVE(push, 1)
+  if (d->spare_push)
+    MOVE(spare_push, 1)
   free(copy);
   return true;
 }

@@ -67,8 +67,22 @@ typedef struct {
 /* What went in and out, for the balance. */
 typedef struct {
   uint64_t created, removed; /* created: with those of the start */
+  uint64_t left;             /* of the removed: those that left dem.domain */
   dem_exact mass;            /* created less removed, without round-off [kg] */
 } dem_ledger;
+
+/* What the guard saw last (guard.h). */
+typedef enum { DEM_GUARD_LEAP, DEM_GUARD_OVERLAP, DEM_GUARD_STEP, DEM_GUARD_ENERGY, DEM_GUARD_KINDS } dem_guard_kind;
+
+typedef struct {
+  double start, lowest;           /* energy at the first look, and the lowest since [J] */
+  double potential;               /* lowest potential since [J] */
+  uint64_t judging;               /* 1: the three are there */
+  uint64_t flow;                  /* particles that had come or gone then */
+  uint64_t leaper;                /* 1 + id of a particle that moved more than its radius in a step, 0: none */
+  double leap;                    /* by how much [m] */
+  uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
+} dem_guard_state;
 
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
@@ -92,6 +106,9 @@ typedef struct dem_data {
   dem_rotor *rotor;           /* likewise */
   dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
   dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings */
+  dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
+  dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
+  dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
   tdm_vec3 *position_at_list; /* when the lists were built [m] */
 
   /* bodies, (nbody) each */
@@ -110,6 +127,17 @@ typedef struct dem_data {
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
 
+  double memory_dt; /* step for which memory was made [s] */
+  bool restart;     /* memory is to be made anew */
+
+  dem_domain domain;        /* where the box is now; all 0 when the scene has none */
+  double domain_rate[3];    /* how fast its lengths grow now [m/s] */
+  double strained;          /* how long it has been strained before the steps counted next [s] */
+  uint64_t strain_steps;    /* steps since, of strain_dt each */
+  double strain_dt;         /* [s] */
+  double length_at_list[3]; /* its lengths when the lists were built [m] */
+  dem_guard_state guard;
+
   int nchunk; /* of DEM_CHUNK particles each, as of the last list */
   dem_pairs pairs;
   dem_wall_contacts walls;
@@ -117,6 +145,7 @@ typedef struct dem_data {
   bool list_valid;     /* the lists are lists of these particles */
   bool list_stale;     /* particles came: rebuild at the next step */
   uint64_t nrebuild;   /* of the lists */
+  uint64_t since_list; /* steps since the lists were built */
   uint64_t since_sort; /* steps since the particles were put in the order of their places */
 
   long ncontact; /* touching pairs and walls at the last evaluation */
@@ -129,9 +158,10 @@ typedef struct dem_data {
   /* not part of the state */
   dem_pairs spare_pairs; /* the lists of before, at a rebuild */
   dem_wall_contacts spare_walls;
-  dem_rows rows;      /* what the search found */
-  dem_search *search; /* owned */
-  int *number;        /* (nparticle) scratch */
+  dem_rows rows;         /* what the search found */
+  dem_search *search;    /* owned */
+  tdm_wrench *fast_load; /* (nbody) multi-step: body_load of the fast contacts */
+  int *number;           /* (nparticle) scratch */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */

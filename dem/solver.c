@@ -8,6 +8,7 @@
 #include "dem/check.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
+#include "dem/guard.h"
 #include "dem/report.h"
 #include "dem/settle.h"
 #include "dem/step.h"
@@ -260,6 +261,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     d->sample_count++;
 
     double t = step_time(d, step, k, dt);
+    if (dem_guard(d, t, dt, err))
+      return err->status;
     if (!dem_flow(d, t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
 

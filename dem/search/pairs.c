@@ -13,12 +13,22 @@ tdm_vec3 dem_lists_shift(const dem_data *d) {
   return tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
 }
 
+/* by how much the images of a box that is strained have moved [m] */
+static double strained_since(const dem_data *d) {
+  tdm_vec3 grown = {0, 0, 0};
+  for (int a = 0; a < 3; a++)
+    (&grown.x)[a] = d->domain.length[a] - d->length_at_list[a];
+  return tdm_norm(grown);
+}
+
 /* may the lists still be used? Written so that NaN says no. */
 static bool lists_hold(const dem_data *d, double moved2) {
   const double safety = 0.999; /* round-off must not decide */
   const dem_model *m = d->model;
   double moved = sqrt(moved2);
-  if (!d->list_valid || d->list_stale || !(2 * moved < safety * m->skin))
+  uint64_t interval = (uint64_t)dem_search_interval(d->search);
+  double nearer = 2 * moved + (m->domain.strained ? strained_since(d) : 0);
+  if (!d->list_valid || d->list_stale || !(nearer < safety * m->skin) || (interval > 0 && d->since_list >= interval))
     return false;
   tdm_vec3 u = dem_lists_shift(d);
   for (int b = 0; b < m->nbody; b++) {
@@ -137,10 +147,27 @@ static bool place_crossings(dem_data *d) {
   return true;
 }
 
+/* leave away the pairs of which neither can move */
+static void drop_fixed(dem_data *d) {
+  int at = 0, begin = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    int end = d->rows.first[i + 1];
+    for (int r = begin; r < end; r++)
+      if (d->sphere[i].inverse_mass + d->sphere[d->rows.other[r]].inverse_mass > 0)
+        d->rows.other[at++] = d->rows.other[r];
+    begin = end;
+    d->rows.first[i + 1] = at;
+  }
+  d->rows.count = (size_t)at;
+}
+
 static bool build_pairs(dem_data *d, const dem_pairs *before, const int *old) {
-  dem_search_input input = {.sphere = d->sphere, .n = d->nparticle, .skin = d->model->skin, .nthread = d->nthread};
+  dem_search_input input = {
+      .sphere = d->sphere, .n = d->nparticle, .skin = d->model->skin, .domain = d->domain, .nthread = d->nthread};
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
+  if (d->model->driven)
+    drop_fixed(d);
   if (!place_chunks(d))
     return false;
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
@@ -272,6 +299,8 @@ static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
   for (int i = 0; i < d->nparticle; i++)
     d->position_at_list[i] = d->sphere[i].position;
+  memcpy(d->length_at_list, d->domain.length, sizeof d->length_at_list);
+  d->since_list = 0;
   for (int b = 0; b < m->nbody; b++) {
     d->pose_at_list[b] = d->pose[b];
     d->margin[b] = INFINITY;

@@ -3,7 +3,8 @@
  * A search is a row of the table in search.c. It gets the spheres and a distance, and returns for every particle i the
  * particles j > i, ascending, whose surfaces are nearer than `skin`:
  *   |x_i - x_j| < r_i + r_j + skin
- * (the nearest images when the box repeats). So results do not depend on the search, only the time does.
+ * (the nearest images when the box repeats). So results do not depend on the search, only the time does. A sphere whose
+ * position is not finite has no partners.
  */
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
@@ -13,7 +14,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The box that repeats. */
+/* The box that repeats. One image of a neighbour is enough: a length is at least 2 (2 r_max + skin), which whoever
+ * makes the domain sees to. */
 typedef struct {
   bool periodic[3];
   double low[3], length[3]; /* [m]; positions are kept in [low, low + length) in a periodic direction */

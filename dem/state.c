@@ -1,0 +1,2 @@
+/* x */
+typedef int dem_state_unused;
