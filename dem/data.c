@@ -12,24 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The arrays of particles that are state: X(field, entries a particle). */
-#define PARTICLE_STATE(X)         \
-  X(sphere, 1)                    \
-  X(rotor, 1)                     \
-  X(pace, 1)                      \
-  X(position_at_list, 1)          \
-  X(mass, 1)                      \
-  X(kind, 1)                      \
-  X(id, 1)                        \
-  X(touched, 1)                   \
-  X(drive, d->model->driven)      \
-  X(memory, has_memory(d->model)) \
-  X(front, d->model->nwall)
-
-static bool has_memory(const dem_model *m) {
-  return m->integrator->keeps == DEM_KEEPS_VELOCITY || m->integrator->keeps == DEM_KEEPS_PLACE;
-}
-
 /* The next `bytes` of the block, or only add up the size when block is NULL. */
 static void *place(char *block, size_t *used, size_t bytes) {
   void *array = block ? block + *used : NULL;
@@ -63,7 +45,7 @@ static size_t layout(dem_data *d, char *block) {
 static size_t layout_particles(dem_data *d, char *block) {
   size_t np = (size_t)d->capacity + 1, used = 0;
 #define X(field, n) PLACE(field, np *(size_t)(n));
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   PLACE(pairs.first, np);
   PLACE(spare_pairs.first, np);
@@ -94,7 +76,7 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
 #define X(field, n)         \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   size_t nchunk = (size_t)d->nchunk + 1;
   memcpy(dst->pairs.first, d->pairs.first, (np + 1) * sizeof *d->pairs.first);
@@ -103,8 +85,8 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
   memcpy(dst->crossings.chunk, d->crossings.chunk, nchunk * sizeof *d->crossings.chunk);
 }
 
-/* put the particle that is none behind the last: nowhere, so that it touches nothing */
-static void end_particles(dem_data *d) {
+/* nowhere, so that it touches nothing */
+void dem_data_end(dem_data *d) {
   d->sphere[d->nparticle] = (dem_sphere){.position = {NAN, NAN, NAN}, .inverse_mass = 1};
   d->rotor[d->nparticle] = (dem_rotor){0};
 }
@@ -215,7 +197,7 @@ static void begin(dem_data *d) {
     dem_exact_add(&d->ledger.mass, m->mass[i]);
   }
   dem_drive_particles(d);
-  end_particles(d);
+  dem_data_end(d);
   d->restart = true;
   dem_domain_begin(d);
   d->ledger.created = (uint64_t)m->nparticle;
@@ -291,7 +273,7 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
     return false;
   memcpy(dst->block, src->block, src->block_size);
   copy_particles(dst, src);
-  end_particles(dst);
+  dem_data_end(dst);
   if (!copy_lists(dst, src))
     return false;
   memcpy(dst->push, src->push, (size_t)src->nparticle * sizeof *src->push);
@@ -362,7 +344,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   if (m->integrator->remember && !d->restart)
     m->integrator->remember(d, i, i + 1, d->memory_dt);
   d->position_at_list[i] = newcomer->position;
-  end_particles(d);
+  dem_data_end(d);
   dem_exact_add(&d->ledger.mass, newcomer->mass);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
@@ -433,11 +415,11 @@ void dem_data_remove(dem_data *d, const int *gone) {
 #define X(field, n)                                                                       \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
-    PARTICLE_STATE(X)
+    DEM_PARTICLE_STATE(X)
 #undef X
   }
   d->nparticle = after;
-  end_particles(d);
+  dem_data_end(d);
   d->push[after] = (dem_push){0};
   if (d->spare_push)
     d->spare_push[after] = (dem_push){0};
@@ -455,7 +437,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
 bool dem_data_permute(dem_data *d, const int *from) {
   size_t np = (size_t)d->nparticle, largest = 0;
 #define X(field, n) largest = (size_t)(n) * sizeof *d->field > largest ? (size_t)(n) * sizeof *d->field : largest;
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   if (sizeof *d->push > largest)
     largest = sizeof *d->push;
@@ -470,7 +452,7 @@ bool dem_data_permute(dem_data *d, const int *from) {
       memcpy((char *)d->field + p * size, copy + (size_t)from[p] * size, size); \
   }
 #define X(field, n) MOVE(field, n)
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   MOVE(push, 1)
   if (d->spare_push)

@@ -50,6 +50,20 @@ typedef struct {
   int count, capacity;
 } dem_crossings;
 
+/* The arrays of particles that are state: X(field, entries a particle). A new one only needs its row. */
+#define DEM_PARTICLE_STATE(X)    \
+  X(sphere, 1)                   \
+  X(rotor, 1)                    \
+  X(pace, 1)                     \
+  X(position_at_list, 1)         \
+  X(mass, 1)                     \
+  X(kind, 1)                     \
+  X(id, 1)                       \
+  X(touched, 1)                  \
+  X(drive, d->model->driven)     \
+  X(memory, d->model->remembers) \
+  X(front, d->model->nwall)
+
 /* How far a source is. */
 typedef struct {
   uint64_t due, made;         /* particles that should be there by now, and those that are */
@@ -194,6 +208,9 @@ void dem_data_remove(dem_data *data, const int *gone);
 /* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers: they are to be
  * built next. False: no memory. */
 bool dem_data_permute(dem_data *data, const int *from);
+
+/* Put the particle that is none behind the last. */
+void dem_data_end(dem_data *data);
 
 /* Room for n particles. False: no memory, nothing changed. */
 bool dem_data_reserve(dem_data *data, int n);

@@ -60,7 +60,7 @@ void dem_domain_check(const dem_model *m, double end, tdm_error *err) {
   }
 }
 
-static void put_box(dem_data *d) {
+void dem_domain_put(dem_data *d) {
   const dem_domain_def *box = &d->model->domain;
   double t = d->strained + (double)d->strain_steps * d->strain_dt;
   for (int a = 0; a < 3; a++) {
@@ -75,7 +75,7 @@ static void put_box(dem_data *d) {
 void dem_domain_begin(dem_data *d) {
   d->strained = d->strain_dt = 0;
   d->strain_steps = 0;
-  put_box(d);
+  dem_domain_put(d);
   if (d->model->domain.repeats)
     dem_domain_wrap(d);
 }
@@ -87,7 +87,7 @@ void dem_domain_strain(dem_data *d, double dt) {
     d->strain_dt = dt;
   }
   d->strain_steps++;
-  put_box(d);
+  dem_domain_put(d);
 }
 
 /* particle i, k boxes up along an axis */

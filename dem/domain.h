@@ -21,6 +21,9 @@ void dem_domain_check(const dem_model *model, double end, tdm_error *err);
 /* The box as at the start of the run. */
 void dem_domain_begin(dem_data *data);
 
+/* The box as it has been strained so far. */
+void dem_domain_put(dem_data *data);
+
 /* Strain the box for a further dt. */
 void dem_domain_strain(dem_data *data, double dt);
 

@@ -53,6 +53,7 @@ void dem_drive_particles(dem_data *d) {
   const dem_model *m = d->model;
   for (int i = 0; m->driven && i < d->nparticle; i++) {
     d->drive[i] = (dem_pace){0};
+    d->sphere[i].inverse_mass = 1 / d->mass[i];
     for (int g = 0; g < m->ngroup; g++) {
       const dem_group *group = &m->group[g];
       if (d->id[i] < (uint64_t)group->first || d->id[i] >= (uint64_t)(group->first + group->count))

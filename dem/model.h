@@ -116,6 +116,7 @@ typedef struct dem_model {
   const char *simd;   /* instruction set, of dem_simd_names */
   const dem_law *law; /* the combination of contact laws */
   const struct dem_integrator *integrator;
+  bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
   const struct dem_integrator *settler; /* velocity Verlet, for settling */
   struct {
     long substeps;

@@ -180,6 +180,7 @@ static void read_simd(dem_model *m, tdm_object *section) {
 /* after the particles, which may have forces of their own */
 static void read_integrator(dem_model *m, tdm_object *section) {
   m->integrator = dem_integrator_find(m->simd, choose(section, "integrator", dem_integrator_names, 0), m->driven);
+  m->remembers = m->integrator->remember != NULL;
   m->settler = dem_integrator_find(m->simd, dem_integrator_names[0], m->driven);
   if (m->integrator->keeps != DEM_KEEPS_FAST_FORCES) {
     if (tdm_has(section, "multi_step"))
@@ -425,6 +426,8 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   dem_guard_read(m, &o);
   const char *start = tdm_has(&o, "start") ? tdm_get_string(&o, "start", NULL) : NULL;
   m->start = start ? strdup(start) : NULL;
+  if (m->start && m->settle.store)
+    tdm_object_fail(&o, "start", "excludes dem.settle.store, which would keep a bed of other particles; remove one");
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);
