@@ -1,25 +1,16 @@
 /* Creating, copying and destroying the data, and particles that come and go: see data.h. */
 #include "dem/data.h"
 
+#include "dem/domain.h"
+#include "dem/extras.h"
 #include "dem/geometry/walls.h"
+#include "dem/integrate.h"
 #include "dem/search/pairs.h"
 #include "dem/step.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The arrays of particles that are state: X(field, entries a particle). */
-#define PARTICLE_STATE(X) \
-  X(sphere, 1)            \
-  X(rotor, 1)             \
-  X(pace, 1)              \
-  X(position_at_list, 1)  \
-  X(mass, 1)              \
-  X(kind, 1)              \
-  X(id, 1)                \
-  X(touched, 1)           \
-  X(front, d->model->nwall)
 
 /* The next `bytes` of the block, or only add up the size when block is NULL. */
 static void *place(char *block, size_t *used, size_t bytes) {
@@ -40,6 +31,7 @@ static size_t layout(dem_data *d, char *block) {
   PLACE(pose_at_list, nb);
   PLACE(margin, nb);
   PLACE(reach, nb);
+  PLACE(fast_load, nb);
   PLACE(wall, nw);
   PLACE(lid, nw);
   PLACE(sample_sum, nc);
@@ -53,7 +45,7 @@ static size_t layout(dem_data *d, char *block) {
 static size_t layout_particles(dem_data *d, char *block) {
   size_t np = (size_t)d->capacity + 1, used = 0;
 #define X(field, n) PLACE(field, np *(size_t)(n));
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   PLACE(pairs.first, np);
   PLACE(number, np);
@@ -83,7 +75,7 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
 #define X(field, n)         \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   size_t nchunk = (size_t)d->nchunk + 1;
   memcpy(dst->pairs.first, d->pairs.first, (np + 1) * sizeof *d->pairs.first);
@@ -92,23 +84,31 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
   memcpy(dst->crossings.chunk, d->crossings.chunk, nchunk * sizeof *d->crossings.chunk);
 }
 
-/* put the particle that is none behind the last: nowhere, so that it touches nothing */
-static void end_particles(dem_data *d) {
+/* nowhere, so that it touches nothing */
+void dem_data_end(dem_data *d) {
   d->sphere[d->nparticle] = (dem_sphere){.position = {NAN, NAN, NAN}, .inverse_mass = 1};
   d->rotor[d->nparticle] = (dem_rotor){0};
+}
+
+/* room for `capacity` sums */
+static bool grow_push(const dem_data *d, dem_push **push, int capacity) {
+  dem_push *grown = zeroed((size_t)capacity * sizeof *grown);
+  if (!grown)
+    return false;
+  if (*push)
+    memcpy(grown, *push, (size_t)d->nparticle * sizeof *grown);
+  free(*push);
+  *push = grown;
+  return true;
 }
 
 bool dem_crossings_reserve(dem_data *d, int count) {
   int need = d->nparticle + 1 + count;
   if (need > d->push_capacity) {
     int capacity = need + need / 8 + 64;
-    dem_push *push = zeroed((size_t)capacity * sizeof *push);
-    if (!push)
+    bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
+    if (!grow_push(d, &d->push, capacity) || (two && !grow_push(d, &d->spare_push, capacity)))
       return false;
-    if (d->push)
-      memcpy(push, d->push, (size_t)d->nparticle * sizeof *push);
-    free(d->push);
-    d->push = push;
     d->push_capacity = capacity;
   }
   dem_crossings *c = &d->crossings;
@@ -200,7 +200,10 @@ static void begin(dem_data *d) {
     d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
     dem_exact_add(&d->ledger.mass, m->mass[i]);
   }
-  end_particles(d);
+  dem_drive_particles(d);
+  dem_data_end(d);
+  d->restart = true;
+  dem_domain_begin(d);
   d->ledger.created = (uint64_t)m->nparticle;
   d->since_sort = DEM_SORT_STEPS;
   d->skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
@@ -220,16 +223,17 @@ dem_data *dem_data_create(const dem_model *model) {
   d->model = model;
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
-  d->search = dem_search_create("cells");
   d->nthread = 1;
   if (d->block)
     layout(d, d->block);
-  if (!d->block || !d->search || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
+  if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
     dem_data_destroy(&d);
     return NULL;
   }
   begin(d);
-  if (!dem_forces_now(d, false)) {
+  dem_search_input spheres = {.sphere = d->sphere, .n = d->nparticle, .skin = 0.1 * model->mean_radius};
+  d->search = dem_search_create(model->search ? model->search : dem_search_choose(&spheres));
+  if (!d->search || !dem_forces_now(d, false)) {
     dem_data_destroy(&d);
     return NULL;
   }
@@ -275,15 +279,28 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
     return false;
   memcpy(dst->block, src->block, src->block_size);
   copy_particles(dst, src);
-  end_particles(dst);
+  dem_data_end(dst);
   if (!copy_lists(dst, src))
     return false;
   memcpy(dst->push, src->push, (size_t)src->nparticle * sizeof *src->push);
   memset(dst->push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  if (src->spare_push) {
+    memcpy(dst->spare_push, src->spare_push, (size_t)src->nparticle * sizeof *src->push);
+    memset(dst->spare_push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  }
   dst->nstep = src->nstep;
   dst->since_sort = src->since_sort;
   dst->since_list = src->since_list;
   dst->skin = src->skin;
+  dst->memory_dt = src->memory_dt;
+  dst->restart = src->restart;
+  dst->domain = src->domain;
+  memcpy(dst->domain_rate, src->domain_rate, sizeof src->domain_rate);
+  memcpy(dst->length_at_list, src->length_at_list, sizeof src->length_at_list);
+  dst->strained = src->strained;
+  dst->strain_steps = src->strain_steps;
+  dst->strain_dt = src->strain_dt;
+  dst->guard = src->guard;
   dst->ledger = src->ledger;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;
@@ -297,20 +314,10 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
-  void *arrays[] = {d->pairs.one,
-                    d->pairs.other,
-                    d->pairs.sink,
-                    d->pairs.history,
-                    d->column,
-                    d->walls.entry,
-                    d->walls.history,
-                    d->spare_walls.entry,
-                    d->spare_walls.history,
-                    d->crossings.particle,
-                    d->crossings.order,
-                    d->push,
-                    d->particle_block,
-                    d->block};
+  void *arrays[] = {
+      d->pairs.one,       d->pairs.other,   d->pairs.sink,        d->pairs.history,       d->column,
+      d->walls.entry,     d->walls.history, d->spare_walls.entry, d->spare_walls.history, d->crossings.particle,
+      d->crossings.order, d->push,          d->spare_push,        d->particle_block,      d->block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   dem_rows_free(&d->rows);
@@ -329,12 +336,20 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->mass[i] = newcomer->mass;
   d->kind[i] = newcomer->kind;
   d->touched[i] = 0;
-  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, newcomer->velocity, 1 / newcomer->mass};
+  const dem_model *m = d->model;
+  tdm_vec3 velocity = dem_flatten(m, newcomer->velocity, 0);
+  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, velocity, 1 / newcomer->mass};
   d->rotor[i] = (dem_rotor){.radius = newcomer->radius};
-  d->pace[i] = (dem_pace){.velocity = newcomer->velocity};
+  d->pace[i] = (dem_pace){.velocity = velocity};
   d->push[i] = (dem_push){0};
+  if (d->spare_push)
+    d->spare_push[i] = (dem_push){0};
+  if (m->driven)
+    d->drive[i] = (dem_pace){0};
+  if (m->integrator->remember && !d->restart)
+    m->integrator->remember(d, i, i + 1, d->memory_dt);
   d->position_at_list[i] = newcomer->position;
-  end_particles(d);
+  dem_data_end(d);
   dem_exact_add(&d->ledger.mass, newcomer->mass);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
@@ -400,15 +415,19 @@ void dem_data_remove(dem_data *d, const int *gone) {
       continue;
     }
     d->push[number[i]] = d->push[i];
+    if (d->spare_push)
+      d->spare_push[number[i]] = d->spare_push[i];
 #define X(field, n)                                                                       \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
-    PARTICLE_STATE(X)
+    DEM_PARTICLE_STATE(X)
 #undef X
   }
   d->nparticle = after;
-  end_particles(d);
+  dem_data_end(d);
   d->push[after] = (dem_push){0};
+  if (d->spare_push)
+    d->spare_push[after] = (dem_push){0};
   if (d->nchunk > 1) {
     d->list_stale = true; /* chunks have other particles now */
     return;
@@ -448,9 +467,11 @@ bool dem_data_permute(dem_data *d, const int *from) {
     reorder_words((uint64_t *)(void *)d->field, n, (size_t)(each) * sizeof *d->field / sizeof *copy, from, copy); \
   else                                                                                                            \
     reorder_bytes((char *)d->field, n, (size_t)(each) * sizeof *d->field, from, (char *)copy);
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
   X(push, 1)
 #undef X
+  if (d->spare_push)
+    reorder_words((uint64_t *)(void *)d->spare_push, n, sizeof *d->spare_push / sizeof *copy, from, copy);
   free(copy);
   return true;
 }

@@ -50,6 +50,20 @@ typedef struct {
   int count, capacity;
 } dem_crossings;
 
+/* The arrays of particles that are state: X(field, entries a particle). A new one only needs its row. */
+#define DEM_PARTICLE_STATE(X)    \
+  X(sphere, 1)                   \
+  X(rotor, 1)                    \
+  X(pace, 1)                     \
+  X(position_at_list, 1)         \
+  X(mass, 1)                     \
+  X(kind, 1)                     \
+  X(id, 1)                       \
+  X(touched, 1)                  \
+  X(drive, d->model->driven)     \
+  X(memory, d->model->remembers) \
+  X(front, d->model->nwall)
+
 /* How far a source is. */
 typedef struct {
   uint64_t due, made;         /* particles that should be there by now, and those that are */
@@ -67,8 +81,22 @@ typedef struct {
 /* What went in and out, for the balance. */
 typedef struct {
   uint64_t created, removed; /* created: with those of the start */
+  uint64_t left;             /* of the removed: those that left dem.domain */
   dem_exact mass;            /* created less removed, without round-off [kg] */
 } dem_ledger;
+
+/* What the guard saw last (guard.h). */
+typedef enum { DEM_GUARD_LEAP, DEM_GUARD_OVERLAP, DEM_GUARD_STEP, DEM_GUARD_ENERGY, DEM_GUARD_KINDS } dem_guard_kind;
+
+typedef struct {
+  double start, lowest;           /* energy at the first look, and the lowest since [J] */
+  double potential;               /* lowest potential since [J] */
+  uint64_t judging;               /* 1: the three are there */
+  uint64_t flow;                  /* particles that had come or gone then */
+  uint64_t leaper;                /* 1 + id of a particle that moved more than its radius in a step, 0: none */
+  double leap;                    /* by how much [m] */
+  uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
+} dem_guard_state;
 
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
@@ -92,6 +120,9 @@ typedef struct dem_data {
   dem_rotor *rotor;           /* likewise */
   dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
   dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings */
+  dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
+  dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
+  dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
   tdm_vec3 *position_at_list; /* when the lists were built [m] */
 
   /* bodies, (nbody) each */
@@ -109,6 +140,17 @@ typedef struct dem_data {
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
+
+  double memory_dt; /* step for which memory was made [s] */
+  bool restart;     /* memory is to be made anew */
+
+  dem_domain domain;        /* where the box is now; all 0 when the scene has none */
+  double domain_rate[3];    /* how fast its lengths grow now [m/s] */
+  double strained;          /* how long it has been strained before the steps counted next [s] */
+  uint64_t strain_steps;    /* steps since, of strain_dt each */
+  double strain_dt;         /* [s] */
+  double length_at_list[3]; /* its lengths when the lists were built [m] */
+  dem_guard_state guard;
 
   int nchunk; /* of DEM_CHUNK particles each, as of the last list */
   dem_pairs pairs;
@@ -133,9 +175,10 @@ typedef struct dem_data {
   size_t *chunk_spare;           /* (nchunk + 1) */
   double *column;                /* (column_capacity) a column of histories, at a rebuild */
   size_t column_capacity;
-  dem_rows rows;      /* what the search found */
-  dem_search *search; /* owned */
-  int *number;        /* (nparticle) scratch */
+  dem_rows rows;         /* what the search found */
+  dem_search *search;    /* owned */
+  tdm_wrench *fast_load; /* (nbody) multi-step: body_load of the fast contacts */
+  int *number;           /* (nparticle) scratch */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
@@ -168,6 +211,9 @@ void dem_data_remove(dem_data *data, const int *gone);
 /* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers: they are to be
  * built next. False: no memory. */
 bool dem_data_permute(dem_data *data, const int *from);
+
+/* Put the particle that is none behind the last. */
+void dem_data_end(dem_data *data);
 
 /* Room for n particles. False: no memory, nothing changed. */
 bool dem_data_reserve(dem_data *data, int n);

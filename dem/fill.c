@@ -6,6 +6,7 @@
  */
 #include "dem/fill.h"
 
+#include "dem/extras.h"
 #include "dem/model_read.h"
 
 #include <gsl/gsl_randist.h>
@@ -252,7 +253,9 @@ static void read_entry(dem_model *m, tdm_object *o) {
   read[type](&f);
   if (f.total_mass > 0 && m->nparticle > first)
     scale_mass(m, first, f.total_mass);
-  m->group[m->ngroup++] = (dem_group){first, m->nparticle - first};
+  dem_group *group = &m->group[m->ngroup++];
+  *group = (dem_group){.first = first, .count = m->nparticle - first};
+  dem_read_group_extras(m, group, o);
   tdm_object_close(o);
 }
 

@@ -1,6 +1,8 @@
 /* Sources and sinks: see flow.h. */
 #include "dem/flow.h"
 
+#include "dem/domain.h"
+#include "dem/extras.h"
 #include "dem/geometry/walls.h"
 #include "protocol/log.h"
 
@@ -73,7 +75,7 @@ static bool occupied(const dem_data *d, tdm_vec3 x, double radius) {
       return true;
   }
   for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 c = tdm_sub(x, d->sphere[i].position);
+    tdm_vec3 c = dem_between(d, x, d->sphere[i].position);
     double sum = radius + d->sphere[i].radius;
     if (tdm_dot(c, c) < sum * sum)
       return true;
@@ -95,6 +97,7 @@ static bool find_room(const dem_data *d, const dem_source *s, dem_source_state *
   for (int k = 0; k < (point ? 1 : TRIES); k++) {
     tdm_vec3 x = point ? s->low : place_of(s, now->made, now->draw);
     out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
+    out->position = dem_flatten(m, out->position, m->flat_at);
     now->draw++;
     if (!occupied(d, out->position, out->radius))
       return true;

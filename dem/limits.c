@@ -1,6 +1,8 @@
 /* Limits of the DEM step: see limits.h. */
 #include "dem/limits.h"
 
+#include "dem/domain.h"
+
 #include <stdlib.h>
 
 double dem_rayleigh(double radius, double density, double shear, double poisson) {
@@ -151,7 +153,7 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
   for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
     int j = d->pairs.other[k];
     double both = d->sphere[i].radius + d->sphere[j].radius;
-    double overlap = both - tdm_norm(tdm_sub(d->sphere[i].position, d->sphere[j].position));
+    double overlap = both - tdm_norm(dem_between(d, d->sphere[i].position, d->sphere[j].position));
     if (!(overlap > 0))
       continue;
     const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
@@ -182,7 +184,7 @@ static double smallest_eigen(const dem_data *d) {
     add_wall_stiffness(d, &d->walls.entry[k], sum);
   for (int i = 0; i < d->nparticle; i++)
     if (sum[i] > 0)
-      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] / d->mass[i]));
+      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
   free(sum);
   return smallest;
 }

@@ -74,7 +74,31 @@ typedef struct {
 /* Particles that one entry of dem.particles made: [first, first + count). */
 typedef struct {
   int first, count;
+  tdm_vec3 force;        /* on each of them, besides gravity and contacts [N] */
+  tdm_vec3 acceleration; /* likewise [m/s2] */
+  bool fixed;            /* they never move */
 } dem_group;
+
+/* The box in which particles stay, repeat or leave (domain.h). */
+typedef struct {
+  bool wanted;        /* the scene has dem.domain */
+  bool periodic[3];   /* else open */
+  double low[3];      /* at the start [m] */
+  double length[3];   /* at the start [m] */
+  double rate[3];     /* of strain: length (1 + rate t) [1/s]; 0 in open directions */
+  bool repeats, open; /* some direction is periodic, some is open */
+  bool strained;      /* some rate is not 0 */
+} dem_domain_def;
+
+typedef enum { DEM_GUARD_WARN, DEM_GUARD_STOP } dem_guard_action;
+
+/* What is watched while running (guard.h). */
+typedef struct {
+  long every;     /* steps between two looks, 0: never */
+  double overlap; /* largest share of the smaller radius */
+  double energy;  /* largest rise, as a share of the energy there is */
+  dem_guard_action action;
+} dem_guard_def;
 
 typedef struct {
   bool wanted;     /* the scene has dem.settle */
@@ -94,6 +118,19 @@ typedef struct dem_model {
   const char *simd;   /* instruction set, of dem_simd_names */
   const dem_law *law; /* the combination of contact laws */
   const struct dem_integrator *integrator;
+  bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
+  const struct dem_integrator *settler; /* velocity Verlet, for settling */
+  struct {
+    long substeps;
+    double mass; /* contacts of a smaller effective mass are the fast ones [kg] */
+  } multi_step;
+  const char *search; /* of dem_search_names, NULL: chosen for the spheres */
+  int flat;           /* axis along which particles do not move (dem.dimension 2), -1: none */
+  double flat_at;     /* their coordinate along it [m] */
+  bool driven;        /* flat, or a group has forces of its own or is fixed */
+  dem_domain_def domain;
+  dem_guard_def guard;
+  char *start;        /* stored state that the run starts from, NULL: none */
   bool clip;          /* the normal force never attracts */
   double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */
   double skin;        /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
@@ -141,6 +178,9 @@ typedef struct dem_model {
 /* Index of a name, -1 when there is none. */
 int dem_find_material(const dem_model *model, const char *name);
 int dem_find_body(const dem_model *model, const char *name);
+
+/* Largest radius that is there or that a source will make [m]; 0 without any. */
+double dem_largest_radius(const dem_model *model);
 
 /* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
 tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);

@@ -2,7 +2,10 @@
 #include "dem/model_read.h"
 
 #include "dem/contact/restitution.h"
+#include "dem/domain.h"
+#include "dem/extras.h"
 #include "dem/fill.h"
+#include "dem/guard.h"
 #include "dem/integrate.h"
 
 #include <stdio.h>
@@ -167,12 +170,40 @@ static const char *choose(tdm_object *o, const char *key, const char *const *nam
 /* the instruction set: the best of this machine unless the scene names one */
 static void read_simd(dem_model *m, tdm_object *section) {
   m->simd = tdm_has(section, "simd") ? choose(section, "simd", dem_simd_names, 0) : dem_simd_best();
-  m->integrator = dem_integrator_find(m->simd);
   if (dem_law_find(m->simd, "hertz", "none"))
     return;
   tdm_object_fail(section, "simd", "this machine has no \"%s\"; remove the key, or use \"%s\"", m->simd,
                   dem_simd_best());
   m->simd = "plain";
+}
+
+/* after the particles, which may have forces of their own */
+static void read_integrator(dem_model *m, tdm_object *section) {
+  m->integrator = dem_integrator_find(m->simd, choose(section, "integrator", dem_integrator_names, 0), m->driven);
+  m->remembers = m->integrator->remember != NULL;
+  m->settler = dem_integrator_find(m->simd, dem_integrator_names[0], m->driven);
+  if (m->integrator->keeps != DEM_KEEPS_FAST_FORCES) {
+    if (tdm_has(section, "multi_step"))
+      tdm_object_fail(section, "multi_step", "is for \"integrator\": \"multi-step\" only; remove it");
+    return;
+  }
+  tdm_object o = tdm_get_object(section, "multi_step", true);
+  m->multi_step.substeps = tdm_get_integer(&o, "substeps", TDM_REQUIRED_INT, 1);
+  m->multi_step.mass = tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
+  tdm_object_close(&o);
+}
+
+/* the search, and the skin, which may be the search's own */
+static void read_search(dem_model *m, tdm_object *section) {
+  const char *names[16] = {"auto"};
+  for (int k = 0; dem_search_names[k]; k++)
+    names[k + 1] = dem_search_names[k];
+  const char *name = choose(section, "search", names, 0);
+  dem_search *search = name != names[0] ? dem_search_create(name) : NULL;
+  m->search = search ? name : NULL;
+  if (search)
+    m->skin = dem_search_skin(search, m->skin, dem_largest_radius(m));
+  dem_search_destroy(&search);
 }
 
 static void read_contact(dem_model *m, tdm_object *section) {
@@ -368,6 +399,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   read_simd(m, &o);
   read_contact(m, &o);
   read_materials(m, tdm_get_array(&o, "materials", true), err);
+  dem_read_dimension(m, &o);
   json_t *pairs = tdm_get_array(&o, "pairs", false);
   if (!err->status)
     read_pairs(m, pairs, err);
@@ -377,6 +409,9 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   json_t *particles = tdm_get_array(&o, "particles", false);
   if (!err->status)
     dem_fill_read(m, particles, err);
+  if (!err->status)
+    dem_put_in_plane(m, err);
+  read_integrator(m, &o);
   json_t *sources = tdm_get_array(&o, "sources", false), *sinks = tdm_get_array(&o, "sinks", false);
   if (!err->status)
     dem_sources_read(m, sources, err);
@@ -389,6 +424,15 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   tdm_has(&o, "settle");
   m->mean_radius = mean_radius_ahead(m);
   m->skin = tdm_get_number(&o, "skin", 0, tdm_has(&o, "skin") ? TDM_POSITIVE : TDM_ANY);
+  read_search(m, &o);
+  dem_domain_read(m, &o);
+  if (!err->status)
+    dem_domain_check(m, assignment->time_end, err);
+  dem_guard_read(m, &o);
+  const char *start = tdm_has(&o, "start") ? tdm_get_string(&o, "start", NULL) : NULL;
+  m->start = start ? strdup(start) : NULL;
+  if (m->start && m->settle.store)
+    tdm_object_fail(&o, "start", "excludes dem.settle.store, which would keep a bed of other particles; remove one");
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);

@@ -8,8 +8,10 @@
 #include "dem/check.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
+#include "dem/guard.h"
 #include "dem/report.h"
 #include "dem/settle.h"
+#include "dem/state.h"
 #include "dem/step.h"
 #include "protocol/log.h"
 
@@ -162,17 +164,30 @@ static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
 
 /* ---- create ---- */
 
+/* the particles of the stored state dem.start; lids stay where it has them unless there is settling to come */
+static tdm_status start_from(dem_data *d, tdm_error *err) {
+  if (dem_state_read(d, DEM_STATE_START, d->model->start, "dem.start", NULL, 0, err))
+    return err->status;
+  if (d->model->settle.wanted)
+    dem_lids_away(d);
+  if (!dem_forces_now(d, false))
+    return tdm_fail(err, TDM_ERR_MEMORY, "dem.start", "no memory for the neighbour lists");
+  return TDM_OK;
+}
+
 /* Particles in place and at rest; *ready told. */
 static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_model *m = s->model;
   dem_data *d = s->data;
   int nbehind = 0;
   dem_settled settled = {.rest = true, .pressed = true};
+  if (m->start && start_from(d, err))
+    return err->status;
   if (dem_check_start(d, &nbehind, err))
     return err->status;
   if (m->settle.wanted && dem_settle(d, s->participant, &settled, err))
     return err->status;
-  if (!m->settle.wanted && dem_lids_place(d) && !dem_forces_now(d, false))
+  if (!m->settle.wanted && !m->start && dem_lids_place(d) && !dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
@@ -260,6 +275,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     d->sample_count++;
 
     double t = step_time(d, step, k, dt);
+    if (dem_guard(d, t, dt, err))
+      return err->status;
     if (!dem_flow(d, t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
 

@@ -50,6 +50,17 @@ DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
   }
 }
 
+/* To the nearest image, which moves along when the box is strained; s: columns of vd_sphere_difference. */
+DEM_INLINE void nearest_image(const dem_data *d, vd s[8]) {
+  for (int a = 0; a < 3; a++) {
+    if (!d->domain.periodic[a])
+      continue;
+    vd boxes = vd_rint(s[a] * vd_set(1 / d->domain.length[a]));
+    s[a] = s[a] - boxes * vd_set(d->domain.length[a]);
+    s[4 + a] = s[4 + a] - boxes * vd_set(d->domain_rate[a]);
+  }
+}
+
 DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *normal, tangential_law *tangential) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
@@ -60,6 +71,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *no
   dem_contact c = {.dt = task->dt};
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
+  const bool repeats = m->domain.repeats, shared = task->share != DEM_ALL;
   long touching = 0;
   const bool far = d->nparticle > 20000; /* more than a cache of the second level holds */
 
@@ -70,10 +82,23 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *no
     vd s[8], b[4];
     vd_sphere_difference(sphere, i, j, s);
     vd_rotor_sum(rotor, i, j, b);
+    if (repeats)
+      nearest_image(d, s);
     vd3 x = {s[0], s[1], s[2]};
     vd r2 = vd3_dot(x, x), sum = b[3];
     c.touching = vm_less(r2, sum * sum);
-    if (!vm_any(c.touching)) {
+    vm own = c.touching;
+    vd kept[DEM_HISTORY_MAX];
+    if (shared) { /* the histories of the other contacts stay */
+      vm fast = vm_less(vd_set(1 / m->multi_step.mass), s[7]), all = vm_first(DEM_W);
+      own = task->share == DEM_FAST ? fast : vm_without(all, fast);
+      c.touching = vm_and(c.touching, own);
+      if (!vm_any(own))
+        continue;
+      for (int q = 0; q < ncolumn; q++)
+        kept[q] = vd_load(list->history + (size_t)q * list->capacity + k);
+    }
+    if (!shared && !vm_any(c.touching)) {
       close_history(list->history + k, list->capacity, ncolumn);
       continue;
     }
@@ -96,6 +121,10 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *no
     c.turn = vd3_dot(surface, c.normal) * per_sum;
     vd3 velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), (vd3){s[4], s[5], s[6]});
     outcome out = law(&c, velocity, list->history + k, list->capacity, ncolumn, normal, tangential);
+    for (int q = 0; shared && q < ncolumn; q++) {
+      double *history = list->history + (size_t)q * list->capacity + k;
+      vd_store(history, vd_pick(own, vd_load(history), kept[q]));
+    }
     vd3 twist = vd3_scale(share, out.twist);
     vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
                   (vd[3]){twist.x, twist.y, twist.z});
@@ -164,6 +193,10 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const int ncolumn, normal_law *no
     int i = list->entry[k].particle, w = list->entry[k].wall;
     const dem_wall *wall = &m->wall[w];
     const dem_sphere *s = &d->sphere[i];
+    if (task->share != DEM_ALL && (task->share == DEM_FAST) != (s->inverse_mass * m->multi_step.mass > 1))
+      continue;
+    if (s->inverse_mass == 0 && (task->settling || d->body_inverse[wall->body] == 0))
+      continue; /* neither can move */
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
     bool through = dem_wall_endless(wall) && gap <= -s->radius;

@@ -2,7 +2,6 @@
 #include "dem/contact/table.h"
 
 #include "dem/contact/loop.h"
-#include "dem/integrate.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -36,10 +35,4 @@ const dem_law *dem_law_find(const char *simd, const char *normal, const char *ta
     if (!strcmp(law->normal, normal) && !strcmp(law->tangential, tangential))
       return law;
   return NULL;
-}
-
-const dem_integrator *dem_integrator_find(const char *simd) {
-  return !strcmp(simd, "avx512") ? &dem_integrator_avx512
-         : !strcmp(simd, "avx2") ? &dem_integrator_avx2
-                                 : &dem_integrator_plain;
 }

@@ -22,6 +22,9 @@ enum { DEM_HISTORY_MAX = 4 };
 struct dem_model;
 struct dem_data;
 
+/* Which contacts a loop is about: all, or those whose effective mass is below or above model->multi_step.mass. */
+typedef enum { DEM_ALL, DEM_FAST, DEM_SLOW } dem_share;
+
 /* One chunk of particles: what a loop is asked for, and what it returns besides forces. */
 typedef struct {
   const struct dem_model *model;
@@ -29,6 +32,7 @@ typedef struct {
   int chunk;
   bool settling; /* chooses model->settle_pair */
   double dt;     /* [s], 0: only evaluate */
+  dem_share share;
   long touching; /* out: contacts */
 } dem_loop_task;
 

@@ -13,12 +13,22 @@ tdm_vec3 dem_lists_shift(const dem_data *d) {
   return tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
 }
 
+/* by how much the images of a box that is strained have moved [m] */
+static double strained_since(const dem_data *d) {
+  tdm_vec3 grown = {0, 0, 0};
+  for (int a = 0; a < 3; a++)
+    (&grown.x)[a] = d->domain.length[a] - d->length_at_list[a];
+  return tdm_norm(grown);
+}
+
 /* may the lists still be used? Written so that NaN says no. */
 static bool lists_hold(const dem_data *d, double moved2) {
   const double safety = 0.999; /* round-off must not decide */
   const dem_model *m = d->model;
   double moved = sqrt(moved2);
-  if (!d->list_valid || d->list_stale || !(2 * moved < safety * d->skin))
+  uint64_t interval = (uint64_t)dem_search_interval(d->search);
+  double nearer = 2 * moved + (m->domain.strained ? strained_since(d) : 0);
+  if (!d->list_valid || d->list_stale || !(nearer < safety * d->skin) || (interval > 0 && d->since_list >= interval))
     return false;
   tdm_vec3 u = dem_lists_shift(d);
   for (int b = 0; b < m->nbody; b++) {
@@ -146,13 +156,30 @@ static bool place_crossings(dem_data *d) {
   return true;
 }
 
+/* leave away the pairs of which neither can move */
+static void drop_fixed(dem_data *d) {
+  int at = 0, begin = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    int end = d->rows.first[i + 1];
+    for (int r = begin; r < end; r++)
+      if (d->sphere[i].inverse_mass + d->sphere[d->rows.other[r]].inverse_mass > 0)
+        d->rows.other[at++] = d->rows.other[r];
+    begin = end;
+    d->rows.first[i + 1] = at;
+  }
+  d->rows.count = (size_t)at;
+}
+
 /* The new list, in the place of the old one. carry: its histories are taken over; old: the numbers that the particles
  * had, NULL: the same. */
 static bool build_pairs(dem_data *d, bool carry, const int *old) {
   dem_pairs *list = &d->pairs;
-  dem_search_input input = {.sphere = d->sphere, .n = d->nparticle, .skin = d->skin, .nthread = d->nthread};
+  dem_search_input input = {
+      .sphere = d->sphere, .n = d->nparticle, .skin = d->skin, .domain = d->domain, .nthread = d->nthread};
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
+  if (d->model->driven)
+    drop_fixed(d);
   int ncolumn = d->model->law->ncolumn;
   size_t *chunk = d->chunk_spare, before = carry ? list->count : 0;
   place_chunks(d, chunk);
@@ -295,6 +322,8 @@ static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
   for (int i = 0; i < d->nparticle; i++)
     d->position_at_list[i] = d->sphere[i].position;
+  memcpy(d->length_at_list, d->domain.length, sizeof d->length_at_list);
+  d->since_list = 0;
   for (int b = 0; b < m->nbody; b++) {
     d->pose_at_list[b] = d->pose[b];
     d->margin[b] = INFINITY;
@@ -313,8 +342,11 @@ static void adapt_skin(dem_data *d, bool sort) {
   double r = d->model->mean_radius, steps = (double)d->since_list;
   if (d->model->skin > 0 || steps == 0 || ((sort || d->list_stale) && steps < 100))
     return;
-  double best = sqrt(3 * r * d->skin / steps);
-  d->skin = fmax(0.02 * r, fmin(0.5 * r, sqrt(best * d->skin)));
+  double best = sqrt(3 * r * d->skin / steps), most = 0.5 * r;
+  for (int a = 0; a < 3; a++) /* as much as a box that repeats allows */
+    if (d->domain.periodic[a])
+      most = fmin(most, 0.45 * d->domain.length[a] - 2 * dem_largest_radius(d->model));
+  d->skin = fmax(0.02 * r, fmin(most, sqrt(best * d->skin)));
 }
 
 bool dem_lists_build(dem_data *d) {
