@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <libgen.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +19,7 @@
 static const char magic[8] = {'T', 'N', 'D', 'M', 'B', 'E', 'D', '\n'};
 
 /* Raise it when the format changes, or when the same inputs settle to another bed. */
-enum { BED_VERSION = 2 };
+enum { BED_VERSION = 3 };
 
 static const char key[] = "dem.settle.store";
 
@@ -89,14 +90,16 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
 uint64_t dem_bed_fingerprint(const dem_model *m) {
   size_t np = (size_t)m->nparticle;
   uint64_t h = hash_start;
-  const char *const laws[] = {m->law->normal, m->law->tangential, m->clip ? "clip" : "keep"};
-  for (int k = 0; k < 3; k++)
+  const char *const laws[] = {dem_normals[m->law->normal].name, dem_tangentials[m->law->tangential].name,
+                              dem_rollings[m->rolling].name,    dem_twistings[m->twisting].name,
+                              dem_cohesions[m->cohesion].name,  m->clip ? "clip" : "keep"};
+  for (int k = 0; k < 6; k++)
     h = hash_bytes(h, laws[k], strlen(laws[k]) + 1);
   const dem_settling *s = &m->settle;
   const double counts[] = {m->nmaterial, m->nbody, m->nwall, m->nparticle};
-  const double keys[] = {s->speed, s->max_time, s->dt, s->drag};
+  const double keys[] = {s->speed, s->max_time, s->dt, s->drag, m->exponent};
   h = hash_numbers(h, counts, 4);
-  h = hash_numbers(h, keys, 4);
+  h = hash_numbers(h, keys, 5);
   h = hash_vectors(h, &m->gravity, 1);
   for (int k = 0; k < m->nmaterial; k++) {
     const double material[] = {m->material[k].young, m->material[k].poisson};
@@ -104,8 +107,10 @@ uint64_t dem_bed_fingerprint(const dem_model *m) {
   }
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++) {
     const dem_pair *p = &m->settle_pair[k];
-    const double pair[] = {p->given, p->friction, p->young, p->shear, p->normal_damping, p->tangential_damping};
-    h = hash_numbers(h, pair, p->given ? 6 : 1);
+    const double given = p->given;
+    h = hash_numbers(h, &given, 1);
+    if (p->given) /* all coefficients, doubles from the first on */
+      h = hash_bytes(h, &p->restitution, sizeof *p - offsetof(dem_pair, restitution));
   }
   for (int b = 0; b < m->nbody; b++) { /* the twist: it decides settle.dt when that is not given */
     const double material = m->body[b].material;
@@ -143,7 +148,7 @@ static bool put_pair(dem_data *d, const entry *e) {
     return false;
   for (int k = list->first[e->particle]; k < list->first[e->particle + 1]; k++)
     if ((uint32_t)list->other[k] == e->other) {
-      put_columns(list->history, list->capacity, (size_t)k, d->model->law->ncolumn, e);
+      put_columns(list->history, list->capacity, (size_t)k, d->model->columns.ncolumn, e);
       return true;
     }
   return false;
@@ -153,7 +158,7 @@ static bool put_wall(dem_data *d, const entry *e) {
   dem_wall_contacts *list = &d->walls;
   for (size_t k = 0; k < list->count; k++)
     if ((uint32_t)list->entry[k].particle == e->particle && (uint32_t)list->entry[k].wall == e->other) {
-      put_columns(list->history, list->capacity, k, d->model->law->ncolumn, e);
+      put_columns(list->history, list->capacity, k, d->model->columns.ncolumn, e);
       return true;
     }
   return false;
@@ -215,7 +220,7 @@ static tdm_status read_bed(FILE *f, dem_data *d, dem_settled *out, tdm_error *er
   if (h.fingerprint != dem_bed_fingerprint(d->model) || h.nparticle != (uint64_t)d->nparticle)
     return refuse(d, err,
                   "holds the bed of another scene (particles, materials, shapes, poses, gravity or dem.settle differ)");
-  bool fits = h.ncolumn == (uint64_t)d->model->law->ncolumn;
+  bool fits = h.ncolumn == (uint64_t)d->model->columns.ncolumn;
   if (!get_places(f, d, &sum, &fits))
     return refuse_short(f, d, err);
   if (!get(f, d->lid, (size_t)d->model->nwall * sizeof *d->lid, &sum))
@@ -287,7 +292,7 @@ static bool history_of(const double *history, size_t capacity, size_t k, int nco
 static bool put_histories(FILE *f, const dem_data *d, bool of_walls, uint64_t *count, uint64_t *sum) {
   const dem_pairs *p = &d->pairs;
   const dem_wall_contacts *w = &d->walls;
-  int ncolumn = d->model->law->ncolumn;
+  int ncolumn = d->model->columns.ncolumn;
   *count = 0;
   for (size_t k = 0; k < (of_walls ? w->count : p->count); k++) {
     entry e;
@@ -316,7 +321,7 @@ static bool write_bed(FILE *f, const dem_data *d, const dem_settled *settled) {
   header h = {.version = BED_VERSION,
               .fingerprint = dem_bed_fingerprint(d->model),
               .nparticle = (uint64_t)d->nparticle,
-              .ncolumn = (uint64_t)d->model->law->ncolumn,
+              .ncolumn = (uint64_t)d->model->columns.ncolumn,
               .since_sort = d->since_sort,
               .rest = (uint64_t)settled->rest + 2 * (uint64_t)settled->pressed,
               .dt = settled->dt,

@@ -50,8 +50,8 @@ static int find_entry(const dem_pairs *list, int a, int b) {
  * the same). Vectors turn round when the order of a pair does. */
 static void carry_pairs(dem_data *d, const dem_pairs *before, const int *old, int c) {
   dem_pairs *list = &d->pairs;
-  const dem_law *law = d->model->law;
-  for (size_t q = 0; q < (size_t)law->ncolumn; q++)
+  const dem_columns *columns = &d->model->columns;
+  for (size_t q = 0; q < (size_t)columns->ncolumn; q++)
     memset(list->history + q * list->capacity + list->chunk[c], 0,
            (list->chunk[c + 1] - list->chunk[c]) * sizeof(double));
   if (!before)
@@ -65,9 +65,9 @@ static void carry_pairs(dem_data *d, const dem_pairs *before, const int *old, in
     if (at < 0)
       continue;
     bool turned = (oi < oj) != (i < j);
-    for (size_t q = 0; q < (size_t)law->ncolumn; q++) {
+    for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
       double value = before->history[q * before->capacity + (size_t)at];
-      list->history[q * list->capacity + k] = turned && (law->vectors >> q & 1) ? -value : value;
+      list->history[q * list->capacity + k] = turned && (columns->vectors >> q & 1) ? -value : value;
     }
   }
 }
@@ -85,7 +85,7 @@ static bool place_chunks(dem_data *d) {
     at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
   }
   list->chunk[d->nchunk] = list->count = at;
-  return dem_pairs_reserve(list, at, d->model->law->ncolumn);
+  return dem_pairs_reserve(list, at, d->model->columns.ncolumn);
 }
 
 static void fill_chunk(dem_data *d, int c) {
@@ -138,7 +138,8 @@ static bool place_crossings(dem_data *d) {
 }
 
 static bool build_pairs(dem_data *d, const dem_pairs *before, const int *old) {
-  dem_search_input input = {.sphere = d->sphere, .n = d->nparticle, .skin = d->model->skin, .nthread = d->nthread};
+  dem_search_input input = {
+      .sphere = d->sphere, .n = d->nparticle, .skin = d->model->skin + d->model->reach, .nthread = d->nthread};
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
   if (!place_chunks(d))
@@ -146,7 +147,7 @@ static bool build_pairs(dem_data *d, const dem_pairs *before, const int *old) {
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
   for (int c = 0; c < d->nchunk; c++)
     fill_chunk(d, c);
-  if (d->model->law->ncolumn > 0) {
+  if (d->model->columns.ncolumn > 0) {
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
     for (int c = 0; c < d->nchunk; c++)
       carry_pairs(d, before, old, c);
@@ -164,7 +165,7 @@ static bool append_wall(dem_data *d, dem_wall_entry entry) {
     if (!grown)
       return false;
     list->entry = grown;
-    int ncolumn = d->model->law->ncolumn;
+    int ncolumn = d->model->columns.ncolumn;
     free(list->history);
     list->history = ncolumn > 0 ? malloc(capacity * (size_t)ncolumn * sizeof(double)) : NULL;
     if (ncolumn > 0 && !list->history)
@@ -190,7 +191,7 @@ static int by_entry(const void *a, const void *b) {
 /* the histories of the wall contacts, both lists ascending */
 static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
   dem_wall_contacts *list = &d->walls;
-  size_t ncolumn = (size_t)d->model->law->ncolumn, old = 0, nold = before ? before->count : 0;
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, old = 0, nold = before ? before->count : 0;
   for (size_t k = 0; k < list->count; k++) {
     while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
       old++;
@@ -202,7 +203,7 @@ static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
 
 /* the list of before with new numbers; to ascend again it is sorted, histories with it */
 static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
-  size_t ncolumn = (size_t)d->model->law->ncolumn, n = list->count;
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
   if (n == 0 || ncolumn == 0)
     return true;
   struct {
@@ -238,8 +239,8 @@ static bool list_walls_of(dem_data *d, int i) {
     const dem_wall *wall = &m->wall[w];
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
-    /* distance from where a contact begins; a plane ends one radius behind its surface */
-    double away = gap - s->radius;
+    /* distance from where a contact acts; a plane ends one radius behind its surface */
+    double away = gap - s->radius - m->reach;
     if (wall->primitive == DEM_PLANE)
       away = fmax(away, -gap - s->radius);
     if (!(away < m->skin))
@@ -296,7 +297,7 @@ static void swap_lists(dem_data *d) {
 bool dem_lists_build(dem_data *d) {
   bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
   swap_lists(d);
-  bool carry = d->model->law->ncolumn > 0 && d->list_valid, good = true;
+  bool carry = d->model->columns.ncolumn > 0 && d->list_valid, good = true;
   const int *old = NULL;
   d->list_valid = false;
   if (sort) {
