@@ -175,12 +175,34 @@ static ball next_of_lattice(bed *b) {
                 b->radius[0] + off[3] * (b->radius[1] - b->radius[0])};
 }
 
+/* the law's other families, and what they and the linear laws ask of the pair */
+static void add_coefficients(json_t *scene, const char *normal, const char *tangential, const char *rolling,
+                             const char *cohesion) {
+  json_t *contact = json_object_get(scene, "contact"), *pair = json_array_get(json_object_get(scene, "pairs"), 0);
+  if (rolling[0])
+    json_object_set_new(contact, "rolling", json_string(rolling));
+  if (cohesion[0])
+    json_object_set_new(contact, "cohesion", json_string(cohesion));
+  if (!strcmp(normal, "hooke") || !strcmp(normal, "hysteretic"))
+    json_object_set_new(pair, "stiffness", json_real(1e4));
+  if (!strcmp(tangential, "spring"))
+    json_object_set_new(pair, "tangential_stiffness", json_real(3e3));
+  if (!strcmp(tangential, "viscous"))
+    json_object_set_new(pair, "tangential_damping", json_real(0.1));
+  if (rolling[0] && strcmp(rolling, "none"))
+    json_object_set_new(pair, "rolling_friction", json_real(0.1));
+  if (!strcmp(cohesion, "sjkr"))
+    json_object_set_new(pair, "cohesion_density", json_real(1e3));
+  if (!strcmp(cohesion, "jkr"))
+    json_object_set_new(pair, "adhesion_energy", json_real(0.1));
+}
+
 /* The floor and four walls of side L with the material of the peers' bed, no particles. */
 static json_t *box_scene(const options *o) {
-  char normal[64] = "hertz", tangential[64] = "mindlin";
+  char normal[64] = "hertz", tangential[64] = "mindlin", rolling[64] = "", cohesion[64] = "";
   if (o->law) {
     tangential[0] = 0;
-    sscanf(o->law, "%63[^/]/%63[^/]", normal, tangential);
+    sscanf(o->law, "%63[^/]/%63[^/]/%63[^/]/%63[^/]", normal, tangential, rolling, cohesion);
   }
   json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f, s:f}], s:{s:s, s:s}}", "gravity", 0.0,
                         0.0, -9.81, "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio",
@@ -192,6 +214,7 @@ static json_t *box_scene(const options *o) {
                       json_pack("[{s:s, s:s, s:[{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}]}]", "name", "box", "material",
                                 "a", "shapes", "type", "box", "side", "inside", "size", o->box, o->box, 1e3, "center",
                                 0.5 * o->box, 0.5 * o->box, 500.0, "open", "+z"));
+  add_coefficients(s, normal, tangential, rolling, cohesion);
   if (o->simd)
     json_object_set_new(s, "simd", json_string(o->simd));
   if (o->search)
@@ -353,7 +376,7 @@ static double force_error(dem_data *d) {
     return NAN;
   dem_model plain = *d->model;
   plain.simd = "plain";
-  plain.law = dem_law_find("plain", plain.law->normal, plain.law->tangential);
+  plain.law = dem_law_find("plain", plain.law->normal, plain.law->tangential, plain.law->more);
   dem_data *all = dem_data_create(d->model);
   double worst = 0, largest = 0;
   bool good = all && dem_data_copy(all, d);
@@ -405,7 +428,9 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
       listed += d->pairs.other[k] < d->nparticle;
     double n = d->nparticle, energy = kinetic_energy(d);
     char law[128];
-    snprintf(law, sizeof law, "%s/%s", e.model->law->normal, e.model->law->tangential);
+    snprintf(law, sizeof law, "%s/%s/%s/%s", dem_normals[e.model->law->normal].name,
+             dem_tangentials[e.model->law->tangential].name, dem_rollings[e.model->rolling].name,
+             dem_cohesions[e.model->cohesion].name);
     *out = json_pack("{s:i, s:I, s:i, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f}", "particles", d->nparticle,
                      "steps", (json_int_t)o->steps, "threads", d->nthread, "law", law, "simd", e.model->simd, "cpu_s",
                      cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",

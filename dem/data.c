@@ -56,6 +56,7 @@ static size_t layout_particles(dem_data *d, char *block) {
   PLACE(chunk_spare, nchunk + 1);
   PLACE(crossings.chunk, nchunk + 1);
   PLACE(chunk_load, nchunk * (size_t)d->model->nbody);
+  PLACE(chunk_flux, nchunk);
   return used;
 }
 
@@ -243,7 +244,7 @@ dem_data *dem_data_create(const dem_model *model) {
 
 /* entries and histories of the lists, whose rows and chunks are there already */
 static bool copy_lists(dem_data *dst, const dem_data *src) {
-  int ncolumn = src->model->law->ncolumn;
+  int ncolumn = src->model->columns.ncolumn;
   const dem_pairs *p = &src->pairs;
   const dem_wall_contacts *w = &src->walls;
   const dem_crossings *c = &src->crossings;
@@ -306,6 +307,7 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   dst->list_stale = src->list_stale;
   dst->nrebuild = src->nrebuild;
   dst->ncontact = src->ncontact;
+  dst->energy = src->energy;
   dst->sample_count = src->sample_count;
   return true;
 }
@@ -405,7 +407,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
     number[i] = gone[i] >= 0 ? -1 : after++;
   if (after == before)
     return;
-  int ncolumn = d->model->law->ncolumn;
+  int ncolumn = d->model->columns.ncolumn;
   remove_pairs(&d->pairs, before, after, number, ncolumn);
   remove_walls(&d->walls, number, ncolumn);
   for (int i = 0; i < before; i++) {

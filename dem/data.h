@@ -137,6 +137,7 @@ typedef struct dem_data {
   double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
   uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
   tdm_wrench *chunk_load; /* (nchunk x nbody) body_load by chunk */
+  dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
@@ -163,7 +164,8 @@ typedef struct dem_data {
   uint64_t since_list; /* steps since the last of them */
   uint64_t since_sort; /* steps since the particles were put in the order of their places */
 
-  long ncontact; /* touching pairs and walls at the last evaluation */
+  long ncontact;     /* touching pairs and walls at the last evaluation */
+  dem_energy energy; /* of the contacts, if the scene asks for it */
 
   /* means over the output interval, (ncoupled) */
   tdm_wrench *sample_sum;

@@ -3,6 +3,7 @@
 
 #include "dem/integrate.h"
 
+#include <stddef.h>
 #include <string.h>
 
 /* FNV-1a, 64 bits */
@@ -51,9 +52,12 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
 }
 
 static uint64_t hash_laws(uint64_t h, const dem_model *m) {
-  const char *const laws[] = {m->law->normal, m->law->tangential, m->clip ? "clip" : "keep"};
-  for (int k = 0; k < 3; k++)
+  const char *const laws[] = {dem_normals[m->law->normal].name, dem_tangentials[m->law->tangential].name,
+                              dem_rollings[m->rolling].name,    dem_twistings[m->twisting].name,
+                              dem_cohesions[m->cohesion].name,  m->clip ? "clip" : "keep"};
+  for (int k = 0; k < 6; k++)
     h = hash_bytes(h, laws[k], strlen(laws[k]) + 1);
+  h = hash_numbers(h, &m->exponent, 1);
   return h;
 }
 
@@ -81,8 +85,10 @@ static uint64_t hash_materials(uint64_t h, const dem_model *m) {
 static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pairs) {
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++) {
     const dem_pair *p = &pairs[k];
-    const double pair[] = {p->given, p->friction, p->young, p->shear, p->normal_damping, p->tangential_damping};
-    h = hash_numbers(h, pair, p->given ? 6 : 1);
+    const double given = p->given;
+    h = hash_numbers(h, &given, 1);
+    if (p->given) /* all coefficients, doubles from the first on */
+      h = hash_bytes(h, &p->restitution, sizeof *p - offsetof(dem_pair, restitution));
   }
   return h;
 }

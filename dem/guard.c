@@ -140,7 +140,8 @@ typedef struct {
 
 static bool can_judge(const dem_data *d) {
   const dem_model *m = d->model;
-  if (strcmp(m->law->normal, "hertz") != 0 || m->domain.strained || (m->domain.repeats && m->driven))
+  if (m->law->normal != DEM_NORMAL_hertz || m->cohesion != DEM_COHESION_none || m->domain.strained ||
+      (m->domain.repeats && m->driven))
     return false;
   for (int a = 0; a < 3; a++)
     if (m->domain.periodic[a] && (&m->gravity.x)[a] != 0)

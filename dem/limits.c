@@ -9,11 +9,6 @@ double dem_rayleigh(double radius, double density, double shear, double poisson)
   return M_PI * radius * sqrt(density / shear) / (0.1631 * poisson + 0.8766);
 }
 
-double dem_contact_time(double mass, double radius, double young, double speed) {
-  /* 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) (15/16)^(2/5) */
-  return 2.8682656992 * pow(mass * mass / (radius * young * young * speed), 0.2);
-}
-
 /* the speed at which the contact time is taken */
 static double impact_speed(const dem_data *d) {
   const dem_model *m = d->model;
@@ -138,13 +133,17 @@ static void add_particle(dem_limits *l, const dem_model *m, int kind, double rad
   const dem_pair *row = &m->pair[kind * m->nmaterial];
   for (int k = 0; k < m->nmaterial; k++)
     if (row[k].given)
-      l->contact = fmin(l->contact, dem_contact_time(mass / 2, radius / 2, row[k].young, l->speed));
+      l->contact = fmin(l->contact, dem_normal_contact_time(m, &row[k], (dem_impact){mass / 2, radius / 2, l->speed}));
 }
 
-/* stiffness that a contact of this overlap adds at a particle [N/m] */
-static double stiffness(const dem_model *m, const dem_pair *pair, double radius, double overlap) {
-  double circle = sqrt(radius * overlap), normal = 2 * pair->young * circle;
-  return m->law->ncolumn ? fmax(normal, 3.5 * 8 * pair->shear * circle) : normal;
+/* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */
+static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at, double overlap) {
+  double normal = dem_normal_stiffness(m, pair, at, overlap), tangential = 0;
+  if (m->law->tangential == DEM_TANGENTIAL_mindlin)
+    tangential = 8 * pair->shear * sqrt(at.radius * overlap);
+  if (m->law->tangential == DEM_TANGENTIAL_spring)
+    tangential = pair->tangential_stiffness;
+  return fmax(normal, 3.5 * tangential);
 }
 
 /* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */
@@ -157,7 +156,9 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
     if (!(overlap > 0))
       continue;
     const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
-    double s = stiffness(m, pair, d->sphere[i].radius * d->sphere[j].radius / both, overlap);
+    dem_impact at = {.mass = 1 / (1 / d->mass[i] + 1 / d->mass[j]),
+                     .radius = d->sphere[i].radius * d->sphere[j].radius / both};
+    double s = stiffness(m, pair, at, overlap);
     sum[i] += s;
     sum[j] += s;
   }
@@ -171,7 +172,7 @@ static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, doubl
   double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], d->sphere[i].position, &n);
   const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
   if (gap < radius && gap > -radius)
-    sum[i] += stiffness(m, pair, radius, radius - gap);
+    sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);
 }
 
 static double smallest_eigen(const dem_data *d) {

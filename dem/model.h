@@ -20,15 +20,40 @@ typedef struct {
   double shear; /* young / (2 (1 + poisson)) [Pa] */
 } dem_material;
 
-/* What a contact of two materials needs, worked out at load time. */
+/* What a contact of two materials needs, worked out at load time; 0 where no law of the scene asks for it. All doubles
+ * after `given`: contacts gather them by their place. */
 typedef struct {
-  bool given; /* the scene has this pair */
-  double restitution, friction;
-  double floor;              /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
-  double young;              /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
-  double shear;              /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
-  double normal_damping;     /* 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n) */
-  double tangential_damping; /* 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n) */
+  bool given;         /* the scene has this pair */
+  double restitution; /* 0: the damping is given otherwise */
+  double friction, static_friction;
+  double floor; /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
+  double young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
+  double shear; /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
+
+  /* normal; normal_damping: hooke 2 zeta: c_n = this * sqrt(m* k); hertz 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n);
+   * hunt-crossley X = lambda v_0 */
+  double stiffness;          /* hooke, hysteretic k_l [N/m]; hunt-crossley [N/m^p] */
+  double stiffness_per_mass; /* hooke with a contact time: k = this * m* [1/s2] */
+  double hertzian;           /* hunt-crossley after Hertz: k = this * sqrt(R*), 4/3 E* [Pa] */
+  double normal_damping;
+  double viscosity;      /* hooke: c_p [kg/s]; hertz: eta of [G21] Eq. 3 [Pa s] */
+  double speed_floor;    /* hunt-crossley: least v_0 [m/s] */
+  double unloading;      /* hysteretic k_un [N/m] */
+  double plastic;        /* hysteretic: delta_0/delta_max = 1 - k_l/k_un */
+  double adhesion_slope; /* hysteretic k_ad [N/m] */
+
+  /* tangential; tangential_damping: mindlin 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n); spring
+   * 2 zeta sqrt(k_t): c_t = this * sqrt(m*) */
+  double tangential_stiffness; /* spring [N/m] */
+  double tangential_damping;
+  double tangential_viscosity; /* spring, viscous [kg/s] */
+  double damps_as_normal;      /* spring: 1 when zeta is that of the restitution */
+
+  double rolling_friction, rolling_damping; /* mu_r; eta_r, share of the critical */
+  double twisting_friction;
+  double cohesion_density; /* sjkr [J/m3] */
+  double adhesion_energy;  /* jkr: work of adhesion w [J/m2] */
+  double adhesion_length;  /* jkr: (pi w/E*)^(1/3) [m^(1/3)] */
 } dem_pair;
 
 /* A geometry: walls that move as one rigid body. */
@@ -117,6 +142,15 @@ typedef struct dem_model {
 
   const char *simd;   /* instruction set, of dem_simd_names */
   const dem_law *law; /* the combination of contact laws */
+  dem_rolling rolling;
+  dem_twisting twisting;
+  dem_cohesion cohesion;
+  bool couples;        /* contacts give couples: rolling or twisting */
+  bool energy;         /* energies of the contacts are wanted */
+  double exponent;     /* hunt-crossley: p */
+  bool printed;        /* hunt-crossley: lambda as printed */
+  dem_columns columns; /* of the contacts' history */
+  double reach;        /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;
   bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
   const struct dem_integrator *settler; /* velocity Verlet, for settling */

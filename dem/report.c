@@ -232,8 +232,11 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "sources", json_integer(m->nsource));
   json_object_set_new(r->json, "sinks", json_integer(m->nsink));
   json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
-  json_object_set_new(r->json, "normal", json_string(m->law->normal));
-  json_object_set_new(r->json, "tangential", json_string(m->law->tangential));
+  json_object_set_new(r->json, "normal", json_string(dem_normals[m->law->normal].name));
+  json_object_set_new(r->json, "tangential", json_string(dem_tangentials[m->law->tangential].name));
+  json_object_set_new(r->json, "rolling", json_string(dem_rollings[m->rolling].name));
+  json_object_set_new(r->json, "twisting", json_string(dem_twistings[m->twisting].name));
+  json_object_set_new(r->json, "cohesion", json_string(dem_cohesions[m->cohesion].name));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
   json_object_set_new(r->json, "simd", json_string(m->simd));
   json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));

@@ -19,8 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One row an output channel: name, unit. channel_values fills them in this order; then come two for each source, two
- * for each sink, and the balance if there is any of them. */
+/* One row an output channel: name, unit. channel_values fills them in this order; then come the energies if the scene
+ * asks for them, two for each source, two for each sink, and the balance if there is any of them. */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -56,6 +56,25 @@ typedef struct {
 
 /* ---- outputs ---- */
 
+/* the energies' channels: what names them, and the values of the present state into out; returns how many */
+static const char *const energy_channels[] = {"energy.potential", "energy.elastic", "energy.wall_work",
+#define X(mechanism, name) "energy.dissipated." name,
+                                              DEM_ENERGY_LIST(X)
+#undef X
+};
+enum { NENERGY = sizeof energy_channels / sizeof energy_channels[0] };
+
+static int energy_values(const dem_data *d, double *out) {
+  double potential = 0;
+  for (int i = 0; i < d->nparticle; i++)
+    potential -= d->mass[i] * tdm_dot(d->model->gravity, d->sphere[i].position);
+  *out++ = potential;
+  *out++ = dem_energy_elastic(&d->energy);
+  *out++ = d->energy.wall_work;
+  memcpy(out, d->energy.dissipated, sizeof d->energy.dissipated);
+  return NENERGY;
+}
+
 /* (nchannel) values of the present state */
 static void channel_values(const dem_data *d, double *out) {
   const dem_model *m = d->model;
@@ -83,6 +102,8 @@ static void channel_values(const dem_data *d, double *out) {
                              mass};
   memcpy(out, values, sizeof values);
   out += NCHANNEL;
+  if (m->energy)
+    out += energy_values(d, out);
   for (int s = 0; s < m->nsource; s++) {
     *out++ = (double)d->source[s].made;
     *out++ = (double)(d->source[s].due - d->source[s].made);
@@ -106,13 +127,17 @@ static void name_channel(tdm_channel *c, const char *group, const char *name, co
 static bool make_channels(dem_solver *s) {
   const dem_model *m = s->model;
   int flows = m->nsource + m->nsink;
-  s->nchannel = NCHANNEL + (flows > 0 ? 2 * flows + 2 : 0);
+  s->nchannel = NCHANNEL + (m->energy ? NENERGY : 0) + (flows > 0 ? 2 * flows + 2 : 0);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
   if (!s->channel || !s->initial)
     return false;
   memcpy(s->channel, channels, sizeof channels);
   tdm_channel *c = s->channel + NCHANNEL;
+  for (int k = 0; m->energy && k < NENERGY; k++, c++) {
+    snprintf(c->name, sizeof c->name, "%s", energy_channels[k]);
+    snprintf(c->unit, sizeof c->unit, "J");
+  }
   for (int k = 0; k < m->nsource; k++) {
     name_channel(c++, "source", m->source[k].name, "created", "1");
     name_channel(c++, "source", m->source[k].name, "waiting", "1");
@@ -189,6 +214,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
     return err->status;
   if (!m->settle.wanted && !m->start && dem_lids_place(d) && !dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  dem_energy_begin(&d->energy);
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->sample_mean[c] = d->body_load[m->coupled_body[c]];

@@ -129,7 +129,7 @@ static void put_history(writer *w, contact c, const double *history, size_t capa
 
 static void put_histories(writer *w, const dem_data *d) {
   const dem_pairs *p = &d->pairs;
-  int ncolumn = d->model->law->ncolumn;
+  int ncolumn = d->model->columns.ncolumn;
   size_t begin = begin_section(w, "pairs");
   for (int i = 0; i < d->nparticle && ncolumn > 0; i++)
     for (int k = p->first[i]; k < p->first[i + 1] && p->other[k] < d->nparticle; k++)
@@ -309,7 +309,7 @@ static long place_of(const dem_data *d, const contact *c, bool of_wall, size_t *
 }
 
 static bool get_histories(const reader *r, dem_data *d, bool of_wall) {
-  size_t size = SIZE_MAX, ncolumn = (size_t)d->model->law->ncolumn, one = sizeof(contact) + ncolumn * sizeof(double);
+  size_t size = SIZE_MAX, ncolumn = (size_t)d->model->columns.ncolumn, one = sizeof(contact) + ncolumn * sizeof(double);
   const char *from = find(r, of_wall ? "walls" : "pairs", &size);
   if (!from || size % one != 0)
     return false;

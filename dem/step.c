@@ -25,6 +25,14 @@ static double begin_step(dem_data *d, const dem_integrator *integrator, double d
   return numbers ? moved2 : NAN;
 }
 
+/* in the order of the chunks */
+static void add_energy(dem_data *d, double dt) {
+  dem_flux sum = {0};
+  for (int c = 0; c < d->nchunk; c++)
+    dem_flux_add(&sum, &d->chunk_flux[c]);
+  dem_energy_step(&d->energy, &sum, dt);
+}
+
 /* add up the forces of a share of the contacts on particles (zeroed before) and bodies */
 static void evaluate(dem_data *d, dem_share share, bool settling, double dt) {
   const dem_model *m = d->model;
@@ -37,8 +45,11 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt) {
     m->law->pairs(&task);
     m->law->walls(&task);
     touching += task.touching;
+    d->chunk_flux[c] = task.flux;
   }
   d->ncontact = touching;
+  if (m->energy)
+    add_energy(d, dt);
   for (int b = 0; b < m->nbody; b++) {
     tdm_wrench sum = {0};
     for (int c = 0; c < d->nchunk; c++) {

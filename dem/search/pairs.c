@@ -73,7 +73,7 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
 
 /* Bring the histories to their new entries, column by column; vectors turn round with their pairs. False: no memory. */
 static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
-  const dem_law *law = d->model->law;
+  const dem_columns *columns = &d->model->columns;
   dem_pairs *list = &d->pairs;
   if (before > d->column_capacity) {
     free(d->column);
@@ -82,8 +82,8 @@ static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
   }
   if (!d->column)
     d->column_capacity = 0;
-  for (size_t q = 0; q < (size_t)law->ncolumn && d->column; q++) {
-    double *to = list->history + q * list->capacity, sign = law->vectors >> q & 1 ? -1 : 1;
+  for (size_t q = 0; q < (size_t)columns->ncolumn && d->column; q++) {
+    double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
     memcpy(d->column, to, before * sizeof *to);
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
     for (int c = 0; c < d->nchunk; c++)
@@ -174,13 +174,16 @@ static void drop_fixed(dem_data *d) {
  * had, NULL: the same. */
 static bool build_pairs(dem_data *d, bool carry, const int *old) {
   dem_pairs *list = &d->pairs;
-  dem_search_input input = {
-      .sphere = d->sphere, .n = d->nparticle, .skin = d->skin, .domain = d->domain, .nthread = d->nthread};
+  dem_search_input input = {.sphere = d->sphere,
+                            .n = d->nparticle,
+                            .skin = d->skin + d->model->reach,
+                            .domain = d->domain,
+                            .nthread = d->nthread};
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
   if (d->model->driven)
     drop_fixed(d);
-  int ncolumn = d->model->law->ncolumn;
+  int ncolumn = d->model->columns.ncolumn;
   size_t *chunk = d->chunk_spare, before = carry ? list->count : 0;
   place_chunks(d, chunk);
   size_t count = chunk[d->nchunk];
@@ -214,7 +217,7 @@ static bool append_wall(dem_data *d, dem_wall_entry entry) {
     if (!grown)
       return false;
     list->entry = grown;
-    int ncolumn = d->model->law->ncolumn;
+    int ncolumn = d->model->columns.ncolumn;
     free(list->history);
     list->history = ncolumn > 0 ? malloc(capacity * (size_t)ncolumn * sizeof(double)) : NULL;
     if (ncolumn > 0 && !list->history)
@@ -240,7 +243,7 @@ static int by_entry(const void *a, const void *b) {
 /* the histories of the contacts with walls, both lists ascending */
 static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
   dem_wall_contacts *list = &d->walls;
-  size_t ncolumn = (size_t)d->model->law->ncolumn, old = 0, nold = before ? before->count : 0;
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, old = 0, nold = before ? before->count : 0;
   for (size_t k = 0; k < list->count; k++) {
     while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
       old++;
@@ -252,7 +255,7 @@ static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
 
 /* the list of before with new numbers; to ascend again it is sorted, histories with it */
 static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
-  size_t ncolumn = (size_t)d->model->law->ncolumn, n = list->count;
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
   if (n == 0 || ncolumn == 0)
     return true;
   struct {
@@ -288,8 +291,8 @@ static bool list_walls_of(dem_data *d, int i) {
     const dem_wall *wall = &m->wall[w];
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
-    /* distance from where a contact begins; a plane ends one radius behind its surface */
-    double away = gap - s->radius;
+    /* distance from where a contact acts; a plane ends one radius behind its surface */
+    double away = gap - s->radius - m->reach;
     if (dem_wall_endless(wall))
       away = fmax(away, -gap - s->radius);
     if (!(away < d->skin))
@@ -356,7 +359,7 @@ bool dem_lists_build(dem_data *d) {
   dem_wall_contacts walls = d->walls;
   d->walls = d->spare_walls;
   d->spare_walls = walls;
-  bool carry = d->model->law->ncolumn > 0 && d->list_valid, good = true;
+  bool carry = d->model->columns.ncolumn > 0 && d->list_valid, good = true;
   const int *old = NULL;
   d->list_valid = false;
   if (sort) {
