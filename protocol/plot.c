@@ -56,17 +56,10 @@ static int run_gnuplot(const char *dir, const char *script, const char *log) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err) {
+tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
   char path[4096], script[256], log[256];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(log, sizeof log, "%s.gnuplot", name); /* not .log: dem.log is the solver's */
-  snprintf(path, sizeof path, "%s/%s", dir, script);
-  FILE *f = fopen(path, "w");
-  if (!f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  write_script(f, name, nplot, plot);
-  if (fclose(f) != 0)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   int status = run_gnuplot(dir, script, log);
   if (status == 127)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "no plots: gnuplot is not installed (Debian package gnuplot-nox)");
@@ -75,4 +68,17 @@ tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const td
   snprintf(path, sizeof path, "%s/%s", dir, log);
   unlink(path);
   return TDM_OK;
+}
+
+tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err) {
+  char path[4096], script[256];
+  snprintf(script, sizeof script, "%s.gp", name);
+  snprintf(path, sizeof path, "%s/%s", dir, script);
+  FILE *f = fopen(path, "w");
+  if (!f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  write_script(f, name, nplot, plot);
+  if (fclose(f) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  return tdm_plot_run(dir, name, err);
 }

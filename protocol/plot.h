@@ -22,4 +22,7 @@ typedef struct {
  * gnuplot is an error of status TDM_ERR_FILE that the caller may take as a notice. */
 tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err);
 
+/* Have gnuplot run dir/name.gp, which is there; the same errors. */
+tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err);
+
 #endif
