@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { AREA = 420000, SIDE_MIN = 240, SIDE_MAX = 1200, MARGIN = 110, TIMES_MAX = 1000 }; /* pixels; pictures of a run */
+enum { AREA = 250000, SIDE_MIN = 240, SIDE_MAX = 1200, MARGIN = 110, TIMES_MAX = 1000 }; /* pixels; pictures of a run */
 
 static double component(tdm_vec3 x, int axis) {
   return axis == 0 ? x.x : axis == 1 ? x.y : x.z;
@@ -56,6 +56,9 @@ void dem_picture_settings_read(dem_picture_settings *s, tdm_object *output, doub
   read_view(s, &o);
   int color = tdm_get_choice(&o, "color", colors, sizeof colors / sizeof colors[0], DEM_COLOR_speed);
   s->color = (dem_color)(color < 0 ? 0 : color);
+  tdm_get_numbers(&o, "color_range", s->scale, 2, false);
+  if (s->scale[0] > s->scale[1])
+    tdm_object_fail(&o, "color_range", "is [%g, %g] but must be [smallest, largest]", s->scale[0], s->scale[1]);
   bool has_max = tdm_has(&o, "max");
   s->has_limits = tdm_get_numbers(&o, "min", s->low, 2, has_max);
   tdm_get_numbers(&o, "max", s->high, 2, s->has_limits);
@@ -177,25 +180,31 @@ static tdm_status write_particles(FILE *f, const dem_pictures *p, const dem_snap
   return TDM_OK;
 }
 
-/* The colours of all pictures have one scale, except those of the speed. */
+/* The range of the starts along `axis`: one scale for the pictures of places. */
+static void born_range(const dem_pictures *p, int axis, double range[2]) {
+  range[0] = INFINITY;
+  range[1] = -INFINITY;
+  for (int64_t k = 0; k < p->nborn; k++) {
+    range[0] = fmin(range[0], component(p->born[k], axis));
+    range[1] = fmax(range[1], component(p->born[k], axis));
+  }
+}
+
 static void write_scale(FILE *f, const dem_pictures *p) {
   static const char *const labels[] = {
 #define X(name, label) label,
       DEM_COLOR_LIST(X)
 #undef X
   };
-  double low = INFINITY, high = -INFINITY;
-  dem_color color = p->settings->color;
-  int axis = color == DEM_COLOR_height0 ? p->settings->up : p->settings->across;
-  for (int64_t k = 0; k < p->nborn && (color == DEM_COLOR_height0 || color == DEM_COLOR_across0); k++) {
-    low = fmin(low, component(p->born[k], axis));
-    high = fmax(high, component(p->born[k], axis));
-  }
-  fprintf(f, "set cblabel \"%s\"\n", labels[color]);
-  if (low < high)
-    fprintf(f, "set cbrange [%.6g:%.6g]\n", low, high);
+  const dem_picture_settings *s = p->settings;
+  double range[2] = {s->scale[0], s->scale[1]};
+  if (!(range[0] < range[1]) && (s->color == DEM_COLOR_height0 || s->color == DEM_COLOR_across0))
+    born_range(p, s->color == DEM_COLOR_height0 ? s->up : s->across, range);
+  fprintf(f, "set cblabel \"%s\"\n", labels[s->color]);
+  if (range[0] < range[1])
+    fprintf(f, "set cbrange [%.6g:%.6g]\n", range[0], range[1]);
   else
-    fputs(color == DEM_COLOR_speed ? "set cbrange [0:*]\n" : "set cbrange [*:*]\n", f);
+    fputs(s->color == DEM_COLOR_speed ? "set cbrange [0:*]\n" : "set cbrange [*:*]\n", f);
 }
 
 static void write_style(FILE *f) {
@@ -273,7 +282,7 @@ tdm_status dem_picture_draw(dem_pictures *p, const dem_snapshot *s, const dem_po
 tdm_status dem_pictures_row(const dem_pictures *p, tdm_error *err) {
   double size[2];
   panel_size(p, size);
-  double scale = fmin(1, 1500 / (p->drawn * size[0]));
+  double scale = fmin(1, 1100 / (p->drawn * size[0]));
   FILE *f = open_script(p, "pictures", p->drawn * (scale * size[0] + MARGIN), scale * size[1] + MARGIN, err);
   if (!f)
     return err->status;

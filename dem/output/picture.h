@@ -30,6 +30,7 @@ typedef struct {
   double *time;   /* (ntime) ascending [s] */
   int across, up; /* axes of the picture: 0, 1, 2 */
   dem_color color;
+  double scale[2];        /* colours from … to; equal: chosen for the particles */
   bool has_limits;        /* low and high are given */
   double low[2], high[2]; /* across, up [m] */
 } dem_picture_settings;
