@@ -70,6 +70,12 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
     h = hash_vectors(h, &wall->point, 1);
     h = hash_vectors(h, &wall->normal, 1);
     h = hash_vectors(h, &wall->half, 1);
+    const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside, wall->surface_spin,
+                           wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
+    h = hash_numbers(h, more, sizeof more / sizeof *more);
+    h = hash_vectors(h, &wall->surface, 1);
+    unsigned long long mesh = wall->mesh ? dem_mesh_hash(wall->mesh) : 0;
+    h = hash_bytes(h, &mesh, sizeof mesh);
   }
   for (int k = 0; k < m->nbox; k++) {
     const double lid[] = {m->box[k].lid, m->box[k].gap, m->box[k].press};

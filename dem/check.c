@@ -56,7 +56,7 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
     for (int w = 0; w < m->nwall; w++) {
       tdm_vec3 n;
       double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->position[i], &n);
-      bool through = m->wall[w].primitive == DEM_PLANE && gap <= -d->radius[i];
+      bool through = dem_wall_endless(&m->wall[w]) && gap <= -d->radius[i];
       behind = behind || through;
       if (!through && d->radius[i] - gap > overlap_max * d->radius[i])
         refuse_wall(d, i, w, d->radius[i] - gap, err);

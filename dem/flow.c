@@ -69,7 +69,7 @@ static bool occupied(const dem_data *d, tdm_vec3 x, double radius) {
   for (int w = 0; w < m->nwall; w++) {
     tdm_vec3 n;
     double gap = dem_wall_gap(&m->wall[w], &d->wall[w], x, &n);
-    if (gap < radius && !(m->wall[w].primitive == DEM_PLANE && gap <= -radius))
+    if (gap < radius && !(dem_wall_endless(&m->wall[w]) && gap <= -radius))
       return true;
   }
   for (int i = 0; i < d->nparticle; i++) {
@@ -148,7 +148,7 @@ static bool touches(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
   double gap = dem_wall_gap(wall, &d->wall[w], d->position[i], &n);
-  return gap < d->radius[i] && !(wall->primitive == DEM_PLANE && gap <= -d->radius[i]);
+  return gap < d->radius[i] && !(dem_wall_endless(wall) && gap <= -d->radius[i]);
 }
 
 /* is particle i inside sink s by its place alone? */

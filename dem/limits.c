@@ -43,7 +43,7 @@ static void include_box(extent *e, const dem_box *box, tdm_pose pose) {
   for (int corner = 0; corner < 8; corner++) {
     tdm_vec3 to = tdm_v3(corner & 1 ? box->half.x : -box->half.x, corner & 2 ? box->half.y : -box->half.y,
                          corner & 4 ? box->half.z : -box->half.z);
-    include(e, tdm_pose_point(pose, tdm_add(box->center, to)));
+    include(e, tdm_pose_point(pose, tdm_add(box->center, tdm_quat_rotate(box->turn, to))));
   }
 }
 
@@ -51,9 +51,11 @@ static void include_box(extent *e, const dem_box *box, tdm_pose pose) {
 static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
   double deepest = 0;
   for (int w = 0; w < d->model->nwall; w++) {
+    if (d->model->wall[w].primitive != DEM_PLANE)
+      continue;
     tdm_vec3 n;
     double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
-    if (d->model->wall[w].primitive == DEM_PLANE && slope > 0.1 && gap > 0)
+    if (slope > 0.1 && gap > 0)
       deepest = fmax(deepest, gap / slope);
   }
   return deepest;
@@ -77,14 +79,41 @@ static double fall_height(const dem_data *d) {
   }
   for (int k = 0; k < m->nbox; k++)
     include_box(&e, &m->box[k], d->pose[m->box[k].body]);
+  for (int w = 0; w < m->nwall; w++) {
+    double low, high;
+    if (m->wall[w].primitive != DEM_SOLID_BOX && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
+      e.low = fmin(e.low, low);
+      e.high = fmax(e.high, high);
+    }
+  }
   return fmax(deepest, e.high > e.low ? e.high - e.low : 0);
+}
+
+/* the fastest that a driven body or a moving surface gets at a particle [m/s] */
+static double driven_speed(const dem_data *d) {
+  const dem_model *m = d->model;
+  double fastest = 0;
+  for (int b = 0; b < m->nbody; b++) {
+    double reach = 0;
+    if (!m->body[b].drive.given)
+      continue;
+    for (int i = 0; i < d->nparticle; i++)
+      reach = fmax(reach, tdm_norm(tdm_sub(d->position[i], m->body[b].drive.center)));
+    fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, reach));
+  }
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    double rim = fmax(wall->radius[0], wall->radius[1]);
+    fastest = fmax(fastest, tdm_norm(wall->surface) + fabs(wall->surface_spin) * rim);
+  }
+  return fastest;
 }
 
 double dem_expected_speed(const dem_data *d) {
   const dem_model *m = d->model;
   if (m->expected_speed > 0)
     return m->expected_speed;
-  double speed = impact_speed(d);
+  double speed = fmax(impact_speed(d), driven_speed(d));
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     tdm_vec3 v = source->velocity;

@@ -6,6 +6,7 @@
 #define DEM_MODEL_H
 
 #include "dem/contact/table.h"
+#include "dem/geometry/driven.h"
 #include "dem/geometry/shape.h"
 #include "protocol/participant.h"
 
@@ -36,6 +37,7 @@ typedef struct {
   int coupled;     /* index among the assignment's coupled bodies, -1: fixed in space */
   double mass;     /* at the start [kg], inf: cannot be moved */
   tdm_state start; /* world */
+  dem_drive drive; /* of a body that is not coupled */
 } dem_body;
 
 /* Makes particles during the run (flow.h). */
@@ -102,13 +104,16 @@ typedef struct dem_model {
   int *coupled_body; /* (ncoupled) body of each coupled body */
 
   int nwall;
-  dem_wall *wall; /* (nwall) half-spaces and solid boxes of all bodies, body by body */
+  dem_wall *wall; /* (nwall) of all bodies, body by body */
 
   int ngroup;
   dem_group *group; /* (ngroup) */
 
   int nbox;
   dem_box *box; /* (nbox) containers */
+
+  int nmesh;
+  dem_mesh **mesh; /* (nmesh) owned; walls borrow them */
 
   int nsource, nsink;
   dem_source *source; /* (nsource) */

@@ -252,15 +252,16 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   body->coupled = -1;
   body->mass = INFINITY;
 
-  static const char *const placing[] = {"position", "orientation"};
-  for (int k = 0; k < 2; k++)
+  static const char *const placing[] = {"position", "orientation", "motion"};
+  for (int k = 0; k < 3; k++)
     if (tdm_has(o, placing[k]) && is_coupled(assignment, name))
       tdm_object_fail(o, placing[k],
-                      "\"%s\" is coupled, so its pose comes from the body it is coupled to; remove this key, and place "
-                      "the body there",
+                      "\"%s\" is coupled, so its pose and motion come from the body it is coupled to; remove this key, "
+                      "and place or move the body there",
                       name);
   body->start.pose.position = tdm_get_vec3(o, "position", &(tdm_vec3){0, 0, 0});
   body->start.pose.orientation = tdm_get_orientation(o, "orientation");
+  body->drive = dem_drive_read(o, &body->start.pose);
 
   json_t *shapes = tdm_get_array(o, "shapes", true);
   for (size_t k = 0; k < json_array_size(shapes) && !o->err->status; k++) {
@@ -284,6 +285,8 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
   m->nwall = walls.count;
   m->box = walls.box;
   m->nbox = walls.nbox;
+  m->mesh = walls.mesh;
+  m->nmesh = walls.nmesh;
   if (!err->status)
     couple_bodies(m, assignment, err);
 }

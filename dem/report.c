@@ -198,6 +198,26 @@ static void report_lids(dem_report *r, const dem_data *d) {
   json_object_set_new(r->json, "lids", all);
 }
 
+static void report_meshes(dem_report *r, const dem_model *m) {
+  json_t *all = json_array();
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_mesh *mesh = m->wall[w].mesh;
+    if (!mesh)
+      continue;
+    const dem_mesh_report *of = dem_mesh_figures(mesh);
+    json_t *one = dem_mesh_report_json(mesh);
+    json_object_set_new(one, "body", json_string(m->body[m->wall[w].body].name));
+    json_array_append_new(all, one);
+    if (of->degenerate + of->duplicate > 0)
+      note(r, "\"%s\": %d triangles without area and %d that are there twice were left out", dem_mesh_name(mesh),
+           of->degenerate, of->duplicate);
+    if (of->open + of->nonmanifold > 0)
+      note(r, "\"%s\": %d edges belong to one triangle only and %d to more than two; a closed part has none",
+           dem_mesh_name(mesh), of->open, of->nonmanifold);
+  }
+  json_object_set_new(r->json, "meshes", all);
+}
+
 void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
   const dem_model *m = d->model;
   *r = (dem_report){.json = json_object()};
@@ -221,6 +241,7 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   warn_step(r, m, &limits);
   report_ratios(r, d, fill.mass);
   report_lids(r, d);
+  report_meshes(r, m);
   if (m->settle.wanted)
     json_object_set_new(r->json, "settle",
                         json_pack("{s:b, s:b, s:f, s:f, s:f}", "rest", settled->rest, "stored", settled->stored, "time",

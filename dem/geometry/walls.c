@@ -31,7 +31,7 @@ void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t
 bool dem_behind(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
-  return wall->primitive == DEM_PLANE && dem_wall_gap(wall, &d->wall[w], d->position[i], &n) <= -d->radius[i];
+  return dem_wall_endless(wall) && dem_wall_gap(wall, &d->wall[w], d->position[i], &n) <= -d->radius[i];
 }
 
 void dem_mark_front(dem_data *d, int first) {
@@ -71,11 +71,13 @@ void dem_lids_away(dem_data *d) {
 static bool over_box(const dem_data *d, const dem_box *box, tdm_vec3 outward, int i) {
   tdm_pose pose = d->pose[box->body];
   tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->position[i], pose.position));
-  x = tdm_sub(x, box->center);
+  tdm_quat back = tdm_quat_conj(box->turn);
+  x = tdm_quat_rotate(back, tdm_sub(x, box->center));
+  outward = tdm_quat_rotate(back, outward);
   const double at[3] = {x.x, x.y, x.z}, half[3] = {box->half.x, box->half.y, box->half.z};
   const double out[3] = {outward.x, outward.y, outward.z};
   for (int a = 0; a < 3; a++)
-    if (out[a] != 0 ? out[a] * at[a] < -half[a] : fabs(at[a]) > half[a])
+    if (fabs(out[a]) > 0.5 ? out[a] * at[a] < -half[a] : fabs(at[a]) > half[a])
       return false;
   return true;
 }

@@ -239,7 +239,7 @@ static const struct {
     {"--set 'output.repose={\"along\":\"z\"}'", "output.repose.along", "\"x\", \"y\""},
     {"--set coupling.n=3", "coupling", "tandem run"},
     {"--set mbd.bodies=[]", "mbd", "tandem run"},
-    {"--set dme.gravity=1", "dme", "did you mean \"dem\""},
+    {"--set demm.gravity=1", "demm", "did you mean \"dem\""},
     {"--set dem.particles[0].radius=0", "dem.particles[0].radius", "greater than 0"},
     {"--set dem.pairs=[]", "dem.pairs", "can touch"},
     {"--set time.dt=5e-3 --set output.interval=0.01 --set dem.materials[0].young_modulus=5e11 --strict", "time.dt",
