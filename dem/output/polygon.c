@@ -62,10 +62,10 @@ static void plane_in_box(dem_polygon *p, tdm_vec3 point, tdm_vec3 normal, tdm_ve
 static const dem_box *container_of(const dem_model *m, const dem_wall *wall) {
   for (int k = 0; k < m->nbox; k++) {
     const dem_box *box = &m->box[k];
-    tdm_vec3 off = tdm_sub(wall->point, box->center), n = wall->normal;
+    tdm_vec3 off = tdm_sub(wall->point, box->center), n = tdm_quat_rotate(tdm_quat_conj(box->turn), wall->normal);
     double depth = fabs(n.x) * box->half.x + fabs(n.y) * box->half.y + fabs(n.z) * box->half.z;
     double largest = fmax(fabs(n.x), fmax(fabs(n.y), fabs(n.z)));
-    if (box->body == wall->body && largest > 1 - 1e-12 && fabs(tdm_dot(off, n) + depth) <= 1e-9 * depth)
+    if (box->body == wall->body && largest > 1 - 1e-12 && fabs(tdm_dot(off, wall->normal) + depth) <= 1e-9 * depth)
       return box;
   }
   return NULL;
@@ -75,11 +75,14 @@ static tdm_status add_plane(dem_polygons *all, const dem_data *d, int w, const d
   const dem_wall *wall = &d->model->wall[w];
   dem_polygon p = {.body = wall->body};
   const dem_box *box = container_of(d->model, wall);
-  if (box) {
-    plane_in_box(&p, wall->point, wall->normal, box->center, box->half);
-    tdm_vec3 shift = tdm_scale(-d->lid[w], wall->normal);
-    for (int k = 0; k < p.ncorner; k++)
-      p.corner[k] = tdm_pose_point(d->pose[wall->body], tdm_add(p.corner[k], shift));
+  if (box) { /* in the box's axes: its own turn, then the body's pose */
+    tdm_quat back = tdm_quat_conj(box->turn);
+    tdm_vec3 point = tdm_quat_rotate(back, tdm_sub(wall->point, box->center));
+    plane_in_box(&p, point, tdm_quat_rotate(back, wall->normal), tdm_v3(0, 0, 0), box->half);
+    for (int k = 0; k < p.ncorner; k++) {
+      tdm_vec3 x = tdm_add(box->center, tdm_quat_rotate(box->turn, p.corner[k]));
+      p.corner[k] = tdm_pose_point(d->pose[wall->body], tdm_axpy(-d->lid[w], wall->normal, x));
+    }
   } else {
     plane_in_box(&p, d->wall[w].point, d->wall[w].normal, tdm_scale(0.5, tdm_add(bounds->low, bounds->high)),
                  tdm_scale(0.5, tdm_sub(bounds->high, bounds->low)));
@@ -87,35 +90,88 @@ static tdm_status add_plane(dem_polygons *all, const dem_data *d, int w, const d
   return p.ncorner < 3 ? TDM_OK : append(all, &p, err);
 }
 
-/* ---- boxes ---- */
+/* ---- solids, shells, meshes ---- */
 
-static tdm_status add_box(dem_polygons *all, const dem_data *d, const dem_wall *wall, tdm_error *err) {
+static tdm_vec3 to_world(const dem_wall_place *place, tdm_vec3 own) {
+  return tdm_add(place->point, tdm_m3_mul(place->axes, own));
+}
+
+static void add_box(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, tdm_error *err) {
   /* corner k has + on axis a where bit a is set */
   static const int face[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
-  for (int f = 0; f < 6; f++) {
+  for (int f = 0; f < 6 && err->status == TDM_OK; f++) {
     dem_polygon p = {.body = wall->body, .solid = true, .ncorner = 4};
     for (int i = 0; i < 4; i++) {
       int k = face[f][i];
-      tdm_vec3 off = tdm_v3(k & 1 ? wall->half.x : -wall->half.x, k & 2 ? wall->half.y : -wall->half.y,
-                            k & 4 ? wall->half.z : -wall->half.z);
-      p.corner[i] = tdm_pose_point(d->pose[wall->body], tdm_add(wall->point, off));
+      p.corner[i] = to_world(place, tdm_v3(k & 1 ? wall->half.x : -wall->half.x, k & 2 ? wall->half.y : -wall->half.y,
+                                           k & 4 ? wall->half.z : -wall->half.z));
     }
-    if (append(all, &p, err) != TDM_OK)
-      return err->status;
+    append(all, &p, err);
   }
-  return TDM_OK;
+}
+
+/* The curved surface between z = low and z = high of the wall's own axes. */
+static void add_round(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, double low, double high,
+                      tdm_error *err) {
+  enum { SIDES = 60 };
+  for (int k = 0; k < SIDES && err->status == TDM_OK; k++) {
+    double a = 2 * M_PI * k / SIDES, b = 2 * M_PI * (k + 1) / SIDES;
+    dem_polygon p = {.body = wall->body, .solid = wall->primitive == DEM_SOLID_FRUSTUM, .ncorner = 4};
+    p.corner[0] = to_world(place, tdm_v3(wall->radius[0] * cos(a), wall->radius[0] * sin(a), low));
+    p.corner[1] = to_world(place, tdm_v3(wall->radius[0] * cos(b), wall->radius[0] * sin(b), low));
+    p.corner[2] = to_world(place, tdm_v3(wall->radius[1] * cos(b), wall->radius[1] * sin(b), high));
+    p.corner[3] = to_world(place, tdm_v3(wall->radius[1] * cos(a), wall->radius[1] * sin(a), high));
+    append(all, &p, err);
+  }
+}
+
+/* A cylinder without ends, as far as the bounds reach along its axis. */
+static void add_cylinder(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, const dem_bounds *bounds,
+                         tdm_error *err) {
+  double low = INFINITY, high = -INFINITY;
+  for (int k = 0; k < 8; k++) {
+    tdm_vec3 corner = tdm_v3(k & 1 ? bounds->high.x : bounds->low.x, k & 2 ? bounds->high.y : bounds->low.y,
+                             k & 4 ? bounds->high.z : bounds->low.z);
+    double z = dem_wall_own(place, corner).z;
+    low = fmin(low, z);
+    high = fmax(high, z);
+  }
+  add_round(all, wall, place, low, high, err);
+}
+
+static void add_mesh(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, tdm_error *err) {
+  for (int t = 0; t < dem_mesh_figures(wall->mesh)->triangles && err->status == TDM_OK; t++) {
+    dem_polygon p = {.body = wall->body, .ncorner = 3};
+    tdm_vec3 corner[3], normal;
+    dem_mesh_triangle(wall->mesh, t, corner, &normal);
+    for (int k = 0; k < 3; k++)
+      p.corner[k] = to_world(place, corner[k]);
+    append(all, &p, err);
+  }
 }
 
 tdm_status dem_polygons_make(dem_polygons *all, const dem_data *d, const dem_bounds *bounds, tdm_error *err) {
   const dem_model *m = d->model;
   all->count = 0;
   for (int w = 0; w < m->nwall && err->status == TDM_OK; w++) {
-    switch (m->wall[w].primitive) {
+    const dem_wall *wall = &m->wall[w];
+    const dem_wall_place *place = &d->wall[w];
+    switch (wall->primitive) {
     case DEM_PLANE:
       add_plane(all, d, w, bounds, err);
       break;
     case DEM_SOLID_BOX:
-      add_box(all, d, &m->wall[w], err);
+      add_box(all, wall, place, err);
+      break;
+    case DEM_CYLINDER:
+      add_cylinder(all, wall, place, bounds, err);
+      break;
+    case DEM_SHELL:
+    case DEM_SOLID_FRUSTUM:
+      add_round(all, wall, place, 0, wall->length, err);
+      break;
+    case DEM_MESH:
+      add_mesh(all, wall, place, err);
       break;
     }
   }

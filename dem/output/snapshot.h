@@ -24,7 +24,7 @@ typedef struct {
   tdm_vec3 low, high;
 } dem_bounds;
 
-/* Around the particles, containers, solid boxes and sources; a cube of 1 m when there is none. */
+/* Around the particles, the walls that have a size, and the sources; a cube of 1 m when there is none. */
 dem_bounds dem_scene_bounds(const dem_data *data, const dem_snapshot *snapshot);
 
 #endif
