@@ -34,7 +34,7 @@ typedef struct {
 typedef struct {
   char *name;
   int material;
-  int coupled;     /* index among the assignment's coupled bodies, -1: fixed in space */
+  int coupled;     /* index among the assignment's coupled bodies, -1: fixed or driven */
   double mass;     /* at the start [kg], inf: cannot be moved */
   tdm_state start; /* world */
   dem_drive drive; /* of a body that is not coupled */

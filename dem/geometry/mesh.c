@@ -177,6 +177,8 @@ static void finish_edge(dem_mesh *m, int edge) {
     set_kind(m, edge);
   int *count[] = {&m->report.open, &m->report.flat, &m->report.convex, &m->report.concave, &m->report.nonmanifold};
   ++*count[e->kind];
+  if (e->kind == DEM_EDGE_OPEN)
+    m->rim[e->a] = m->rim[e->b] = true;
   if (e->kind != DEM_EDGE_FLAT)
     m->flat[e->a] = m->flat[e->b] = false;
 }
@@ -263,10 +265,11 @@ static bool allocate(dem_mesh *m, const char *name, int count) {
   m->vertex_first = calloc(3 * n + 1, sizeof *m->vertex_first);
   m->vertex_face = malloc(3 * n * sizeof *m->vertex_face);
   m->flat = malloc(3 * n * sizeof *m->flat);
+  m->rim = calloc(3 * n, sizeof *m->rim);
   m->node = malloc(2 * n * sizeof *m->node);
   m->order = malloc(n * sizeof *m->order);
   return m->name && m->vertex && m->face && m->edge && m->edge_face && m->vertex_first && m->vertex_face && m->flat &&
-         m->node && m->order;
+         m->rim && m->node && m->order;
 }
 
 static bool build(dem_mesh *m, const dem_stl *stl) {
@@ -306,8 +309,8 @@ void dem_mesh_destroy(dem_mesh **mesh) {
   dem_mesh *m = *mesh;
   if (!m)
     return;
-  void *arrays[] = {m->name,         m->vertex,      m->face, m->edge, m->edge_face,
-                    m->vertex_first, m->vertex_face, m->flat, m->node, m->order};
+  void *arrays[] = {m->name,        m->vertex, m->face, m->edge, m->edge_face, m->vertex_first,
+                    m->vertex_face, m->flat,   m->rim,  m->node, m->order};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

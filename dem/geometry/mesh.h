@@ -15,7 +15,7 @@
  * depth that of the lower triangle. Passing a crease the overlap is continuous and the normal jumps by the angle.
  *
  * Where a file has vertices that differ in the last digit or lie on the middle of another edge, the topology has
- * cracks: a contact at an edge or vertex that lies on a triangle that touches deeper is dropped, too.
+ * cracks: a contact on an open edge whose point lies on a triangle that is nearer is dropped, too.
  */
 #ifndef DEM_GEOMETRY_MESH_H
 #define DEM_GEOMETRY_MESH_H
@@ -82,8 +82,10 @@ typedef struct {
 int dem_mesh_contacts(const dem_mesh *mesh, const int *candidates, int n, tdm_vec3 x, double radius,
                       dem_mesh_contact *out, int max);
 
-/* Does a contact that ended on triangle `from` go on as one that begins on `to`? True for triangles with a common edge
- * or vertex whose planes differ by less than the facet angle, and for a triangle itself. */
+/* Does a contact that ended on triangle `from` go on as one that begins on `to`? True for a triangle itself, for
+ * facets (a common vertex, planes closer than the facet angle), and over a common edge at any angle: a sphere rolls
+ * over a sharp edge without losing its grip. Two contacts that have nothing to do with each other hardly change in one
+ * step, and one that opens has no tangential force left to hand over. */
 bool dem_mesh_passes(const dem_mesh *mesh, int from, int to);
 
 #endif

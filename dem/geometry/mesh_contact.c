@@ -113,33 +113,35 @@ static bool deeper(const touch *a, const touch *b) {
   return a->gap != b->gap ? a->gap < b->gap : a->claim.face < b->claim.face;
 }
 
-static bool meet(const dem_face *f, const dem_face *g) {
+/* number of common vertices */
+static int common(const dem_face *f, const dem_face *g) {
+  int n = 0;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
-      if (f->vertex[i] == g->vertex[j])
-        return true;
-  return false;
+      n += f->vertex[i] == g->vertex[j];
+  return n;
+}
+
+/* facets of one curved wall */
+static bool facets(const dem_mesh *m, int a, int b) {
+  const dem_face *f = &m->face[a], *g = &m->face[b];
+  return a == b || (fabs(tdm_dot(f->normal, g->normal)) >= m->facet_cos && common(f, g) > 0);
 }
 
 bool dem_mesh_passes(const dem_mesh *m, int from, int to) {
-  const dem_face *f = &m->face[from], *g = &m->face[to];
-  return from == to || (fabs(tdm_dot(f->normal, g->normal)) >= m->facet_cos && meet(f, g));
+  return facets(m, from, to) || common(&m->face[from], &m->face[to]) > 1;
 }
 
 /* does `b` belong to the contact `kept`, whose member `a` is? */
 static bool belongs(const dem_mesh *m, const touch *kept, const touch *a, const touch *b, double crack) {
-  if (b->claim.at.on != DEM_ON_FACE && a == kept &&
-      dem_mesh_nearest(m, a->claim.face, b->claim.at.point).distance2 <= crack * crack)
-    return true; /* its point lies on a triangle that touches deeper */
   if (tdm_dot(kept->normal, b->normal) < m->facet_cos)
     return false;
   tdm_vec3 d = tdm_sub(a->claim.at.point, b->claim.at.point);
-  return dem_mesh_passes(m, a->claim.face, b->claim.face) || tdm_dot(d, d) <= crack * crack;
+  return facets(m, a->claim.face, b->claim.face) || tdm_dot(d, d) <= crack * crack;
 }
 
 /* Merge contacts that belong to a deeper one; `t` is sorted, deepest first. Returns how many are left, in front. */
-static int merge(const dem_mesh *m, touch *t, int n, double radius) {
-  double crack = fmin(m->crack, 1e-3 * radius);
+static int merge(const dem_mesh *m, touch *t, int n, double crack) {
   int left = 0;
   for (int i = 0; i < n; i++)
     t[i].group = -1;
@@ -180,20 +182,50 @@ static void insert(touch *t, int *n, touch now) {
   t[place] = now;
 }
 
+/* Does the claim's point on the rim of the mesh lie on a triangle that does not belong to it by its vertices, and is
+ * nearer to x? */
+static bool bridged(const dem_mesh *m, const int *candidates, int n, tdm_vec3 x, const claim *c, double crack) {
+  bool open = c->at.on == DEM_ON_EDGE ? m->edge[c->at.feature].kind == DEM_EDGE_OPEN
+                                      : c->at.on == DEM_ON_VERTEX && m->rim[c->at.feature];
+  for (int i = 0; open && i < n; i++)
+    if (dem_mesh_nearest(m, candidates[i], x).distance2 < c->at.distance2 &&
+        dem_mesh_nearest(m, candidates[i], c->at.point).distance2 <= crack * crack)
+      return true;
+  return false;
+}
+
+enum { VERTICES_SEEN = 16 };
+
+/* From a vertex one goes on to the same place, whichever of its triangles one comes from: once is enough, and vertices
+ * of large fans stay cheap. */
+static bool first_time(int seen[VERTICES_SEEN], int *n, int vertex) {
+  for (int i = 0; i < *n; i++)
+    if (seen[i] == vertex)
+      return false;
+  if (*n < VERTICES_SEEN)
+    seen[(*n)++] = vertex;
+  return true;
+}
+
 int dem_mesh_contacts(const dem_mesh *m, const int *candidates, int n, tdm_vec3 x, double radius, dem_mesh_contact *out,
                       int max) {
   touch t[DEM_MESH_CONTACTS_MAX];
-  int count = 0;
+  int count = 0, seen[VERTICES_SEEN], nseen = 0;
+  double crack = fmin(m->crack, 1e-3 * radius);
   for (int i = 0; i < n; i++) {
     claim c = claim_of(m, candidates[i], x);
     if (!(c.at.distance2 < radius * radius))
       continue;
+    if (c.at.on == DEM_ON_VERTEX && !first_time(seen, &nseen, c.at.feature))
+      continue;
     touch now = {.claim = descend(m, x, c)};
+    if (bridged(m, candidates, n, x, &now.claim, crack))
+      continue;
     now.gap = dem_mesh_normal(m, now.claim.face, &now.claim.at, x, &now.normal);
     insert(t, &count, now);
   }
   if (count > 1)
-    count = merge(m, t, count, radius);
+    count = merge(m, t, count, crack);
   count = count < max ? count : max;
   for (int i = 0; i < count; i++) {
     int place = i;

@@ -37,6 +37,7 @@ struct dem_mesh {
   int *vertex_first;   /* (nvertex + 1) into vertex_face */
   int *vertex_face;    /* (3 nface) triangles of the vertices, ascending */
   bool *flat;          /* (nvertex) all edges of the vertex are flat */
+  bool *rim;           /* (nvertex) the vertex has an open edge */
   dem_mesh_node *node; /* (2 nface at most) */
   int *order;          /* (nface) triangles leaf by leaf */
   double facet_angle;  /* [rad] */
