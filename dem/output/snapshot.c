@@ -24,20 +24,47 @@ static bool make_room(dem_snapshot *s, int n) {
   return s->id && s->material && s->radius && s->position && s->velocity && s->spin;
 }
 
+typedef struct {
+  uint64_t id;
+  int particle;
+} rank;
+
+static int by_id(const void *a, const void *b) {
+  const rank *x = a, *y = b;
+  return (x->id > y->id) - (x->id < y->id);
+}
+
+/* The particles in the order of their ids, whatever the order in which the engine keeps them; NULL: no memory. */
+static rank *rank_particles(const dem_data *d) {
+  rank *order = malloc(((size_t)d->nparticle + 1) * sizeof *order);
+  bool ascending = true;
+  for (int i = 0; order && i < d->nparticle; i++) {
+    order[i] = (rank){d->id[i], i};
+    ascending = ascending && (i == 0 || d->id[i] > d->id[i - 1]);
+  }
+  if (order && !ascending)
+    qsort(order, (size_t)d->nparticle, sizeof *order, by_id);
+  return order;
+}
+
 tdm_status dem_snapshot_take(dem_snapshot *s, const dem_data *d, tdm_error *err) {
-  if (!make_room(s, d->nparticle)) {
+  rank *order = rank_particles(d);
+  if (!order || !make_room(s, d->nparticle)) {
+    free(order);
     dem_snapshot_free(s);
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", d->nparticle);
   }
   s->count = d->nparticle;
-  for (int i = 0; i < s->count; i++) {
-    s->id[i] = (int64_t)d->id[i];
-    s->material[i] = d->kind[i];
-    s->radius[i] = d->radius[i];
-    s->position[i] = d->position[i];
-    s->velocity[i] = d->velocity[i];
-    s->spin[i] = d->spin[i];
+  for (int k = 0; k < s->count; k++) {
+    int i = order[k].particle;
+    s->id[k] = (int64_t)d->id[i];
+    s->material[k] = d->kind[i];
+    s->radius[k] = d->radius[i];
+    s->position[k] = d->position[i];
+    s->velocity[k] = d->velocity[i];
+    s->spin[k] = d->spin[i];
   }
+  free(order);
   return TDM_OK;
 }
 
