@@ -119,7 +119,8 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error 
   *s = (cpl_settings){0};
   tdm_object root = tdm_object_open(scene->root, "", err);
   tdm_has(&root, "$schema"); /* for editors */
-  if (tdm_has(&root, "dem") && !tdm_has(&root, "mbd") && !tdm_has(&root, "coupling"))
+  const json_t *sections = scene->root;
+  if (json_object_get(sections, "dem") && !json_object_get(sections, "mbd") && !json_object_get(sections, "coupling"))
     tdm_object_fail(&root, "coupling", "missing, and mbd too: particles alone run with tandem-dem run");
   tdm_get_string(&root, "title", "");
   tdm_get_string(&root, "scenario", "");
