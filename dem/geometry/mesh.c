@@ -291,7 +291,7 @@ dem_mesh *dem_mesh_make(const dem_stl *stl, const char *name, double facet_angle
   dem_mesh *m = calloc(1, sizeof *m);
   if (m) {
     m->facet_angle = facet_angle;
-    m->facet_cos = cos(facet_angle);
+    m->facet_cos = cos(fmax(facet_angle, DEM_MESH_FLAT)); /* round-off is no angle */
   }
   if (!m || !allocate(m, name, stl->count) || !build(m, stl))
     tdm_fail(err, TDM_ERR_MEMORY, path, "no memory for the %d triangles of \"%s\"", stl->count, name);

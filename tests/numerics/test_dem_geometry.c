@@ -2,6 +2,7 @@
 #include "dem/geometry/driven.h"
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/walls.h"
+#include "dem/report.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
 
@@ -165,18 +166,10 @@ START_TEST(test_driven) {
     ck_vector(now.twist.velocity, tdm_scale(0.5 / h, tdm_sub(b.pose.position, a.pose.position)), 1e-7);
     tdm_vec3 turn = tdm_quat_to_rotvec(tdm_quat_mul(b.pose.orientation, tdm_quat_conj(a.pose.orientation)));
     ck_vector(now.twist.angular, tdm_scale(0.5 / h, turn), 1e-9);
-    /* a point of the body at the centre keeps its place but for velocity and oscillation */
-    ck_near(tdm_norm(tdm_sub(now.pose.position, dem_driven_state(&(dem_drive){.given = true,
-                                                                              .velocity = d.velocity,
-                                                                              .amplitude = d.amplitude,
-                                                                              .frequency = d.frequency,
-                                                                              .phase = d.phase,
-                                                                              .center = d.center,
-                                                                              .start = d.start,
-                                                                              .end = d.end},
-                                                                 &(tdm_state){.pose = {d.center, {1, 0, 0, 0}}}, t)
-                                                    .pose.position)),
-            tdm_norm(tdm_sub(at.pose.position, d.center)), 1e-12);
+    /* the centre goes with velocity and oscillation, the body stays as far from it as it was */
+    tdm_vec3 center = tdm_axpy(t - d.start, d.velocity, d.center);
+    center = tdm_axpy(sin(2 * M_PI * d.frequency * (t - d.start) + d.phase) - sin(d.phase), d.amplitude, center);
+    ck_near(tdm_norm(tdm_sub(now.pose.position, center)), tdm_norm(tdm_sub(at.pose.position, d.center)), 1e-12);
     ck_assert_double_le(tdm_norm(now.twist.velocity),
                         dem_drive_speed(&d, tdm_norm(tdm_sub(at.pose.position, d.center))));
   }
@@ -331,7 +324,63 @@ START_TEST(test_read_mesh) {
   ck_assert_int_eq(dem_mesh_near(wall->mesh, own, 0.3, near, 1), 1);
   ck_assert_int_eq(dem_mesh_contacts(wall->mesh, near, 1, own, 0.3, &c, 1), 1);
   ck_near(c.gap, 0.25, 1e-15);
+  dem_report report;
+  dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0);
+  const json_t *of = json_array_get(json_object_get(report.json, "meshes"), 0);
+  ck_assert_int_eq(json_integer_value(json_object_get(of, "open_edges")), 3);
+  ck_near(json_real_value(json_object_get(of, "area")), 0.03, 1e-9);
+  json_decref(report.json);
   rig_free(r);
+}
+END_TEST
+
+/* ---- rolling ---- */
+
+/* One sphere of radius 0.1 at x = (-1, 0.013, 0.1) on the shapes, sliding at 1 m/s, after n steps. */
+static rig *slide(const char *shape, long n) {
+  char body[1024];
+  snprintf(
+      body, sizeof body,
+      "'shapes':[%s]}],'particles':[{'type':'list','material':'m','radius':0.1,'positions':[[-1,0.013,0.0999]],"
+      "'velocity':[1,0.11,0],'spin':[0,0,3]}],'sinks':[{'name':'s','type':'plane','point':[0,0,-9],'normal':[0,0,1]",
+      shape);
+  rig *r = load(body);
+  rig_steps(r, n);
+  return r;
+}
+
+/* A sphere that bounces, slides and rolls over the inner edges of a meshed plane takes the plane's path. */
+START_TEST(test_rolling) {
+  enum { N = 16 };
+  char file[256], shape[512];
+  snprintf(file, sizeof file, "%s/rolling_%d.stl", TANDEM_TEST_DIR, (int)getpid());
+  tdm_vec3 corner[6 * N * N];
+  dem_stl stl = {0, corner};
+  for (int i = 0; i < N; i++)
+    for (int j = 0; j < N; j++) {
+      double x = i / 4. - 2, y = j / 4. - 2, h = 0.25;
+      tdm_vec3 c[] = {{x, y, 0}, {x + h, y, 0}, {x + h, y + h, 0}, {x, y + h, 0}};
+      int k = (i * 5 + j * 3) % 4; /* diagonals and corners in turn */
+      const int order[] = {k, k + 1, k + 2, k, k + 2, k + 3};
+      for (int o = 0; o < 6; o++)
+        corner[3 * stl.count + o] = c[order[o] % 4];
+      stl.count += 2;
+    }
+  tdm_error err = {0};
+  ck_assert(!dem_stl_write(&stl, file, &err));
+  snprintf(shape, sizeof shape, "{'type':'mesh','file':'%s'}", file);
+  for (long n = 20000; n <= 120000; n += 50000) {
+    rig *plane = slide("{'type':'plane','normal':[0,0,1]}", n), *mesh = slide(shape, n);
+    const dem_data *a = plane->data, *b = mesh->data;
+    ck_assert_double_gt(a->position[0].x, -0.9);
+    ck_vector(b->position[0], a->position[0], 1e-10);
+    ck_vector(b->velocity[0], a->velocity[0], 1e-10);
+    ck_vector(b->spin[0], a->spin[0], 1e-9);
+    ck_vector(b->body_load[0].force, a->body_load[0].force, 1e-10 * tdm_norm(a->body_load[0].force));
+    rig_free(plane);
+    rig_free(mesh);
+  }
+  unlink(file);
 }
 END_TEST
 
@@ -346,6 +395,7 @@ int main(void) {
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_read);
   tcase_add_test(tests, test_read_mesh);
+  tcase_add_test(tests, test_rolling);
   suite_add_tcase(suite, tests);
   return run_suite(suite);
 }
