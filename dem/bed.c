@@ -18,24 +18,32 @@
 static const char magic[8] = {'T', 'N', 'D', 'M', 'B', 'E', 'D', '\n'};
 
 /* Raise it when the format changes, or when the same inputs settle to another bed. */
-enum { BED_VERSION = 1 };
+enum { BED_VERSION = 2 };
 
 static const char key[] = "dem.settle.store";
 
 typedef struct {
   char magic[8];
   uint64_t version, fingerprint;
-  uint64_t nparticle, npair, nwall; /* npair, nwall: contacts that touch */
-  uint64_t rest;                    /* bit 0: at rest, bit 1: lids pressed */
-  double dt, time, speed;           /* of dem_settled */
+  uint64_t nparticle, npair, nwall; /* npair, nwall: contacts with a history */
+  uint64_t ncolumn, since_sort;
+  uint64_t rest;          /* bit 0: at rest, bit 1: lids pressed */
+  double dt, time, speed; /* of dem_settled */
 } header;
+
+/* a particle, in the order of the settled bed */
+typedef struct {
+  uint64_t id;
+  tdm_vec3 position;
+} place;
 
 /* a contact's history: particle and partner (particle or wall) */
 typedef struct {
   uint32_t particle, other;
-  dem_slot slot;
+  double column[DEM_HISTORY_MAX];
 } entry;
-_Static_assert(sizeof(header) == 80 && sizeof(entry) == 40, "no padding in the file");
+_Static_assert(sizeof(header) == 96 && sizeof(place) == 32 && sizeof(entry) == 8 + 8 * DEM_HISTORY_MAX,
+               "no padding in the file");
 
 /* ---- fingerprint ---- */
 
@@ -87,7 +95,7 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
 uint64_t dem_bed_fingerprint(const dem_model *m) {
   size_t np = (size_t)m->nparticle;
   uint64_t h = hash_start;
-  const char *const laws[] = {m->law->normal, m->law->tangential, m->law->tail};
+  const char *const laws[] = {m->law->normal, m->law->tangential, m->clip ? "clip" : "keep"};
   for (int k = 0; k < 3; k++)
     h = hash_bytes(h, laws[k], strlen(laws[k]) + 1);
   const dem_settling *s = &m->settle;
@@ -129,26 +137,62 @@ static bool get(FILE *f, void *bytes, size_t n, uint64_t *sum) {
   return true;
 }
 
-/* put a history into its place in a list; false when the list has no such contact */
-static bool put_slot(dem_list *list, int nparticle, const entry *e) {
-  if (e->particle >= (uint32_t)nparticle)
+static void put_columns(double *history, size_t capacity, size_t k, int ncolumn, const entry *e) {
+  for (int q = 0; q < ncolumn; q++)
+    history[(size_t)q * capacity + k] = e->column[q];
+}
+
+/* put a history into its place in the pairs; false when there is no such contact */
+static bool put_pair(dem_data *d, const entry *e) {
+  dem_pairs *list = &d->pairs;
+  if (e->particle >= (uint32_t)d->nparticle)
     return false;
   for (int k = list->first[e->particle]; k < list->first[e->particle + 1]; k++)
     if ((uint32_t)list->other[k] == e->other) {
-      list->slot[k] = e->slot;
+      put_columns(list->history, list->capacity, (size_t)k, d->model->law->ncolumn, e);
       return true;
     }
   return false;
 }
 
-static bool get_slots(FILE *f, dem_list *list, int nparticle, uint64_t n, uint64_t *sum, bool *fits) {
+static bool put_wall(dem_data *d, const entry *e) {
+  dem_wall_contacts *list = &d->walls;
+  for (size_t k = 0; k < list->count; k++)
+    if ((uint32_t)list->entry[k].particle == e->particle && (uint32_t)list->entry[k].wall == e->other) {
+      put_columns(list->history, list->capacity, k, d->model->law->ncolumn, e);
+      return true;
+    }
+  return false;
+}
+
+static bool get_histories(FILE *f, dem_data *d, bool (*put)(dem_data *, const entry *), uint64_t n, uint64_t *sum,
+                          bool *fits) {
   for (uint64_t k = 0; k < n; k++) {
     entry e;
     if (!get(f, &e, sizeof e, sum))
       return false;
-    *fits = *fits && list->slot && put_slot(list, nparticle, &e);
+    *fits = *fits && put(d, &e);
   }
   return true;
+}
+
+/* particles in the order and the places of the file; false: cut short, or (not *fits) other particles */
+static bool get_places(FILE *f, dem_data *d, uint64_t *sum, bool *fits) {
+  int np = d->nparticle, *at = malloc((size_t)np * 2 * sizeof *at), *from = at + np;
+  place *places = malloc((size_t)np * sizeof *places);
+  bool good = at && places && get(f, places, (size_t)np * sizeof *places, sum);
+  for (int i = 0; good && i < np; i++)
+    at[d->id[i]] = i;
+  for (int i = 0; good && i < np; i++) {
+    *fits = *fits && places[i].id < (uint64_t)np;
+    from[i] = *fits ? at[places[i].id] : i;
+  }
+  good = good && dem_data_permute(d, from);
+  for (int i = 0; good && i < np; i++)
+    d->sphere[i].position = places[i].position;
+  free(at);
+  free(places);
+  return good;
 }
 
 static tdm_status refuse(const dem_data *d, tdm_error *err, const char *what) {
@@ -177,19 +221,21 @@ static tdm_status read_bed(FILE *f, dem_data *d, dem_settled *out, tdm_error *er
   if (h.fingerprint != dem_bed_fingerprint(d->model) || h.nparticle != (uint64_t)d->nparticle)
     return refuse(d, err,
                   "holds the bed of another scene (particles, materials, shapes, poses, gravity or dem.settle differ)");
-  if (!get(f, d->position, (size_t)d->nparticle * sizeof *d->position, &sum))
+  bool fits = h.ncolumn == (uint64_t)d->model->law->ncolumn;
+  if (!get_places(f, d, &sum, &fits))
     return refuse_short(f, d, err);
   if (!get(f, d->lid, (size_t)d->model->nwall * sizeof *d->lid, &sum))
     return refuse_short(f, d, err);
   dem_walls_put(d);
   for (int i = 0; i < d->nparticle; i++)
-    d->velocity[i] = d->spin[i] = tdm_v3(0, 0, 0);
+    d->pace[i] = (dem_pace){0};
   d->list_valid = false; /* histories of the start are not these */
+  d->since_sort = 0;     /* the order is the file's */
   if (!dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-  bool fits = true;
-  if (!get_slots(f, &d->pairs, d->nparticle, h.npair, &sum, &fits) ||
-      !get_slots(f, &d->walls, d->nparticle, h.nwall, &sum, &fits) || fread(&stored, sizeof stored, 1, f) != 1)
+  d->since_sort = h.since_sort;
+  if (!get_histories(f, d, put_pair, h.npair, &sum, &fits) || !get_histories(f, d, put_wall, h.nwall, &sum, &fits) ||
+      fread(&stored, sizeof stored, 1, f) != 1)
     return refuse_short(f, d, err);
   if (stored != sum || !fits || fgetc(f) != EOF)
     return refuse(d, err, "is damaged");
@@ -232,20 +278,42 @@ static bool put(FILE *f, const void *bytes, size_t n, uint64_t *sum) {
   return fwrite(bytes, 1, n, f) == n;
 }
 
-static uint64_t count_touching(const dem_list *list) {
-  uint64_t n = 0;
-  for (size_t k = 0; list->slot && k < list->count; k++)
-    n += list->slot[k].circle > 0;
-  return n;
+/* the history of entry k; false when all of it is zero */
+static bool history_of(const double *history, size_t capacity, size_t k, int ncolumn, entry *e) {
+  bool any = false;
+  *e = (entry){0};
+  for (int q = 0; q < ncolumn; q++) {
+    e->column[q] = history[(size_t)q * capacity + k];
+    any = any || e->column[q] != 0;
+  }
+  return any;
 }
 
-static bool put_slots(FILE *f, const dem_list *list, int nparticle, uint64_t *sum) {
-  for (int i = 0; list->slot && i < nparticle; i++)
-    for (int k = list->first[i]; k < list->first[i + 1]; k++) {
-      entry e = {(uint32_t)i, (uint32_t)list->other[k], list->slot[k]};
-      if (e.slot.circle > 0 && !put(f, &e, sizeof e, sum))
-        return false;
-    }
+/* the histories of all contacts; with f NULL only counted */
+static bool put_histories(FILE *f, const dem_data *d, bool of_walls, uint64_t *count, uint64_t *sum) {
+  const dem_pairs *p = &d->pairs;
+  const dem_wall_contacts *w = &d->walls;
+  int ncolumn = d->model->law->ncolumn;
+  *count = 0;
+  for (size_t k = 0; k < (of_walls ? w->count : p->count); k++) {
+    entry e;
+    if (!history_of(of_walls ? w->history : p->history, of_walls ? w->capacity : p->capacity, k, ncolumn, &e))
+      continue;
+    e.particle = (uint32_t)(of_walls ? w->entry[k].particle : p->one[k]);
+    e.other = (uint32_t)(of_walls ? w->entry[k].wall : p->other[k]);
+    ++*count;
+    if (f && !put(f, &e, sizeof e, sum))
+      return false;
+  }
+  return true;
+}
+
+static bool put_places(FILE *f, const dem_data *d, uint64_t *sum) {
+  for (int i = 0; i < d->nparticle; i++) {
+    place p = {d->id[i], d->sphere[i].position};
+    if (!put(f, &p, sizeof p, sum))
+      return false;
+  }
   return true;
 }
 
@@ -254,17 +322,19 @@ static bool write_bed(FILE *f, const dem_data *d, const dem_settled *settled) {
   header h = {.version = BED_VERSION,
               .fingerprint = dem_bed_fingerprint(d->model),
               .nparticle = (uint64_t)d->nparticle,
-              .npair = count_touching(&d->pairs),
-              .nwall = count_touching(&d->walls),
+              .ncolumn = (uint64_t)d->model->law->ncolumn,
+              .since_sort = d->since_sort,
               .rest = (uint64_t)settled->rest + 2 * (uint64_t)settled->pressed,
               .dt = settled->dt,
               .time = settled->time,
               .speed = settled->speed};
   memcpy(h.magic, magic, sizeof magic);
-  return put(f, &h, sizeof h, &sum) && put(f, d->position, (size_t)d->nparticle * sizeof *d->position, &sum) &&
-         put(f, d->lid, (size_t)d->model->nwall * sizeof *d->lid, &sum) &&
-         put_slots(f, &d->pairs, d->nparticle, &sum) && put_slots(f, &d->walls, d->nparticle, &sum) &&
-         fwrite(&sum, sizeof sum, 1, f) == 1;
+  uint64_t count;
+  put_histories(NULL, d, false, &h.npair, &sum);
+  put_histories(NULL, d, true, &h.nwall, &sum);
+  return put(f, &h, sizeof h, &sum) && put_places(f, d, &sum) &&
+         put(f, d->lid, (size_t)d->model->nwall * sizeof *d->lid, &sum) && put_histories(f, d, false, &count, &sum) &&
+         put_histories(f, d, true, &count, &sum) && fwrite(&sum, sizeof sum, 1, f) == 1;
 }
 
 tdm_status dem_bed_write(const dem_data *d, const dem_settled *settled, tdm_error *err) {

@@ -27,19 +27,19 @@ static void refuse_pair(const dem_data *d, int i, int j, double overlap, tdm_err
   where(d, j, path, &nj);
   tdm_fail(err, TDM_ERR_SCENE, path,
            "particle %d overlaps particle %d of %s by %.3g m (radii %g and %g m) and would shoot off; move them apart",
-           nj, ni, other, overlap, d->radius[j], d->radius[i]);
+           nj, ni, other, overlap, d->sphere[j].radius, d->sphere[i].radius);
 }
 
 static void refuse_wall(const dem_data *d, int i, int w, double overlap, tdm_error *err) {
   char path[TDM_PATH_MAX];
   int n;
   where(d, i, path, &n);
-  tdm_vec3 x = d->position[i];
+  tdm_vec3 x = d->sphere[i].position;
   tdm_fail(
       err, TDM_ERR_SCENE, path,
       "particle %d at [%.6g, %.6g, %.6g] m (radius %g m) is in a wall of \"%s\" by %.3g m and would shoot off; move "
       "it or the body",
-      n, x.x, x.y, x.z, d->radius[i], d->model->body[d->model->wall[w].body].name, overlap);
+      n, x.x, x.y, x.z, d->sphere[i].radius, d->model->body[d->model->wall[w].body].name, overlap);
 }
 
 tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
@@ -48,18 +48,19 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
   for (int i = 0; i < d->nparticle && !err->status; i++) {
     for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
       int j = d->pairs.other[k];
-      double overlap = d->radius[i] + d->radius[j] - tdm_norm(tdm_sub(d->position[i], d->position[j]));
-      if (overlap > overlap_max * fmin(d->radius[i], d->radius[j]))
+      double overlap =
+          d->sphere[i].radius + d->sphere[j].radius - tdm_norm(tdm_sub(d->sphere[i].position, d->sphere[j].position));
+      if (overlap > overlap_max * fmin(d->sphere[i].radius, d->sphere[j].radius))
         refuse_pair(d, i, j, overlap, err);
     }
     bool behind = false;
     for (int w = 0; w < m->nwall; w++) {
       tdm_vec3 n;
-      double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->position[i], &n);
-      bool through = dem_wall_endless(&m->wall[w]) && gap <= -d->radius[i];
+      double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
+      bool through = dem_wall_endless(&m->wall[w]) && gap <= -d->sphere[i].radius;
       behind = behind || through;
-      if (!through && d->radius[i] - gap > overlap_max * d->radius[i])
-        refuse_wall(d, i, w, d->radius[i] - gap, err);
+      if (!through && d->sphere[i].radius - gap > overlap_max * d->sphere[i].radius)
+        refuse_wall(d, i, w, d->sphere[i].radius - gap, err);
     }
     *nbehind += behind;
   }
@@ -67,14 +68,15 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
 }
 
 static bool finite_at(const dem_data *d, int i) {
-  return tdm_finite(&d->position[i].x, 3) && tdm_finite(&d->velocity[i].x, 3) && tdm_finite(&d->spin[i].x, 3);
+  return tdm_finite(&d->sphere[i].position.x, 3) && tdm_finite(&d->pace[i].velocity.x, 3) &&
+         tdm_finite(&d->pace[i].spin.x, 3);
 }
 
 tdm_status dem_check_finite(const dem_data *d, double t, tdm_error *err) {
   /* anything that is not finite makes the sum not finite */
   tdm_vec3 sum = {0, 0, 0};
   for (int i = 0; i < d->nparticle; i++)
-    sum = tdm_add(sum, tdm_add(tdm_add(d->position[i], d->velocity[i]), d->spin[i]));
+    sum = tdm_add(sum, tdm_add(tdm_add(d->sphere[i].position, d->pace[i].velocity), d->pace[i].spin));
   if (isfinite(sum.x + sum.y + sum.z))
     return TDM_OK;
   for (int i = 0; i < d->nparticle; i++) {

@@ -2,6 +2,7 @@
 #include "dem/data.h"
 
 #include "dem/geometry/walls.h"
+#include "dem/search/pairs.h"
 #include "dem/step.h"
 
 #include <assert.h>
@@ -10,15 +11,10 @@
 
 /* The arrays of particles that are state: X(field, entries a particle). */
 #define PARTICLE_STATE(X) \
-  X(position, 1)          \
-  X(velocity, 1)          \
-  X(spin, 1)              \
-  X(velocity_ahead, 1)    \
-  X(spin_ahead, 1)        \
-  X(force, 1)             \
-  X(torque, 1)            \
+  X(sphere, 1)            \
+  X(rotor, 1)             \
+  X(pace, 1)              \
   X(position_at_list, 1)  \
-  X(radius, 1)            \
   X(mass, 1)              \
   X(kind, 1)              \
   X(id, 1)                \
@@ -39,7 +35,6 @@ static size_t layout(dem_data *d, char *block) {
   size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nc = (size_t)d->model->ncoupled, used = 0;
   PLACE(pose, nb);
   PLACE(twist, nb);
-  PLACE(twist_mid, nb);
   PLACE(body_load, nb);
   PLACE(body_inverse, nb);
   PLACE(pose_at_list, nb);
@@ -54,70 +49,133 @@ static size_t layout(dem_data *d, char *block) {
   return used;
 }
 
-/* The same for the arrays of particles, with room for d->capacity. */
+/* The same for the arrays of particles, with room for d->capacity and the particle that is none. */
 static size_t layout_particles(dem_data *d, char *block) {
-  size_t np = (size_t)d->capacity, used = 0;
+  size_t np = (size_t)d->capacity + 1, used = 0;
 #define X(field, n) PLACE(field, np *(size_t)(n));
   PARTICLE_STATE(X)
 #undef X
-  /* the lists change places with the spare ones, and scratch is not copied */
-  PLACE(pairs.first, np + 1);
-  PLACE(walls.first, np + 1);
-  PLACE(spare_pairs.first, np + 1);
-  PLACE(spare_walls.first, np + 1);
-  PLACE(grid.cell, np);
-  PLACE(grid.particle, np);
+  PLACE(pairs.first, np);
+  PLACE(number, np);
+  size_t nchunk = (size_t)dem_chunks(d->capacity);
+  PLACE(pairs.chunk, nchunk + 1);
+  PLACE(walls.chunk, nchunk + 1);
+  PLACE(spare_walls.chunk, nchunk + 1);
+  PLACE(chunk_spare, nchunk + 1);
+  PLACE(crossings.chunk, nchunk + 1);
+  PLACE(chunk_load, nchunk * (size_t)d->model->nbody);
   return used;
 }
 
 /* a block that is all zero */
 static void *zeroed(size_t size) {
-  void *block = aligned_alloc(64, size + 64);
+  void *block = aligned_alloc(64, (size + 127) & ~(size_t)63);
   if (block)
     memset(block, 0, size);
   return block;
 }
 
-/* the particles' state, rows of both lists included, from one layout to another that is large enough */
+/* the particles' state, rows of pairs and chunks included, from one layout to another that is large enough */
 static void copy_particles(dem_data *dst, const dem_data *d) {
   size_t np = (size_t)d->nparticle;
   dst->nparticle = d->nparticle;
+  dst->nchunk = d->nchunk;
 #define X(field, n)         \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
   PARTICLE_STATE(X)
 #undef X
+  size_t nchunk = (size_t)d->nchunk + 1;
   memcpy(dst->pairs.first, d->pairs.first, (np + 1) * sizeof *d->pairs.first);
-  memcpy(dst->walls.first, d->walls.first, (np + 1) * sizeof *d->walls.first);
+  memcpy(dst->pairs.chunk, d->pairs.chunk, nchunk * sizeof *d->pairs.chunk);
+  memcpy(dst->walls.chunk, d->walls.chunk, nchunk * sizeof *d->walls.chunk);
+  memcpy(dst->crossings.chunk, d->crossings.chunk, nchunk * sizeof *d->crossings.chunk);
 }
 
-bool dem_data_reserve(dem_data *d, int n) {
-  if (n <= d->capacity)
-    return true;
-  dem_data grown = *d;
-  grown.capacity = d->particle_block ? n + n / 2 + 64 : n;
-  grown.particle_block = zeroed(layout_particles(&grown, NULL));
-  if (!grown.particle_block)
-    return false;
-  layout_particles(&grown, grown.particle_block);
-  if (d->particle_block)
-    copy_particles(&grown, d);
-  free(d->particle_block);
-  *d = grown;
+/* put the particle that is none behind the last: nowhere, so that it touches nothing */
+static void end_particles(dem_data *d) {
+  d->sphere[d->nparticle] = (dem_sphere){.position = {NAN, NAN, NAN}, .inverse_mass = 1};
+  d->rotor[d->nparticle] = (dem_rotor){0};
+}
+
+bool dem_crossings_reserve(dem_data *d, int count) {
+  int need = d->nparticle + 1 + count;
+  if (need > d->push_capacity) {
+    int capacity = need + need / 8 + 64;
+    dem_push *push = zeroed((size_t)capacity * sizeof *push);
+    if (!push)
+      return false;
+    if (d->push)
+      memcpy(push, d->push, (size_t)d->nparticle * sizeof *push);
+    free(d->push);
+    d->push = push;
+    d->push_capacity = capacity;
+  }
+  dem_crossings *c = &d->crossings;
+  if (count > c->capacity) {
+    int capacity = count + count / 4 + 64;
+    int *particle = realloc(c->particle, (size_t)capacity * sizeof *particle);
+    if (particle)
+      c->particle = particle;
+    int *order = realloc(c->order, (size_t)capacity * sizeof *order);
+    if (order)
+      c->order = order;
+    if (!particle || !order)
+      return false;
+    c->capacity = capacity;
+  }
   return true;
 }
 
-bool dem_list_reserve(dem_list *list, size_t count, bool history) {
+bool dem_data_reserve(dem_data *d, int n) {
+  if (n > d->capacity) {
+    dem_data grown = *d;
+    grown.capacity = d->particle_block ? n + n / 2 + 64 : n;
+    grown.particle_block = zeroed(layout_particles(&grown, NULL));
+    if (!grown.particle_block)
+      return false;
+    layout_particles(&grown, grown.particle_block);
+    if (d->particle_block)
+      copy_particles(&grown, d);
+    free(d->particle_block);
+    *d = grown;
+  }
+  return dem_crossings_reserve(d, n - d->nparticle);
+}
+
+/* an aligned array of n entries, the first `keep` of them those of the old one */
+static bool grow(void *array, size_t n, size_t keep, size_t size) {
+  void **p = array, *grown = aligned_alloc(64, (n * size + 127) & ~(size_t)63);
+  if (!grown)
+    return false;
+  if (keep > 0)
+    memcpy(grown, *p, keep * size);
+  free(*p);
+  *p = grown;
+  return true;
+}
+
+bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
   if (count <= list->capacity)
     return true;
-  size_t capacity = count + count / 2 + 64;
-  int *other = realloc(list->other, capacity * sizeof *other);
-  if (other)
-    list->other = other;
-  dem_slot *slot = history ? realloc(list->slot, capacity * sizeof *slot) : NULL;
-  if (slot)
-    list->slot = slot;
-  if (!other || (history && !slot))
+  size_t before = list->capacity, capacity = (count + count / 8 + 64) & ~(size_t)7;
+  if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
+      !grow(&list->sink, capacity, 0, sizeof(int)) ||
+      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
+    return false;
+  for (int q = ncolumn - 1; q > 0; q--) /* columns move apart, the last first */
+    memmove(list->history + (size_t)q * capacity, list->history + (size_t)q * before, before * sizeof(double));
+  list->capacity = capacity;
+  return true;
+}
+
+bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
+  if (count <= list->capacity)
+    return true;
+  size_t capacity = count + count / 4 + 64;
+  list->capacity = 0;
+  if (!grow(&list->entry, capacity, 0, sizeof *list->entry) ||
+      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, 0, sizeof(double))))
     return false;
   list->capacity = capacity;
   return true;
@@ -135,18 +193,20 @@ static void begin(dem_data *d) {
   d->nparticle = m->nparticle;
   for (int i = 0; i < m->nparticle; i++) {
     d->id[i] = (uint64_t)i;
-    d->radius[i] = m->radius[i];
     d->mass[i] = m->mass[i];
     d->kind[i] = m->kind[i];
-    d->position[i] = m->position[i];
-    d->velocity[i] = d->velocity_ahead[i] = m->velocity[i];
-    d->spin[i] = d->spin_ahead[i] = m->spin[i];
+    d->sphere[i] = (dem_sphere){m->position[i], m->radius[i], m->velocity[i], 1 / m->mass[i]};
+    d->rotor[i] = (dem_rotor){tdm_scale(m->radius[i], m->spin[i]), m->radius[i]};
+    d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
     dem_exact_add(&d->ledger.mass, m->mass[i]);
   }
+  end_particles(d);
   d->ledger.created = (uint64_t)m->nparticle;
+  d->since_sort = DEM_SORT_STEPS;
+  d->skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
   for (int b = 0; b < m->nbody; b++) {
     d->pose[b] = m->body[b].start.pose;
-    d->twist[b] = d->twist_mid[b] = m->body[b].start.twist;
+    d->twist[b] = m->body[b].start.twist;
     d->body_inverse[b] = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
   }
   dem_lids_away(d);
@@ -159,9 +219,11 @@ dem_data *dem_data_create(const dem_model *model) {
   d->model = model;
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
+  d->search = dem_search_create("cells");
+  d->nthread = 1;
   if (d->block)
     layout(d, d->block);
-  if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
+  if (!d->block || !d->search || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
     dem_data_destroy(&d);
     return NULL;
   }
@@ -174,35 +236,57 @@ dem_data *dem_data_create(const dem_model *model) {
   return d;
 }
 
-/* partners and histories of a list whose rows are there already */
-static bool copy_entries(dem_list *dst, const dem_list *src, bool history) {
-  dst->count = 0;
-  if (!dem_list_reserve(dst, src->count, history))
+/* entries and histories of the lists, whose rows and chunks are there already */
+static bool copy_lists(dem_data *dst, const dem_data *src) {
+  int ncolumn = src->model->law->ncolumn;
+  const dem_pairs *p = &src->pairs;
+  const dem_wall_contacts *w = &src->walls;
+  const dem_crossings *c = &src->crossings;
+  if (!dem_pairs_reserve(&dst->pairs, p->count, ncolumn) || !dem_walls_reserve(&dst->walls, w->count, ncolumn) ||
+      !dem_crossings_reserve(dst, c->count))
     return false;
-  dst->count = src->count;
-  if (src->count > 0) {
-    memcpy(dst->other, src->other, src->count * sizeof *src->other);
-    if (history)
-      memcpy(dst->slot, src->slot, src->count * sizeof *src->slot);
+  dst->pairs.count = p->count;
+  dst->walls.count = w->count;
+  dst->crossings.count = c->count;
+  if (p->count > 0) {
+    memcpy(dst->pairs.one, p->one, p->count * sizeof *p->one);
+    memcpy(dst->pairs.other, p->other, p->count * sizeof *p->other);
+    memcpy(dst->pairs.sink, p->sink, p->count * sizeof *p->sink);
+  }
+  if (w->count > 0)
+    memcpy(dst->walls.entry, w->entry, w->count * sizeof *w->entry);
+  if (c->count > 0) {
+    memcpy(dst->crossings.particle, c->particle, (size_t)c->count * sizeof *c->particle);
+    memcpy(dst->crossings.order, c->order, (size_t)c->count * sizeof *c->order);
+  }
+  for (size_t q = 0; q < (size_t)ncolumn; q++) {
+    if (p->count > 0)
+      memcpy(dst->pairs.history + q * dst->pairs.capacity, p->history + q * p->capacity, p->count * sizeof(double));
+    if (w->count > 0)
+      memcpy(dst->walls.history + q * dst->walls.capacity, w->history + q * w->capacity, w->count * sizeof(double));
   }
   return true;
 }
 
 bool dem_data_copy(dem_data *dst, const dem_data *src) {
   assert(dst->model == src->model && dst != src);
-  bool history = src->model->law->history;
   if (!dem_data_reserve(dst, src->nparticle))
     return false;
   memcpy(dst->block, src->block, src->block_size);
   copy_particles(dst, src);
-  if (!copy_entries(&dst->pairs, &src->pairs, history) || !copy_entries(&dst->walls, &src->walls, history))
+  end_particles(dst);
+  if (!copy_lists(dst, src))
     return false;
+  memcpy(dst->push, src->push, (size_t)src->nparticle * sizeof *src->push);
+  memset(dst->push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
   dst->nstep = src->nstep;
+  dst->since_sort = src->since_sort;
+  dst->since_list = src->since_list;
+  dst->skin = src->skin;
   dst->ledger = src->ledger;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;
   dst->nrebuild = src->nrebuild;
-  dst->ngrow = src->ngrow;
   dst->ncontact = src->ncontact;
   dst->sample_count = src->sample_count;
   return true;
@@ -212,14 +296,24 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
-  dem_list *lists[] = {&d->pairs, &d->walls, &d->spare_pairs, &d->spare_walls};
-  for (int i = 0; i < 4; i++) {
-    free(lists[i]->other);
-    free(lists[i]->slot);
-  }
-  free(d->grid.first);
-  free(d->particle_block);
-  free(d->block);
+  void *arrays[] = {d->pairs.one,
+                    d->pairs.other,
+                    d->pairs.sink,
+                    d->pairs.history,
+                    d->column,
+                    d->walls.entry,
+                    d->walls.history,
+                    d->spare_walls.entry,
+                    d->spare_walls.history,
+                    d->crossings.particle,
+                    d->crossings.order,
+                    d->push,
+                    d->particle_block,
+                    d->block};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+    free(arrays[i]);
+  dem_rows_free(&d->rows);
+  dem_search_destroy(&d->search);
   free(d);
   *data = NULL;
 }
@@ -231,60 +325,80 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
     return false;
   int i = d->nparticle++;
   d->id[i] = d->ledger.created++;
-  d->radius[i] = newcomer->radius;
   d->mass[i] = newcomer->mass;
   d->kind[i] = newcomer->kind;
   d->touched[i] = 0;
-  d->position[i] = d->position_at_list[i] = newcomer->position;
-  d->velocity[i] = d->velocity_ahead[i] = newcomer->velocity;
-  d->spin[i] = d->spin_ahead[i] = d->force[i] = d->torque[i] = tdm_v3(0, 0, 0);
+  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, newcomer->velocity, 1 / newcomer->mass};
+  d->rotor[i] = (dem_rotor){.radius = newcomer->radius};
+  d->pace[i] = (dem_pace){.velocity = newcomer->velocity};
+  d->push[i] = (dem_push){0};
+  d->position_at_list[i] = newcomer->position;
+  end_particles(d);
   dem_exact_add(&d->ledger.mass, newcomer->mass);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
   d->pairs.first[i + 1] = d->pairs.first[i];
-  d->walls.first[i + 1] = d->walls.first[i];
   d->list_stale = true;
   return true;
 }
 
-/* Drop the rows of particles that go; of pairs also the entries that name one. The rest is renumbered. */
-static void remove_rows(dem_list *list, int nparticle, const int *number, bool partners, bool history) {
-  int out = 0;
-  for (int i = 0; i < nparticle; i++) {
+/* Drop the rows of particles that go and the entries that name one. The rest is renumbered; the entries of one chunk
+ * are filled up again. */
+static void remove_pairs(dem_pairs *list, int before, int after, const int *number, int ncolumn) {
+  size_t out = 0;
+  for (int i = 0; i < before; i++) {
     int begin = list->first[i], end = list->first[i + 1];
     if (number[i] < 0)
       continue;
-    list->first[number[i]] = out; /* number[i] <= i: the rows to come are untouched */
+    list->first[number[i]] = (int)out; /* number[i] <= i: the rows to come are untouched */
     for (int k = begin; k < end; k++) {
-      int other = partners ? number[list->other[k]] : list->other[k];
-      if (other < 0)
+      int other = list->other[k];
+      if (other >= before || number[other] < 0) /* none, or gone */
         continue;
-      list->other[out] = other;
-      if (history)
-        list->slot[out] = list->slot[k];
+      list->one[out] = number[i];
+      list->other[out] = list->sink[out] = number[other];
+      for (size_t q = 0; q < (size_t)ncolumn; q++)
+        list->history[q * list->capacity + out] = list->history[q * list->capacity + (size_t)k];
       out++;
     }
   }
-  list->count = (size_t)out;
+  for (; out % DEM_LANES_MAX != 0; out++)
+    list->one[out] = list->other[out] = list->sink[out] = after;
+  list->first[after] = (int)out;
+  list->count = out;
+}
+
+static void remove_walls(dem_wall_contacts *list, const int *number, int ncolumn) {
+  size_t out = 0;
+  for (size_t k = 0; k < list->count; k++) {
+    dem_wall_entry e = list->entry[k];
+    if (number[e.particle] < 0)
+      continue;
+    e.particle = number[e.particle];
+    list->entry[out] = e;
+    for (size_t q = 0; q < (size_t)ncolumn; q++)
+      list->history[q * list->capacity + out] = list->history[q * list->capacity + k];
+    out++;
+  }
+  list->count = out;
 }
 
 void dem_data_remove(dem_data *d, const int *gone) {
-  int before = d->nparticle, after = 0, *number = d->grid.cell; /* scratch */
+  int before = d->nparticle, after = 0, *number = d->number;
   for (int i = 0; i < before; i++)
     number[i] = gone[i] >= 0 ? -1 : after++;
   if (after == before)
     return;
-  bool history = d->model->law->history;
-  remove_rows(&d->pairs, before, number, true, history);
-  remove_rows(&d->walls, before, number, false, history);
-  d->pairs.first[after] = (int)d->pairs.count;
-  d->walls.first[after] = (int)d->walls.count;
+  int ncolumn = d->model->law->ncolumn;
+  remove_pairs(&d->pairs, before, after, number, ncolumn);
+  remove_walls(&d->walls, number, ncolumn);
   for (int i = 0; i < before; i++) {
     if (number[i] < 0) {
       d->ledger.removed++;
       dem_exact_add(&d->ledger.mass, -d->mass[i]);
       continue;
     }
+    d->push[number[i]] = d->push[i];
 #define X(field, n)                                                                       \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
@@ -292,4 +406,50 @@ void dem_data_remove(dem_data *d, const int *gone) {
 #undef X
   }
   d->nparticle = after;
+  end_particles(d);
+  d->push[after] = (dem_push){0};
+  if (d->nchunk > 1) {
+    d->list_stale = true; /* chunks have other particles now */
+    return;
+  }
+  d->pairs.chunk[1] = d->pairs.count;
+  d->walls.chunk[1] = d->walls.count;
+}
+
+/* ---- order ---- */
+
+/* an array of n records of `words` 64-bit words, or of n ints, in a new order; copy: room for a word of each */
+static void reorder_words(uint64_t *array, size_t n, size_t words, const int *from, uint64_t *copy) {
+  for (size_t w = 0; w < words; w++) {
+    for (size_t p = 0; p < n; p++)
+      copy[p] = array[p * words + w];
+    for (size_t p = 0; p < n; p++)
+      array[p * words + w] = copy[from[p]];
+  }
+}
+
+static void reorder_bytes(char *array, size_t n, size_t size, const int *from, char *copy) {
+  for (size_t b = 0; b < size; b++) {
+    for (size_t p = 0; p < n; p++)
+      copy[p] = array[p * size + b];
+    for (size_t p = 0; p < n; p++)
+      array[p * size + b] = copy[from[p]];
+  }
+}
+
+bool dem_data_permute(dem_data *d, const int *from) {
+  size_t n = (size_t)d->nparticle;
+  uint64_t *copy = malloc((n + 1) * sizeof *copy); /* a word of each particle at a time: little memory */
+  if (!copy)
+    return false;
+#define X(field, each)                                                                                            \
+  if ((size_t)(each) * sizeof *d->field % sizeof *copy == 0)                                                      \
+    reorder_words((uint64_t *)(void *)d->field, n, (size_t)(each) * sizeof *d->field / sizeof *copy, from, copy); \
+  else                                                                                                            \
+    reorder_bytes((char *)d->field, n, (size_t)(each) * sizeof *d->field, from, (char *)copy);
+  PARTICLE_STATE(X)
+  X(push, 1)
+#undef X
+  free(copy);
+  return true;
 }

@@ -2,33 +2,53 @@
  *
  * Particles are a structure of arrays, one packed array of vectors a quantity: a contact gathers whole vectors.
  * The arrays of particles lie in one block, those whose sizes the model fixes in another. The number of particles may
- * change between steps: dem_data_add appends, dem_data_remove closes the gaps, so the order of the particles is always
- * that of their ids, the order of creation. Nothing grows inside a contact loop.
+ * change between steps: dem_data_add appends, dem_data_remove closes the gaps. Their order is that of their ids, the
+ * order of creation, as long as they are few (one chunk); more are put in the order of their places every
+ * DEM_SORT_STEPS steps (search/pairs.h). Nothing grows inside a contact loop.
  */
 #ifndef DEM_DATA_H
 #define DEM_DATA_H
 
-#include "dem/contact/tangential.h"
 #include "dem/exact.h"
 #include "dem/model.h"
+#include "dem/search/search.h"
 
 #include <stdint.h>
 
-/* Pairs in CSR form: the partners of particle i are other[first[i]] … other[first[i+1] - 1], ascending. */
+/* The pairs of particles that are near, half lists. Particle i has the entries first[i] ... first[i+1] - 1, partners
+ * ascending and greater than i. Entries are chunk by chunk, each chunk's filled up to a multiple of DEM_LANES_MAX with
+ * entries of the particle that is none (number nparticle). */
 typedef struct {
-  int *first;     /* (nparticle + 1) */
-  int *other;     /* (capacity) */
-  dem_slot *slot; /* (capacity), or NULL when the law keeps no history */
+  int *first;      /* (nparticle + 1) */
+  int *one;        /* (capacity) i */
+  int *other;      /* (capacity) j */
+  int *sink;       /* (capacity) place in push for the reaction on j: j, or one of the places between the chunks */
+  double *history; /* (columns x capacity) or NULL */
+  size_t *chunk;   /* (nchunk + 1) first entry of a chunk */
   size_t count, capacity;
-} dem_list;
+} dem_pairs;
 
-/* Scratch of the neighbour search; carries nothing from step to step. */
+/* A particle near a wall; `part` is the triangle of a mesh, else 0. */
 typedef struct {
-  int *cell;     /* (nparticle) cell of a particle */
-  int *particle; /* (nparticle) particles by cell */
-  int *first;    /* (capacity + 1) first particle of a cell */
-  size_t capacity;
-} dem_cell_grid;
+  int particle, wall, part;
+} dem_wall_entry;
+
+/* Ascending by particle, wall and part. */
+typedef struct {
+  dem_wall_entry *entry; /* (capacity) */
+  double *history;       /* (columns x capacity) or NULL */
+  size_t *chunk;         /* (nchunk + 1) first entry of a chunk */
+  size_t count, capacity;
+} dem_wall_contacts;
+
+/* Reactions on particles of later chunks: each has a place of its own in push, from nparticle + 1 on, and is added to
+ * its particle after all loops, so that chunks do not disturb each other. */
+typedef struct {
+  int *particle; /* (count) by place */
+  int *order;    /* (count) places by the chunk of the particle, ascending in each */
+  int *chunk;    /* (nchunk + 1) first of a chunk in order */
+  int count, capacity;
+} dem_crossings;
 
 /* How far a source is. */
 typedef struct {
@@ -50,6 +70,13 @@ typedef struct {
   dem_exact mass;            /* created less removed, without round-off [kg] */
 } dem_ledger;
 
+/* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
+enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
+
+static inline int dem_chunks(int nparticle) {
+  return nparticle > 0 ? (nparticle + DEM_CHUNK - 1) / DEM_CHUNK : 1;
+}
+
 typedef struct dem_data {
   const dem_model *model; /* borrowed */
   uint64_t nstep;         /* steps since the start of the run */
@@ -58,23 +85,18 @@ typedef struct dem_data {
   /* particles, (nparticle) each, room for (capacity) */
   int nparticle, capacity;
   uint64_t *id;               /* order of creation, ascending; never used twice */
-  double *radius;             /* [m] */
-  double *mass;               /* [kg] */
   int *kind;                  /* material */
   uint32_t *touched;          /* bit s: sink s waits until the particle has left its body again */
-  tdm_vec3 *position;         /* [m] */
-  tdm_vec3 *velocity;         /* [m/s]; in a step between the two kicks: at mid-step */
-  tdm_vec3 *spin;             /* angular velocity [rad/s]; likewise */
-  tdm_vec3 *velocity_ahead;   /* predicted for the end of the step [m/s] */
-  tdm_vec3 *spin_ahead;       /* [rad/s] */
-  tdm_vec3 *force;            /* of contacts [N] */
-  tdm_vec3 *torque;           /* about the centre [N m] */
+  double *mass;               /* [kg] */
+  dem_sphere *sphere;         /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
+  dem_rotor *rotor;           /* likewise */
+  dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
+  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings */
   tdm_vec3 *position_at_list; /* when the lists were built [m] */
 
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */
   tdm_twist *twist;       /* now */
-  tdm_twist *twist_mid;   /* in the middle of the step */
   tdm_wrench *body_load;  /* of the particles, about the centre of mass, world */
   double *body_inverse;   /* 1/mass for the damping [1/kg]; 0: cannot be moved */
   tdm_pose *pose_at_list; /* when the lists were built */
@@ -83,16 +105,21 @@ typedef struct dem_data {
   dem_wall_place *wall;   /* (nwall) where the walls are */
   double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
   uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
+  tdm_wrench *chunk_load; /* (nchunk x nbody) body_load by chunk */
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
 
-  dem_list pairs;    /* particle i with particles j > i */
-  dem_list walls;    /* particle i with walls */
-  bool list_valid;   /* the lists are lists of these particles */
-  bool list_stale;   /* particles came: rebuild at the next step */
-  uint64_t nrebuild; /* of the lists */
-  uint64_t ngrow;    /* times that a list had to grow */
+  int nchunk; /* of DEM_CHUNK particles each, as of the last list */
+  dem_pairs pairs;
+  dem_wall_contacts walls;
+  dem_crossings crossings;
+  bool list_valid;     /* the lists are lists of these particles */
+  bool list_stale;     /* particles came: rebuild at the next step */
+  double skin;         /* of the lists [m] */
+  uint64_t nrebuild;   /* of the lists */
+  uint64_t since_list; /* steps since the last of them */
+  uint64_t since_sort; /* steps since the particles were put in the order of their places */
 
   long ncontact; /* touching pairs and walls at the last evaluation */
 
@@ -102,8 +129,14 @@ typedef struct dem_data {
   uint64_t sample_count;   /* steps in sample_sum */
 
   /* not part of the state */
-  dem_list spare_pairs, spare_walls; /* the lists of before, at a rebuild */
-  dem_cell_grid grid;
+  dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
+  size_t *chunk_spare;           /* (nchunk + 1) */
+  double *column;                /* (column_capacity) a column of histories, at a rebuild */
+  size_t column_capacity;
+  dem_rows rows;      /* what the search found */
+  dem_search *search; /* owned */
+  int *number;        /* (nparticle) scratch */
+  int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
   size_t block_size;    /* of the latter [bytes] */
@@ -129,8 +162,12 @@ typedef struct {
 bool dem_data_add(dem_data *data, const dem_newcomer *newcomer);
 
 /* Remove the particles with gone[i] >= 0 (nparticle) between two steps. The others keep their order, contacts and
- * histories. Overwrites grid.cell. */
+ * histories. */
 void dem_data_remove(dem_data *data, const int *gone);
+
+/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers: they are to be
+ * built next. False: no memory. */
+bool dem_data_permute(dem_data *data, const int *from);
 
 /* Room for n particles. False: no memory, nothing changed. */
 bool dem_data_reserve(dem_data *data, int n);
@@ -139,7 +176,16 @@ bool dem_data_reserve(dem_data *data, int n);
  * contact.wall_mass. */
 void dem_set_body_mass(dem_data *data, int i, double mass);
 
-/* Make room for `count` entries, keeping the first list->count. False: no memory. */
-bool dem_list_reserve(dem_list *list, size_t count, bool history);
+/* The particle after the last one of a chunk. */
+static inline int dem_chunk_end(const dem_data *d, int c) {
+  return c + 1 < d->nchunk ? (c + 1) * DEM_CHUNK : d->nparticle;
+}
+
+/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. False: no memory. */
+bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
+bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
+
+/* Room in push for the particles, the one that is none and `count` crossings. False: no memory. */
+bool dem_crossings_reserve(dem_data *data, int count);
 
 #endif

@@ -73,8 +73,8 @@ static bool occupied(const dem_data *d, tdm_vec3 x, double radius) {
       return true;
   }
   for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 c = tdm_sub(x, d->position[i]);
-    double sum = radius + d->radius[i];
+    tdm_vec3 c = tdm_sub(x, d->sphere[i].position);
+    double sum = radius + d->sphere[i].radius;
     if (tdm_dot(c, c) < sum * sum)
       return true;
   }
@@ -147,8 +147,8 @@ static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, 
 static bool touches(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
-  double gap = dem_wall_gap(wall, &d->wall[w], d->position[i], &n);
-  return gap < d->radius[i] && !(dem_wall_endless(wall) && gap <= -d->radius[i]);
+  double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
+  return gap < d->sphere[i].radius && !(dem_wall_endless(wall) && gap <= -d->sphere[i].radius);
 }
 
 /* is particle i inside sink s by its place alone? */
@@ -164,13 +164,11 @@ static bool rebounded(dem_data *d, int s, int i) {
   const dem_model *m = d->model;
   uint32_t bit = (uint32_t)1 << s;
   int body = m->sink[s].body;
-  for (int k = d->walls.first[i]; k < d->walls.first[i + 1]; k++) {
-    int w = d->walls.other[k];
+  for (int w = 0; w < m->nwall; w++)
     if (m->wall[w].body == body && touches(d, i, w)) {
       d->touched[i] |= bit;
       return false;
     }
-  }
   if (!(d->touched[i] & bit))
     return false;
   for (int w = 0; w < m->nwall; w++)
@@ -184,7 +182,8 @@ static int taker(dem_data *d, int i) {
   const dem_model *m = d->model;
   int first = -1;
   for (int s = 0; s < m->nsink; s++) { /* all of them, so that each notes its contacts */
-    bool takes = m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i) : inside(&m->sink[s], d->position[i]);
+    bool takes =
+        m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i) : inside(&m->sink[s], d->sphere[i].position);
     if (takes && first < 0)
       first = s;
   }
@@ -192,7 +191,7 @@ static int taker(dem_data *d, int i) {
 }
 
 static void run_sinks(dem_data *d) {
-  int *gone = d->grid.particle; /* scratch */
+  int *gone = d->number; /* scratch */
   long many = 0;
   for (int i = 0; i < d->nparticle; i++) {
     gone[i] = taker(d, i);

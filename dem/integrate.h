@@ -1,21 +1,26 @@
-/* Velocity Verlet for spheres.
+/* Velocity Verlet, chunk by chunk; compiled once for each instruction set.
  *
- *   v(t+dt/2) = v + a dt/2,   x(t+dt) = x + v(t+dt/2) dt,   a(t+dt) from the contacts,   v(t+dt) = v(t+dt/2) + a(t+dt)
- * dt/2
- *
- * Damping needs v(t+dt) before a(t+dt) is known: it takes the prediction v(t) + a(t) dt, so that it does not lag by
- * half a step. Rotation likewise, with I = 2/5 m R^2.
+ *   begin:  v += a dt/2, x += v dt; the contacts then see v + a dt/2, the velocity predicted for the end of the step,
+ *           so that damping does not lag by half a step
+ *   end:    v += a dt/2 with the new forces
+ * and the same for the spin, with the torque about the centre.
  */
 #ifndef DEM_INTEGRATE_H
 #define DEM_INTEGRATE_H
 
 #include "dem/data.h"
 
-/* First kick and drift; forces are set to 0 for the next evaluation. Returns the largest squared displacement since
- * the lists were built, less the shift [m2]. */
-double dem_kick_drift(dem_data *data, double dt, tdm_vec3 shift);
+typedef struct dem_integrator {
+  /* First half of a step for chunk c: kick, drift, forces zeroed. Returns the largest |x - x_list - shift|^2 [m2], NaN
+   * when a position is no number. */
+  double (*begin)(dem_data *data, int chunk, double dt, tdm_vec3 shift);
+  /* Second half: reactions from other chunks added, kick. */
+  void (*end)(dem_data *data, int chunk, double dt);
+} dem_integrator;
 
-/* Second kick, with the new forces. */
-void dem_kick(dem_data *data, double dt);
+extern const dem_integrator dem_integrator_avx512, dem_integrator_avx2, dem_integrator_plain;
+
+/* The one compiled for an instruction set of dem_simd_names. */
+const dem_integrator *dem_integrator_find(const char *simd);
 
 #endif

@@ -19,8 +19,8 @@ static double impact_speed(const dem_data *d) {
   for (int b = 0; b < m->nbody; b++)
     body_speed = fmax(body_speed, tdm_norm(d->twist[b].velocity));
   for (int i = 0; i < d->nparticle; i++) {
-    fastest = fmax(fastest, tdm_norm(d->velocity[i]));
-    largest = fmax(largest, d->radius[i]);
+    fastest = fmax(fastest, tdm_norm(d->pace[i].velocity));
+    largest = fmax(largest, d->sphere[i].radius);
   }
   return fmax(fastest + body_speed, sqrt(2 * tdm_norm(m->gravity) * 2 * largest));
 }
@@ -68,8 +68,8 @@ static double fall_height(const dem_data *d) {
   extent e = {tdm_scale(-1, tdm_unit(m->gravity)), INFINITY, -INFINITY};
   double deepest = 0;
   for (int i = 0; i < d->nparticle; i++) {
-    include(&e, d->position[i]);
-    deepest = fmax(deepest, fall_of(d, e.up, d->position[i]));
+    include(&e, d->sphere[i].position);
+    deepest = fmax(deepest, fall_of(d, e.up, d->sphere[i].position));
   }
   for (int s = 0; s < m->nsource; s++) {
     include(&e, m->source[s].low);
@@ -98,7 +98,7 @@ static double driven_speed(const dem_data *d) {
     if (!m->body[b].drive.given)
       continue;
     for (int i = 0; i < d->nparticle; i++)
-      reach = fmax(reach, tdm_norm(tdm_sub(d->position[i], m->body[b].drive.center)));
+      reach = fmax(reach, tdm_norm(tdm_sub(d->sphere[i].position, m->body[b].drive.center)));
     fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, reach));
   }
   for (int w = 0; w < m->nwall; w++) {
@@ -142,7 +142,7 @@ static void add_particle(dem_limits *l, const dem_model *m, int kind, double rad
 /* stiffness that a contact of this overlap adds at a particle [N/m] */
 static double stiffness(const dem_model *m, const dem_pair *pair, double radius, double overlap) {
   double circle = sqrt(radius * overlap), normal = 2 * pair->young * circle;
-  return m->law->history ? fmax(normal, 3.5 * 8 * pair->shear * circle) : normal;
+  return m->law->ncolumn ? fmax(normal, 3.5 * 8 * pair->shear * circle) : normal;
 }
 
 /* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */
@@ -150,24 +150,26 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
   const dem_model *m = d->model;
   for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
     int j = d->pairs.other[k];
-    double both = d->radius[i] + d->radius[j];
-    double overlap = both - tdm_norm(tdm_sub(d->position[i], d->position[j]));
-    if (overlap <= 0)
+    double both = d->sphere[i].radius + d->sphere[j].radius;
+    double overlap = both - tdm_norm(tdm_sub(d->sphere[i].position, d->sphere[j].position));
+    if (!(overlap > 0))
       continue;
     const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
-    double s = stiffness(m, pair, d->radius[i] * d->radius[j] / both, overlap);
+    double s = stiffness(m, pair, d->sphere[i].radius * d->sphere[j].radius / both, overlap);
     sum[i] += s;
     sum[j] += s;
   }
-  for (int k = d->walls.first[i]; k < d->walls.first[i + 1]; k++) {
-    int w = d->walls.other[k];
-    tdm_vec3 n;
-    double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->position[i], &n);
-    if (gap >= d->radius[i] || gap <= -d->radius[i])
-      continue;
-    const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[w].body].material];
-    sum[i] += stiffness(m, pair, d->radius[i], d->radius[i] - gap);
-  }
+}
+
+static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
+  const dem_model *m = d->model;
+  int i = e->particle;
+  tdm_vec3 n;
+  double radius = d->sphere[i].radius;
+  double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], d->sphere[i].position, &n);
+  const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
+  if (gap < radius && gap > -radius)
+    sum[i] += stiffness(m, pair, radius, radius - gap);
 }
 
 static double smallest_eigen(const dem_data *d) {
@@ -176,6 +178,8 @@ static double smallest_eigen(const dem_data *d) {
     return smallest;
   for (int i = 0; i < d->nparticle; i++)
     add_stiffness(d, i, sum);
+  for (size_t k = 0; k < d->walls.count; k++)
+    add_wall_stiffness(d, &d->walls.entry[k], sum);
   for (int i = 0; i < d->nparticle; i++)
     if (sum[i] > 0)
       smallest = fmin(smallest, 2 / sqrt(2 * sum[i] / d->mass[i]));
@@ -187,7 +191,7 @@ static dem_limits limits_at(const dem_data *d, double speed) {
   const dem_model *m = d->model;
   dem_limits l = {.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
   for (int i = 0; i < d->nparticle; i++)
-    add_particle(&l, m, d->kind[i], d->radius[i], d->mass[i]);
+    add_particle(&l, m, d->kind[i], d->sphere[i].radius, d->mass[i]);
   l.eigen = smallest_eigen(d);
   return l;
 }

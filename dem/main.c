@@ -1,4 +1,5 @@
 /* tandem-dem: the solver process of a co-simulation, and the command line of scenes of particles alone. */
+#include "dem/bench.h"
 #include "dem/run.h"
 #include "dem/solver.h"
 #include "protocol/command_line.h"
@@ -17,6 +18,8 @@ static void usage(FILE *out) {
         "      --strict           refuse a run that the solver has doubts about\n\n"
         "  tandem-dem check SCENE [--set PATH=VALUE ...] [--strict]\n"
         "      Load and settle the scene, print what would run, step limits and doubts, and end.\n\n"
+        "  tandem-dem bench [OPTIONS]\n"
+        "      Measure the engine's speed; see tandem-dem bench --help.\n\n"
         "  tandem-dem --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n"
         "      Take part in a co-simulation; \"tandem run SCENE\" starts it so by itself.\n"
         "      --connect ENDPOINT  where the server listens, for example ipc:///tmp/dir/tandem\n"
@@ -66,6 +69,8 @@ static tdm_status command_check(const arguments *a, tdm_error *err) {
   return find_scene(a, "check", scene, &options, err) != TDM_OK ? err->status : dem_run_check(&options, err);
 }
 
+#include <string.h>
+
 int main(int argc, char **argv) {
   const struct {
     const char *name;
@@ -77,6 +82,8 @@ int main(int argc, char **argv) {
     names[i] = commands[i].name;
   tdm_error err = {0};
   arguments a = {0};
+  if (argc > 1 && strcmp(argv[1], "bench") == 0)
+    return dem_bench_main(argc - 2, argv + 2);
   for (int i = 1; i < argc; i++)
     if (strcmp(argv[i], "--help") == 0) {
       usage(stdout);

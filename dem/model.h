@@ -24,6 +24,7 @@ typedef struct {
 typedef struct {
   bool given; /* the scene has this pair */
   double restitution, friction;
+  double floor;              /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
   double young;              /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
   double shear;              /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
   double normal_damping;     /* 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n) */
@@ -90,9 +91,13 @@ typedef struct dem_model {
   tdm_interpolation interpolation;
   tdm_vec3 gravity; /* [m/s2] */
 
+  const char *simd;   /* instruction set, of dem_simd_names */
   const dem_law *law; /* the combination of contact laws */
+  const struct dem_integrator *integrator;
+  bool clip;          /* the normal force never attracts */
   double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */
-  double skin;        /* of the neighbour list [m] */
+  double skin;        /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
+  double mean_radius; /* of the particles, every source's counted as one [m] */
 
   int nmaterial;
   dem_material *material; /* (nmaterial) */

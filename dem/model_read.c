@@ -3,6 +3,7 @@
 
 #include "dem/contact/restitution.h"
 #include "dem/fill.h"
+#include "dem/integrate.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,6 +75,7 @@ static void set_damping(dem_pair *pair, bool clip, tdm_error *err, const char *p
   else if (!dem_beta_clip(pair->restitution, &beta))
     tdm_fail(err, TDM_ERR_SCENE, path, "is %g, too small for \"tail\": \"clip\"; give at least 0.001",
              pair->restitution);
+  pair->floor = clip ? 0 : -INFINITY;
   pair->normal_damping = 2 * sqrt(5.0 / 6) * beta;
   pair->tangential_damping = pair->normal_damping * sqrt(8 * pair->shear / (2 * pair->young));
 }
@@ -122,7 +124,7 @@ static void read_pairs(dem_model *m, json_t *array, tdm_error *err) {
     pair.shear = 1 / ((2 - a->poisson) / a->shear + (2 - b->poisson) / b->shear);
     if (m->pair[(size_t)which[0] * n + (size_t)which[1]].given)
       tdm_object_fail(&o, NULL, "the pair \"%s\", \"%s\" is given twice; remove one", a->name, b->name);
-    set_damping(&pair, m->law->clip, err, tdm_path(place, &o, "restitution", -1));
+    set_damping(&pair, m->clip, err, tdm_path(place, &o, "restitution", -1));
     m->pair[(size_t)which[0] * n + (size_t)which[1]] = pair;
     m->pair[(size_t)which[1] * n + (size_t)which[0]] = pair;
     tdm_object_close(&o);
@@ -162,16 +164,27 @@ static const char *choose(tdm_object *o, const char *key, const char *const *nam
   return names[i < 0 ? 0 : i];
 }
 
+/* the instruction set: the best of this machine unless the scene names one */
+static void read_simd(dem_model *m, tdm_object *section) {
+  m->simd = tdm_has(section, "simd") ? choose(section, "simd", dem_simd_names, 0) : dem_simd_best();
+  m->integrator = dem_integrator_find(m->simd);
+  if (dem_law_find(m->simd, "hertz", "none"))
+    return;
+  tdm_object_fail(section, "simd", "this machine has no \"%s\"; remove the key, or use \"%s\"", m->simd,
+                  dem_simd_best());
+  m->simd = "plain";
+}
+
 static void read_contact(dem_model *m, tdm_object *section) {
   tdm_object o = tdm_get_object(section, "contact", false);
   const char *normal = choose(&o, "normal", dem_normal_names, 0);
   const char *tangential = choose(&o, "tangential", dem_tangential_names, 1);
   const char *tail = choose(&o, "tail", dem_tail_names, 0);
-  m->law = dem_law_find(normal, tangential, tail);
+  m->clip = tail == dem_tail_names[1];
+  m->law = dem_law_find(m->simd, normal, tangential);
   if (!m->law) {
-    tdm_object_fail(&o, NULL, "the laws normal \"%s\", tangential \"%s\" and tail \"%s\" do not go together", normal,
-                    tangential, tail);
-    m->law = dem_law_find("hertz", "none", "keep");
+    tdm_object_fail(&o, NULL, "the laws normal \"%s\" and tangential \"%s\" do not go together", normal, tangential);
+    m->law = dem_law_find(m->simd, "hertz", "none");
   }
   if (tdm_has(&o, "wall_mass") && json_is_string(json_object_get(o.json, "wall_mass"))) {
     static const char *const body[] = {"body"};
@@ -301,7 +314,7 @@ static double mean_radius(const dem_model *m) {
   return m->nparticle ? sum / m->nparticle : 1;
 }
 
-/* for the skin: every source counts as one particle, so that a scene without particles has one too */
+/* every source counts as one particle, so that a scene without particles has one too */
 static double mean_radius_ahead(const dem_model *m) {
   double sum = 0;
   for (int i = 0; i < m->nparticle; i++)
@@ -332,7 +345,7 @@ static void read_settle(dem_model *m, tdm_object *section) {
 
   /* all pairs have the same restitution: solve for the damping once */
   dem_pair damped = {.restitution = restitution, .young = 1, .shear = 1};
-  set_damping(&damped, m->law->clip, section->err, "dem.settle.restitution");
+  set_damping(&damped, m->clip, section->err, "dem.settle.restitution");
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++) {
     dem_pair *pair = &m->settle_pair[k];
     *pair = m->pair[k];
@@ -351,6 +364,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
 
   tdm_object o = tdm_object_open(assignment->scene, "dem", err);
   m->gravity = tdm_get_vec3(&o, "gravity", &(tdm_vec3){0, 0, -9.81});
+  read_simd(m, &o);
   read_contact(m, &o);
   read_materials(m, tdm_get_array(&o, "materials", true), err);
   json_t *pairs = tdm_get_array(&o, "pairs", false);
@@ -372,7 +386,8 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   if (!err->status)
     read_settle(m, &o);
   tdm_has(&o, "settle");
-  m->skin = tdm_get_number(&o, "skin", 0.1 * mean_radius_ahead(m), TDM_POSITIVE);
+  m->mean_radius = mean_radius_ahead(m);
+  m->skin = tdm_get_number(&o, "skin", 0, tdm_has(&o, "skin") ? TDM_POSITIVE : TDM_ANY);
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);

@@ -11,13 +11,13 @@ dem_fill dem_fill_now(const dem_data *d) {
   dem_fill f = {0};
   for (int i = 0; i < d->nparticle; i++) {
     f.mass += d->mass[i];
-    f.com = tdm_axpy(d->mass[i], d->position[i], f.com);
+    f.com = tdm_axpy(d->mass[i], d->sphere[i].position, f.com);
   }
   f.com = f.mass > 0 ? tdm_scale(1 / f.mass, f.com) : f.com;
   for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 r = tdm_sub(d->position[i], f.com);
+    tdm_vec3 r = tdm_sub(d->sphere[i].position, f.com);
     const double x[3] = {r.x, r.y, r.z};
-    double own = 0.4 * d->mass[i] * d->radius[i] * d->radius[i], r2 = tdm_dot(r, r);
+    double own = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius, r2 = tdm_dot(r, r);
     for (int a = 0; a < 3; a++)
       for (int b = 0; b < 3; b++)
         f.inertia.m[a][b] += (a == b ? own + d->mass[i] * r2 : 0) - d->mass[i] * x[a] * x[b];
@@ -234,8 +234,9 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
   json_object_set_new(r->json, "normal", json_string(m->law->normal));
   json_object_set_new(r->json, "tangential", json_string(m->law->tangential));
-  json_object_set_new(r->json, "tail", json_string(m->law->tail));
-  json_object_set_new(r->json, "skin", number(m->skin));
+  json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
+  json_object_set_new(r->json, "simd", json_string(m->simd));
+  json_object_set_new(r->json, "skin", number(d->skin));
   warn_start(r, d, settled, nbehind);
   report_limits(r, m, &limits);
   warn_step(r, m, &limits);

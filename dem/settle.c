@@ -11,15 +11,15 @@
 static double fastest(const dem_data *d) {
   double v2 = 0;
   for (int i = 0; i < d->nparticle; i++)
-    v2 = fmax(v2, tdm_dot(d->velocity[i], d->velocity[i]));
+    v2 = fmax(v2, tdm_dot(d->pace[i].velocity, d->pace[i].velocity));
   return sqrt(v2);
 }
 
 /* take a share of all velocities away: nothing else stops a sphere that rolls in a hollow */
 static void drag(dem_data *d, double share) {
   for (int i = 0; i < d->nparticle; i++) {
-    d->velocity[i] = tdm_scale(1 - share, d->velocity[i]);
-    d->spin[i] = tdm_scale(1 - share, d->spin[i]);
+    d->pace[i].velocity = tdm_scale(1 - share, d->pace[i].velocity);
+    d->pace[i].spin = tdm_scale(1 - share, d->pace[i].spin);
   }
 }
 
@@ -57,15 +57,15 @@ static double choose_times(const dem_data *d, dem_settled *out) {
 
 static void hold_bodies(dem_data *d) {
   for (int b = 0; b < d->model->nbody; b++)
-    d->twist[b] = d->twist_mid[b] = (tdm_twist){0};
+    d->twist[b] = (tdm_twist){0};
 }
 
 /* at rest, with the bodies' own twists again */
 static void stand_still(dem_data *d) {
   for (int i = 0; i < d->nparticle; i++)
-    d->velocity[i] = d->spin[i] = tdm_v3(0, 0, 0);
+    d->pace[i].velocity = d->pace[i].spin = tdm_v3(0, 0, 0);
   for (int b = 0; b < d->model->nbody; b++)
-    d->twist[b] = d->twist_mid[b] = d->model->body[b].start.twist;
+    d->twist[b] = d->model->body[b].start.twist;
   d->nstep = 0;
 }
 
@@ -109,7 +109,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
   for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
     bool pressed = move_lids(d, out->dt) < close_enough;
     moved += press_speed * out->dt;
-    if (4 * moved > d->model->skin) { /* no list margin knows of a wall that moves on its body */
+    if (4 * moved > d->skin) { /* no list margin knows of a wall that moves on its body */
       moved = 0;
       if (!dem_lists_build(d))
         return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");

@@ -61,11 +61,11 @@ static void channel_values(const dem_data *d, double *out) {
   double mass = 0, energy = 0;
   for (int i = 0; i < d->nparticle; i++) {
     mass += d->mass[i];
-    x = tdm_axpy(d->mass[i], d->position[i], x);
-    p = tdm_axpy(d->mass[i], d->velocity[i], p);
-    double inertia = 0.4 * d->mass[i] * d->radius[i] * d->radius[i];
-    energy += 0.5 * d->mass[i] * tdm_dot(d->velocity[i], d->velocity[i]);
-    energy += 0.5 * inertia * tdm_dot(d->spin[i], d->spin[i]);
+    x = tdm_axpy(d->mass[i], d->sphere[i].position, x);
+    p = tdm_axpy(d->mass[i], d->pace[i].velocity, p);
+    double inertia = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius;
+    energy += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
+    energy += 0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
   }
   double per_mass = mass > 0 ? 1 / mass : 0;
   double values[NCHANNEL] = {d->nparticle,

@@ -18,6 +18,14 @@ typedef struct {
   double radius;    /* [m] */
 } dem_rotor;
 
+/* How a particle moves (64 bytes). */
+typedef struct {
+  tdm_vec3 velocity; /* [m/s] */
+  double unused;
+  tdm_vec3 spin; /* angular velocity [rad/s] */
+  double unused2;
+} dem_pace;
+
 /* The sums of a particle's contacts (64 bytes). */
 typedef struct {
   tdm_vec3 force; /* [N] */

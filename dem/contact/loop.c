@@ -1,10 +1,9 @@
-/* The loops over pairs and walls.
+/* The contact loops, over pairs of particles and over particles and walls.
  *
- * One source, compiled once for each row of the table: the kernels are constants of an always-inlined function, so no
- * call and no branch on a law is left in a loop.
- *
- * The sums do not depend on the lists: particle i gets the forces of its partners in ascending order, then those of
- * its walls in ascending order, and a listed pair that does not touch adds nothing.
+ * One source, compiled once for each instruction set, in it once for each row of the table: the kernels are constants
+ * of an always-inlined function, so no call and no branch on a law is left in a loop. DEM_W contacts go at a time, one
+ * a lane, whether they touch or not; what does not touch adds nothing. Forces are added lane after lane, in the order
+ * of the list, so the sums are those of a loop over one contact at a time.
  */
 #include "dem/contact/loop.h"
 
@@ -12,126 +11,207 @@
 #include "dem/contact/tangential.h"
 #include "dem/data.h"
 
-typedef dem_normal normal_law(const dem_pair *, double overlap, double rate, double radius, double mass);
-typedef double tail_law(double force);
-typedef tdm_vec3 tangential_law(const dem_pair *, dem_slot *, const dem_slip *);
+typedef void normal_law(dem_contact *, vd *history);
+typedef dem_tangential tangential_law(const dem_contact *, vd *history);
 
-/* The force on the particle from a contact with unit normal n (towards the particle), relative velocities v at the
- * contact now and v_mid in the middle of the step, and `turn` about the normal. */
-DEM_KERNEL tdm_vec3 contact_force(const dem_pair *pair, dem_slot *slot, tdm_vec3 n, double overlap, double radius,
-                                  double mass, tdm_vec3 v, tdm_vec3 v_mid, double turn, double dt, normal_law *normal,
-                                  tail_law *tail, tangential_law *tangential) {
-  double away = tdm_dot(v, n);
-  dem_normal fn = normal(pair, overlap, -away, radius, mass);
-  dem_slip slip = {.normal = n,
-                   .velocity = tdm_axpy(-away, n, v),
-                   .velocity_mid = v_mid,
-                   .turn = turn,
-                   .circle = fn.circle,
-                   .root = fn.root,
-                   .normal_force = tail(fn.force),
-                   .dt = dt};
-  return tdm_axpy(slip.normal_force, n, tangential(pair, slot, &slip));
+/* what comes out of a law */
+typedef struct {
+  vd3 force, twist; /* twist: normal x force */
+} outcome;
+
+/* The laws on DEM_W contacts; `velocity` is the relative velocity at the contact, `history` their slots at stride. */
+DEM_KERNEL outcome law(dem_contact *c, vd3 velocity, double *history, size_t stride, const int ncolumn,
+                       normal_law *normal, tangential_law *tangential) {
+  vd away = vd3_dot(velocity, c->normal);
+  c->rate = -away;
+  c->slip = vd3_axpy(-away, c->normal, velocity);
+  vd h[DEM_HISTORY_MAX];
+  for (int q = 0; q < ncolumn; q++)
+    h[q] = vd_load(history + (size_t)q * stride);
+  normal(c, h);
+  dem_tangential t = tangential(c, h);
+  for (int q = 0; q < ncolumn; q++)
+    vd_store(history + (size_t)q * stride, vd_only(c->touching, h[q]));
+  vd3 twist = vd3_cross(c->normal, t.force);
+  return (outcome){vd3_only(c->touching, vd3_axpy(c->force, c->normal, t.force)), vd3_only(c->touching, twist)};
 }
 
-DEM_KERNEL void pair_loop(const dem_model *m, dem_data *d, bool settling, double dt, normal_law *normal, tail_law *tail,
-                          tangential_law *tangential, const bool history) {
-  const dem_pair *table = settling ? m->settle_pair : m->pair;
-  const double *restrict radius = d->radius, *restrict mass = d->mass;
-  const int *restrict first = d->pairs.first, *restrict other = d->pairs.other, *restrict kind = d->kind;
-  const tdm_vec3 *restrict x = d->position, *restrict v = d->velocity_ahead, *restrict w = d->spin_ahead;
-  const tdm_vec3 *restrict v_mid = d->velocity, *restrict w_mid = d->spin;
-  tdm_vec3 *restrict force = d->force, *restrict torque = d->torque;
-  dem_slot *restrict slot = d->pairs.slot;
+DEM_INLINE void close_history(double *history, size_t stride, const int ncolumn) {
+  for (int q = 0; q < ncolumn; q++)
+    vd_store(history + (size_t)q * stride, vd_set(0));
+}
+
+/* fetch the partners to come; there is room behind the list */
+DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
+  for (int l = 0; l < DEM_W; l++) {
+    __builtin_prefetch(&d->sphere[j[l]]);
+    __builtin_prefetch(&d->rotor[j[l]]);
+    __builtin_prefetch(&d->push[j[l]], 1);
+  }
+}
+
+DEM_KERNEL void pair_loop(dem_loop_task *task, const int ncolumn, normal_law *normal, tangential_law *tangential) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_pairs *list = &d->pairs;
+  const dem_sphere *sphere = d->sphere;
+  const dem_rotor *rotor = d->rotor;
+  dem_push *push = d->push;
+  dem_contact c = {.dt = task->dt};
+  c.pair.table = task->settling ? m->settle_pair : m->pair;
+  c.pair.one = m->nmaterial == 1;
   long touching = 0;
+  const bool far = d->nparticle > 20000; /* more than a cache of the second level holds */
 
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 xi = x[i], fi = force[i], ti = torque[i];
-    for (int k = first[i]; k < first[i + 1]; k++) {
-      int j = other[k];
-      tdm_vec3 c = tdm_sub(xi, x[j]);
-      double r2 = tdm_dot(c, c), sum = radius[i] + radius[j];
-      if (r2 >= sum * sum) {
-        if (history && slot[k].circle > 0)
-          slot[k] = (dem_slot){0};
-        continue;
-      }
-      touching++;
-      double r = sqrt(r2), overlap = sum - r;
-      tdm_vec3 n = r > 0 ? tdm_scale(1 / r, c) : tdm_v3(0, 0, 1);
-
-      /* both arms end in the middle of the overlap */
-      double arm_i = radius[i] - 0.5 * overlap, arm_j = radius[j] - 0.5 * overlap;
-      tdm_vec3 roll = tdm_axpy(arm_j, w[j], tdm_scale(arm_i, w[i]));
-      tdm_vec3 roll_mid = tdm_axpy(arm_j, w_mid[j], tdm_scale(arm_i, w_mid[i]));
-      tdm_vec3 vc = tdm_sub(tdm_sub(v[i], v[j]), tdm_cross(roll, n));
-      tdm_vec3 vc_mid = tdm_sub(tdm_sub(v_mid[i], v_mid[j]), tdm_cross(roll_mid, n));
-      double turn = 0.5 * dt * tdm_dot(tdm_add(w_mid[i], w_mid[j]), n);
-      tdm_vec3 f = contact_force(&table[kind[i] * m->nmaterial + kind[j]], history ? &slot[k] : NULL, n, overlap,
-                                 radius[i] * radius[j] / sum, mass[i] * mass[j] / (mass[i] + mass[j]), vc, vc_mid, turn,
-                                 dt, normal, tail, tangential);
-      tdm_vec3 t = tdm_cross(n, f);
-      fi = tdm_add(fi, f);
-      ti = tdm_axpy(-arm_i, t, ti);
-      force[j] = tdm_sub(force[j], f);
-      torque[j] = tdm_axpy(-arm_j, t, torque[j]);
+  for (size_t k = list->chunk[task->chunk]; k < list->chunk[task->chunk + 1]; k += DEM_W) {
+    const int *i = list->one + k, *j = list->other + k;
+    if (far)
+      fetch_ahead(d, j + 2 * DEM_W);
+    vd s[8], b[4];
+    vd_sphere_difference(sphere, i, j, s);
+    vd_rotor_sum(rotor, i, j, b);
+    vd3 x = {s[0], s[1], s[2]};
+    vd r2 = vd3_dot(x, x), sum = b[3];
+    c.touching = vm_less(r2, sum * sum);
+    if (!vm_any(c.touching)) {
+      close_history(list->history + k, list->capacity, ncolumn);
+      continue;
     }
-    force[i] = fi;
-    torque[i] = ti;
+    touching += __builtin_popcount(vm_bits(c.touching));
+    /* one division for the three reciprocals of the distance, the sum of the radii and of the inverse masses */
+    vd r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
+    vd per_all = vd_set(1) / (both * s[7]), per_r = per_all * (sum * s[7]), per_sum = per_all * (r * s[7]);
+    c.normal = vd3_scale(per_r, x);
+    c.normal.z = vd_pick(vm_equal(r2, vd_set(0)), vd_set(1), c.normal.z); /* coincident centres: any direction */
+    c.overlap = sum - r;
+    c.radius = vd_set(0.25) * (sum * sum - s[3] * s[3]) * per_sum;
+    c.mass = per_all * both;
+    if (!c.pair.one)
+      for (int l = 0; l < DEM_W; l++)
+        c.pair.index[l] = d->kind[i[l]] * m->nmaterial + d->kind[j[l]];
+
+    /* the contact divides the distance of the centres as the radii: arms r_i r / (r_i + r_j) */
+    vd share = r * per_sum;
+    vd3 surface = {b[0], b[1], b[2]};
+    c.turn = vd3_dot(surface, c.normal) * per_sum;
+    vd3 velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), (vd3){s[4], s[5], s[6]});
+    outcome out = law(&c, velocity, list->history + k, list->capacity, ncolumn, normal, tangential);
+    vd3 twist = vd3_scale(share, out.twist);
+    vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
+                  (vd[3]){twist.x, twist.y, twist.z});
   }
-  d->ncontact += touching;
+  task->touching += touching;
 }
 
-DEM_KERNEL void wall_loop(const dem_model *m, dem_data *d, bool settling, double dt, normal_law *normal, tail_law *tail,
-                          tangential_law *tangential, const bool history) {
-  const dem_pair *table = settling ? m->settle_pair : m->pair;
-  const int *first = d->walls.first, *other = d->walls.other;
-  dem_slot *slot = d->walls.slot;
+/* ---- walls ---- */
 
-  for (int i = 0; i < d->nparticle; i++) {
-    double radius = d->radius[i];
-    for (int k = first[i]; k < first[i + 1]; k++) {
-      const dem_wall *wall = &m->wall[other[k]];
-      tdm_vec3 n;
-      double gap = dem_wall_gap(wall, &d->wall[other[k]], d->position[i], &n);
-      bool through = wall->primitive == DEM_PLANE && gap <= -radius;
-      if (gap >= radius || through) {
-        if (history && slot[k].circle > 0)
-          slot[k] = (dem_slot){0};
-        continue;
-      }
-      d->ncontact++;
+/* contacts of walls, gathered until there are DEM_W; columns */
+typedef struct {
+  double number[14][DEM_W];
+  double history[DEM_HISTORY_MAX][DEM_W];
+  int entry[DEM_W], body[DEM_W], index[DEM_W];
+  tdm_vec3 lever[DEM_W];
+  int count;
+} batch;
+enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM };
 
-      /* the contact point lies on the wall's surface */
-      int b = wall->body;
-      tdm_vec3 point = tdm_axpy(-gap, n, d->position[i]), lever = tdm_sub(point, d->pose[b].position);
-      tdm_twist now = d->twist[b], mid = d->twist_mid[b];
-      tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
-      tdm_vec3 wall_mid = tdm_add(mid.velocity, tdm_cross(mid.angular, lever));
-      tdm_vec3 vc = tdm_sub(tdm_axpy(-gap, tdm_cross(d->spin_ahead[i], n), d->velocity_ahead[i]), wall_v);
-      tdm_vec3 vc_mid = tdm_sub(tdm_axpy(-gap, tdm_cross(d->spin[i], n), d->velocity[i]), wall_mid);
-      double turn = 0.5 * dt * tdm_dot(tdm_add(d->spin[i], mid.angular), n);
+DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const int ncolumn, normal_law *normal,
+                           tangential_law *tangential) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  dem_contact c = {.dt = task->dt, .touching = vm_first(b->count)};
+  c.pair.table = task->settling ? m->settle_pair : m->pair;
+  c.pair.one = m->nmaterial == 1;
+  memcpy(c.pair.index, b->index, sizeof b->index);
+  double(*v)[DEM_W] = b->number;
+  c.normal = (vd3){vd_load(v[NX]), vd_load(v[NY]), vd_load(v[NZ])};
+  c.overlap = vd_load(v[OVERLAP]);
+  c.radius = vd_load(v[RADIUS]);
+  c.mass = vd_set(1) / vd_load(v[PER_MASS]);
+  c.turn = vd_load(v[TURN]);
+  vd3 velocity = {vd_load(v[VX]), vd_load(v[VY]), vd_load(v[VZ])};
+  outcome out = law(&c, velocity, b->history[0], DEM_W, ncolumn, normal, tangential);
 
-      /* a held body is immovable; a coupled one has its own mass */
-      double inverse = settling ? 0 : d->body_inverse[b];
-      double mass = d->mass[i] / (1 + d->mass[i] * inverse);
-      const dem_pair *pair = &table[d->kind[i] * m->nmaterial + m->body[b].material];
-      tdm_vec3 f = contact_force(pair, history ? &slot[k] : NULL, n, radius - gap, radius, mass, vc, vc_mid, turn, dt,
-                                 normal, tail, tangential);
-      d->force[i] = tdm_add(d->force[i], f);
-      d->torque[i] = tdm_axpy(-gap, tdm_cross(n, f), d->torque[i]);
-      d->body_load[b].force = tdm_sub(d->body_load[b].force, f);
-      d->body_load[b].moment = tdm_sub(d->body_load[b].moment, tdm_cross(lever, f));
-    }
+  double f[6][DEM_W];
+  vd_store(f[0], out.force.x), vd_store(f[1], out.force.y), vd_store(f[2], out.force.z);
+  vd_store(f[3], out.twist.x), vd_store(f[4], out.twist.y), vd_store(f[5], out.twist.z);
+  for (int l = 0; l < b->count; l++) {
+    size_t k = (size_t)b->entry[l];
+    for (int q = 0; q < ncolumn; q++)
+      list->history[(size_t)q * list->capacity + k] = b->history[q][l];
+    dem_push *push = &d->push[list->entry[k].particle];
+    tdm_vec3 force = {f[0][l], f[1][l], f[2][l]}, twist = {f[3][l], f[4][l], f[5][l]};
+    push->force = tdm_add(push->force, force);
+    push->twist = tdm_axpy(v[ARM][l], twist, push->twist);
+    tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + b->body[l]];
+    load->force = tdm_sub(load->force, force);
+    load->moment = tdm_sub(load->moment, tdm_cross(b->lever[l], force));
   }
+  task->touching += b->count;
+  b->count = 0;
 }
 
-#define X(normal, tangential, tail, history)                                                                   \
-  void dem_pairs_##normal##_##tangential##_##tail(const dem_model *m, dem_data *d, bool settling, double dt) { \
-    pair_loop(m, d, settling, dt, dem_normal_##normal, dem_tail_##tail, dem_tangential_##tangential, history); \
-  }                                                                                                            \
-  void dem_walls_##normal##_##tangential##_##tail(const dem_model *m, dem_data *d, bool settling, double dt) { \
-    wall_loop(m, d, settling, dt, dem_normal_##normal, dem_tail_##tail, dem_tangential_##tangential, history); \
+DEM_KERNEL void wall_loop(dem_loop_task *task, const int ncolumn, normal_law *normal, tangential_law *tangential) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  batch b = {0};
+  for (int l = 0; l < DEM_W; l++) /* lanes that stay empty compute with harmless numbers */
+    b.number[RADIUS][l] = b.number[PER_MASS][l] = b.number[OVERLAP][l] = 1;
+
+  for (size_t k = list->chunk[task->chunk]; k < list->chunk[task->chunk + 1]; k++) {
+    int i = list->entry[k].particle, w = list->entry[k].wall;
+    const dem_wall *wall = &m->wall[w];
+    const dem_sphere *s = &d->sphere[i];
+    tdm_vec3 n;
+    double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
+    bool through = wall->primitive == DEM_PLANE && gap <= -s->radius;
+    if (gap >= s->radius || through) {
+      for (int q = 0; q < ncolumn; q++)
+        list->history[(size_t)q * list->capacity + k] = 0;
+      continue;
+    }
+
+    /* the contact point lies on the wall's surface */
+    int body = wall->body, l = b.count++;
+    tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->pose[body].position);
+    tdm_twist now = d->twist[body];
+    tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
+    double arm = gap / s->radius;
+    tdm_vec3 v = tdm_sub(tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity), wall_v);
+    /* a held body is immovable; a coupled one has its own mass */
+    double per_mass = s->inverse_mass + (task->settling ? 0 : d->body_inverse[body]);
+    const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(now.angular, n),
+                              s->radius, per_mass, arm};
+    for (int q = 0; q <= ARM; q++)
+      b.number[q][l] = numbers[q];
+    for (int q = 0; q < ncolumn; q++)
+      b.history[q][l] = list->history[(size_t)q * list->capacity + k];
+    b.entry[l] = (int)k;
+    b.body[l] = body;
+    b.index[l] = d->kind[i] * m->nmaterial + m->body[body].material;
+    b.lever[l] = lever;
+    if (b.count == DEM_W)
+      wall_batch(task, &b, ncolumn, normal, tangential);
+  }
+  if (b.count > 0)
+    wall_batch(task, &b, ncolumn, normal, tangential);
+}
+
+#define X(normal, tangential, ncolumn, vectors)                                 \
+  static void pairs_##normal##_##tangential(dem_loop_task *task) {              \
+    pair_loop(task, ncolumn, dem_normal_##normal, dem_tangential_##tangential); \
+  }                                                                             \
+  static void walls_##normal##_##tangential(dem_loop_task *task) {              \
+    wall_loop(task, ncolumn, dem_normal_##normal, dem_tangential_##tangential); \
   }
 DEM_LAW_LIST(X)
 #undef X
+
+const dem_law DEM_ISA(dem_laws)[] = {
+#define X(normal, tangential, ncolumn, vectors) \
+  {#normal, #tangential, ncolumn, vectors, pairs_##normal##_##tangential, walls_##normal##_##tangential},
+    DEM_LAW_LIST(X)
+#undef X
+        {0}};

@@ -1,7 +1,7 @@
 /* The contact laws a scene can choose from.
  *
  * A combination of laws is one row of DEM_LAW_LIST; loop.c compiles one pair loop and one wall loop for each row, so a
- * scene pays only for what it uses: no branch on a law inside a loop, and no history slots without a tangential law.
+ * scene pays only for what it uses: no branch on a law inside a loop, and no history without a law that keeps one.
  *
  * To add a law: write its kernel (normal.h, tangential.h), name it dem_<family>_<name>, and add the rows in which it
  * may appear. Combinations without a row are refused when the scene is loaded.
@@ -11,27 +11,35 @@
 
 #include <stdbool.h>
 
-/* of every kernel: GCC leaves larger ones as calls otherwise */
-#define DEM_KERNEL static inline __attribute__((always_inline))
+/* normal, tangential, columns of history, bits of the columns that are a vector's: these change sign when the two
+ * particles of a pair change places */
+#define DEM_LAW_LIST(X) \
+  X(hertz, none, 0, 0)  \
+  X(hertz, mindlin, 4, 7)
 
-/* normal, tangential, tail of the normal force, history slots (0 or 1) */
-#define DEM_LAW_LIST(X)      \
-  X(hertz, none, keep, 0)    \
-  X(hertz, none, clip, 0)    \
-  X(hertz, mindlin, keep, 1) \
-  X(hertz, mindlin, clip, 1)
+enum { DEM_HISTORY_MAX = 4 };
 
 struct dem_model;
 struct dem_data;
 
-/* Add the forces of all contacts to data->force and ->torque (and, for walls, to body_load), advancing the histories
- * by dt [s] (0: only evaluate). `settling` chooses model->settle_pair. */
-typedef void dem_loop(const struct dem_model *model, struct dem_data *data, bool settling, double dt);
+/* One chunk of particles: what a loop is asked for, and what it returns besides forces. */
+typedef struct {
+  const struct dem_model *model;
+  struct dem_data *data;
+  int chunk;
+  bool settling; /* chooses model->settle_pair */
+  double dt;     /* [s], 0: only evaluate */
+  long touching; /* out: contacts */
+} dem_loop_task;
+
+/* Add the forces of the chunk's contacts to data->push (and, for walls, to the chunk's body loads), advancing the
+ * histories by dt. */
+typedef void dem_loop(dem_loop_task *task);
 
 typedef struct {
-  const char *normal, *tangential, *tail;
-  bool history; /* contacts have a history slot */
-  bool clip;    /* the normal force never attracts */
+  const char *normal, *tangential;
+  int ncolumn;      /* of history */
+  unsigned vectors; /* bit q: column q is one of a vector's */
   dem_loop *pairs, *walls;
 } dem_law;
 
@@ -40,7 +48,13 @@ extern const char *const dem_normal_names[];
 extern const char *const dem_tangential_names[];
 extern const char *const dem_tail_names[];
 
-/* The row of a combination, NULL when there is none. */
-const dem_law *dem_law_find(const char *normal, const char *tangential, const char *tail);
+/* Instruction sets, fastest first, NULL-terminated; the last is plain C. */
+extern const char *const dem_simd_names[];
+
+/* The fastest that this machine has. */
+const char *dem_simd_best(void);
+
+/* The row of a combination compiled for an instruction set of this machine, NULL when there is none. */
+const dem_law *dem_law_find(const char *simd, const char *normal, const char *tangential);
 
 #endif

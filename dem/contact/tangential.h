@@ -1,78 +1,74 @@
-/* Tangential forces: stateless kernels with a history slot a contact.
+/* Tangential forces: kernels with their columns of history.
  *
- * Mindlin's no-slip stiffness with Coulomb's limit (Mindlin & Deresiewicz 1953, in the form of Tsuji et al. 1992):
+ * mindlin: no-slip stiffness with Coulomb's limit (Mindlin & Deresiewicz 1953, in the form of Tsuji et al. 1992):
  *   S_t = 8 G* a,   F_t = F_el - c_t v_t,   c_t = 2 sqrt(5/6) beta sqrt(m* S_t),   |F_t| <= mu F_n
  *
- * The slot keeps the elastic force F_el and the contact radius a of the step before. In a step F_el
- *   1. turns with the contact: with the mean spin about the normal, then into the current tangent plane at its length;
+ * The history is the elastic force F_el in the middle of the coming step (columns 0-2) and the contact radius a of the
+ * step before (column 3). In a step F_el
+ *   1. turns with the contact: about the normal, then into the current tangent plane at its length;
  *   2. is scaled by a/a_before when the contact unloads (a falls). When it loads, it stays. So a contact returns no
- * more elastic energy than it was given: with F = S_t(delta) xi at any time a spring loaded at small a and released at
- *      large a would create energy (Walton 1993; Thornton, Cummins & Cleary 2013);
- *   3. grows by -S_t v_t dt, with the velocity of the middle of the step, which is the displacement of velocity Verlet;
+ *      more elastic energy than it was given: with F = S_t(delta) xi at any time a spring loaded at small a and
+ * released at large a would create energy (Walton 1993; Thornton, Cummins & Cleary 2013);
+ *   3. grows by -S_t v_t dt/2 up to now, which is the force, and by as much again for the next step: the trapezoidal
+ *      rule with the velocity at the end of the step, second order as velocity Verlet is;
  *   4. is clipped to the limit when the contact slides. The sum with the damping is clipped as well.
  * An attracting contact (the tail) has no friction.
  */
 #ifndef DEM_CONTACT_TANGENTIAL_H
 #define DEM_CONTACT_TANGENTIAL_H
 
-#include "dem/model.h"
+#include "dem/contact/contact.h"
 
-#include <math.h>
-
-/* History of a contact; all zero when it is open. */
+/* What a tangential law gives. */
 typedef struct {
-  tdm_vec3 force; /* elastic tangential force [N] */
-  double circle;  /* contact radius of the step before [m], 0: the contact is new */
-} dem_slot;
+  vd3 force;             /* on the particle; the partner gets the opposite [N] */
+  vd elastic, dissipate; /* energy stored [J], power lost [W] */
+} dem_tangential;
 
-/* What a tangential law may use. */
-typedef struct {
-  tdm_vec3 normal;       /* unit, from the partner to the particle */
-  tdm_vec3 velocity;     /* relative tangential velocity at the contact now [m/s] */
-  tdm_vec3 velocity_mid; /* the same in the middle of the step; its normal part is removed here [m/s] */
-  double turn;           /* angle by which the contact turned about its normal in the step [rad] */
-  double circle, root;   /* of the normal law */
-  double normal_force;   /* after the tail [N] */
-  double dt;             /* [s] */
-} dem_slip;
-
-DEM_KERNEL tdm_vec3 dem_tangential_none(const dem_pair *pair, dem_slot *slot, const dem_slip *slip) {
-  (void)pair, (void)slot, (void)slip;
-  return tdm_v3(0, 0, 0);
+DEM_KERNEL dem_tangential dem_tangential_none(const dem_contact *c, vd *history) {
+  (void)c, (void)history;
+  return (dem_tangential){{vd_set(0), vd_set(0), vd_set(0)}, vd_set(0), vd_set(0)};
 }
 
-/* Force on the particle [N]; the partner gets the opposite. */
-DEM_KERNEL tdm_vec3 dem_tangential_mindlin(const dem_pair *pair, dem_slot *slot, const dem_slip *slip) {
-  tdm_vec3 n = slip->normal, f = slot->force;
+/* Turn a history vector with the contact: by the mean spin about the normal, then into the tangent plane at the same
+ * length. The correction of the length is small: float precision of it is double precision of the result. */
+DEM_KERNEL vd3 dem_turn_history(const dem_contact *c, vd3 f) {
+  vd before = vd3_dot(f, f);
+  f = vd3_axpy(c->turn * vd_set(c->dt), vd3_cross(c->normal, f), f);
+  f = vd3_axpy(-vd3_dot(f, c->normal), c->normal, f);
+  vd after = vd3_dot(f, f);
+  vd change = vd_only(vm_less(vd_set(1e-36), after), vd_ratio_single(before - after, after));
+  return vd3_scale(vd_set(1) + vd_set(0.5) * vd_min(change, vd_set(1)), f);
+}
 
-  /* 1. turn with the contact */
-  f = tdm_axpy(slip->turn, tdm_cross(n, f), f);
-  double before = tdm_dot(slot->force, slot->force);
-  f = tdm_axpy(-tdm_dot(f, n), n, f);
-  double after = tdm_dot(f, f);
-  double scale = after > 0 ? sqrt(before / after) : 0;
+/* f no longer than the limit: f or its direction times the limit */
+DEM_KERNEL vd3 dem_clip(vd3 f, vd length2, vd limit, vm over) {
+  vd scale = vd_pick(over, limit / vd_sqrt(vd_pick(over, length2, vd_set(1))), vd_set(1));
+  return vd3_scale(scale, f);
+}
 
-  /* 2. unloading */
-  if (slip->circle < slot->circle)
-    scale *= slip->circle / slot->circle;
+DEM_KERNEL dem_tangential dem_tangential_mindlin(const dem_contact *c, vd *history) {
+  vd3 f = dem_turn_history(c, (vd3){history[0], history[1], history[2]});
+  vd before = history[3];
+  vd unload = vd_pick(vm_less(c->circle, before), c->circle / before, vd_set(1));
+  vd stiffness = vd_set(8) * DEM_OF(c, shear) * c->circle;
+  vd3 grow = vd3_scale(-(stiffness * vd_set(0.5 * c->dt)), c->slip);
+  f = vd3_add(vd3_scale(unload, f), grow);
+  vd limit = DEM_OF(c, friction) * vd_max(c->force, vd_set(0)), limit2 = limit * limit;
+  vd f2 = vd3_dot(f, f);
+  vm slides = vm_and(vm_less(limit2, f2), c->touching);
+  if (vm_any(slides))
+    f = dem_clip(f, f2, limit, slides);
 
-  /* 3. displacement of this step */
-  double stiffness = 8 * pair->shear * slip->circle;
-  tdm_vec3 v_mid = tdm_axpy(-tdm_dot(slip->velocity_mid, n), n, slip->velocity_mid);
-  f = tdm_axpy(-stiffness * slip->dt, v_mid, tdm_scale(scale, f));
+  vd3 next = vd3_add(f, grow);
+  history[0] = next.x, history[1] = next.y, history[2] = next.z, history[3] = c->circle;
 
-  /* 4. Coulomb's limit, for the spring and for the sum */
-  double limit = slip->normal_force > 0 ? pair->friction * slip->normal_force : 0;
-  double f2 = tdm_dot(f, f);
-  if (f2 > limit * limit)
-    f = tdm_scale(limit / sqrt(f2), f);
-  slot->force = f;
-  slot->circle = slip->circle;
-  tdm_vec3 sum = tdm_axpy(-pair->tangential_damping * slip->root, slip->velocity, f);
-  double sum2 = tdm_dot(sum, sum);
-  if (sum2 > limit * limit)
-    sum = tdm_scale(limit / sqrt(sum2), sum);
-  return sum;
+  vd3 sum = vd3_axpy(-(DEM_OF(c, tangential_damping) * c->damping), c->slip, f);
+  vd sum2 = vd3_dot(sum, sum);
+  vm over = vm_and(vm_less(limit2, sum2), c->touching);
+  if (vm_any(over))
+    sum = dem_clip(sum, sum2, limit, over);
+  return (dem_tangential){sum, vd_set(0), vd_set(0)};
 }
 
 #endif

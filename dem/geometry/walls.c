@@ -16,12 +16,11 @@ void dem_walls_put(dem_data *d) {
 
 void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n) {
   const dem_model *m = d->model;
-  double s = (double)k / (double)n, s_mid = ((double)k - 0.5) / (double)n;
+  double s = (double)k / (double)n;
   for (int c = 0; c < m->ncoupled; c++) {
     int b = m->coupled_body[c];
     d->pose[b] = dem_motion_pose(&motion[c], s);
     d->twist[b] = dem_motion_twist(&motion[c], s);
-    d->twist_mid[b] = dem_motion_twist(&motion[c], s_mid);
   }
   for (int w = 0; w < m->nwall; w++)
     if (m->body[m->wall[w].body].coupled >= 0)
@@ -31,7 +30,7 @@ void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t
 bool dem_behind(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
-  return dem_wall_endless(wall) && dem_wall_gap(wall, &d->wall[w], d->position[i], &n) <= -d->radius[i];
+  return dem_wall_endless(wall) && dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
 }
 
 void dem_mark_front(dem_data *d, int first) {
@@ -70,7 +69,7 @@ void dem_lids_away(dem_data *d) {
 /* is particle i over the box's face that the lid closes: between the side faces, not below the opposite one? */
 static bool over_box(const dem_data *d, const dem_box *box, tdm_vec3 outward, int i) {
   tdm_pose pose = d->pose[box->body];
-  tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->position[i], pose.position));
+  tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->sphere[i].position, pose.position));
   tdm_quat back = tdm_quat_conj(box->turn);
   x = tdm_quat_rotate(back, tdm_sub(x, box->center));
   outward = tdm_quat_rotate(back, outward);
@@ -97,7 +96,7 @@ bool dem_lids_place(dem_data *d) {
     double highest = -INFINITY; /* over the nominal face */
     for (int i = 0; i < d->nparticle; i++)
       if (over_box(d, box, outward, i))
-        highest = fmax(highest, tdm_dot(tdm_sub(d->position[i], face), axis) + d->radius[i]);
+        highest = fmax(highest, tdm_dot(tdm_sub(d->sphere[i].position, face), axis) + d->sphere[i].radius);
     d->lid[box->lid] = isfinite(highest) ? highest + box->gap : 0;
   }
   dem_walls_put(d);
@@ -108,8 +107,8 @@ double dem_deepest(const dem_data *d, int w) {
   double deepest = 0;
   for (int i = 0; i < d->nparticle; i++) {
     tdm_vec3 n;
-    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], d->position[i], &n);
-    deepest = fmax(deepest, 1 - gap / d->radius[i]);
+    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], d->sphere[i].position, &n);
+    deepest = fmax(deepest, 1 - gap / d->sphere[i].radius);
   }
   return deepest;
 }
@@ -119,10 +118,11 @@ double dem_lid_force(const dem_data *d, const dem_box *box) {
   double sum = 0;
   for (int i = 0; i < d->nparticle; i++) {
     tdm_vec3 n;
-    double overlap = d->radius[i] - dem_wall_gap(&m->wall[box->lid], &d->wall[box->lid], d->position[i], &n);
+    double overlap =
+        d->sphere[i].radius - dem_wall_gap(&m->wall[box->lid], &d->wall[box->lid], d->sphere[i].position, &n);
     const dem_pair *pair = &m->settle_pair[d->kind[i] * m->nmaterial + m->body[box->body].material];
-    if (overlap > 0 && overlap < 2 * d->radius[i])
-      sum += 4.0 / 3.0 * pair->young * sqrt(d->radius[i] * overlap) * overlap; /* Hertz */
+    if (overlap > 0 && overlap < 2 * d->sphere[i].radius)
+      sum += 4.0 / 3.0 * pair->young * sqrt(d->sphere[i].radius * overlap) * overlap; /* Hertz */
   }
   return sum;
 }

@@ -59,10 +59,10 @@ tdm_status dem_snapshot_take(dem_snapshot *s, const dem_data *d, tdm_error *err)
     int i = order[k].particle;
     s->id[k] = (int64_t)d->id[i];
     s->material[k] = d->kind[i];
-    s->radius[k] = d->radius[i];
-    s->position[k] = d->position[i];
-    s->velocity[k] = d->velocity[i];
-    s->spin[k] = d->spin[i];
+    s->radius[k] = d->sphere[i].radius;
+    s->position[k] = d->sphere[i].position;
+    s->velocity[k] = d->pace[i].velocity;
+    s->spin[k] = d->pace[i].spin;
   }
   free(order);
   return TDM_OK;

@@ -1,7 +1,10 @@
 /* Neighbour lists: see pairs.h. */
 #include "dem/search/pairs.h"
 
-#include "dem/search/cells.h"
+#include "dem/search/order.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 tdm_vec3 dem_lists_shift(const dem_data *d) {
   if (d->model->ncoupled == 0)
@@ -15,7 +18,7 @@ static bool lists_hold(const dem_data *d, double moved2) {
   const double safety = 0.999; /* round-off must not decide */
   const dem_model *m = d->model;
   double moved = sqrt(moved2);
-  if (!d->list_valid || d->list_stale || !(2 * moved < safety * m->skin))
+  if (!d->list_valid || d->list_stale || !(2 * moved < safety * d->skin))
     return false;
   tdm_vec3 u = dem_lists_shift(d);
   for (int b = 0; b < m->nbody; b++) {
@@ -32,101 +35,266 @@ static bool lists_hold(const dem_data *d, double moved2) {
   return true;
 }
 
-/* append a partner; the slot starts empty */
-static bool append(dem_data *d, dem_list *list, int other) {
-  bool history = d->model->law->history;
-  if (list->count == list->capacity) {
-    if (!dem_list_reserve(list, list->count + 1, history))
-      return false;
-    d->ngrow++;
-  }
-  if (history)
-    list->slot[list->count] = (dem_slot){0};
-  list->other[list->count++] = other;
-  return true;
+/* ---- histories ---- */
+
+/* the entry of particles a and b in the list, -1: none */
+static int find_entry(const dem_pairs *list, int a, int b) {
+  int i = a < b ? a : b, j = a < b ? b : a;
+  for (int k = list->first[i]; k < list->first[i + 1]; k++)
+    if (list->other[k] == j)
+      return k;
+  return -1;
 }
 
-static void sort_row(int *row, int n) {
-  for (int a = 1; a < n; a++) {
-    int value = row[a], b = a;
-    for (; b > 0 && row[b - 1] > value; b--)
-      row[b] = row[b - 1];
-    row[b] = value;
-  }
-}
-
-/* take the histories of particle i's contacts over from the list of before; both rows ascend */
-static void carry_history(dem_list *list, const dem_list *before, int i) {
-  int old = before->first[i], old_end = before->first[i + 1];
-  for (int k = list->first[i]; k < (int)list->count && old < old_end; k++) {
-    while (old < old_end && before->other[old] < list->other[k])
-      old++;
-    if (old < old_end && before->other[old] == list->other[k])
-      list->slot[k] = before->slot[old];
-  }
-}
-
-static bool build_pairs(dem_data *d, const dem_list *before) {
-  const dem_model *m = d->model;
-  dem_list *list = &d->pairs;
-  double largest = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    largest = fmax(largest, d->radius[i]);
-  dem_cells cells;
-  if (!dem_cells_fill(&cells, d, 2 * largest + m->skin))
-    return false;
-
-  for (int i = 0; i < d->nparticle; i++) {
-    list->first[i] = (int)list->count;
-    int near[27], nnear = dem_cells_near(&cells, d, i, near);
-    for (int c = 0; c < nnear; c++)
-      for (int k = d->grid.first[near[c]]; k < d->grid.first[near[c] + 1]; k++) {
-        int j = d->grid.particle[k];
-        tdm_vec3 dx = tdm_sub(d->position[i], d->position[j]);
-        double range = d->radius[i] + d->radius[j] + m->skin;
-        if (j > i && tdm_dot(dx, dx) < range * range && !append(d, list, j))
-          return false;
-      }
-    sort_row(list->other + list->first[i], (int)list->count - list->first[i]);
-    if (before)
-      carry_history(list, before, i);
-  }
-  list->first[d->nparticle] = (int)list->count;
-  return true;
-}
-
-static bool build_walls(dem_data *d, const dem_list *before) {
-  const dem_model *m = d->model;
-  dem_list *list = &d->walls;
-  for (int i = 0; i < d->nparticle; i++) {
-    list->first[i] = (int)list->count;
-    for (int w = 0; w < m->nwall; w++) {
-      const dem_wall *wall = &m->wall[w];
-      tdm_vec3 n;
-      double gap = dem_wall_gap(wall, &d->wall[w], d->position[i], &n);
-      /* distance from where a contact begins; a plane ends one radius behind its surface */
-      double away = gap - d->radius[i];
-      if (wall->primitive == DEM_PLANE)
-        away = fmax(away, -gap - d->radius[i]);
-      if (away < m->skin) {
-        if (!append(d, list, w))
-          return false;
-      } else {
-        d->margin[wall->body] = fmin(d->margin[wall->body], away);
-      }
+/* Where the histories of chunk c's new entries, as the search found them, are in the list as it still is: 2 k + 1 when
+ * the pair is turned round, 2 k when not, -1 when there is none. Into sink, which is not needed now. old: the numbers
+ * that the particles had, NULL: the same. */
+static void find_histories(dem_data *d, const size_t *chunk, const int *old, int c) {
+  dem_pairs *list = &d->pairs;
+  size_t k = chunk[c];
+  for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
+    for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
+      int j = d->rows.other[r], oi = old ? old[i] : i, oj = old ? old[j] : j, at = find_entry(list, oi, oj);
+      list->sink[k] = at < 0 ? -1 : 2 * at + (oi > oj);
     }
-    if (before)
-      carry_history(list, before, i);
+  for (; k < chunk[c + 1]; k++)
+    list->sink[k] = -1;
+}
+
+/* Bring the histories to their new entries, column by column; vectors turn round with their pairs. False: no memory. */
+static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
+  const dem_law *law = d->model->law;
+  dem_pairs *list = &d->pairs;
+  if (before > d->column_capacity) {
+    free(d->column);
+    d->column_capacity = before + before / 8;
+    d->column = malloc(d->column_capacity * sizeof *d->column);
   }
-  list->first[d->nparticle] = (int)list->count;
+  if (!d->column)
+    d->column_capacity = 0;
+  for (size_t q = 0; q < (size_t)law->ncolumn && d->column; q++) {
+    double *to = list->history + q * list->capacity, sign = law->vectors >> q & 1 ? -1 : 1;
+    memcpy(d->column, to, before * sizeof *to);
+#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
+    for (int c = 0; c < d->nchunk; c++)
+      for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
+        int at = list->sink[k];
+        to[k] = at < 0 ? 0 : at & 1 ? sign * d->column[at >> 1] : d->column[at >> 1];
+      }
+  }
+  return d->column || before == 0;
+}
+
+/* ---- pairs ---- */
+
+/* where the entries of each chunk will begin */
+static void place_chunks(const dem_data *d, size_t *chunk) {
+  size_t at = 0;
+  for (int c = 0; c < d->nchunk; c++) {
+    chunk[c] = at;
+    at += (size_t)(d->rows.first[dem_chunk_end(d, c)] - d->rows.first[c * DEM_CHUNK]);
+    at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
+  }
+  chunk[d->nchunk] = at;
+}
+
+static void fill_chunk(dem_data *d, int c) {
+  dem_pairs *list = &d->pairs;
+  int none = d->nparticle, k = (int)list->chunk[c];
+  for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++) {
+    list->first[i] = k;
+    for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
+      list->one[k] = i;
+      list->other[k] = list->sink[k] = d->rows.other[r];
+    }
+  }
+  for (; k < (int)list->chunk[c + 1]; k++)
+    list->one[k] = list->other[k] = list->sink[k] = none;
+  if (c + 1 == d->nchunk)
+    list->first[d->nparticle] = k;
+}
+
+/* Give each reaction on a particle of a later chunk a place of its own. */
+static bool place_crossings(dem_data *d) {
+  dem_pairs *list = &d->pairs;
+  dem_crossings *x = &d->crossings;
+  int count = 0, first = d->nparticle + 1;
+  for (int c = 0; c < d->nchunk - 1; c++)
+    for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
+      count += list->other[k] < d->nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;
+  if (!dem_crossings_reserve(d, count))
+    return false;
+  x->count = count;
+  memset(x->chunk, 0, (size_t)(d->nchunk + 1) * sizeof *x->chunk);
+  int place = 0;
+  for (int c = 0; c < d->nchunk - 1; c++)
+    for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
+      if (list->other[k] < d->nparticle && list->other[k] >= (c + 1) * DEM_CHUNK) {
+        x->particle[place] = list->other[k];
+        list->sink[k] = first + place++;
+        x->chunk[list->other[k] / DEM_CHUNK + 1]++;
+      }
+  for (int c = 0; c < d->nchunk; c++)
+    x->chunk[c + 1] += x->chunk[c];
+  for (int p = count - 1; p >= 0; p--) /* places of a chunk ascend: filled from its end */
+    x->order[--x->chunk[x->particle[p] / DEM_CHUNK + 1]] = p;
+  /* every entry but the first now stands at the start of its chunk: shift by one */
+  for (int c = 0; c < d->nchunk; c++)
+    x->chunk[c] = x->chunk[c + 1];
+  x->chunk[d->nchunk] = count;
+  memset(d->push + d->nparticle, 0, (size_t)(count + 1) * sizeof *d->push);
   return true;
 }
+
+/* The new list, in the place of the old one. carry: its histories are taken over; old: the numbers that the particles
+ * had, NULL: the same. */
+static bool build_pairs(dem_data *d, bool carry, const int *old) {
+  dem_pairs *list = &d->pairs;
+  dem_search_input input = {.sphere = d->sphere, .n = d->nparticle, .skin = d->skin, .nthread = d->nthread};
+  if (!dem_search_run(d->search, &input, &d->rows))
+    return false;
+  int ncolumn = d->model->law->ncolumn;
+  size_t *chunk = d->chunk_spare, before = carry ? list->count : 0;
+  place_chunks(d, chunk);
+  size_t count = chunk[d->nchunk];
+  if (!dem_pairs_reserve(list, count, ncolumn))
+    return false;
+  if (ncolumn > 0) {
+#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
+    for (int c = 0; c < d->nchunk; c++)
+      if (carry)
+        find_histories(d, chunk, old, c);
+      else
+        memset(list->sink + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->sink);
+    if (!carry_pairs(d, chunk, before))
+      return false;
+  }
+  memcpy(list->chunk, chunk, (size_t)(d->nchunk + 1) * sizeof *chunk);
+  list->count = count;
+#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
+  for (int c = 0; c < d->nchunk; c++)
+    fill_chunk(d, c);
+  return place_crossings(d);
+}
+
+/* ---- walls ---- */
+
+static bool append_wall(dem_data *d, dem_wall_entry entry) {
+  dem_wall_contacts *list = &d->walls;
+  if (list->count == list->capacity) { /* histories come later */
+    size_t capacity = list->capacity + list->capacity / 2 + 256;
+    dem_wall_entry *grown = realloc(list->entry, capacity * sizeof *grown);
+    if (!grown)
+      return false;
+    list->entry = grown;
+    int ncolumn = d->model->law->ncolumn;
+    free(list->history);
+    list->history = ncolumn > 0 ? malloc(capacity * (size_t)ncolumn * sizeof(double)) : NULL;
+    if (ncolumn > 0 && !list->history)
+      return false;
+    list->capacity = capacity;
+  }
+  list->entry[list->count++] = entry;
+  return true;
+}
+
+static int compare_entries(const dem_wall_entry *a, const dem_wall_entry *b) {
+  if (a->particle != b->particle)
+    return a->particle < b->particle ? -1 : 1;
+  if (a->wall != b->wall)
+    return a->wall < b->wall ? -1 : 1;
+  return a->part < b->part ? -1 : a->part > b->part;
+}
+
+static int by_entry(const void *a, const void *b) {
+  return compare_entries(a, b);
+}
+
+/* the histories of the contacts with walls, both lists ascending */
+static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
+  dem_wall_contacts *list = &d->walls;
+  size_t ncolumn = (size_t)d->model->law->ncolumn, old = 0, nold = before ? before->count : 0;
+  for (size_t k = 0; k < list->count; k++) {
+    while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
+      old++;
+    bool same = old < nold && compare_entries(&before->entry[old], &list->entry[k]) == 0;
+    for (size_t q = 0; q < ncolumn; q++)
+      list->history[q * list->capacity + k] = same ? before->history[q * before->capacity + old] : 0;
+  }
+}
+
+/* the list of before with new numbers; to ascend again it is sorted, histories with it */
+static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
+  size_t ncolumn = (size_t)d->model->law->ncolumn, n = list->count;
+  if (n == 0 || ncolumn == 0)
+    return true;
+  struct {
+    dem_wall_entry entry;
+    int at;
+  } *key = malloc(n * sizeof *key);
+  double *copy = malloc(n * sizeof *copy);
+  for (size_t k = 0; key && k < n; k++) {
+    key[k].entry = list->entry[k];
+    key[k].entry.particle = now[key[k].entry.particle];
+    key[k].at = (int)k;
+  }
+  if (key && copy) {
+    qsort(key, n, sizeof *key, by_entry);
+    for (size_t k = 0; k < n; k++)
+      list->entry[k] = key[k].entry;
+    for (size_t q = 0; q < ncolumn; q++) {
+      memcpy(copy, list->history + q * list->capacity, n * sizeof *copy);
+      for (size_t k = 0; k < n; k++)
+        list->history[q * list->capacity + k] = copy[key[k].at];
+    }
+  }
+  bool good = key && copy;
+  free(key);
+  free(copy);
+  return good;
+}
+
+static bool list_walls_of(dem_data *d, int i) {
+  const dem_model *m = d->model;
+  const dem_sphere *s = &d->sphere[i];
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    tdm_vec3 n;
+    double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
+    /* distance from where a contact begins; a plane ends one radius behind its surface */
+    double away = gap - s->radius;
+    if (wall->primitive == DEM_PLANE)
+      away = fmax(away, -gap - s->radius);
+    if (!(away < d->skin))
+      d->margin[wall->body] = fmin(d->margin[wall->body], away);
+    else if (!append_wall(d, (dem_wall_entry){i, w, 0}))
+      return false;
+  }
+  return true;
+}
+
+static bool build_walls(dem_data *d, const dem_wall_contacts *before) {
+  d->walls.count = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    if (i % DEM_CHUNK == 0)
+      d->walls.chunk[i / DEM_CHUNK] = d->walls.count;
+    if (!list_walls_of(d, i))
+      return false;
+  }
+  if (d->nparticle == 0)
+    d->walls.chunk[0] = 0;
+  d->walls.chunk[d->nchunk] = d->walls.count;
+  carry_walls(d, before);
+  return true;
+}
+
+/* ---- both ---- */
 
 /* note where everything is */
 static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
   for (int i = 0; i < d->nparticle; i++)
-    d->position_at_list[i] = d->position[i];
+    d->position_at_list[i] = d->sphere[i].position;
   for (int b = 0; b < m->nbody; b++) {
     d->pose_at_list[b] = d->pose[b];
     d->margin[b] = INFINITY;
@@ -134,25 +302,51 @@ static void note_positions(dem_data *d) {
     if (m->body[b].coupled < 0)
       continue;
     for (int i = 0; i < d->nparticle; i++)
-      d->reach[b] = fmax(d->reach[b], tdm_norm(tdm_sub(d->position[i], d->pose[b].position)));
+      d->reach[b] = fmax(d->reach[b], tdm_norm(tdm_sub(d->sphere[i].position, d->pose[b].position)));
   }
 }
 
+/* Choose the skin, when the scene does not: with lists that held for T steps under a skin s something moves by about
+ * s/2T a step. A list costs about four steps, a skin s about 1.3 s/r of one for the pairs that do not touch: the sum is
+ * least at sqrt(3 r s/T). Half way there each time. */
+static void adapt_skin(dem_data *d, bool sort) {
+  double r = d->model->mean_radius, steps = (double)d->since_list;
+  if (d->model->skin > 0 || steps == 0 || ((sort || d->list_stale) && steps < 100))
+    return;
+  double best = sqrt(3 * r * d->skin / steps);
+  d->skin = fmax(0.02 * r, fmin(0.5 * r, sqrt(best * d->skin)));
+}
+
 bool dem_lists_build(dem_data *d) {
-  dem_list pairs = d->pairs, walls = d->walls;
-  d->pairs = d->spare_pairs;
+  bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
+  if (d->list_valid)
+    adapt_skin(d, sort);
+  dem_wall_contacts walls = d->walls;
   d->walls = d->spare_walls;
-  d->spare_pairs = pairs;
   d->spare_walls = walls;
-  d->pairs.count = d->walls.count = 0;
-  bool carry = d->model->law->history && d->list_valid;
+  bool carry = d->model->law->ncolumn > 0 && d->list_valid, good = true;
+  const int *old = NULL;
+  d->list_valid = false;
+  if (sort) {
+    int *from = d->number, *now = malloc((size_t)d->nparticle * sizeof *now);
+    good = now && dem_order(d, from) && dem_data_permute(d, from);
+    for (int p = 0; good && p < d->nparticle; p++)
+      now[from[p]] = p;
+    good = good && (!carry || renumber_walls(d, &d->spare_walls, now));
+    free(now);
+    old = from;
+    d->since_sort = 0;
+  }
   note_positions(d);
-  d->list_valid = build_pairs(d, carry ? &d->spare_pairs : NULL) && build_walls(d, carry ? &d->spare_walls : NULL);
+  d->nchunk = dem_chunks(d->nparticle);
+  d->list_valid = good && build_pairs(d, carry, old) && build_walls(d, carry ? &d->spare_walls : NULL);
   d->list_stale = false;
+  d->since_list = 0;
   d->nrebuild++;
   return d->list_valid;
 }
 
 bool dem_lists_update(dem_data *d, double moved2) {
-  return lists_hold(d, moved2) || dem_lists_build(d);
+  bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
+  return (!sort && lists_hold(d, moved2)) || dem_lists_build(d);
 }

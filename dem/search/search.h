@@ -39,8 +39,8 @@ typedef struct {
  * result. */
 typedef struct dem_search dem_search;
 
-/* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests); "auto" is not
- * among them. */
+/* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests); "auto"
+ * is not among them. */
 extern const char *const dem_search_names[];
 
 /* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. */

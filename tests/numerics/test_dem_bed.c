@@ -116,11 +116,12 @@ START_TEST(test_lid) {
   /* the highest point along the box's +y, not the world's */
   double highest = -1, smallest = 1;
   for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 x =
-        tdm_quat_rotate(tdm_quat_conj(box.state.pose.orientation), tdm_sub(d->position[i], box.state.pose.position));
-    highest = fmax(highest, x.y + d->radius[i]);
+    tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(box.state.pose.orientation),
+                                 tdm_sub(d->sphere[i].position, box.state.pose.position));
+    highest = fmax(highest, x.y + d->sphere[i].radius);
     tdm_vec3 n;
-    smallest = fmin(smallest, dem_wall_gap(&r->model->wall[w], &d->wall[w], d->position[i], &n) - d->radius[i]);
+    smallest =
+        fmin(smallest, dem_wall_gap(&r->model->wall[w], &d->wall[w], d->sphere[i].position, &n) - d->sphere[i].radius);
   }
   ck_near(0.05 + 0.3 + d->lid[w], highest + 1e-3, 1e-12);
   ck_near(smallest, 1e-3, 1e-12);
@@ -164,13 +165,13 @@ START_TEST(test_lid_that_presses) {
     ck_near(dem_lid_force(d, &r->model->box[0]), pressed ? wanted : 0, 0.02 * wanted);
     double before = 0, after = 0;
     for (int i = 0; i < d->nparticle; i++)
-      before += d->position[i].y / d->nparticle;
+      before += d->sphere[i].position.y / d->nparticle;
     dem_model *upside_down = r->model;
     upside_down->gravity.y = 9.81;
     for (int k = 0; k < 10000; k++)
       ck_assert(dem_step(d, NULL, 0, 1, false, 1e-4));
     for (int i = 0; i < d->nparticle; i++)
-      after += d->position[i].y / d->nparticle;
+      after += d->sphere[i].position.y / d->nparticle;
     moved[pressed] = after - before;
     rig_free(r);
   }

@@ -42,12 +42,10 @@ static void same(const dem_data *a, const dem_data *b) {
   ck_assert_int_eq(a->nparticle, b->nparticle);
   size_t n = (size_t)a->nparticle;
   ck_assert_mem_eq(a->id, b->id, n * sizeof *a->id);
-  ck_assert_mem_eq(a->radius, b->radius, n * sizeof *a->radius);
   ck_assert_mem_eq(a->mass, b->mass, n * sizeof *a->mass);
-  ck_assert_mem_eq(a->position, b->position, n * sizeof(tdm_vec3));
-  ck_assert_mem_eq(a->velocity, b->velocity, n * sizeof(tdm_vec3));
-  ck_assert_mem_eq(a->spin, b->spin, n * sizeof(tdm_vec3));
-  ck_assert_mem_eq(a->force, b->force, n * sizeof(tdm_vec3));
+  ck_assert_mem_eq(a->sphere, b->sphere, n * sizeof *a->sphere);
+  ck_assert_mem_eq(a->pace, b->pace, n * sizeof *a->pace);
+  ck_assert_mem_eq(a->push, b->push, n * sizeof *a->push);
   ck_assert_mem_eq(a->body_load, b->body_load, (size_t)a->model->nbody * sizeof(tdm_wrench));
 }
 
@@ -66,9 +64,9 @@ START_TEST(test_creation_times) {
     ck_assert_int_eq(r->data->nparticle, expected);
     for (int i = 0; i < expected; i++) {
       double s = t - (start + i / rate);
-      ck_near(r->data->position[i].x, 1 + 3 * s, 1e-12);
-      ck_near(r->data->position[i].z, 3 + 0.5 * s - 0.5 * 9.81 * s * s, 1e-11);
-      ck_near(r->data->velocity[i].z, 0.5 - 9.81 * s, 1e-11);
+      ck_near(r->data->sphere[i].position.x, 1 + 3 * s, 1e-12);
+      ck_near(r->data->sphere[i].position.z, 3 + 0.5 * s - 0.5 * 9.81 * s * s, 1e-11);
+      ck_near(r->data->pace[i].velocity.z, 0.5 - 9.81 * s, 1e-11);
     }
   }
   ck_assert_int_eq(r->data->nparticle, 30); /* 0.7877 s * 37.3/s = 29.4, and the first */
@@ -87,7 +85,7 @@ START_TEST(test_creation_times) {
     ck_assert_int_eq(r->data->nparticle, k < 300 ? 1 + (int)k / 100 : 4);
   }
   for (int i = 0; i < 4; i++)
-    ck_near(r->data->position[i].x, 0.6 - 0.1 * i, 1e-12);
+    ck_near(r->data->sphere[i].position.x, 0.6 - 0.1 * i, 1e-12);
   rig_free(r);
 }
 END_TEST
@@ -104,10 +102,10 @@ START_TEST(test_mass_rate) {
   double most = 1000 * 4.0 / 3 * M_PI * 8e-6, mean = 0, x = 0;
   ck_assert_int_gt(d->nparticle, 200);
   for (int i = 0; i < d->nparticle; i++) {
-    ck_assert(d->radius[i] >= 0.01 && d->radius[i] <= 0.02 && fabs(d->position[i].x) <= 0.5);
-    ck_relative(d->mass[i], 1000 * 4.0 / 3 * M_PI * pow(d->radius[i], 3), 1e-12);
-    mean += d->radius[i] / d->nparticle;
-    x += d->position[i].x / d->nparticle;
+    ck_assert(d->sphere[i].radius >= 0.01 && d->sphere[i].radius <= 0.02 && fabs(d->sphere[i].position.x) <= 0.5);
+    ck_relative(d->mass[i], 1000 * 4.0 / 3 * M_PI * pow(d->sphere[i].radius, 3), 1e-12);
+    mean += d->sphere[i].radius / d->nparticle;
+    x += d->sphere[i].position.x / d->nparticle;
   }
   ck_near(mean, 0.015, 1e-3);
   ck_near(x, 0, 0.05);
@@ -174,7 +172,7 @@ START_TEST(test_after_contact) {
     ck_assert_int_eq(r->data->nparticle, !(touched && stays->data->ncontact == 0));
   }
   ck_assert(touched && k < 10000);
-  ck_relative(stays->data->velocity[0].z, 0.5, 2e-3);
+  ck_relative(stays->data->pace[0].velocity.z, 0.5, 2e-3);
   ck_assert_uint_eq(r->data->sink[0].removed, 1);
   ck_assert(r->data->sink[0].mass == stays->data->mass[0]);
   rig_free(r), rig_free(stays);
@@ -189,7 +187,7 @@ START_TEST(test_through_is_no_rebound) {
                     1e-5, 0, NULL);
   begin(r);
   ck_assert_uint_eq(r->data->touched[0], 1);
-  r->data->position[0].z = -0.5;
+  r->data->sphere[0].position.z = -0.5;
   steps(r, NULL, 10);
   ck_assert_int_eq(r->data->nparticle, 1);
   ck_assert_int_eq(dem_count_lost(r->data), 1);
@@ -215,19 +213,19 @@ START_TEST(test_waiting) {
   ck_assert_uint_eq(d->source[0].due, 3);
   ck_assert_ptr_nonnull(strstr(text, "source_waits t=0 source=feed particle=0"));
   ck_assert_ptr_null(strstr(text, "source_resumes"));
-  d->position[0].y = 1;
+  d->sphere[0].position.y = 1;
   steps(r, NULL, 1);
   ck_assert_uint_eq(d->source[0].made, 1);
-  ck_near(d->position[1].x, 0.01, 0); /* where the source is: it waited */
+  ck_near(d->sphere[1].position.x, 0.01, 0); /* where the source is: it waited */
   ck_assert_ptr_nonnull(strstr(text, "source_resumes t=0.251 source=feed particle=0"));
   steps(r, NULL, 50); /* one diameter, 20 ms, apart */
   ck_assert_uint_eq(d->source[0].made, 3);
-  ck_near(d->position[1].x - d->position[2].x, 0.02, 1.001e-3);
-  ck_assert(d->position[1].x - d->position[2].x >= 0.02);
+  ck_near(d->sphere[1].position.x - d->sphere[2].position.x, 0.02, 1.001e-3);
+  ck_assert(d->sphere[1].position.x - d->sphere[2].position.x >= 0.02);
   steps(r, NULL, 700);
   ck_assert_uint_eq(d->source[0].made, 11);
   ck_assert_uint_eq(d->source[0].due, 11);
-  ck_near(d->position[11].x, 0.011, 1e-12); /* on time again: t = 1.001 */
+  ck_near(d->sphere[11].position.x, 0.011, 1e-12); /* on time again: t = 1.001 */
   tdm_log_open(NULL, "dem");
   fclose(log);
   free(text);
@@ -267,11 +265,9 @@ START_TEST(test_neighbours_keep_histories) {
     steps(without, NULL, 50);
     ck_assert_uint_eq(with->data->nrebuild, rebuilds); /* taken out of the lists in place */
     ck_assert_int_eq(with->data->nparticle, 2);
-    size_t n = 2 * sizeof(tdm_vec3);
-    ck_assert_mem_eq(with->data->position, without->data->position, n);
-    ck_assert_mem_eq(with->data->velocity, without->data->velocity, n);
-    ck_assert_mem_eq(with->data->spin, without->data->spin, n);
-    ck_assert_mem_eq(with->data->force, without->data->force, n);
+    ck_assert_mem_eq(with->data->sphere, without->data->sphere, 2 * sizeof(dem_sphere));
+    ck_assert_mem_eq(with->data->pace, without->data->pace, 2 * sizeof(dem_pace));
+    ck_assert_mem_eq(with->data->push, without->data->push, 2 * sizeof(dem_push));
   }
   ck_assert_int_gt(without->data->ncontact, 1);
   ck_assert_uint_eq(with->data->id[0], 1);
@@ -290,8 +286,8 @@ START_TEST(test_relative_velocity) {
                                "'velocity':[0,1,0],'relative_to':{'body':'cube'}}]}"),
                     1e-3, 1, &cube);
   begin(r);
-  ck_near(r->data->velocity[0].x, 1.75, 1e-15);
-  ck_near(r->data->velocity[1].x, 0.25, 1e-15);
+  ck_near(r->data->pace[0].velocity.x, 1.75, 1e-15);
+  ck_near(r->data->pace[1].velocity.x, 0.25, 1e-15);
   tdm_state next = cube.state;
   for (int k = 0; k < 100; k++) { /* accelerates: 0.25 + 3 t in the step to t */
     tdm_state now = next;
@@ -300,9 +296,9 @@ START_TEST(test_relative_velocity) {
     steps(r, &path, 1);
   }
   ck_assert_int_eq(r->data->nparticle, 4);
-  ck_near(r->data->velocity[2].x, 2 - 0.55, 1e-9);
-  ck_near(r->data->velocity[3].x, 0.55, 1e-9);
-  ck_near(r->data->velocity[3].y, 1, 0);
+  ck_near(r->data->pace[2].velocity.x, 2 - 0.55, 1e-9);
+  ck_near(r->data->pace[3].velocity.x, 0.55, 1e-9);
+  ck_near(r->data->pace[3].velocity.y, 1, 0);
   rig_free(r);
 }
 END_TEST

@@ -372,10 +372,10 @@ START_TEST(test_rolling) {
   for (long n = 20000; n <= 120000; n += 50000) {
     rig *plane = slide("{'type':'plane','normal':[0,0,1]}", n), *mesh = slide(shape, n);
     const dem_data *a = plane->data, *b = mesh->data;
-    ck_assert_double_gt(a->position[0].x, -0.9);
-    ck_vector(b->position[0], a->position[0], 1e-10);
-    ck_vector(b->velocity[0], a->velocity[0], 1e-10);
-    ck_vector(b->spin[0], a->spin[0], 1e-9);
+    ck_assert_double_gt(a->sphere[0].position.x, -0.9);
+    ck_vector(b->sphere[0].position, a->sphere[0].position, 1e-10);
+    ck_vector(b->pace[0].velocity, a->pace[0].velocity, 1e-10);
+    ck_vector(b->pace[0].spin, a->pace[0].spin, 1e-9);
     ck_vector(b->body_load[0].force, a->body_load[0].force, 1e-10 * tdm_norm(a->body_load[0].force));
     rig_free(plane);
     rig_free(mesh);

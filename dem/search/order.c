@@ -1,0 +1,56 @@
+/* The order of particles in memory: see order.h. */
+#include "dem/search/order.h"
+
+#include <stdlib.h>
+
+/* a number's 21 bits, two zeros between each */
+static uint64_t spread(uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffffu;
+  x = (x | x << 16) & 0x1f0000ff0000ffu;
+  x = (x | x << 8) & 0x100f00f00f00f00fu;
+  x = (x | x << 4) & 0x10c30c30c30c30c3u;
+  return (x | x << 2) & 0x1249249249249249u;
+}
+
+/* cell of a coordinate; what flew far away or is no number is in the last one */
+static uint64_t cell(double x, double low, double size) {
+  double c = floor((x - low) / size);
+  return c >= 0 && c < 0x1fffff ? (uint64_t)c : 0x1fffff;
+}
+
+typedef struct {
+  uint64_t code;
+  int particle;
+} place;
+
+static int compare(const void *a, const void *b) {
+  const place *p = a, *q = b;
+  if (p->code != q->code)
+    return p->code < q->code ? -1 : 1;
+  return p->particle < q->particle ? -1 : p->particle > q->particle;
+}
+
+bool dem_order(const dem_data *d, int *from) {
+  int np = d->nparticle;
+  place *places = malloc((size_t)np * sizeof *places);
+  if (!places)
+    return false;
+  tdm_vec3 low = {INFINITY, INFINITY, INFINITY};
+  double size = 0;
+  for (int i = 0; i < np; i++) {
+    tdm_vec3 x = d->sphere[i].position;
+    low = tdm_v3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
+    size = fmax(size, 2 * d->sphere[i].radius);
+  }
+  for (int i = 0; i < np; i++) {
+    tdm_vec3 x = d->sphere[i].position;
+    uint64_t a = cell(x.x, low.x, size), b = cell(x.y, low.y, size), c = cell(x.z, low.z, size);
+    places[i] = (place){spread(a) | spread(b) << 1 | spread(c) << 2, i};
+  }
+  qsort(places, (size_t)np, sizeof *places, compare);
+  for (int p = 0; p < np; p++)
+    from[p] = places[p].particle;
+  free(places);
+  return true;
+}

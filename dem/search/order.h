@@ -1,0 +1,11 @@
+/* The order of particles in memory: along a space-filling curve, so that what is near in space is near in memory. */
+#ifndef DEM_SEARCH_ORDER_H
+#define DEM_SEARCH_ORDER_H
+
+#include "dem/data.h"
+
+/* from[p] (nparticle): the particle that comes to place p. By the Morton code of the cell of two largest radii that it
+ * lies in; those of one cell keep their order. False: no memory. */
+bool dem_order(const dem_data *data, int *from);
+
+#endif
