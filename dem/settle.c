@@ -31,7 +31,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while settling");
     drag(d, settle->drag * out->dt);
-    if (p && tdm_participant_alive(p))
+    if (tdm_participant_alive(p))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while settling");
     if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
       return err->status;
@@ -118,7 +118,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
     drag(d, settle->drag * out->dt);
-    if (p && tdm_participant_alive(p))
+    if (tdm_participant_alive(p))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while pressing a lid");
     if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
       return err->status;

@@ -44,7 +44,7 @@ enum { NCHANNEL = sizeof channels / sizeof channels[0], LOST = 9 };
 typedef struct {
   dem_model *model;
   dem_data *data;
-  tdm_participant *participant; /* borrowed */
+  tdm_participant *participant; /* borrowed; NULL: no server */
   dem_motion *motion;           /* (ncoupled) paths of the present window */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
   int nchannel;
@@ -309,7 +309,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     /* the last step closes what is left */
     while (sample < step->nsample && (t >= step->sample_time[sample] - 1e-6 * dt || k == step->nstep))
       close_sample(s, sample++, t, result);
-    if (s->participant && tdm_participant_alive(s->participant))
+    if (tdm_participant_alive(s->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
@@ -329,6 +329,11 @@ static void destroy(void *self) {
   free(s->motion);
   free(s->load);
   free(s);
+}
+
+const dem_data *dem_solver_data(const void *self) {
+  const dem_solver *s = self;
+  return s->data;
 }
 
 const tdm_solver_ops dem_solver_ops = {
