@@ -44,9 +44,9 @@ static void check_planes(const dem_model *m, int axis, tdm_error *err) {
   }
 }
 
-void dem_domain_check(const dem_model *m, double end, tdm_error *err) {
+void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err) {
   const dem_domain_def *box = &m->domain;
-  double least = 2 * (2 * dem_largest_radius(m) + m->skin), t = fmax(0, end - m->time_start);
+  double least = 2 * (2 * largest_radius + m->skin), t = fmax(0, m->time_end - m->time_start);
   for (int a = 0; a < 3 && !err->status; a++) {
     if (!box->periodic[a])
       continue;

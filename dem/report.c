@@ -2,6 +2,7 @@
 #include "dem/report.h"
 
 #include "dem/geometry/walls.h"
+#include "dem/integrate.h"
 #include "dem/limits.h"
 
 #include <stdarg.h>
@@ -215,6 +216,7 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "normal", json_string(m->law->normal));
   json_object_set_new(r->json, "tangential", json_string(m->law->tangential));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
+  json_object_set_new(r->json, "integrator", json_string(m->integrator->name));
   json_object_set_new(r->json, "simd", json_string(m->simd));
   json_object_set_new(r->json, "skin", number(m->skin));
   warn_start(r, d, settled, nbehind);

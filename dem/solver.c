@@ -6,6 +6,7 @@
 #include "dem/solver.h"
 
 #include "dem/check.h"
+#include "dem/domain.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
 #include "dem/guard.h"
@@ -176,9 +177,28 @@ static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
 
 /* ---- create ---- */
 
+/* particles from elsewhere: pairs of materials that nobody gave, radii that the box is too narrow for */
+static tdm_status check_started(const dem_data *d, tdm_error *err) {
+  const dem_model *m = d->model;
+  double largest = 0;
+  for (int i = 0; i < d->nparticle && !err->status; i++) {
+    largest = fmax(largest, d->sphere[i].radius);
+    for (int j = i > 0 && d->kind[i] == d->kind[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
+      if (!m->pair[d->kind[i] * m->nmaterial + j].given) {
+        const char *a = m->material[d->kind[i]].name, *b = m->material[j].name;
+        return tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
+                        "\"%s\" and \"%s\" have no entry, but dem.start brings particles of \"%s\"; add one", a, b, a);
+      }
+  }
+  dem_domain_check(m, largest, err);
+  return err->status;
+}
+
 /* the particles of the stored state dem.start; lids stay where it has them unless there is settling to come */
 static tdm_status start_from(dem_data *d, tdm_error *err) {
   if (dem_state_read(d, DEM_STATE_START, d->model->start, "dem.start", NULL, 0, err))
+    return err->status;
+  if (check_started(d, err))
     return err->status;
   if (d->model->settle.wanted)
     dem_lids_away(d);

@@ -194,6 +194,16 @@ START_TEST(test_start) {
   dem_solver_ops.destroy(self);
   json_decref(json);
 
+  /* a pair of materials that only the file's particles need */
+  json = starter(name, 0.4, 1e7);
+  json_array_clear(json_object_get(json, "pairs"));
+  self = NULL;
+  ck_assert_int_eq(open_solver(json, &self, &ready, &err), TDM_ERR_SCENE);
+  ck_assert_str_eq(err.path, "dem.pairs");
+  ck_assert_ptr_nonnull(strstr(err.message, "dem.start brings particles"));
+  dem_solver_ops.destroy(self);
+  json_decref(json);
+
   /* what does not go together, and what is not there */
   static const char *const says[] = {"other contact laws, elastic constants", "cannot be read", "no stored state"};
   for (int k = 0; k < 3; k++) {
