@@ -14,4 +14,4 @@ bool dem_find_all(void *state, const dem_search_input *input, dem_pairs *found) 
   return true;
 }
 
-const dem_search_method dem_search_all = {.name = "all", .find = dem_find_all};
+const dem_search_method dem_search_all = {.find = dem_find_all};

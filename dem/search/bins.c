@@ -155,13 +155,14 @@ typedef struct {
   dem_bins *bins;
   const dem_search_input *input;
   const int *member;
+  int nthread;
 } binning;
 
 static void find_cells(void *context, int t) {
   const binning *b = context;
   dem_bins *bins = b->bins;
-  int end = dem_part(bins->n, t + 1, b->input->nthread);
-  for (int k = dem_part(bins->n, t, b->input->nthread); k < end; k++) {
+  int end = dem_part(bins->n, t + 1, b->nthread);
+  for (int k = dem_part(bins->n, t, b->nthread); k < end; k++) {
     tdm_vec3 p = sphere_of(b->input, b->member, k)->position;
     int x = bin(p.x, bins->low[0], bins->inverse[0], bins->count[0]);
     int y = bin(p.y, bins->low[1], bins->inverse[1], bins->count[1]);
@@ -185,7 +186,8 @@ bool dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *mem
   if (!reserve(bins, (size_t)n, ncell))
     return false;
   bins->n = n;
-  dem_search_parallel(input->nthread, find_cells, &(binning){bins, input, member});
+  int nthread = dem_search_threads(input, n);
+  dem_search_parallel(nthread, find_cells, &(binning){bins, input, member, nthread});
 
   /* counting sort, which keeps the order */
   memset(bins->first, 0, (ncell + 1) * sizeof *bins->first);
@@ -283,7 +285,8 @@ DEM_SEARCH_KERNEL void take_run(batch *to, const dem_bins *bins, int begin, int 
   to->n += length;
 }
 
-/* bit l: is excess[l] negative? The mask of eight doubles is narrowed to eight bytes, a multiplication gathers these. */
+/* bit l: is excess[l] negative? The mask of eight doubles is narrowed to eight bytes, a multiplication gathers these.
+ */
 DEM_SEARCH_KERNEL uint64_t negative(const double excess[DEM_LANES]) {
   typedef double lanes __attribute__((vector_size(DEM_LANES * sizeof(double))));
   typedef int8_t bytes __attribute__((vector_size(DEM_LANES)));
@@ -303,8 +306,8 @@ DEM_SEARCH_KERNEL uint64_t compare(const batch *with, const dem_bins *from, int 
   for (int k = 0; k < with->n; k += DEM_LANES) {
     double excess[DEM_LANES];
     for (int l = 0; l < DEM_LANES; l++)
-      excess[l] = dem_excess(near, periodic, x - with->x[k + l], y - with->y[k + l], z - with->z[k + l],
-                             r + with->r[k + l]);
+      excess[l] =
+          dem_excess(near, periodic, x - with->x[k + l], y - with->y[k + l], z - with->z[k + l], r + with->r[k + l]);
     hits |= negative(excess) << k;
   }
   return with->n < BATCH ? hits & ((UINT64_C(1) << with->n) - 1) : hits;

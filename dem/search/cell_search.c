@@ -35,5 +35,4 @@ static void release(void *state) {
   dem_bins_free(state);
 }
 
-const dem_search_method dem_search_cells = {
-    .name = "cells", .state_size = sizeof(dem_bins), .find = find, .release = release};
+const dem_search_method dem_search_cells = {.state_size = sizeof(dem_bins), .find = find, .release = release};

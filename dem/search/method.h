@@ -24,7 +24,6 @@ typedef struct {
 
 /* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. */
 typedef struct {
-  const char *name;
   size_t state_size;
   bool (*find)(void *state, const dem_search_input *input, dem_pairs *found); /* false: no memory for the state */
   void (*release)(void *state);                                               /* may be NULL: nothing to free */
@@ -38,6 +37,11 @@ extern const dem_search_method dem_search_cells, dem_search_sweep, dem_search_gr
 /* Every pair checked: the search of "all" and "verlet-1967". */
 bool dem_find_all(void *state, const dem_search_input *input, dem_pairs *found);
 
+/* Is one grid of cells right for n spheres, of this largest radius and this sum of radii cubed, where a radius is that
+ * with half the skin? In a packing a sphere has about 15 n r_max^3 / sum r^3 candidates in cells of the largest
+ * diameter: 15 if all are equal, many more if small ones fill the cells of large ones. */
+bool dem_cells_fit(int n, double largest, double cubes);
+
 /* Room for `more` pairs beyond the count. False: no memory, which the list remembers for dem_search_run. */
 bool dem_pairs_grow(dem_pairs *pairs, size_t more);
 
@@ -47,6 +51,11 @@ static inline bool dem_pairs_reserve(dem_pairs *pairs, size_t more) {
 
 /* Call work(context, t) for t = 0 ... nthread - 1, side by side where OpenMP is there. */
 void dem_search_parallel(int nthread, void (*work)(void *context, int t), void *context);
+
+/* threads for n spheres; few are not worth starting any for */
+static inline int dem_search_threads(const dem_search_input *input, int n) {
+  return n < 1000 ? 1 : input->nthread;
+}
 
 /* the part of 0 ... n that is thread t's: from dem_part(n, t, nthread) up to dem_part(n, t + 1, nthread) */
 static inline int dem_part(int n, int t, int nthread) {

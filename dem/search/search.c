@@ -8,21 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define METHODS(X)  \
-  X(cells)          \
-  X(sweep)          \
-  X(grid)           \
-  X(verlet_1967)    \
-  X(all)
+#define SEARCHES(X)             \
+  X(cells, "cells")             \
+  X(sweep, "sweep")             \
+  X(grid, "grid")               \
+  X(verlet_1967, "verlet-1967") \
+  X(all, "all")
 
-static const dem_search_method *const methods[] = {
-#define X(name) &dem_search_##name,
-    METHODS(X)
+#define X(symbol, name) name,
+const char *const dem_search_names[] = {SEARCHES(X) NULL};
 #undef X
-};
-enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
-const char *const dem_search_names[] = {"cells", "sweep", "grid", "verlet-1967", "all", NULL};
+#define X(symbol, name) &dem_search_##symbol,
+static const dem_search_method *const methods[] = {SEARCHES(X)};
+#undef X
 
 struct dem_search {
   const dem_search_method *method;
@@ -32,20 +31,20 @@ struct dem_search {
 };
 
 dem_search *dem_search_create(const char *name) {
-  for (int m = 0; m < METHOD_COUNT; m++) {
-    if (strcmp(methods[m]->name, name) != 0)
-      continue;
-    dem_search *search = calloc(1, sizeof *search);
-    void *state = calloc(1, methods[m]->state_size + 1);
-    if (!search || !state) {
-      free(search);
-      free(state);
-      return NULL;
-    }
-    *search = (dem_search){.method = methods[m], .state = state};
-    return search;
+  int m = 0;
+  while (dem_search_names[m] && strcmp(dem_search_names[m], name) != 0)
+    m++;
+  if (!dem_search_names[m])
+    return NULL;
+  dem_search *search = calloc(1, sizeof *search);
+  void *state = calloc(1, methods[m]->state_size + 1);
+  if (!search || !state) {
+    free(search);
+    free(state);
+    return NULL;
   }
-  return NULL;
+  *search = (dem_search){.method = methods[m], .state = state};
+  return search;
 }
 
 void dem_search_destroy(dem_search **search) {
@@ -168,11 +167,11 @@ static int compare_int(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* first[i + 1] stands at the start of row i before, at its end after */
+/* first[i + 1] stands at the start of row i before, at its end after; then the rows are sorted */
 static void fill_rows(void *context, int t) {
   const sorting *s = context;
   int begin = dem_part(s->n, t, s->nthread), end = dem_part(s->n, t + 1, s->nthread);
-  int *at = s->rows->first + 1, *other = s->rows->other;
+  int *at = s->rows->first + 1, *other = s->rows->other, start = begin < end ? at[begin] : 0;
   for (int f = 0; f < s->nthread; f++)
     for (size_t k = 0; k < s->found[f].count; k++) {
       dem_pair p = s->found[f].pair[k];
@@ -180,18 +179,11 @@ static void fill_rows(void *context, int t) {
       if (i >= begin && i < end)
         other[at[i]++] = greater(p);
     }
-}
-
-static void sort_rows(void *context, int t) {
-  const sorting *s = context;
-  int end = dem_part(s->n, t + 1, s->nthread);
-  for (int i = dem_part(s->n, t, s->nthread); i < end; i++) {
-    int *row = s->rows->other + s->rows->first[i], length = s->rows->first[i + 1] - s->rows->first[i];
-    if (length > 32)
-      qsort(row, (size_t)length, sizeof *row, compare_int);
+  for (int i = begin; i < end; start = at[i++])
+    if (at[i] - start > 32)
+      qsort(other + start, (size_t)(at[i] - start), sizeof *other, compare_int);
     else
-      sort_row(row, length);
-  }
+      sort_row(other + start, at[i] - start);
 }
 
 /* counting sort of the pairs by their lesser particle, then each row by itself */
@@ -215,7 +207,6 @@ static bool make_rows(const dem_pairs *found, int n, int nthread, dem_rows *rows
     at += length;
   }
   dem_search_parallel(nthread, fill_rows, &s);
-  dem_search_parallel(nthread, sort_rows, &s);
   rows->count = count;
   return true;
 }
@@ -238,24 +229,24 @@ static bool prepare_lists(dem_search *search, int nthread) {
 }
 
 bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
-  assert(input->n >= 0 && input->nthread >= 1);
-  const int few = 1000; /* spheres; fewer are not worth starting threads for */
+  assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
   dem_search_input in = *input;
-  if (in.n < few)
-    in.nthread = 1;
+  in.nthread = dem_search_threads(&in, in.n);
   return prepare_lists(search, in.nthread) && search->method->find(search->state, &in, search->found) &&
          make_rows(search->found, in.n, in.nthread, rows);
 }
 
+bool dem_cells_fit(int n, double largest, double cubes) {
+  const double worth = 10; /* measured with bench_search */
+  return n * largest * largest * largest <= worth * cubes;
+}
+
 const char *dem_search_choose(const dem_search_input *input) {
-  /* Cells cost a look at each sphere in cells of the largest diameter: in a packing that number grows as
-   * n r_max^3 / sum r^3, 1 for equal spheres. */
-  const double worth = 4;
   double largest = 0, cubes = 0;
   for (int i = 0; i < input->n; i++) {
-    double r = input->sphere[i].radius;
+    double r = input->sphere[i].radius + input->skin / 2;
     largest = r > largest ? r : largest;
     cubes += r * r * r;
   }
-  return input->n * largest * largest * largest > worth * cubes ? "grid" : "cells";
+  return dem_cells_fit(input->n, largest, cubes) ? "cells" : "grid";
 }

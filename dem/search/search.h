@@ -37,8 +37,8 @@ typedef struct {
   size_t first_capacity;
 } dem_rows;
 
-/* What a search keeps between calls: scratch memory, and what speeds the next call up. Nothing in it decides the
- * result. */
+/* What a search keeps between calls: scratch memory, and what speeds the next call up ("sweep": as long as particles
+ * keep their numbers). Nothing in it decides the result. */
 typedef struct dem_search dem_search;
 
 /* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests); "auto"

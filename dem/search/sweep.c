@@ -193,6 +193,7 @@ static bool store_all(dem_sweep *s, int axis) {
     if (!(s->low[3 * m->particle + axis] < s->high[3 * m->particle + axis]))
       continue; /* empty */
     if (!m->end) {
+      s->anew += nopen;
       for (int o = 0; ok && o < nopen; o++)
         ok = open[o] / 2 == m->particle || !overlap(s, open[o] / 2, m->particle) || store(s, open[o] / 2, m->particle);
       place[box] = nopen;
@@ -212,6 +213,7 @@ static bool make_anew(dem_sweep *s) {
     s->head[i] = -1;
   s->nlink = 0;
   s->free_link = -1;
+  s->anew = 0;
   for (int a = 0; a < 3; a++)
     all_marks(s, a);
   return s->n == 0 || store_all(s, 0);
@@ -250,8 +252,8 @@ bool dem_sweep_update(dem_sweep *s, const dem_search_input *input) {
   move_boxes(s, input);
   if (!known)
     return make_anew(s);
-  const long long a_particle = 200; /* exchanges, beyond which sorting from nothing is cheaper */
-  long long left = a_particle * s->n;
+  /* exchanges that take the time of making all anew: sorting costs some hundreds a particle, a comparison a few */
+  long long left = 300LL * s->n + 2 * s->anew;
   for (int a = 0; a < 3; a++) {
     move_marks(s, a);
     outcome done = sort_marks(s, a, &left);
@@ -292,5 +294,4 @@ static void release(void *state) {
   dem_sweep_free(state);
 }
 
-const dem_search_method dem_search_sweep = {
-    .name = "sweep", .state_size = sizeof(dem_sweep), .find = find, .release = release};
+const dem_search_method dem_search_sweep = {.state_size = sizeof(dem_sweep), .find = find, .release = release};

@@ -33,14 +33,15 @@ typedef struct {
 
 typedef struct {
   int n;
-  int copies[3];       /* of each box on an axis: 2 where the box of the domain repeats */
-  double *low, *high;  /* (n x 3) ends of the boxes [m] */
-  dem_mark *mark[3];   /* (2 n copies) in ascending order */
-  int *head;           /* (n) first overlapping box of a greater number, -1: none */
-  dem_link *link;      /* (link_capacity) overlaps, chained by particle; the free ones chained from free_link */
+  int copies[3];      /* of each box on an axis: 2 where the box of the domain repeats */
+  double *low, *high; /* (n x 3) ends of the boxes [m] */
+  dem_mark *mark[3];  /* (2 n copies) in ascending order */
+  int *head;          /* (n) first overlapping box of a greater number, -1: none */
+  dem_link *link;     /* (link_capacity) overlaps, chained by particle; the free ones chained from free_link */
   int nlink, link_capacity, free_link;
-  size_t capacity;     /* particles that there is memory for */
-  double length[3];    /* of the domain where it repeats [m], else 0 */
+  size_t capacity;  /* particles that there is memory for */
+  long long anew;   /* comparisons of boxes when all was last made anew */
+  double length[3]; /* of the domain where it repeats [m], else 0 */
 } dem_sweep;
 
 /* Bring the lists of marks and of overlaps up to date. False: no memory. */

@@ -2,5 +2,4 @@
  * r_v = 5 r_max (Eq. 2.64; a skin of 3 r_max between the largest); made anew every 20 steps. */
 #include "dem/search/method.h"
 
-const dem_search_method dem_search_verlet_1967 = {
-    .name = "verlet-1967", .find = dem_find_all, .skin_radii = 3, .interval = 20};
+const dem_search_method dem_search_verlet_1967 = {.find = dem_find_all, .skin_radii = 3, .interval = 20};
