@@ -240,8 +240,11 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     vd3 velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), (vd3){s[4], s[5], s[6]});
     if (constants.more)
       pair_spins(d, i, j, &c);
+    if (!constants.more)
+      touching += __builtin_popcount(vm_bits(c.touching));
     outcome out = law(task, &c, velocity, list->history + k, list->capacity, law_row, 0);
-    touching += __builtin_popcount(vm_bits(c.touching));
+    if (constants.more) /* cohesion may have opened some */
+      touching += __builtin_popcount(vm_bits(c.touching));
     vd3 twist = vd3_scale(share, out.twist);
     vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
                   (vd[3]){twist.x, twist.y, twist.z});
