@@ -61,9 +61,9 @@ static int find_entry(const dem_pairs *list, int a, int b) {
 static void carry_pairs(dem_data *d, const dem_pairs *before, const int *old, int c) {
   dem_pairs *list = &d->pairs;
   const dem_law *law = d->model->law;
-  for (size_t q = 0; q < (size_t)law->ncolumn; q++)
-    memset(list->history + q * list->capacity + list->chunk[c], 0,
-           (list->chunk[c + 1] - list->chunk[c]) * sizeof(double));
+  size_t count = list->chunk[c + 1] - list->chunk[c];
+  for (size_t q = 0; q < (size_t)law->ncolumn && count > 0; q++)
+    memset(list->history + q * list->capacity + list->chunk[c], 0, count * sizeof(double));
   if (!before)
     return;
   for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++) {
