@@ -5,6 +5,7 @@
  * Contact: an impact takes t_c = 2.868 (m*^2 / (R* E*^2 v))^(1/5) (Hertz); 20 steps resolve it well, 10 are the least.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
  * contacts that touch now; tangentially (1 + m R^2/I) S_t = 3.5 S_t acts. 0.8 of it is taken.
+ * Of contacts that multi-step takes several times in a step, so many times the limit counts.
  * Particles that sources will make count for the first two.
  */
 #ifndef DEM_LIMITS_H
