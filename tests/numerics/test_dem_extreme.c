@@ -273,6 +273,23 @@ START_TEST(test_step_and_energy) {
 }
 END_TEST
 
+START_TEST(test_limits_of_substeps) {
+  /* what multi-step takes four times in a step may have a step four times as long */
+  dem_limits limits[2];
+  for (int k = 0; k < 2; k++) {
+    drop c = {
+        0.01, 2500, 1e8, 0.6, 0.3, 1, k ? ",'integrator':'multi-step','multi_step':{'substeps':4,'mass':1}" : NULL};
+    rig *r = drop_make(c, 1e-6);
+    rig_steps(r, 20);
+    limits[k] = dem_limits_now(r->data);
+    rig_free(r);
+  }
+  ck_relative(limits[1].rayleigh, 4 * limits[0].rayleigh, 1e-12);
+  ck_relative(limits[1].contact, 4 * limits[0].contact, 1e-3);
+  ck_relative(limits[1].eigen, 4 * limits[0].eigen, 1e-3);
+}
+END_TEST
+
 START_TEST(test_energy_of_a_push) {
   /* energy out of nothing, put in by hand: told with its amount */
   rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
@@ -310,4 +327,4 @@ END_TEST
 
 TEST_MAIN("dem extreme cases", 60, test_stiffness_and_density, test_restitution, test_friction, test_size_ratio,
           test_one_and_none, test_absurd_places, test_inside, test_through_a_wall, test_overlap, test_step_and_energy,
-          test_energy_of_a_push, test_no_number)
+          test_limits_of_substeps, test_energy_of_a_push, test_no_number)

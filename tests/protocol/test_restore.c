@@ -1,5 +1,7 @@
-/* SAVE and RESTORE: the DEM engine as a thread, spoken to over the wire. */
+/* SAVE and RESTORE: the DEM engine as a thread, spoken to over the wire and by a session. */
+#include "coupler/session.h"
 #include "dem/solver.h"
+#include "mbd/solver.h"
 #include "protocol/transport.h"
 #include "tests/test_main.h"
 
@@ -8,7 +10,7 @@
 #include <string.h>
 
 /* a box with grains that shakes */
-static const char scene[] =
+static const char grains[] =
     "{\"materials\":[{\"name\":\"a\",\"density\":1000,\"young_modulus\":1e7,\"poisson_ratio\":0.25}],\"pairs\":[{"
     "\"materials\":[\"a\",\"a\"],\"restitution\":0.5,\"friction\":0.4}],\"bodies\":[{\"name\":\"box\",\"material\":"
     "\"a\",\"shapes\":[{\"type\":\"box\",\"side\":\"inside\",\"size\":[0.4,0.4,0.4]}]}],\"particles\":[{\"type\":"
@@ -79,7 +81,7 @@ static void open_wire(wire *w) {
   json_t *assign =
       json_pack("{s:o, s:f, s:f, s:f, s:i, s:s, s:f, s:[{s:s, s:f, s:[f,f,f,f,f,f,f,f,f], s:[f,f,f,f,f,f,"
                 "f,f,f,f,f,f,f]}]}",
-                "scene", json_loads(scene, 0, NULL), "start", 0.0, "end", 1.0, "dt", 1e-4, "n", 100, "interpolation",
+                "scene", json_loads(grains, 0, NULL), "start", 0.0, "end", 1.0, "dt", 1e-4, "n", 100, "interpolation",
                 "linear", "timeout", 5.0, "bodies", "name", "box", "mass", 10.0, "inertia", 1.0, 0.0, 0.0, 0.0, 1.0,
                 0.0, 0.0, 0.0, 1.0, "state", 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
   ck_assert_ptr_nonnull(assign);
@@ -185,4 +187,69 @@ START_TEST(test_refused) {
 }
 END_TEST
 
-TEST_MAIN("restore", 60, test_back_and_forth, test_refused)
+/* ---- a session ---- */
+
+/* the load on the cube after `n` windows of 200 steps in which it stands still, from window k on */
+static tdm_wrench session_windows(cpl_session *s, int k, int n) {
+  tdm_wrench load = {0};
+  tdm_state cube = s->body[0].state;
+  tdm_error err = {0};
+  for (int w = k; w < k + n; w++) {
+    tdm_step step = {.window = (uint64_t)w,
+                     .t0 = 1e-3 * w,
+                     .t1 = 1e-3 * (w + 1),
+                     .nstep = 200,
+                     .nbody = 1,
+                     .nstate = 1,
+                     .start = &cube,
+                     .end = &cube};
+    tdm_result result;
+    ck_assert_msg(!cpl_session_step(s, CPL_DEM, &step, &result, &err), "%s", err.message);
+    load = result.load[0];
+  }
+  return load;
+}
+
+START_TEST(test_session) {
+  tdm_scene scene;
+  tdm_error err = {0};
+  cpl_settings settings;
+  cpl_session s;
+  ck_assert_int_eq(tdm_scene_read(&scene, TANDEM_SOURCE_DIR "/scenarios/collision/scene.json", &err), TDM_OK);
+  ck_assert_int_eq(tdm_scene_set(&scene, "coupling.transport=inproc", &err), TDM_OK);
+  ck_assert_int_eq(cpl_settings_read(&settings, &scene, &err), TDM_OK);
+  void *context = tdm_context_create();
+  ck_assert_int_eq(cpl_session_open(&s, &settings, endpoint, context, &err), TDM_OK);
+  const tdm_solver_ops *const ops[] = {[CPL_MBD] = &mbd_solver_ops, [CPL_DEM] = &dem_solver_ops};
+  for (int r = 0; r < CPL_NROLE; r++) {
+    char log[512];
+    snprintf(log, sizeof log, "%s/test_restore.%d.log", TANDEM_TEST_DIR, r);
+    ck_assert_int_eq(cpl_launch_thread(&s.partner[r].child, ops[r], endpoint, context, log, 5, &err), TDM_OK);
+  }
+  ck_assert_msg(!cpl_session_start(&s, &scene, &err), "%s", err.message);
+
+  /* there, back, and there again */
+  const tdm_wrench before = session_windows(&s, 0, 2);
+  ck_assert_int_eq(cpl_session_save(&s, CPL_DEM, 5, &err), TDM_OK);
+  const tdm_wrench first = session_windows(&s, 2, 2);
+  ck_assert_int_eq(cpl_session_restore(&s, CPL_DEM, 5, &err), TDM_OK);
+  const tdm_wrench again = session_windows(&s, 2, 2);
+  ck_assert_mem_eq(&first, &again, sizeof first);
+  ck_assert(memcmp(&before, &first, sizeof first) != 0);
+  /* an empty slot is the solver's error, which names it */
+  ck_assert_int_eq(cpl_session_restore(&s, CPL_DEM, 6, &err), TDM_ERR_PROTOCOL);
+  ck_assert_ptr_nonnull(strstr(err.message, "slot 6"));
+
+  cpl_child *child[CPL_NROLE];
+  for (int r = 0; r < CPL_NROLE; r++)
+    child[r] = s.partner[r].child;
+  cpl_session_close(&s, &err);
+  for (int r = 0; r < CPL_NROLE; r++)
+    ck_assert(cpl_child_stop(&child[r], 5));
+  tdm_context_destroy(&context);
+  cpl_settings_free(&settings);
+  tdm_scene_destroy(&scene);
+}
+END_TEST
+
+TEST_MAIN("restore", 60, test_back_and_forth, test_refused, test_session)
