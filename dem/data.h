@@ -33,7 +33,7 @@ typedef struct {
   int particle, wall, part;
 } dem_wall_entry;
 
-/* Ascending by particle, wall and part. */
+/* Chunk by chunk, in each ascending by wall, particle and part. */
 typedef struct {
   dem_wall_entry *entry; /* (capacity) */
   double *history;       /* (columns x capacity) or NULL */

@@ -8,6 +8,7 @@
 #define DEM_SIMD_H
 
 #include "dem/sphere.h"
+#include "protocol/pose.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -107,6 +108,28 @@ DEM_INLINE void vd_sphere_difference(const dem_sphere *s, const int *i, const in
   for (int l = 0; l < 8; l++)
     out[l] = _mm512_fmadd_pd(vd_load(&s[j[l]].position.x), sign, vd_load(&s[i[l]].position.x));
   vd_transpose8(out);
+}
+
+DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+  for (int l = 0; l < 8; l++)
+    out[l] = vd_load(&s[i[l]].position.x);
+  vd_transpose8(out);
+}
+
+DEM_INLINE void vd_push_walls(dem_push *push, const int *i, const vd f[3], const vd t[3], const vd m[3],
+                              tdm_wrench *load) {
+  vd r[8] = {f[0], f[1], f[2], vd_set(0), t[0], t[1], t[2], vd_set(0)};
+  vd w[8] = {f[0], f[1], f[2], m[0], m[1], m[2], vd_set(0), vd_set(0)};
+  vd_transpose8(r);
+  vd_transpose8(w);
+  const __mmask8 six = 0x3f;
+  vd sum = _mm512_maskz_loadu_pd(six, &load->force.x);
+  for (int l = 0; l < 8; l++) {
+    double *one = &push[i[l]].force.x;
+    vd_store(one, vd_load(one) + r[l]);
+    sum = sum - w[l];
+  }
+  _mm512_mask_storeu_pd(&load->force.x, six, sum);
 }
 
 DEM_INLINE void vd_rotor_sum(const dem_rotor *s, const int *i, const int *j, vd out[4]) {
@@ -217,6 +240,34 @@ DEM_INLINE void vd_sphere_difference(const dem_sphere *s, const int *i, const in
   vd_transpose4(out + 4);
 }
 
+DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+  for (int l = 0; l < 4; l++) {
+    out[l] = vd_load(&s[i[l]].position.x);
+    out[4 + l] = vd_load(&s[i[l]].velocity.x);
+  }
+  vd_transpose4(out);
+  vd_transpose4(out + 4);
+}
+
+DEM_INLINE void vd_push_walls(dem_push *push, const int *i, const vd f[3], const vd t[3], const vd m[3],
+                              tdm_wrench *load) {
+  vd a[4] = {f[0], f[1], f[2], vd_set(0)}, b[4] = {t[0], t[1], t[2], vd_set(0)}, c[4] = {m[0], m[1], m[2], vd_set(0)};
+  vd_transpose4(a);
+  vd_transpose4(b);
+  vd_transpose4(c);
+  double sum[8] = {load->force.x, load->force.y, load->force.z, 0, load->moment.x, load->moment.y, load->moment.z, 0};
+  vd force = vd_load(sum), moment = vd_load(sum + 4);
+  for (int l = 0; l < 4; l++) {
+    double *one = &push[i[l]].force.x;
+    vd_store(one, vd_load(one) + a[l]);
+    vd_store(one + 4, vd_load(one + 4) + b[l]);
+    force = force - a[l];
+    moment = moment - c[l];
+  }
+  vd_store(sum, force), vd_store(sum + 4, moment);
+  *load = (tdm_wrench){{sum[0], sum[1], sum[2]}, {sum[4], sum[5], sum[6]}};
+}
+
 DEM_INLINE void vd_rotor_sum(const dem_rotor *s, const int *i, const int *j, vd out[4]) {
   for (int l = 0; l < 4; l++)
     out[l] = vd_load(&s[i[l]].surface.x) + vd_load(&s[j[l]].surface.x);
@@ -321,6 +372,26 @@ DEM_INLINE void vd_sphere_difference(const dem_sphere *s, const int *i, const in
   }
 }
 
+DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+  DEM_LANES(l) {
+    const double *a = &s[i[l]].position.x;
+    for (int q = 0; q < 8; q++)
+      out[q][l] = a[q];
+  }
+}
+
+DEM_INLINE void vd_push_walls(dem_push *push, const int *i, const vd f[3], const vd t[3], const vd m[3],
+                              tdm_wrench *load) {
+  DEM_LANES(l) {
+    dem_push *one = &push[i[l]];
+    tdm_vec3 force = {f[0][l], f[1][l], f[2][l]}, twist = {t[0][l], t[1][l], t[2][l]};
+    one->force = tdm_add(one->force, force);
+    one->twist = tdm_add(one->twist, twist);
+    load->force = tdm_sub(load->force, force);
+    load->moment = tdm_sub(load->moment, tdm_v3(m[0][l], m[1][l], m[2][l]));
+  }
+}
+
 DEM_INLINE void vd_rotor_sum(const dem_rotor *s, const int *i, const int *j, vd out[4]) {
   DEM_LANES(l) {
     const dem_rotor *a = &s[i[l]], *b = &s[j[l]];
@@ -346,6 +417,8 @@ DEM_INLINE void vd_push_pairs(dem_push *push, const int *i, const int *j, const 
 /* What the three above give:
  * vd_sphere_difference  columns dx dy dz dr dvx dvy dvz (i less j) and the sum of the inverse masses
  * vd_rotor_sum          columns of the sums of the surface velocities and of the radii
+ * vd_spheres            columns of the records of spheres: position, radius, velocity, 1/mass
+ * vd_push_walls         particles i get force f and twist t, the wall's load -f and -m, lane after lane
  * vd_push_pairs         i gets force f and twist t, j gets -f and t, lane after lane
  * vd_ratio_single       a/b with the precision of a float, for small corrections
  */

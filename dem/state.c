@@ -42,6 +42,7 @@ typedef struct {
 /* numbers of dem_data that are no arrays */
 typedef struct {
   uint64_t nstep, since_sort, ncontact, sample_count, restart, strain_steps;
+  double skin;
   double memory_dt, strained, strain_dt;
   dem_ledger ledger;
   dem_guard_state guard;
@@ -146,6 +147,7 @@ static void put_histories(writer *w, const dem_data *d) {
 static counters counters_of(const dem_data *d) {
   return (counters){.nstep = d->nstep,
                     .since_sort = d->since_sort,
+                    .skin = d->skin,
                     .ncontact = (uint64_t)d->ncontact,
                     .sample_count = d->sample_count,
                     .restart = d->restart,
@@ -382,6 +384,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   dem_walls_put(d);
   d->list_valid = false; /* histories of before are not these */
   d->since_sort = 0;     /* the order is the one that was saved */
+  d->skin = c.skin;
   if (!dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for the neighbour lists");
   d->since_sort = c.since_sort;

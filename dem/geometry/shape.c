@@ -242,8 +242,10 @@ void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *lis
   int first = list->count;
   read[shape](&o, body, list);
   tdm_vec3 surface = tdm_get_vec3(&o, "surface_velocity", &(tdm_vec3){0, 0, 0});
-  for (int w = first; w < list->count; w++)
+  for (int w = first; w < list->count; w++) {
+    list->wall[w].moves = list->wall[w].surface_spin != 0 || tdm_norm(surface) > 0;
     list->wall[w].surface = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(list->wall[w].turn)), surface);
+  }
   tdm_object_close(&o);
 }
 

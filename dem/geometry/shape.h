@@ -39,6 +39,7 @@ typedef struct {
   bool inside;          /* cylinder: the particles are inside */
   const dem_mesh *mesh; /* borrowed from the list; body axes */
   tdm_vec3 surface;     /* velocity of the surface in the wall (a belt), the wall's own axes [m/s] */
+  bool moves;           /* the surface has a velocity of its own */
   double surface_spin;  /* the same about the wall's own z axis [rad/s] */
 } dem_wall;
 

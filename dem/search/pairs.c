@@ -229,10 +229,13 @@ static bool append_wall(dem_data *d, dem_wall_entry entry) {
 }
 
 static int compare_entries(const dem_wall_entry *a, const dem_wall_entry *b) {
-  if (a->particle != b->particle)
-    return a->particle < b->particle ? -1 : 1;
+  int chunk_a = a->particle / DEM_CHUNK, chunk_b = b->particle / DEM_CHUNK;
+  if (chunk_a != chunk_b)
+    return chunk_a < chunk_b ? -1 : 1;
   if (a->wall != b->wall)
     return a->wall < b->wall ? -1 : 1;
+  if (a->particle != b->particle)
+    return a->particle < b->particle ? -1 : 1;
   return a->part < b->part ? -1 : a->part > b->part;
 }
 
@@ -253,7 +256,7 @@ static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
   }
 }
 
-/* the list of before with new numbers; to ascend again it is sorted, histories with it */
+/* the list of before with new numbers (NULL: the same); to ascend again it is sorted, histories with it */
 static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
   size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
   if (n == 0 || ncolumn == 0)
@@ -265,7 +268,8 @@ static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now)
   double *copy = malloc(n * sizeof *copy);
   for (size_t k = 0; key && k < n; k++) {
     key[k].entry = list->entry[k];
-    key[k].entry.particle = now[key[k].entry.particle];
+    if (now)
+      key[k].entry.particle = now[key[k].entry.particle];
     key[k].at = (int)k;
   }
   if (key && copy) {
@@ -284,35 +288,54 @@ static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now)
   return good;
 }
 
-static bool list_walls_of(dem_data *d, int i) {
-  const dem_model *m = d->model;
-  const dem_sphere *s = &d->sphere[i];
-  for (int w = 0; w < m->nwall; w++) {
-    const dem_wall *wall = &m->wall[w];
-    tdm_vec3 n;
-    double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
-    /* distance from where a contact acts; a plane ends one radius behind its surface */
-    double away = gap - s->radius - m->reach;
-    if (dem_wall_endless(wall))
-      away = fmax(away, -gap - s->radius);
-    if (!(away < d->skin))
-      d->margin[wall->body] = fmin(d->margin[wall->body], away);
-    else if (!append_wall(d, (dem_wall_entry){i, w, 0}))
+/* the triangles near particle i */
+static bool list_mesh(dem_data *d, int i, int w) {
+  const dem_wall *wall = &d->model->wall[w];
+  tdm_vec3 own = dem_wall_own(&d->wall[w], d->sphere[i].position);
+  double range = d->sphere[i].radius + d->model->reach + d->skin;
+  int some[64], *near = some, n = dem_mesh_near(wall->mesh, own, range, some, 64);
+  if (n > 64) {
+    near = malloc((size_t)n * sizeof *near);
+    if (!near)
       return false;
+    dem_mesh_near(wall->mesh, own, range, near, n);
   }
+  bool good = true;
+  for (int k = 0; k < n && good; k++)
+    good = append_wall(d, (dem_wall_entry){i, w, near[k]});
+  if (near != some)
+    free(near);
+  d->margin[wall->body] = fmin(d->margin[wall->body], d->skin); /* what is not listed is farther */
+  return good;
+}
+
+static bool list_wall(dem_data *d, int i, int w) {
+  const dem_model *m = d->model;
+  const dem_wall *wall = &m->wall[w];
+  const dem_sphere *s = &d->sphere[i];
+  if (wall->primitive == DEM_MESH)
+    return list_mesh(d, i, w);
+  tdm_vec3 n;
+  double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
+  /* distance from where a contact acts; a plane ends one radius behind its surface */
+  double away = gap - s->radius - m->reach;
+  if (dem_wall_endless(wall))
+    away = fmax(away, -gap - s->radius);
+  if (away < d->skin)
+    return append_wall(d, (dem_wall_entry){i, w, 0});
+  d->margin[wall->body] = fmin(d->margin[wall->body], away);
   return true;
 }
 
 static bool build_walls(dem_data *d, const dem_wall_contacts *before) {
   d->walls.count = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    if (i % DEM_CHUNK == 0)
-      d->walls.chunk[i / DEM_CHUNK] = d->walls.count;
-    if (!list_walls_of(d, i))
-      return false;
+  for (int c = 0; c < d->nchunk; c++) {
+    d->walls.chunk[c] = d->walls.count;
+    for (int w = 0; w < d->model->nwall; w++)
+      for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
+        if (!list_wall(d, i, w))
+          return false;
   }
-  if (d->nparticle == 0)
-    d->walls.chunk[0] = 0;
   d->walls.chunk[d->nchunk] = d->walls.count;
   carry_walls(d, before);
   return true;
@@ -371,6 +394,8 @@ bool dem_lists_build(dem_data *d) {
     free(now);
     old = from;
     d->since_sort = 0;
+  } else if (d->list_stale && carry && d->nchunk > 1) {
+    good = renumber_walls(d, &d->spare_walls, NULL); /* particles went from chunk to chunk */
   }
   note_positions(d);
   d->nchunk = dem_chunks(d->nparticle);
