@@ -4,6 +4,8 @@
 #include "dem/simd.h"
 
 typedef double v8 __attribute__((vector_size(64)));
+typedef double v4 __attribute__((vector_size(32)));
+typedef long long v4i __attribute__((vector_size(32)));
 typedef long long v8i __attribute__((vector_size(64)));
 
 DEM_INLINE v8 load8(const void *p) {
@@ -59,27 +61,33 @@ DEM_INLINE v8 of_all(const dem_data *d, int i, const dem_push *push, const field
 
 #define EACH_PARTICLE(d, chunk, i) for (int i = (chunk)*DEM_CHUNK, end_ = dem_chunk_end(d, chunk); i < end_; i++)
 
-/* How far particles of a chunk are from where they were listed. */
+/* How far particles of a chunk are from where they were listed: squares by component, the fourth means nothing. */
 typedef struct {
-  double most, sum; /* of squares [m2]; the sum is NaN when one is */
+  v4 most, sum; /* [m2]; the sum is NaN when one is */
 } travel;
 
 /* position, radius | velocity ahead, 1/mass; and the forces zeroed */
 DEM_INLINE void put(dem_data *d, int i, v8 x, v8 ahead, tdm_vec3 shift, travel *moved) {
   const v8 zero = {0};
   dem_sphere *s = &d->sphere[i];
+  double r = s->radius;
+  v4 radius = {r, r, r, r}, listed;
   store8(&d->push[i], zero);
   store8(s, __builtin_shuffle(x, ahead, (v8i){0, 1, 2, 3, 8, 9, 10, 7}));
-  double radius = s->radius;
-  d->rotor[i].surface = tdm_v3(radius * ahead[4], radius * ahead[5], radius * ahead[6]);
-  tdm_vec3 way = tdm_sub(tdm_sub(s->position, d->position_at_list[i]), shift);
-  double r2 = tdm_dot(way, way);
-  moved->most = r2 > moved->most ? r2 : moved->most;
-  moved->sum += r2;
+  v4 surface = radius * __builtin_shufflevector(ahead, ahead, 4, 5, 6, 7);
+  surface = __builtin_shufflevector(surface, radius, 0, 1, 2, 7);
+  memcpy(&d->rotor[i], &surface, sizeof surface);
+  memcpy(&listed, &d->position_at_list[i], sizeof listed); /* the next one's first, too: there is one more */
+  v4 way = __builtin_shufflevector(x, x, 0, 1, 2, 3) - listed - (v4){shift.x, shift.y, shift.z, 0}, way2 = way * way;
+  v4i more = way2 > moved->most;
+  moved->most = (v4)((more & (v4i)way2) | (~more & (v4i)moved->most));
+  moved->sum += way2;
 }
 
+/* a bound of the largest square of a way, NaN when a position is no number */
 static double farthest(const travel *moved) {
-  return isfinite(moved->sum) ? moved->most : NAN;
+  const v4 *m = &moved->most, *s = &moved->sum;
+  return isfinite((*s)[0] + (*s)[1] + (*s)[2]) ? (*m)[0] + (*m)[1] + (*m)[2] : NAN;
 }
 
 static void add_crossings(dem_data *d, int chunk) {
@@ -103,7 +111,7 @@ DEM_INLINE v8 drift_of(double dt) {
 DEM_INLINE double begin_verlet(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
   const v8 half = span(0.5 * stride->dt), drift = drift_of(stride->dt);
   const field f = field_of(d, driven);
-  travel moved = {0, 0};
+  travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
     v8 a = half * of_all(d, i, d->push, &f, driven);
     v8 v = load8(&d->pace[i]) + a, ahead = v + a;
@@ -126,7 +134,7 @@ DEM_INLINE void end_verlet(dem_data *d, int chunk, double dt, const bool driven)
 DEM_INLINE double begin_leap_frog(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
   const v8 half = span(0.5 * stride->dt), drift = drift_of(stride->dt);
   const field f = field_of(d, driven);
-  travel moved = {0, 0};
+  travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
     v8 a = half * of_all(d, i, d->push, &f, driven);
     v8 w = load8(&d->memory[i]) + (a + a);
@@ -158,7 +166,7 @@ DEM_INLINE double begin_stormer(dem_data *d, int chunk, const dem_stride *stride
   const double dt = stride->dt;
   const v8 half = span(0.5 * dt), square = span(dt * dt), rate = span(1 / dt), place = drift_of(1);
   const field f = field_of(d, driven);
-  travel moved = {0, 0};
+  travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
     v8 a = of_all(d, i, d->push, &f, driven);
     v8 x = load8(&d->sphere[i]), before = load8(&d->memory[i]);
@@ -195,7 +203,7 @@ DEM_INLINE void remember_stormer(dem_data *d, int first, int end, double dt, con
 DEM_INLINE double begin_multi(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
   const v8 half = span(0.5 * stride->dt), drift = drift_of(stride->dt), lead = span(stride->lead);
   const field f = field_of(d, driven);
-  travel moved = {0, 0};
+  travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
     v8 fast = of_contacts(&d->sphere[i], &d->push[i]), slow = of_all(d, i, d->spare_push, &f, driven);
     v8 a = half * (driven ? fast * f.free : fast);
