@@ -2,6 +2,7 @@
 #include "dem/bed.h"
 
 #include "dem/geometry/walls.h"
+#include "dem/pour.h"
 #include "dem/search/pairs.h"
 
 #include <errno.h>
@@ -113,6 +114,14 @@ uint64_t dem_bed_fingerprint(const dem_model *m) {
     h = hash_bytes(h, &m->body[b].start, sizeof m->body[b].start);
   }
   h = hash_walls(h, m);
+  for (int k = 0; k < m->npouring; k++) {
+    const dem_pouring *p = &m->pouring[k];
+    const double numbers[] = {p->first, p->count, (double)p->seed};
+    h = hash_numbers(h, numbers, 3);
+    h = hash_bytes(h, &p->frame, sizeof p->frame);
+    h = hash_vectors(h, &p->low, 1);
+    h = hash_vectors(h, &p->high, 1);
+  }
   h = hash_numbers(h, m->radius, np);
   h = hash_numbers(h, m->mass, np);
   h = hash_bytes(h, m->kind, np * sizeof *m->kind);
@@ -212,9 +221,11 @@ static tdm_status read_bed(FILE *f, dem_data *d, dem_settled *out, tdm_error *er
     return refuse(d, err, "is no stored bed");
   if (h.version != BED_VERSION)
     return refuse(d, err, "was written by another version of tandem");
-  if (h.fingerprint != dem_bed_fingerprint(d->model) || h.nparticle != (uint64_t)d->nparticle)
+  if (h.fingerprint != dem_bed_fingerprint(d->model) || h.nparticle != (uint64_t)d->model->nparticle)
     return refuse(d, err,
                   "holds the bed of another scene (particles, materials, shapes, poses, gravity or dem.settle differ)");
+  if (!dem_pour_rest(d))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the particles of a stored bed");
   bool fits = h.ncolumn == (uint64_t)d->model->law->ncolumn;
   if (!get_places(f, d, &sum, &fits))
     return refuse_short(f, d, err);

@@ -186,8 +186,8 @@ void dem_set_body_mass(dem_data *d, int i, double mass) {
 /* particles and bodies as the model has them at the start */
 static void begin(dem_data *d) {
   const dem_model *m = d->model;
-  d->nparticle = m->nparticle;
-  for (int i = 0; i < m->nparticle; i++) {
+  d->nparticle = m->nparticle - m->npoured;
+  for (int i = 0; i < d->nparticle; i++) {
     d->id[i] = (uint64_t)i;
     d->mass[i] = m->mass[i];
     d->kind[i] = m->kind[i];
@@ -197,7 +197,7 @@ static void begin(dem_data *d) {
     dem_exact_add(&d->ledger.mass, m->mass[i]);
   }
   end_particles(d);
-  d->ledger.created = (uint64_t)m->nparticle;
+  d->ledger.created = (uint64_t)d->nparticle;
   d->since_sort = DEM_SORT_STEPS;
   for (int b = 0; b < m->nbody; b++) {
     d->pose[b] = m->body[b].start.pose;

@@ -44,8 +44,9 @@ void dem_model_destroy(dem_model **model) {
   for (int i = 0; m->sink && i < m->nsink; i++)
     free(m->sink[i].name);
   free(m->settle.store);
-  void *arrays[] = {m->source, m->sink,  m->box,    m->material, m->pair, m->settle_pair, m->body,     m->coupled_body,
-                    m->wall,   m->group, m->radius, m->mass,     m->kind, m->position,    m->velocity, m->spin};
+  void *arrays[] = {m->pouring,     m->source, m->sink,         m->box,      m->material, m->pair,
+                    m->settle_pair, m->body,   m->coupled_body, m->wall,     m->group,    m->radius,
+                    m->mass,        m->kind,   m->position,     m->velocity, m->spin};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

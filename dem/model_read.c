@@ -57,16 +57,6 @@ int dem_read_material(const dem_model *m, tdm_object *o) {
   return 0;
 }
 
-void dem_read_radius(tdm_object *o, double radius[2]) {
-  if (tdm_has(o, "radius") && json_is_array(json_object_get(o->json, "radius")))
-    tdm_get_numbers(o, "radius", radius, 2, true);
-  else
-    radius[0] = radius[1] = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
-  if (!o->err->status && !(radius[0] > 0 && radius[1] >= radius[0]))
-    tdm_object_fail(o, "radius", "is [%g, %g] but must be [smallest, largest], both greater than 0", radius[0],
-                    radius[1]);
-}
-
 /* damping of a pair from its restitution */
 static void set_damping(dem_pair *pair, bool clip, tdm_error *err, const char *path) {
   double beta = 0;
@@ -317,7 +307,7 @@ static double mean_radius_ahead(const dem_model *m) {
   for (int i = 0; i < m->nparticle; i++)
     sum += m->radius[i];
   for (int s = 0; s < m->nsource; s++)
-    sum += 0.5 * (m->source[s].radius[0] + m->source[s].radius[1]);
+    sum += dem_sizes_mean(&m->source[s].sizes);
   int n = m->nparticle + m->nsource;
   return n ? sum / n : 1;
 }
@@ -383,6 +373,9 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   if (!err->status)
     read_settle(m, &o);
   tdm_has(&o, "settle");
+  if (m->npouring > 0 && !m->settle.wanted)
+    tdm_object_fail(&o, "settle", "missing: dem.particles[%d] is poured while settling; give \"settle\" {}",
+                    m->pouring[0].entry);
   m->skin = tdm_get_number(&o, "skin", 0.1 * mean_radius_ahead(m), TDM_POSITIVE);
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);

@@ -18,7 +18,7 @@
 #include <string.h>
 
 /* One row an output channel: name, unit. channel_values fills them in this order; then come two for each source, two
- * for each sink, and the balance if there is any of them. */
+ * for each sink and for each of its size classes, and the balance if there is any of them. */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -88,6 +88,10 @@ static void channel_values(const dem_data *d, double *out) {
   for (int s = 0; s < m->nsink; s++) {
     *out++ = (double)d->sink[s].removed;
     *out++ = d->sink[s].mass;
+    for (int k = 0; k < dem_sink_classes(&m->sink[s]); k++) {
+      *out++ = (double)d->sink[s].class_removed[k];
+      *out++ = d->sink[s].class_mass[k];
+    }
   }
   if (m->nsource + m->nsink > 0) {
     *out++ = dem_balance_number(d);
@@ -103,8 +107,10 @@ static void name_channel(tdm_channel *c, const char *group, const char *name, co
 /* the channels of this scene; false: no memory */
 static bool make_channels(dem_solver *s) {
   const dem_model *m = s->model;
-  int flows = m->nsource + m->nsink;
-  s->nchannel = NCHANNEL + (flows > 0 ? 2 * flows + 2 : 0);
+  int flows = m->nsource + m->nsink, classes = 0;
+  for (int k = 0; k < m->nsink; k++)
+    classes += dem_sink_classes(&m->sink[k]);
+  s->nchannel = NCHANNEL + (flows > 0 ? 2 * (flows + classes) + 2 : 0);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
   if (!s->channel || !s->initial)
@@ -118,6 +124,13 @@ static bool make_channels(dem_solver *s) {
   for (int k = 0; k < m->nsink; k++) {
     name_channel(c++, "sink", m->sink[k].name, "removed", "1");
     name_channel(c++, "sink", m->sink[k].name, "mass", "kg");
+    for (int j = 0; j < dem_sink_classes(&m->sink[k]); j++) {
+      char what[32];
+      snprintf(what, sizeof what, "class%d.removed", j);
+      name_channel(c++, "sink", m->sink[k].name, what, "1");
+      snprintf(what, sizeof what, "class%d.mass", j);
+      name_channel(c++, "sink", m->sink[k].name, what, "kg");
+    }
   }
   if (flows > 0) {
     *c++ = (tdm_channel){"balance.number", "1"};

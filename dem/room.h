@@ -1,0 +1,31 @@
+/* Is there room for a sphere? The particles near a box, by cells, for a source or a filling that tries many places
+ * between two steps. The answer does not depend on the cells.
+ */
+#ifndef DEM_ROOM_H
+#define DEM_ROOM_H
+
+#include "dem/data.h"
+
+typedef struct {
+  tdm_vec3 low;  /* corner of the cells [m] */
+  double edge;   /* of a cell: what lies two cells away touches nothing [m] */
+  int n[3];      /* cells in each direction; those at the rim reach to infinity */
+  int *first;    /* (cells) first member of a cell, -1: none */
+  int *particle; /* (capacity) by member */
+  int *next;     /* (capacity) the next member of its cell, -1: none */
+  int count, capacity;
+} dem_room;
+
+/* For spheres of up to `radius` with centres in the box [low, high]. False: no memory (then there is nothing to
+ * close). */
+bool dem_room_open(dem_room *room, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
+void dem_room_close(dem_room *room);
+
+/* Has a sphere at x, in the box, room: does it overlap neither a particle nor a wall? One that is altogether behind a
+ * plane is not in it. */
+bool dem_room_free(const dem_room *room, const dem_data *data, tdm_vec3 x, double radius);
+
+/* Particle i, of no more than the radius of dem_room_open, has come. False: no memory. */
+bool dem_room_add(dem_room *room, const dem_data *data, int i);
+
+#endif
