@@ -203,8 +203,8 @@ dem_limits dem_limits_expected(const dem_data *d) {
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     for (int k = 0; k < 2; k++) {
-      double r = k ? source->sizes.max : source->sizes.min,
-             full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
+      double r = k ? source->sizes.max : source->sizes.min;
+      double full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
       add_particle(&l, m, source->kind, r, source->mass > 0 ? source->mass : full);
     }
   }

@@ -197,6 +197,8 @@ double dem_sizes_draw(const dem_sizes *s, uint64_t seed, uint64_t k) {
 
 double dem_sizes_mean(const dem_sizes *s) {
   enum { N = 256 };
+  if (s->min == s->max)
+    return s->min;
   double sum = 0;
   for (int k = 0; k < N; k++)
     sum += dem_sizes_quantile(s, (k + 0.5) / N);
