@@ -153,7 +153,7 @@ static bool renew(void *array, size_t n, size_t size) {
 }
 
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
-  if (count <= list->capacity)
+  if (count <= list->capacity && list->one) /* arrays also for no entries */
     return true;
   size_t capacity = (count + count / 8 + 64) & ~(size_t)7;
   list->capacity = 0;

@@ -60,7 +60,7 @@ static bool open_room(dem_room *room, const dem_data *d, const dem_source *s, do
 }
 
 /* The source's next particle, which was due `late` [s] ago, if there is room for it. */
-static bool find_room(const dem_data *d, const dem_room *room, const dem_source *s, dem_source_state *now, double late,
+static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double late,
                       dem_newcomer *out) {
   const dem_model *m = d->model;
   bool point = s->low.x == s->high.x && s->low.y == s->high.y && s->low.z == s->high.z;

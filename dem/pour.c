@@ -82,7 +82,7 @@ static tdm_vec3 place_in(const dem_pouring *p, uint64_t c, const uint64_t n[3], 
 }
 
 /* a particle in every free cell; when fewer are to come than there are cells, in some of them (Knuth, algorithm S) */
-static bool make_layer(dem_data *d, const dem_pouring *p, const dem_room *room, uint64_t layer) {
+static bool make_layer(dem_data *d, const dem_pouring *p, dem_room *room, uint64_t layer) {
   uint64_t n[3], ncell = cells_of(p, n), end = (uint64_t)(p->first + p->count), wanted = end - d->ledger.created;
   for (uint64_t c = 0; c < ncell && wanted > 0; c++) {
     if (dem_draw(p->seed, LAYERS + layer, 4 * c + 3) * (double)(ncell - c) >= (double)wanted)

@@ -4,30 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* the cell of a place: at the rim when it is outside */
-static int cell_of(const dem_room *r, tdm_vec3 x) {
-  const double at[3] = {x.x - r->low.x, x.y - r->low.y, x.z - r->low.z};
-  int cell = 0;
-  for (int a = 2; a >= 0; a--)
-    cell = cell * r->n[a] + (int)fmax(0, fmin(floor(at[a] / r->edge), r->n[a] - 1));
-  return cell;
-}
+enum { SCANS = 64 }; /* places tried before cells pay */
 
-/* as many cells as there are particles, about, none shorter than `edge` */
-static size_t choose_cells(dem_room *r, tdm_vec3 size, double edge, size_t particles) {
-  const double length[3] = {size.x, size.y, size.z};
-  double cells;
-  for (r->edge = edge;; r->edge *= 1.25) {
-    cells = 1;
-    for (int a = 0; a < 3; a++)
-      cells *= floor(length[a] / r->edge) + 1;
-    if (cells <= 2.0 * (double)particles + 1)
-      break;
-  }
-  for (int a = 0; a < 3; a++)
-    r->n[a] = (int)floor(length[a] / r->edge) + 1;
-  return (size_t)cells;
-}
+/* ---- members ---- */
 
 static bool near_box(const dem_sphere *s, tdm_vec3 low, tdm_vec3 high, double radius) {
   double reach = s->radius + radius;
@@ -36,28 +15,26 @@ static bool near_box(const dem_sphere *s, tdm_vec3 low, tdm_vec3 high, double ra
          x.z >= low.z - reach && x.z <= high.z + reach;
 }
 
+static bool grow(dem_room *r) {
+  int capacity = 2 * r->capacity + 64;
+  int *particle = realloc(r->particle, (size_t)capacity * sizeof *particle);
+  r->particle = particle ? particle : r->particle;
+  int *next = particle && r->first ? realloc(r->next, (size_t)capacity * sizeof *next) : NULL;
+  r->next = next ? next : r->next;
+  if (!particle || (r->first && !next))
+    return false;
+  r->capacity = capacity;
+  return true;
+}
+
 bool dem_room_open(dem_room *r, const dem_data *d, tdm_vec3 low, tdm_vec3 high, double radius) {
-  *r = (dem_room){.low = low};
-  int near = 0;
-  double largest = radius;
+  *r = (dem_room){.low = low, .high = high, .radius = radius, .largest = radius};
   for (int i = 0; i < d->nparticle; i++)
-    if (near_box(&d->sphere[i], low, high, radius)) {
-      near++;
-      largest = fmax(largest, d->sphere[i].radius);
+    if (near_box(&d->sphere[i], low, high, radius) && !dem_room_add(r, d, i)) {
+      dem_room_close(r);
+      return false;
     }
-  size_t cells = choose_cells(r, tdm_sub(high, low), radius + largest, (size_t)near + 32);
-  r->first = malloc(cells * sizeof *r->first);
-  if (r->first)
-    memset(r->first, 0xff, cells * sizeof *r->first);
-  bool good = r->first != NULL;
-  for (int i = 0; i < d->nparticle && good && near > 0; i++)
-    if (near_box(&d->sphere[i], low, high, radius)) {
-      good = dem_room_add(r, d, i);
-      near--;
-    }
-  if (!good)
-    dem_room_close(r);
-  return good;
+  return true;
 }
 
 void dem_room_close(dem_room *r) {
@@ -67,23 +44,66 @@ void dem_room_close(dem_room *r) {
   *r = (dem_room){0};
 }
 
-bool dem_room_add(dem_room *r, const dem_data *d, int i) {
-  if (r->count == r->capacity) {
-    int capacity = 2 * r->capacity + 64;
-    int *particle = realloc(r->particle, (size_t)capacity * sizeof *particle);
-    r->particle = particle ? particle : r->particle;
-    int *next = realloc(r->next, (size_t)capacity * sizeof *next);
-    r->next = next ? next : r->next;
-    if (!particle || !next)
-      return false;
-    r->capacity = capacity;
+/* ---- cells ---- */
+
+/* the cell of a place: at the rim when it is outside */
+static int cell_of(const dem_room *r, tdm_vec3 x) {
+  const double at[3] = {x.x - r->low.x, x.y - r->low.y, x.z - r->low.z};
+  int cell = 0;
+  for (int a = 2; a >= 0; a--)
+    cell = cell * r->n[a] + (int)fmax(0, fmin(floor(at[a] / r->edge), r->n[a] - 1));
+  return cell;
+}
+
+/* about as many cells as members, none too short; returns their number */
+static size_t choose_cells(dem_room *r) {
+  const double length[3] = {r->high.x - r->low.x, r->high.y - r->low.y, r->high.z - r->low.z};
+  double cells;
+  for (r->edge = r->radius + r->largest;; r->edge *= 1.25) {
+    cells = 1;
+    for (int a = 0; a < 3; a++)
+      cells *= floor(length[a] / r->edge) + 1;
+    if (cells <= 2.0 * r->count + 1)
+      break;
   }
-  int cell = cell_of(r, d->sphere[i].position);
-  r->particle[r->count] = i;
-  r->next[r->count] = r->first[cell];
-  r->first[cell] = r->count++;
+  for (int a = 0; a < 3; a++)
+    r->n[a] = (int)floor(length[a] / r->edge) + 1;
+  return (size_t)cells;
+}
+
+static void put_in_cell(dem_room *r, const dem_data *d, int member) {
+  int cell = cell_of(r, d->sphere[r->particle[member]].position);
+  r->next[member] = r->first[cell];
+  r->first[cell] = member;
+}
+
+/* without memory for cells all members are looked at */
+static void make_cells(dem_room *r, const dem_data *d) {
+  size_t cells = choose_cells(r);
+  r->first = malloc(cells * sizeof *r->first);
+  r->next = malloc((size_t)r->capacity * sizeof *r->next);
+  if (!r->first || !r->next) {
+    free(r->first);
+    free(r->next);
+    r->first = r->next = NULL;
+    return;
+  }
+  memset(r->first, 0xff, cells * sizeof *r->first); /* -1 */
+  for (int k = 0; k < r->count; k++)
+    put_in_cell(r, d, k);
+}
+
+bool dem_room_add(dem_room *r, const dem_data *d, int i) {
+  if (r->count == r->capacity && !grow(r))
+    return false;
+  r->largest = fmax(r->largest, d->sphere[i].radius);
+  r->particle[r->count++] = i;
+  if (r->first)
+    put_in_cell(r, d, r->count - 1);
   return true;
 }
+
+/* ---- asking ---- */
 
 static bool overlaps_wall(const dem_data *d, tdm_vec3 x, double radius) {
   const dem_model *m = d->model;
@@ -96,20 +116,21 @@ static bool overlaps_wall(const dem_data *d, tdm_vec3 x, double radius) {
   return false;
 }
 
-static bool overlaps_member(const dem_room *r, const dem_data *d, int cell, tdm_vec3 x, double radius) {
-  for (int k = r->first[cell]; k >= 0; k = r->next[k]) {
-    const dem_sphere *s = &d->sphere[r->particle[k]];
-    tdm_vec3 c = tdm_sub(x, s->position);
-    double sum = radius + s->radius;
-    if (tdm_dot(c, c) < sum * sum)
+static bool overlaps(const dem_sphere *s, tdm_vec3 x, double radius) {
+  tdm_vec3 c = tdm_sub(x, s->position);
+  double sum = radius + s->radius;
+  return tdm_dot(c, c) < sum * sum;
+}
+
+static bool overlaps_any(const dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
+  for (int k = 0; k < r->count; k++)
+    if (overlaps(&d->sphere[r->particle[k]], x, radius))
       return true;
-  }
   return false;
 }
 
-bool dem_room_free(const dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
-  if (overlaps_wall(d, x, radius))
-    return false;
+/* the same by the cell of x and those around it */
+static bool overlaps_near(const dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
   int cell = cell_of(r, x), nx = r->n[0], ny = r->n[1];
   const int at[3] = {cell % nx, cell / nx % ny, cell / nx / ny};
   int from[3], to[3];
@@ -120,7 +141,16 @@ bool dem_room_free(const dem_room *r, const dem_data *d, tdm_vec3 x, double radi
   for (int c = from[2]; c <= to[2]; c++)
     for (int b = from[1]; b <= to[1]; b++)
       for (int a = from[0]; a <= to[0]; a++)
-        if (overlaps_member(r, d, (c * ny + b) * nx + a, x, radius))
-          return false;
-  return true;
+        for (int k = r->first[(c * ny + b) * nx + a]; k >= 0; k = r->next[k])
+          if (overlaps(&d->sphere[r->particle[k]], x, radius))
+            return true;
+  return false;
+}
+
+bool dem_room_free(dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
+  if (overlaps_wall(d, x, radius))
+    return false;
+  if (++r->asked == SCANS)
+    make_cells(r, d);
+  return !(r->first ? overlaps_near(r, d, x, radius) : overlaps_any(r, d, x, radius));
 }

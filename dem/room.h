@@ -1,5 +1,5 @@
-/* Is there room for a sphere? The particles near a box, by cells, for a source or a filling that tries many places
- * between two steps. The answer does not depend on the cells.
+/* Is there room for a sphere? The particles near a box, for a source or a filling that tries places between two steps:
+ * a list, and when many places are tried, cells. The answer does not depend on them.
  */
 #ifndef DEM_ROOM_H
 #define DEM_ROOM_H
@@ -7,13 +7,17 @@
 #include "dem/data.h"
 
 typedef struct {
-  tdm_vec3 low;  /* corner of the cells [m] */
-  double edge;   /* of a cell: what lies two cells away touches nothing [m] */
-  int n[3];      /* cells in each direction; those at the rim reach to infinity */
-  int *first;    /* (cells) first member of a cell, -1: none */
-  int *particle; /* (capacity) by member */
-  int *next;     /* (capacity) the next member of its cell, -1: none */
+  tdm_vec3 low, high; /* box of the centres that are tried [m] */
+  double radius;      /* largest that is tried [m] */
+  double largest;     /* of those and the members [m] */
+  int *particle;      /* (capacity) members: particles near the box */
   int count, capacity;
+  int asked; /* places tried so far */
+
+  double edge; /* of a cell: what lies two cells away touches nothing [m] */
+  int n[3];    /* cells in each direction; those at the rim reach to infinity */
+  int *first;  /* (cells) first member of a cell, -1: none; NULL: no cells yet */
+  int *next;   /* (capacity) the next member of its cell, -1: none */
 } dem_room;
 
 /* For spheres of up to `radius` with centres in the box [low, high]. False: no memory (then there is nothing to
@@ -23,7 +27,7 @@ void dem_room_close(dem_room *room);
 
 /* Has a sphere at x, in the box, room: does it overlap neither a particle nor a wall? One that is altogether behind a
  * plane is not in it. */
-bool dem_room_free(const dem_room *room, const dem_data *data, tdm_vec3 x, double radius);
+bool dem_room_free(dem_room *room, const dem_data *data, tdm_vec3 x, double radius);
 
 /* Particle i, of no more than the radius of dem_room_open, has come. False: no memory. */
 bool dem_room_add(dem_room *room, const dem_data *data, int i);
