@@ -251,10 +251,10 @@ START_TEST(test_many) {
     r[k] = rig_make(scene_json("{" GRAIN ",'skin':0.01,'gravity':[0,0,-1],'sources':[{'name':'s','material':'a',"
                                "'rate':50000,'count':6000,'radius':[0.005,0.02],'velocity':[0,0,-0.5],"
                                "'region':{'min':[-1,-1,0],'max':[1,1,0.5]}}],'sinks':[{'name':'out','type':'plane',"
-                               "'point':[0,0,-0.25],'normal':[0,0,1],'classes':[0.01]}]}"),
+                               "'point':[0,0,-0.02],'normal':[0,0,1],'classes':[0.01]}]}"),
                     5e-4, 0, NULL);
     begin(r[k]);
-    many_steps(r[k], 1100);
+    many_steps(r[k], 450);
   }
   const dem_data *d = r[0]->data;
   ck_assert_int_gt(d->nparticle, DEM_CHUNK);

@@ -179,6 +179,27 @@ START_TEST(test_full) {
 }
 END_TEST
 
+START_TEST(test_ready) {
+  /* the solver starts with the poured bed; sources and their particles' ids come after it */
+  json_t *json = scene_json("{" GRAIN "," BOX ",'settle':{'speed':0.01},'particles':[{'type':'poured','material':'a',"
+                            "'radius':0.012,'count':40,'region':{'min':[-0.08,-0.08,0.12],'max':[0.08,0.08,0.16]}}],"
+                            "'sources':[{'name':'s','material':'a','radius':0.01,'rate':1,'position':[0,0,0.3]}]}");
+  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1};
+  void *self = NULL;
+  tdm_ready ready = {0};
+  tdm_error err = {0};
+  ck_assert_msg(!dem_solver_ops.create(&self, &a, &ready, NULL, &err), "%s: %s", err.path, err.message);
+  ck_assert_int_eq(ready.nwarning, 0);
+  ck_assert_int_eq((int)json_integer_value(json_object_get(json_object_get(ready.report, "fill"), "number")), 40);
+  ck_assert_str_eq(ready.channel[0].name, "particles.count");
+  ck_near(ready.initial[0], 41.0, 0);
+  ck_near(ready.initial[ready.nchannel - 2], 0.0, 0); /* balance.number, balance.mass */
+  ck_near(ready.initial[ready.nchannel - 1], 0.0, 0);
+  dem_solver_ops.destroy(self);
+  json_decref(json);
+}
+END_TEST
+
 START_TEST(test_errors) {
   static const struct {
     const char *entry, *path, *says;
@@ -206,4 +227,4 @@ START_TEST(test_errors) {
 }
 END_TEST
 
-TEST_MAIN("dem pour", 120, test_number, test_mass, test_entries, test_stored, test_full, test_errors)
+TEST_MAIN("dem pour", 120, test_number, test_mass, test_entries, test_stored, test_full, test_ready, test_errors)
