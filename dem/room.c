@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SCANS = 64 }; /* places tried before cells pay */
+enum { SCANS = 12 }; /* looks at all members that cost as much as making cells */
 
 /* ---- members ---- */
 
@@ -51,7 +51,7 @@ static int cell_of(const dem_room *r, tdm_vec3 x) {
   const double at[3] = {x.x - r->low.x, x.y - r->low.y, x.z - r->low.z};
   int cell = 0;
   for (int a = 2; a >= 0; a--)
-    cell = cell * r->n[a] + (int)fmax(0, fmin(floor(at[a] / r->edge), r->n[a] - 1));
+    cell = cell * r->n[a] + (int)fmax(0, fmin(floor(at[a] * r->per_edge), r->n[a] - 1));
   return cell;
 }
 
@@ -59,7 +59,7 @@ static int cell_of(const dem_room *r, tdm_vec3 x) {
 static size_t choose_cells(dem_room *r) {
   const double length[3] = {r->high.x - r->low.x, r->high.y - r->low.y, r->high.z - r->low.z};
   double cells;
-  for (r->edge = r->radius + r->largest;; r->edge *= 1.25) {
+  for (r->edge = 1.001 * (r->radius + r->largest);; r->edge *= 1.25) { /* round-off must not decide */
     cells = 1;
     for (int a = 0; a < 3; a++)
       cells *= floor(length[a] / r->edge) + 1;
@@ -68,6 +68,7 @@ static size_t choose_cells(dem_room *r) {
   }
   for (int a = 0; a < 3; a++)
     r->n[a] = (int)floor(length[a] / r->edge) + 1;
+  r->per_edge = 1 / r->edge;
   return (size_t)cells;
 }
 
@@ -122,11 +123,12 @@ static bool overlaps(const dem_sphere *s, tdm_vec3 x, double radius) {
   return tdm_dot(c, c) < sum * sum;
 }
 
-static bool overlaps_any(const dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
-  for (int k = 0; k < r->count; k++)
-    if (overlaps(&d->sphere[r->particle[k]], x, radius))
-      return true;
-  return false;
+static bool overlaps_any(dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
+  int k = 0;
+  while (k < r->count && !overlaps(&d->sphere[r->particle[k]], x, radius))
+    k++;
+  r->looked += k;
+  return k < r->count;
 }
 
 /* the same by the cell of x and those around it */
@@ -150,7 +152,7 @@ static bool overlaps_near(const dem_room *r, const dem_data *d, tdm_vec3 x, doub
 bool dem_room_free(dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
   if (overlaps_wall(d, x, radius))
     return false;
-  if (++r->asked == SCANS)
+  if (!r->first && r->looked > SCANS * (r->count + 64L))
     make_cells(r, d);
   return !(r->first ? overlaps_near(r, d, x, radius) : overlaps_any(r, d, x, radius));
 }

@@ -12,12 +12,12 @@ typedef struct {
   double largest;     /* of those and the members [m] */
   int *particle;      /* (capacity) members: particles near the box */
   int count, capacity;
-  int asked; /* places tried so far */
+  long looked; /* at members so far, without cells */
 
-  double edge; /* of a cell: what lies two cells away touches nothing [m] */
-  int n[3];    /* cells in each direction; those at the rim reach to infinity */
-  int *first;  /* (cells) first member of a cell, -1: none; NULL: no cells yet */
-  int *next;   /* (capacity) the next member of its cell, -1: none */
+  double edge, per_edge; /* of a cell: what lies two cells away touches nothing [m]; 1/edge */
+  int n[3];              /* cells in each direction; those at the rim reach to infinity */
+  int *first;            /* (cells) first member of a cell, -1: none; NULL: no cells yet */
+  int *next;             /* (capacity) the next member of its cell, -1: none */
 } dem_room;
 
 /* For spheres of up to `radius` with centres in the box [low, high]. False: no memory (then there is nothing to
