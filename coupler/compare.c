@@ -1,7 +1,7 @@
 #include "coupler/compare.h"
 
-#include "coupler/plot.h"
 #include "coupler/table.h"
+#include "protocol/plot.h"
 
 #include <errno.h>
 #include <math.h>
@@ -96,17 +96,17 @@ tdm_status cpl_comparison_write(const cpl_comparison *c, const char *dir, tdm_er
 }
 
 tdm_status cpl_comparison_plot(const cpl_comparison *c, const char *dir, tdm_error *err) {
-  cpl_plot plots[CPL_CURVES_MAX];
-  cpl_curve curves[CPL_CURVES_MAX][2];
+  tdm_plot plots[CPL_CURVES_MAX];
+  tdm_curve curves[CPL_CURVES_MAX][2];
   char labels[CPL_CURVES_MAX][48], using[CPL_CURVES_MAX][2][24];
   for (int i = 0; i < c->ncurve; i++) {
     snprintf(labels[i], sizeof labels[i], "%s [%s]", c->curve[i].name, c->curve[i].unit);
     for (int k = 0; k < 2; k++)
       snprintf(using[i][k], sizeof using[i][k], "1:%d", 2 + 2 * i + k);
     bool state = c->curve[i].kind == CPL_STATE;
-    curves[i][0] = (cpl_curve){"comparison.csv", using[i][0], "co-simulation", state ? "lines lw 3" : "lines lw 1"};
-    curves[i][1] = (cpl_curve){"comparison.csv", using[i][1], "reference", "lines dt 2 lw 1.5 lc rgb 'black'"};
-    plots[i] = (cpl_plot){c->curve[i].title, "time [s]", labels[i], NULL, 2, curves[i]};
+    curves[i][0] = (tdm_curve){"comparison.csv", using[i][0], "co-simulation", state ? "lines lw 3" : "lines lw 1"};
+    curves[i][1] = (tdm_curve){"comparison.csv", using[i][1], "reference", "lines dt 2 lw 1.5 lc rgb 'black'"};
+    plots[i] = (tdm_plot){c->curve[i].title, "time [s]", labels[i], NULL, 2, curves[i]};
   }
-  return cpl_plot_write(dir, "comparison", c->ncurve, plots, err);
+  return tdm_plot_write(dir, "comparison", c->ncurve, plots, err);
 }

@@ -1,5 +1,4 @@
 /* tandem: the command line. */
-#include "coupler/find.h"
 #include "coupler/report.h"
 #include "coupler/run.h"
 #include "coupler/session.h"
@@ -7,10 +6,11 @@
 #include "coupler/verify.h"
 #include "dem/solver.h"
 #include "mbd/solver.h"
+#include "protocol/command_line.h"
+#include "protocol/find.h"
 #include "scenarios/table.h"
 
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,84 +47,21 @@ static void usage(FILE *out) {
     fprintf(out, "  %-16s %-12s %s\n", s->name, s->group, s->summary);
 }
 
-static void on_signal(int number) {
-  (void)number;
-  cpl_interrupted = 1;
-}
-
-/* Ctrl-C, SIGTERM and a closed terminal end a run in order. Calls that wait are woken. */
-static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = on_signal};
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-  sigaction(SIGHUP, &action, NULL);
-  signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ, SIG_IGN); /* a file at its size limit is an error of the write, as on a full disk */
-}
-
-static int finish(const tdm_error *err) {
-  if (err->status == TDM_OK)
-    return 0;
-  fprintf(stderr, "tandem: error: %s\n", err->message);
-  return err->status == TDM_ERR_ARGUMENT ? 2 : err->status == TDM_ERR_INTERRUPTED ? 130 : 1;
-}
-
 /* ---- arguments ---- */
 
 typedef struct {
-  const char **word; /* what is no option, NULL-terminated */
-  int nword;
-  const char **set; /* --set values, NULL-terminated */
-  int nset;
+  tdm_arguments given;
   const char *out, *json, *scenarios, *dt, *n, *scheme, *jobs;
   bool strict, resume;
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
-  a->word = calloc((size_t)argc + 1, sizeof *a->word);
-  a->set = calloc((size_t)argc + 1, sizeof *a->set);
-  if (!a->word || !a->set)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  const struct {
-    const char *name, **value; /* NULL value: --set, which may come more than once */
-    bool *flag;                /* instead of a value */
-  } options[] = {{"--out", &a->out, NULL},       {"--json", &a->json, NULL}, {"--scenarios", &a->scenarios, NULL},
-                 {"--set", NULL, NULL},          {"--dt", &a->dt, NULL},     {"--n", &a->n, NULL},
-                 {"--scheme", &a->scheme, NULL}, {"--jobs", &a->jobs, NULL}, {"--strict", NULL, &a->strict},
-                 {"--resume", NULL, &a->resume}, {"--help", NULL, NULL},     {"--version", NULL, NULL}};
-  enum { NOPTION = sizeof options / sizeof options[0] };
-  const char *names[NOPTION];
-  for (int k = 0; k < NOPTION; k++)
-    names[k] = options[k].name;
-  for (int i = 0; i < argc; i++) {
-    if (strncmp(argv[i], "--", 2) != 0) {
-      a->word[a->nword++] = argv[i];
-      continue;
-    }
-    size_t k = 0;
-    while (k < NOPTION && strcmp(argv[i], options[k].name) != 0)
-      k++;
-    if (k == NOPTION) {
-      const char *near = tdm_nearest(argv[i], names, NOPTION);
-      const char *equals = strchr(argv[i], '=');
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "unknown option %s%s%s; see tandem --help", argv[i],
-                      equals ? "; a value is a word of its own, without ="
-                      : near ? "; did you mean "
-                             : "",
-                      !equals && near ? near : "");
-    }
-    if (options[k].flag) {
-      *options[k].flag = true;
-      continue;
-    }
-    if (i + 1 == argc)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s needs a value", argv[i]);
-    if (options[k].value)
-      *options[k].value = argv[++i];
-    else
-      a->set[a->nset++] = argv[++i];
-  }
-  return TDM_OK;
+  const tdm_option options[] = {
+      {"--out", &a->out, NULL},       {"--json", &a->json, NULL}, {"--scenarios", &a->scenarios, NULL},
+      {"--set", NULL, NULL},          {"--dt", &a->dt, NULL},     {"--n", &a->n, NULL},
+      {"--scheme", &a->scheme, NULL}, {"--jobs", &a->jobs, NULL}, {"--strict", NULL, &a->strict},
+      {"--resume", NULL, &a->resume}};
+  return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
 }
 
 /* ---- commands ---- */
@@ -134,10 +71,14 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
   const struct {
     bool given, known;
     const char *name;
-  } options[] = {{a->nset > 0, run || sweep, "--set"}, {a->strict, run, "--strict"},
-                 {a->json != NULL, json, "--json"},    {a->dt != NULL, sweep, "--dt"},
-                 {a->n != NULL, sweep, "--n"},         {a->scheme != NULL, sweep, "--scheme"},
-                 {a->jobs != NULL, sweep, "--jobs"},   {a->resume, sweep, "--resume"}};
+  } options[] = {{a->given.nset > 0, run || sweep, "--set"},
+                 {a->strict, run, "--strict"},
+                 {a->json != NULL, json, "--json"},
+                 {a->dt != NULL, sweep, "--dt"},
+                 {a->n != NULL, sweep, "--n"},
+                 {a->scheme != NULL, sweep, "--scheme"},
+                 {a->jobs != NULL, sweep, "--jobs"},
+                 {a->resume, sweep, "--resume"}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s does not go with this command; see tandem --help", command,
@@ -147,9 +88,9 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
 
 /* the one scene that a command is given, as a file */
 static tdm_status find_scene(const arguments *a, const char *command, char *scene, size_t size, tdm_error *err) {
-  if (a->nword != 1)
+  if (a->given.nword != 1)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: name one scene; see tandem --help", command);
-  return cpl_find_scene(scene, size, a->word[0], a->scenarios, err);
+  return tdm_find_scene(scene, size, "", a->given.word[0], a->scenarios, err);
 }
 
 /* run and check: one scene, up to its end or until both solvers are ready */
@@ -159,7 +100,7 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
   if (refuse(a, command, true, false, false, err) != TDM_OK ||
       find_scene(a, command, scene, sizeof scene, err) != TDM_OK)
     return err->status;
-  cpl_run_options options = {.scene = scene, .set = a->set, .strict = a->strict, .check = check};
+  cpl_run_options options = {.scene = scene, .set = a->given.set, .strict = a->strict, .check = check};
   options.out = a->out ? a->out : check ? "check-out" : "run-out";
   memcpy(options.solver, solvers, sizeof solvers);
   cpl_run(&options, &result, err);
@@ -179,16 +120,16 @@ static tdm_status command_check(const arguments *a, tdm_error *err) {
 static tdm_status command_report(const arguments *a, tdm_error *err) {
   if (refuse(a, "report", false, false, false, err) != TDM_OK)
     return err->status;
-  if (a->nword != 1)
+  if (a->given.nword != 1)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "report: name one result directory");
-  return cpl_report(a->word[0], scn_table, err);
+  return cpl_report(a->given.word[0], scn_table, err);
 }
 
 static tdm_status command_verify(const arguments *a, tdm_error *err) {
   if (refuse(a, "verify", false, false, true, err) != TDM_OK)
     return err->status;
   cpl_verify_options options = {.scenario = scn_table,
-                                .name = a->word,
+                                .name = a->given.word,
                                 .out = a->out ? a->out : "verify-out",
                                 .json = a->json,
                                 .scenarios = a->scenarios};
@@ -202,12 +143,12 @@ static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error 
   for (int i = 0; i < 3; i++)
     if (lists[i] && cpl_sweep_axis(o, paths[i], lists[i], err) != TDM_OK)
       return err->status;
-  for (int i = 0; i < a->nset; i++) {
+  for (int i = 0; i < a->given.nset; i++) {
     char path[TDM_PATH_MAX];
-    const char *equals = strchr(a->set[i], '=');
-    if (!equals || equals == a->set[i] || (size_t)(equals - a->set[i]) >= sizeof path)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --set %s: write PATH=LIST", a->set[i]);
-    snprintf(path, sizeof path, "%.*s", (int)(equals - a->set[i]), a->set[i]);
+    const char *equals = strchr(a->given.set[i], '=');
+    if (!equals || equals == a->given.set[i] || (size_t)(equals - a->given.set[i]) >= sizeof path)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --set %s: write PATH=LIST", a->given.set[i]);
+    snprintf(path, sizeof path, "%.*s", (int)(equals - a->given.set[i]), a->given.set[i]);
     if (cpl_sweep_axis(o, path, equals + 1, err) != TDM_OK)
       return err->status;
   }
@@ -263,18 +204,14 @@ int main(int argc, char **argv) {
     usage(stderr);
     return 2;
   }
-  catch_signals();
+  tdm_catch_signals();
   size_t k = 0;
   while (k < NCOMMAND && strcmp(argv[1], commands[k].name) != 0)
     k++;
-  if (k == NCOMMAND) {
-    const char *near = tdm_nearest(argv[1], names, NCOMMAND);
-    tdm_fail(&err, TDM_ERR_ARGUMENT, NULL, "unknown command \"%s\"%s%s; see tandem --help", argv[1],
-             near ? "; did you mean " : "", near ? near : "");
-  } else if (parse(&a, argc - 2, argv + 2, &err) == TDM_OK) {
+  if (k == NCOMMAND)
+    tdm_unknown_command("tandem", argv[1], names, NCOMMAND, &err);
+  else if (parse(&a, argc - 2, argv + 2, &err) == TDM_OK)
     commands[k].run(&a, &err);
-  }
-  free(a.word);
-  free(a.set);
-  return finish(&err);
+  tdm_arguments_free(&a.given);
+  return tdm_finish("tandem", &err);
 }

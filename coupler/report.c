@@ -44,8 +44,8 @@ static void panel_key(const char *name, char *key, size_t size) {
 
 /* The panels of one CSV file, in the order of its columns. */
 typedef struct {
-  cpl_plot plot[PANELS_MAX];
-  cpl_curve curve[CURVES_MAX];
+  tdm_plot plot[PANELS_MAX];
+  tdm_curve curve[CURVES_MAX];
   char key[PANELS_MAX][96], unit[PANELS_MAX][48], name[CURVES_MAX][96], using[CURVES_MAX][16];
   int nplot, ncurve;
 } panels;
@@ -62,7 +62,7 @@ static void add_column(panels *p, const char *file, const char *head, int column
     i = p->nplot++;
     snprintf(p->key[i], sizeof p->key[i], "%s", key);
     snprintf(p->unit[i], sizeof p->unit[i], "%s", unit ? unit : "");
-    p->plot[i] = (cpl_plot){.title = p->key[i], .xlabel = "time [s]", .ylabel = p->unit[i]};
+    p->plot[i] = (tdm_plot){.title = p->key[i], .xlabel = "time [s]", .ylabel = p->unit[i]};
     p->plot[i].curve = &p->curve[p->ncurve];
   }
   if (p->ncurve == CURVES_MAX)
@@ -70,7 +70,7 @@ static void add_column(panels *p, const char *file, const char *head, int column
   int c = p->ncurve++;
   snprintf(p->name[c], sizeof p->name[c], "%s", name);
   snprintf(p->using[c], sizeof p->using[c], "1:%d", column);
-  p->curve[c] = (cpl_curve){file, p->using[c], p -> name[c], "lines"};
+  p->curve[c] = (tdm_curve){file, p->using[c], p -> name[c], "lines"};
   p->plot[i].ncurve++;
 }
 
@@ -93,7 +93,7 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
         add_column(p, file, cell, column);
     }
     tdm_error plot = {0};
-    if (p->nplot > 0 && cpl_plot_write(r->dir, picture, p->nplot, p->plot, &plot) == TDM_OK)
+    if (p->nplot > 0 && tdm_plot_write(r->dir, picture, p->nplot, p->plot, &plot) == TDM_OK)
       add_picture(r, picture);
     else if (p->nplot > 0)
       fprintf(stderr, "tandem: notice: %s\n", plot.message);
@@ -135,14 +135,14 @@ static tdm_status plot_time(report *r, tdm_error *err) {
           wall(r, "mbd"), exchange, wall(r, "coupling") - exchange);
   if (fclose(f) != 0)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  static const cpl_curve bars = {"time.csv", "2:xtic(1)", "", "boxes"};
-  static const cpl_plot plot = {"Where the time went",
+  static const tdm_curve bars = {"time.csv", "2:xtic(1)", "", "boxes"};
+  static const tdm_plot plot = {"Where the time went",
                                 "",
                                 "wall time [s]",
                                 "set style fill solid 0.6\nset boxwidth 0.6\nset yrange [0:*]\n",
                                 1,
                                 &bars};
-  if (cpl_plot_write(r->dir, "time", 1, &plot, err) == TDM_OK)
+  if (tdm_plot_write(r->dir, "time", 1, &plot, err) == TDM_OK)
     add_picture(r, "time");
   return err->status;
 }
@@ -222,8 +222,8 @@ static tdm_status write_report(report *r, const cpl_scenario *scenario, tdm_erro
 }
 
 tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error *err) {
-  json_t *scene = cpl_record_read(dir, "scene.json", err);
-  json_t *summary = scene ? cpl_record_read(dir, "summary.json", err) : NULL;
+  json_t *scene = tdm_results_read(dir, "scene.json", err);
+  json_t *summary = scene ? tdm_results_read(dir, "summary.json", err) : NULL;
   report *r = calloc(1, sizeof *r);
   if (!r)
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");

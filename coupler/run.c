@@ -1,10 +1,10 @@
 #include "coupler/run.h"
 
 #include "coupler/check.h"
-#include "coupler/progress.h"
 #include "coupler/record.h"
 #include "coupler/window.h"
 #include "protocol/log.h"
+#include "protocol/progress.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -22,7 +22,6 @@ typedef struct {
   cpl_loop loop;
   void *context;     /* ZeroMQ context shared with threads */
   char ipc_dir[128]; /* private directory of the ipc socket, "" when none */
-  FILE *log;
   bool session_open, thread_hangs;
 } run_state;
 
@@ -39,12 +38,10 @@ static tdm_status load(run_state *run, tdm_error *err) {
       return err->status;
   if (cpl_settings_read(&run->settings, &run->scene, err) != TDM_OK)
     return err->status;
-  if (cpl_record_open(&run->record, o->out, o->scene, &run->log, err) != TDM_OK) {
-    run->record.dir[0] = 0; /* the directory is not ours to write */
+  if (cpl_record_open(&run->record, o->out, o->scene, err) != TDM_OK)
     return err->status;
-  }
-  tdm_log_open(run->log, "server");
-  return cpl_record_json(&run->record, "scene.json", run->scene.root, err);
+  tdm_log_open(run->record.results.log, "server");
+  return tdm_results_json(&run->record.results, "scene.json", run->scene.root, err);
 }
 
 /* Where the server listens. ipc: a socket in a directory that only this user can enter. */
@@ -83,7 +80,7 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
     return TDM_OK;
   }
   snprintf(file, sizeof file, "%s.log", name);
-  cpl_record_path(&run->record, file, log, sizeof log);
+  tdm_results_path(&run->record.results, file, log, sizeof log);
   if (s->transport == CPL_INPROC) {
     if (s->command[role] || !run->options->solver[role].ops)
       return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? "coupling.solvers" : "coupling.transport",
@@ -137,18 +134,19 @@ static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_erro
 /* ---- the loop ---- */
 
 static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
-  cpl_progress progress;
+  tdm_progress progress;
   if (cpl_record_begin(&run->record, &run->session, err) != TDM_OK ||
       cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
     return err->status;
-  cpl_progress_begin(&progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, run->options->quiet);
+  tdm_progress_begin(&progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, "windows",
+                     run->options->quiet);
   double begin = tdm_clock();
   while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK) {
     result->simulated = run->loop.t1;
     result->windows = run->loop.window;
-    cpl_progress_update(&progress, run->loop.t1, run->loop.window);
+    tdm_progress_update(&progress, run->loop.t1, run->loop.window);
   }
-  cpl_progress_end(&progress);
+  tdm_progress_end(&progress);
   result->loop = tdm_clock() - begin;
   for (int r = 0; r < CPL_NROLE; r++) {
     const cpl_partner *p = &run->session.partner[r];
@@ -232,10 +230,10 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   char quoted[TDM_MESSAGE_MAX];
   tdm_scene_locate(&run->scene, err);
   cpl_record_close(&run->record, err);
-  if (run->record.dir[0] && run->log) {
+  if (run->record.results.log) {
     result->wall = tdm_clock() - begin;
     json_t *json = summary(run, result, err);
-    cpl_record_json(&run->record, "summary.json", json, err);
+    tdm_results_json(&run->record.results, "summary.json", json, err);
     json_decref(json);
     if (err->status != TDM_OK)
       tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
@@ -250,8 +248,7 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   cpl_settings_free(&run->settings);
   tdm_scene_destroy(&run->scene);
   tdm_log_open(NULL, "server");
-  if (run->log)
-    fclose(run->log);
+  tdm_results_close(&run->record.results);
 }
 
 tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {

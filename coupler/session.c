@@ -1,6 +1,7 @@
 #include "coupler/session.h"
 
 #include "coupler/scheme/scheme.h"
+#include "protocol/command_line.h"
 #include "protocol/log.h"
 
 #include <assert.h>
@@ -10,8 +11,6 @@
 
 enum { SLICE_MS = 100, LAST_LINES = 4 };
 static const double heartbeat_interval = 0.5; /* [s] */
-
-volatile int cpl_interrupted;
 
 const char *cpl_session_name(const cpl_session *session, cpl_role role) {
   const cpl_partner *p = &session->partner[role];
@@ -139,7 +138,7 @@ static tdm_status check_health(cpl_session *s, wait *w, bool empty, tdm_error *e
   char message[256];
   w->last_look = now;
   w->silence += passed < longest_look ? passed : longest_look;
-  if (cpl_interrupted)
+  if (tdm_interrupted)
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; what was computed until then is kept");
   beat(s, now);
   if (empty && check_children(s, w, err) != TDM_OK)
@@ -406,7 +405,7 @@ static tdm_status check_result(const cpl_session *s, int role, const tdm_step *s
 tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step, tdm_result *result, tdm_error *err) {
   cpl_partner *p = &s->partner[role];
   tdm_header header;
-  if (cpl_interrupted)
+  if (tdm_interrupted)
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at %g s; what was computed until then is kept",
                     step->t0);
   double begin = tdm_clock();

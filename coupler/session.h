@@ -56,7 +56,4 @@ const char *cpl_session_name(const cpl_session *session, cpl_role role);
  * processes. */
 void cpl_session_close(cpl_session *session, const tdm_error *err);
 
-/* Set by a signal handler: running calls return TDM_ERR_INTERRUPTED soon after. */
-extern volatile int cpl_interrupted;
-
 #endif

@@ -1,33 +1,21 @@
 #include "coupler/settings.h"
 
 #include "coupler/scheme/scheme.h"
+#include "protocol/time_section.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 const char *const cpl_role_names[CPL_NROLE] = {"mbd", "dem"};
 
 uint64_t cpl_total_steps(const cpl_settings *s) {
-  return (uint64_t)ceil(s->time_end / s->dt - 1e-6); /* 1e-6: 5 s in steps of 1e-4 s are 50000 steps, not 50001 */
+  return tdm_total_steps(&(tdm_time){s->time_end, s->dt});
 }
 
 uint64_t cpl_total_windows(const cpl_settings *s) {
   uint64_t n = (uint64_t)s->n;
   return (cpl_total_steps(s) + n - 1) / n;
-}
-
-static void read_time(cpl_settings *s, tdm_object *root) {
-  const double most_steps = 1e15; /* step numbers stay exact in a double */
-  tdm_object o = tdm_get_object(root, "time", true);
-  s->time_end = tdm_get_number(&o, "end", TDM_REQUIRED, TDM_POSITIVE);
-  s->dt = tdm_get_number(&o, "dt", TDM_REQUIRED, TDM_POSITIVE);
-  if (s->dt > s->time_end)
-    tdm_object_fail(&o, "dt", "is %g s, longer than the whole run (time.end = %g s)", s->dt, s->time_end);
-  if (s->time_end / s->dt > most_steps)
-    tdm_object_fail(&o, "dt", "is %g s: %g steps until time.end; take a larger step", s->dt, s->time_end / s->dt);
-  tdm_object_close(&o);
 }
 
 /* A body's name becomes part of a file name and of a CSV header. */
@@ -123,10 +111,7 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
 
 static void read_output(cpl_settings *s, tdm_object *root) {
   tdm_object o = tdm_get_object(root, "output", false);
-  s->output_interval = tdm_get_number(&o, "interval", 1e-3, TDM_POSITIVE);
-  if (s->output_interval < s->dt * (1 - 1e-9))
-    tdm_object_fail(&o, "interval", "is %g s, shorter than a DEM step (time.dt = %g s); take at least that",
-                    s->output_interval, s->dt);
+  s->output_interval = tdm_read_interval(&o, "interval", 1e-3, s->dt);
   tdm_object_close(&o);
 }
 
@@ -134,9 +119,14 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error 
   *s = (cpl_settings){0};
   tdm_object root = tdm_object_open(scene->root, "", err);
   tdm_has(&root, "$schema"); /* for editors */
+  const json_t *sections = scene->root;
+  if (json_object_get(sections, "dem") && !json_object_get(sections, "mbd") && !json_object_get(sections, "coupling"))
+    tdm_object_fail(&root, "coupling", "missing, and mbd too: particles alone run with tandem-dem run");
   tdm_get_string(&root, "title", "");
   tdm_get_string(&root, "scenario", "");
-  read_time(s, &root);
+  tdm_time time = tdm_read_time(&root);
+  s->time_end = time.end;
+  s->dt = time.dt;
   read_coupling(s, &root);
   read_output(s, &root);
   for (int r = 0; r < CPL_NROLE; r++)

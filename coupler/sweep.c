@@ -1,6 +1,7 @@
 #include "coupler/sweep.h"
 
 #include "coupler/record.h"
+#include "protocol/command_line.h"
 #include "protocol/log.h"
 
 #include <ctype.h>
@@ -143,7 +144,7 @@ static void share_bed(const cpl_sweep_options *o, cpl_cell *cell) {
 
 /* Settle once for each bed, before cells run side by side. A bed that cannot be made fails in its cells, with words. */
 static void make_beds(const cpl_sweep_options *o, const cpl_cell *cell, int ncell) {
-  for (int i = 0; i < ncell && !cpl_interrupted; i++) {
+  for (int i = 0; i < ncell && !tdm_interrupted; i++) {
     const char *store = cell[i].assignment[o->naxis], *set[CPL_AXES_MAX + 2];
     if (!store || cell[i].row || access(strchr(store, '=') + 1, R_OK) == 0)
       continue;
@@ -220,7 +221,7 @@ static pid_t start_cell(const cpl_sweep_options *o, const cpl_cell *cell) {
   dup2(null, 1);
   dup2(null, 2);
   json_t *row = cpl_cell_run(o, cell);
-  cpl_make_directory(cell->dir, NULL); /* a scene that is refused has made none */
+  tdm_make_directory(cell->dir, NULL); /* a scene that is refused has made none */
   int failed = !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
   _exit(failed);
 }
@@ -237,7 +238,7 @@ static void end_cell(const cpl_sweep_options *o, cpl_cell *cell, int status) {
   char file[4352], reason[96];
   row_file(cell, file, sizeof file);
   cell->row = json_load_file(file, 0, NULL);
-  if (cell->row || cpl_interrupted)
+  if (cell->row || tdm_interrupted)
     return;
   if (WIFSIGNALED(status))
     snprintf(reason, sizeof reason, "the cell's process was ended by signal %d", WTERMSIG(status));
@@ -253,8 +254,8 @@ static void run_cells(const cpl_sweep_options *o, cpl_cell *cell, int ncell) {
     done += cell[i].row != NULL;
   if (done > 0)
     fprintf(stderr, "tandem: %d of %d cells are there already\n", done, ncell);
-  while (running > 0 || (next < ncell && !cpl_interrupted)) {
-    for (int j = 0; j < njob && !cpl_interrupted; j++) {
+  while (running > 0 || (next < ncell && !tdm_interrupted)) {
+    for (int j = 0; j < njob && !tdm_interrupted; j++) {
       while (next < ncell && cell[next].row)
         next++;
       if (jobs[j].pid || next == ncell)
@@ -268,10 +269,10 @@ static void run_cells(const cpl_sweep_options *o, cpl_cell *cell, int ncell) {
       }
       next++;
     }
-    for (int j = 0; j < njob && cpl_interrupted == 1; j++)
+    for (int j = 0; j < njob && tdm_interrupted == 1; j++)
       if (jobs[j].pid)
         kill(jobs[j].pid, SIGTERM); /* Ctrl-C reaches the cells anyway, a signal to this process alone does not */
-    cpl_interrupted += cpl_interrupted == 1;
+    tdm_interrupted += tdm_interrupted == 1;
     int status;
     pid_t pid = waitpid(-1, &status, WNOHANG);
     for (int j = 0; j < njob && pid > 0; j++)
@@ -296,7 +297,7 @@ static tdm_status prepare(const cpl_sweep_options *o, cpl_cell *cell, int ncell,
   if (tdm_scene_read(&scene, o->scene, err) == TDM_OK)
     cpl_scenario_of(o->scenarios, scene.root, err);
   tdm_scene_locate(&scene, err);
-  if (err->status == TDM_OK && cpl_make_directory(dir, err) == TDM_OK)
+  if (err->status == TDM_OK && tdm_make_directory(dir, err) == TDM_OK)
     for (int i = 0; i < ncell && fill_cell(o, i, &cell[i], err) == TDM_OK; i++) {
       share_bed(o, &cell[i]);
       if (o->resume)
@@ -325,7 +326,7 @@ tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
     make_beds(o, cell, (int)ncell);
     run_cells(o, cell, (int)ncell);
     cpl_sweep_report(o, cell, (int)ncell, err);
-    if (cpl_interrupted)
+    if (tdm_interrupted)
       tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; --resume continues the sweep");
   }
   for (long i = 0; i < ncell; i++) {

@@ -236,21 +236,21 @@ static tdm_status write_csv(const cpl_sweep_options *o, const cpl_cell *cell, in
 }
 
 static void plot_cost(const cpl_sweep_options *o, tdm_error *err) {
-  static const cpl_curve curves[] = {
+  static const tdm_curve curves[] = {
       {"sweep.csv", "($5):($6 > 10 ? 10 : $6)", "cells (errors above 10 are drawn at 10)", "points pt 7 ps 1.2"},
       {"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6)", "Pareto front: none is both cheaper and better",
        "points pt 6 ps 2.4 lw 2"},
       {"sweep.csv", "($5):($6 > 10 ? 10 : $6):(sprintf('%.0e n=%g %s', $1, $2, strcol(3)))", "",
        "labels left rotate by 50 offset 0.4,0.6 font ',7'"},
   };
-  static const cpl_plot plot = {
+  static const tdm_plot plot = {
       "Error against run time (cells without numbers are left out)",
       "wall time [s]",
       "largest 1 - nse of the states",
       "set logscale xy\nset format '%g'\nset offsets graph 0.05, graph 0.1, graph 0.6, graph 0.05\n",
       3,
       curves};
-  cpl_plot_write(o->out, "cost", 1, &plot, err);
+  tdm_plot_write(o->out, "cost", 1, &plot, err);
 }
 
 /* ---- heat maps ---- */
@@ -305,8 +305,8 @@ static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, in
   int ndt = distinct(cell, ncell, "dt", dt, CPL_VALUES_MAX), nn = distinct(cell, ncell, "n", n, CPL_VALUES_MAX);
   int nscheme = distinct_schemes(cell, ncell, state, scheme, SCHEMES);
   char file[SCHEMES][64], title[SCHEMES][96], setup[4096] = "", name[64];
-  cpl_curve curves[SCHEMES][2];
-  cpl_plot plots[SCHEMES];
+  tdm_curve curves[SCHEMES][2];
+  tdm_plot plots[SCHEMES];
   int used = snprintf(setup, sizeof setup,
                       "set cbrange [0.9:1]\nunset key\nset palette defined (0 '#bb3333', 0.9 '#ffdd88', 1 '#33aa33')\n"
                       "set xrange [-0.5:%g]\nset yrange [-0.5:%g]\nset xtics (",
@@ -337,12 +337,12 @@ static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, in
     }
     fclose(f);
     snprintf(title[s], sizeof title[s], "nse of %s, %s", state, scheme[s]);
-    curves[s][0] = (cpl_curve){file[s], "1:2:($3 < 0.9 ? 0.9 : $3)", "", "points pt 5 ps 7 palette"};
-    curves[s][1] = (cpl_curve){file[s], "1:2:(sprintf('%.4g', $3))", "", "labels"};
-    plots[s] = (cpl_plot){title[s], "n", "dt [s]", setup, 2, curves[s]};
+    curves[s][0] = (tdm_curve){file[s], "1:2:($3 < 0.9 ? 0.9 : $3)", "", "points pt 5 ps 7 palette"};
+    curves[s][1] = (tdm_curve){file[s], "1:2:(sprintf('%.4g', $3))", "", "labels"};
+    plots[s] = (tdm_plot){title[s], "n", "dt [s]", setup, 2, curves[s]};
   }
   snprintf(name, sizeof name, "heat_%s", state);
-  return nscheme ? cpl_plot_write(o->out, name, nscheme, plots, err) : TDM_OK;
+  return nscheme ? tdm_plot_write(o->out, name, nscheme, plots, err) : TDM_OK;
 }
 
 tdm_status cpl_sweep_report(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, tdm_error *err) {

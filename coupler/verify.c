@@ -1,6 +1,6 @@
 #include "coupler/verify.h"
 
-#include "coupler/find.h"
+#include "protocol/find.h"
 #include "protocol/log.h"
 
 #include <errno.h>
@@ -53,7 +53,7 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
                           tdm_error *err) {
   char scene[4096];
   case_dir(v, case_name, dir, size);
-  if (cpl_find_scene(scene, sizeof scene, v->now->scenario->name, v->options->scenarios, err) != TDM_OK)
+  if (tdm_find_scene(scene, sizeof scene, "", v->now->scenario->name, v->options->scenarios, err) != TDM_OK)
     return err->status;
   cpl_run_options run = {.scene = scene, .set = set, .out = dir};
   run.quiet = !isatty(2);
@@ -121,9 +121,9 @@ void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, 
             (kind == CPL_AT_MOST && (value < 0 ? -value : value) <= limit);
 }
 
-void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const cpl_plot *plot) {
+void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const tdm_plot *plot) {
   tdm_error err = {0};
-  cpl_plot_write(v->dir, name, nplot, plot, &err);
+  tdm_plot_write(v->dir, name, nplot, plot, &err);
   notice(v, &err);
 }
 

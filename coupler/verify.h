@@ -7,8 +7,8 @@
 #define CPL_VERIFY_H
 
 #include "coupler/compare.h"
-#include "coupler/plot.h"
 #include "coupler/run.h"
+#include "protocol/plot.h"
 
 typedef struct cpl_verify cpl_verify;
 
@@ -47,8 +47,8 @@ void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, 
 /* The scenario's directory under --out. */
 const char *cpl_verify_dir(const cpl_verify *v);
 
-/* As cpl_plot_write in the scenario's directory; what goes wrong is a notice, not a failure. */
-void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const cpl_plot *plot);
+/* As tdm_plot_write in the scenario's directory; what goes wrong is a notice, not a failure. */
+void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const tdm_plot *plot);
 
 typedef struct {
   const cpl_scenario *scenario; /* table ended by a NULL name */

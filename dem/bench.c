@@ -17,18 +17,21 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: tandem-dem bench [--particles N | --bed FILE] [--box L] [--dt S] [--steps N] [--skin M] [--threads N]\n"
-    "                        [--law NORMAL[/TANGENTIAL[/ROLLING[/COHESION]]]] [--simd NAME] [--search NAME] "
+    "usage: tandem-dem bench [--particles N [--radius R] | --bed FILE] [--box L] [--dt S] [--steps N]\n"
+    "                        [--skin M] [--threads N] [--law NORMAL[/TANGENTIAL[/ROLLING[/COHESION]]]] [--simd NAME] "
+    "[--search NAME] "
     "[--frozen]\n"
     "                        [--json FILE]\n"
-    "  --bed FILE   lines \"x y z r\" [m], # starts a comment; without it N particles of 5 mm settle first (kept in\n"
-    "               the cache folder)\n"
+    "  --bed FILE   lines \"x y z r\" [m], # starts a comment; without it N particles settle first (kept in the cache\n"
+    "               folder)\n"
+    "  --radius     of these: R or SMALLEST,LARGEST [m] (0.005)\n"
     "  --box L      side of the floor [m]; walls at 0 and L (default: what a made bed has, else from the particles)\n"
     "  --frozen     forces and histories only, particles do not move\n";
 
 typedef struct {
   const char *bed, *json, *law, *simd, *search;
   int particles, threads;
+  double radius[2]; /* of a made bed [m] */
   long steps;
   double box, dt, skin;
   bool frozen;
@@ -39,9 +42,15 @@ typedef struct {
   double radius;
 } ball;
 
+/* Particles, one after the other: from a file, or a lattice. */
 typedef struct {
-  ball *ball;
-  int n;
+  FILE *file;
+  const char *name;
+  long line;
+  int n; /* how many there are */
+  double mean, side;
+  double radius[2]; /* of a lattice */
+  int next;
 } bed;
 
 /* ---- options ---- */
@@ -64,7 +73,12 @@ static bool read_option(options *o, const char *key, const char *value) {
     o->simd = value;
   else if (!strcmp(key, "--search"))
     o->search = value;
-  else if (!strcmp(key, "--box"))
+  else if (!strcmp(key, "--radius")) {
+    int n = sscanf(value, "%lf,%lf", &o->radius[0], &o->radius[1]);
+    if (n == 1)
+      o->radius[1] = o->radius[0];
+    return n >= 1 && o->radius[0] > 1e-6 && o->radius[1] >= o->radius[0] && o->radius[1] < 1;
+  } else if (!strcmp(key, "--box"))
     return number(value, 1e-9, 1e9, &o->box);
   else if (!strcmp(key, "--dt"))
     return number(value, 1e-15, 1, &o->dt);
@@ -101,56 +115,106 @@ static bool read_options(options *o, int argc, char **argv) {
 
 /* ---- beds ---- */
 
-static tdm_status read_bed(bed *b, const char *name, tdm_error *err) {
-  FILE *f = fopen(name, "r");
-  if (!f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be read: %s", name, strerror(errno));
+/* the next particle of a file; false at its end, or after an error */
+static bool next_line(bed *b, ball *s, tdm_error *err) {
   char line[512];
-  int room = 0;
-  for (long at = 1; !err->status && fgets(line, sizeof line, f); at++) {
+  while (fgets(line, sizeof line, b->file)) {
+    b->line++;
     char *comment = strchr(line, '#');
     if (comment)
       *comment = 0;
     if (!line[strspn(line, " \t\r\n")])
       continue;
-    ball s;
-    if (sscanf(line, "%lf %lf %lf %lf", &s.position.x, &s.position.y, &s.position.z, &s.radius) != 4 ||
-        !tdm_finite(&s.position.x, 3) || !(s.radius > 0 && isfinite(s.radius))) {
-      tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", line %ld: not \"x y z r\" with a radius greater than 0", name, at);
-      break;
-    }
-    if (b->n == room) {
-      room = 2 * room + 1024;
-      ball *grown = realloc(b->ball, (size_t)room * sizeof *grown);
-      if (!grown) {
-        tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", room);
-        break;
-      }
-      b->ball = grown;
-    }
-    b->ball[b->n++] = s;
+    if (sscanf(line, "%lf %lf %lf %lf", &s->position.x, &s->position.y, &s->position.z, &s->radius) == 4 &&
+        tdm_finite(&s->position.x, 3) && s->radius > 0 && isfinite(s->radius))
+      return true;
+    tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", line %ld: not \"x y z r\" with a radius greater than 0", b->name,
+             b->line);
+    return false;
   }
-  fclose(f);
+  return false;
+}
+
+static void rewind_bed(bed *b) {
+  if (b->file)
+    rewind(b->file);
+  b->line = 0;
+  b->next = 0;
+}
+
+/* open a file and look through it: the number, the mean radius, the smallest square floor */
+static tdm_status open_bed(bed *b, const char *name, tdm_error *err) {
+  *b = (bed){.name = name, .file = fopen(name, "r")};
+  if (!b->file)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be read: %s", name, strerror(errno));
+  ball s;
+  double sum = 0;
+  for (; next_line(b, &s, err); b->n++) {
+    sum += s.radius;
+    b->side = fmax(b->side, fmax(s.position.x, s.position.y) + s.radius);
+  }
   if (!err->status && b->n == 0)
     tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" has no particles; lines are \"x y z r\"", name);
+  b->mean = b->n > 0 ? sum / b->n : 1;
   return err->status;
 }
 
+/* spheres on a loose lattice, each a little off its place */
+static ball next_of_lattice(bed *b) {
+  double pitch = 2.1 * b->radius[1], off[4], gap;
+  int side = (int)(b->side / pitch), k = b->next++;
+  uint64_t draw = 6364136223846793005u * (uint64_t)(k + 1);
+  gap = b->side / side;
+  for (int a = 0; a < 4; a++) {
+    draw = (draw ^ draw >> 29) * 0xbf58476d1ce4e5b9u + 1442695040888963407u;
+    off[a] = (double)(draw >> 11) * 0x1p-53;
+  }
+  tdm_vec3 x = {k % side + 0.5, k / side % side + 0.5, 0.6 + k / (side * side)};
+  tdm_vec3 shake = tdm_scale(pitch - 2 * b->radius[1], tdm_v3(off[0] - 0.5, off[1] - 0.5, off[2] - 0.5));
+  return (ball){tdm_add(tdm_v3(gap * x.x, gap * x.y, pitch * x.z), shake),
+                b->radius[0] + off[3] * (b->radius[1] - b->radius[0])};
+}
+
+/* the law's other families, and what they and the linear laws ask of the pair */
+static void add_coefficients(json_t *scene, const char *normal, const char *tangential, const char *rolling,
+                             const char *cohesion) {
+  json_t *contact = json_object_get(scene, "contact"), *pair = json_array_get(json_object_get(scene, "pairs"), 0);
+  if (rolling[0])
+    json_object_set_new(contact, "rolling", json_string(rolling));
+  if (cohesion[0])
+    json_object_set_new(contact, "cohesion", json_string(cohesion));
+  if (!strcmp(normal, "hooke") || !strcmp(normal, "hysteretic"))
+    json_object_set_new(pair, "stiffness", json_real(1e4));
+  if (!strcmp(tangential, "spring"))
+    json_object_set_new(pair, "tangential_stiffness", json_real(3e3));
+  if (!strcmp(tangential, "viscous"))
+    json_object_set_new(pair, "tangential_damping", json_real(0.1));
+  if (rolling[0] && strcmp(rolling, "none"))
+    json_object_set_new(pair, "rolling_friction", json_real(0.1));
+  if (!strcmp(cohesion, "sjkr"))
+    json_object_set_new(pair, "cohesion_density", json_real(1e3));
+  if (!strcmp(cohesion, "jkr"))
+    json_object_set_new(pair, "adhesion_energy", json_real(0.1));
+}
+
 /* The floor and four walls of side L with the material of the peers' bed, no particles. */
-static json_t *box_scene(const options *o, double skin) {
-  char normal[64] = "hertz", tangential[64] = "mindlin";
+static json_t *box_scene(const options *o) {
+  char normal[64] = "hertz", tangential[64] = "mindlin", rolling[64] = "", cohesion[64] = "";
   if (o->law) {
     tangential[0] = 0;
-    sscanf(o->law, "%63[^/]/%63[^/]", normal, tangential);
+    sscanf(o->law, "%63[^/]/%63[^/]/%63[^/]/%63[^/]", normal, tangential, rolling, cohesion);
   }
-  json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f, s:f}], s:{s:s, s:s}, s:f}", "gravity",
-                        0.0, 0.0, -9.81, "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7,
-                        "poisson_ratio", 0.3, "pairs", "materials", "a", "a", "restitution", 0.5, "friction", 0.5,
-                        "contact", "normal", normal, "tangential", tangential[0] ? tangential : "none", "skin", skin);
+  json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f, s:f}], s:{s:s, s:s}}", "gravity", 0.0,
+                        0.0, -9.81, "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio",
+                        0.3, "pairs", "materials", "a", "a", "restitution", 0.5, "friction", 0.5, "contact", "normal",
+                        normal, "tangential", tangential[0] ? tangential : "none");
+  if (o->skin > 0)
+    json_object_set_new(s, "skin", json_real(o->skin));
   json_object_set_new(s, "bodies",
                       json_pack("[{s:s, s:s, s:[{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}]}]", "name", "box", "material",
                                 "a", "shapes", "type", "box", "side", "inside", "size", o->box, o->box, 1e3, "center",
                                 0.5 * o->box, 0.5 * o->box, 500.0, "open", "+z"));
+  add_coefficients(s, normal, tangential, rolling, cohesion);
   if (o->simd)
     json_object_set_new(s, "simd", json_string(o->simd));
   if (o->search)
@@ -168,22 +232,31 @@ static void engine_destroy(engine *e) {
   dem_model_destroy(&e->model);
 }
 
-static tdm_status engine_create(engine *e, const options *o, const bed *b, tdm_error *err) {
-  double mean = 0;
-  for (int i = 0; i < b->n; i++)
-    mean += b->ball[i].radius / b->n;
-  tdm_assignment assignment = {.scene = box_scene(o, o->skin > 0 ? o->skin : 0.1 * mean), .dt = o->dt, .n = 1};
+static bool add_ball(engine *e, ball s) {
+  double mass = e->model->material[0].density * 4.0 / 3 * M_PI * s.radius * s.radius * s.radius;
+  return dem_data_add(e->data, &(dem_newcomer){.position = s.position, .radius = s.radius, .mass = mass});
+}
+
+static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
+  tdm_assignment assignment = {.scene = box_scene(o), .dt = o->dt, .n = 1};
   tdm_status status = dem_model_load(&e->model, &assignment, err);
   json_decref(assignment.scene);
   if (status)
     return status;
   e->data = dem_data_create(e->model);
   bool good = e->data && dem_data_reserve(e->data, b->n);
+  if (good && !(o->skin > 0)) {
+    e->model->mean_radius = b->mean;
+    e->data->skin = 0.1 * b->mean;
+  }
+  rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {
-    double r = b->ball[i].radius;
-    good = dem_data_add(e->data, &(dem_newcomer){.position = b->ball[i].position,
-                                                 .radius = r,
-                                                 .mass = e->model->material[0].density * 4.0 / 3 * M_PI * r * r * r});
+    ball s = {0};
+    if (!b->file)
+      s = next_of_lattice(b);
+    else if (!next_line(b, &s, err))
+      return err->status ? err->status : tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" changed while it was read", b->name);
+    good = add_ball(e, s);
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
@@ -203,110 +276,85 @@ static double kinetic_energy(const dem_data *d) {
   return sum;
 }
 
-/* N spheres of 5 mm on a loose lattice, each a little off its place */
-static tdm_status lattice(bed *b, int n, double box, tdm_error *err) {
-  const double r = 0.005, pitch = 2.1 * r;
-  int side = (int)(box / pitch);
-  b->ball = malloc((size_t)n * sizeof *b->ball);
-  if (!b->ball)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", n);
-  if (side < 1)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of 5 mm", box);
-  uint64_t draw = 1;
-  double off[3];
-  for (b->n = 0; b->n < n; b->n++) {
-    for (int a = 0; a < 3; a++) {
-      draw = draw * 6364136223846793005u + 1442695040888963407u;
-      off[a] = ((double)(draw >> 11) * 0x1p-53 - 0.5) * (pitch - 2 * r);
+/* let the bed fall, with a drag that leaves it at rest */
+static tdm_status settle(engine *e, const options *o, tdm_error *err) {
+  dem_data *d = e->data;
+  double height = 0, mass = 0, drag = exp(-10 * o->dt);
+  for (int i = 0; i < d->nparticle; i++) {
+    height = fmax(height, d->sphere[i].position.z);
+    mass += d->mass[i];
+  }
+  double quiet = 1e-7 * mass * 9.81 * d->sphere[0].radius;
+  long most = (long)((1 + 8 * sqrt(2 * height / 9.81)) / o->dt);
+  for (long k = 1; k <= most; k++) {
+    if (!dem_step(d, NULL, 0, 1, false, o->dt))
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    for (int i = 0; i < d->nparticle; i++) {
+      d->pace[i].velocity = tdm_scale(drag, d->pace[i].velocity);
+      d->pace[i].spin = tdm_scale(drag, d->pace[i].spin);
     }
-    int k = b->n, layer = k / (side * side), row = k / side % side, at = k % side;
-    double gap = box / side;
-    b->ball[k] =
-        (ball){tdm_v3((at + 0.5) * gap + off[0], (row + 0.5) * gap + off[1], (layer + 0.6) * pitch + off[2]), r};
+    if (k % 100 == 0 && (double)k * o->dt > 0.1 && kinetic_energy(d) < quiet)
+      break;
   }
   return TDM_OK;
 }
 
-/* let the bed fall, with a drag that leaves it at rest */
-static tdm_status settle(bed *b, const options *o, tdm_error *err) {
-  engine e = {0};
-  double height = 0, drag = exp(-10 * o->dt);
-  if (engine_create(&e, o, b, err) == TDM_OK) {
-    for (int i = 0; i < b->n; i++)
-      height = fmax(height, b->ball[i].position.z);
-    double mass = e.data->mass[0] * b->n, quiet = 1e-9 * mass * 9.81 * 0.005;
-    long most = (long)((1 + 8 * sqrt(2 * height / 9.81)) / o->dt);
-    for (long k = 1; k <= most; k++) {
-      if (!dem_step(e.data, NULL, 0, 1, false, o->dt)) {
-        tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-        break;
-      }
-      for (int i = 0; i < b->n && drag < 1; i++) {
-        e.data->pace[i].velocity = tdm_scale(drag, e.data->pace[i].velocity);
-        e.data->pace[i].spin = tdm_scale(drag, e.data->pace[i].spin);
-      }
-      if (k % 100 == 0 && (double)k * o->dt > 0.1 && kinetic_energy(e.data) < quiet)
-        break;
-    }
-    for (int i = 0; i < b->n; i++) {
-      ball *s = &b->ball[e.data->id[i]];
-      s->position = e.data->sphere[i].position;
-    }
-  }
-  engine_destroy(&e);
-  return err->status;
-}
-
-/* the cache's file of a made bed; false: there is no cache folder */
-static bool cache_name(char name[PATH_MAX], const options *o) {
+/* the file in which a made bed is kept: in the cache folder, else a temporary one */
+static void cache_name(char name[PATH_MAX], const options *o) {
   const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-  char folder[PATH_MAX / 2];
+  char folder[PATH_MAX / 2] = "/tmp";
   if (cache && cache[0])
     snprintf(folder, sizeof folder, "%s", cache);
   else if (home && home[0])
     snprintf(folder, sizeof folder, "%s/.cache", home);
-  else
-    return false;
   mkdir(folder, 0755);
   strncat(folder, "/tandem", sizeof folder - strlen(folder) - 1);
   mkdir(folder, 0755);
-  snprintf(name, PATH_MAX, "%s/bed_%d_%.6g.txt", folder, o->particles, o->box);
-  return access(folder, W_OK) == 0;
+  snprintf(name, PATH_MAX, "%s/bed_%d_%g_%g_%g.txt", folder, o->particles, o->radius[0], o->radius[1], o->box);
 }
 
-/* beside it first, then renamed; failing costs only time */
-static void keep_bed(const bed *b, const char *name) {
+/* beside it first, then renamed */
+static tdm_status keep_bed(const dem_data *d, const char *name, tdm_error *err) {
   char temporary[PATH_MAX + 32];
   snprintf(temporary, sizeof temporary, "%s.%ld", name, (long)getpid());
   FILE *f = fopen(temporary, "w");
-  if (!f)
-    return;
-  fprintf(f, "# settled bed: x y z r [m]\n");
-  for (int i = 0; i < b->n; i++) {
-    tdm_vec3 x = b->ball[i].position;
-    fprintf(f, "%.9g %.9g %.9g %.9g\n", x.x, x.y, x.z, b->ball[i].radius);
+  if (f) {
+    fprintf(f, "# settled bed: x y z r [m]\n");
+    for (int i = 0; i < d->nparticle; i++) {
+      tdm_vec3 x = d->sphere[i].position;
+      fprintf(f, "%.12g %.12g %.12g %.12g\n", x.x, x.y, x.z, d->sphere[i].radius);
+    }
   }
-  if (fclose(f) != 0 || rename(temporary, name) != 0)
-    remove(temporary);
+  if (f && fclose(f) == 0 && rename(temporary, name) == 0)
+    return TDM_OK;
+  int error = errno;
+  remove(temporary);
+  return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", where the bed is kept, cannot be written: %s; set XDG_CACHE_HOME",
+                  name, strerror(error));
 }
 
-static tdm_status make_bed(bed *b, const options *o, tdm_error *err) {
-  char name[PATH_MAX];
-  bool cache = cache_name(name, o);
-  if (cache && access(name, R_OK) == 0 && read_bed(b, name, err) == TDM_OK && b->n == o->particles)
+/* Settle a bed in a process's own engine and keep it, unless it is kept already. */
+static tdm_status make_bed(bed *b, char name[PATH_MAX], const options *o, tdm_error *err) {
+  cache_name(name, o);
+  if (access(name, R_OK) == 0 && open_bed(b, name, err) == TDM_OK && b->n == o->particles)
     return TDM_OK;
+  if (b->file)
+    fclose(b->file);
   *err = (tdm_error){0};
-  free(b->ball);
-  *b = (bed){0};
-  fprintf(stderr, "settling %d particles\n", o->particles);
+  *b = (bed){.n = o->particles, .side = o->box, .radius = {o->radius[0], o->radius[1]}};
+  b->mean = 0.5 * (o->radius[0] + o->radius[1]);
+  if (o->box < 2.1 * o->radius[1])
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of %g m", o->box, o->radius[1]);
+  fprintf(stderr, "settling %d particles; the bed is kept in %s\n", o->particles, name);
   options plain = *o;
-  plain.law = NULL;
-  plain.dt = 8.6e-5;
-  if (lattice(b, o->particles, o->box, err) || settle(b, &plain, err))
-    return err->status;
-  if (cache)
-    keep_bed(b, name);
-  return TDM_OK;
+  plain.law = plain.simd = plain.search = NULL;
+  plain.skin = 0;
+  plain.dt = 0.0172 * o->radius[0]; /* a fifth of the Rayleigh step */
+  engine e = {0};
+  if (engine_create(&e, &plain, b, err) == TDM_OK && settle(&e, &plain, err) == TDM_OK)
+    keep_bed(e.data, name, err);
+  engine_destroy(&e);
+  return err->status ? err->status : open_bed(b, name, err);
 }
 
 /* ---- measuring ---- */
@@ -328,7 +376,7 @@ static double force_error(dem_data *d) {
     return NAN;
   dem_model plain = *d->model;
   plain.simd = "plain";
-  plain.law = dem_law_find("plain", plain.law->normal, plain.law->tangential);
+  plain.law = dem_law_find("plain", plain.law->normal, plain.law->tangential, plain.law->more);
   dem_data *all = dem_data_create(d->model);
   double worst = 0, largest = 0;
   bool good = all && dem_data_copy(all, d);
@@ -363,7 +411,7 @@ static double cpu_clock(void) {
          1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
 }
 
-static tdm_status measure(const options *o, const bed *b, json_t **out, tdm_error *err) {
+static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err) {
   engine e = {0};
   if (engine_create(&e, o, b, err) || run_steps(e.data, o, (o->steps + 9) / 10, err)) {
     engine_destroy(&e);
@@ -380,7 +428,9 @@ static tdm_status measure(const options *o, const bed *b, json_t **out, tdm_erro
       listed += d->pairs.other[k] < d->nparticle;
     double n = d->nparticle, energy = kinetic_energy(d);
     char law[128];
-    snprintf(law, sizeof law, "%s/%s", e.model->law->normal, e.model->law->tangential);
+    snprintf(law, sizeof law, "%s/%s/%s/%s", dem_normals[e.model->law->normal].name,
+             dem_tangentials[e.model->law->tangential].name, dem_rollings[e.model->rolling].name,
+             dem_cohesions[e.model->cohesion].name);
     *out = json_pack("{s:i, s:I, s:i, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f}", "particles", d->nparticle,
                      "steps", (json_int_t)o->steps, "threads", d->nthread, "law", law, "simd", e.model->simd, "cpu_s",
                      cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",
@@ -394,7 +444,7 @@ static tdm_status measure(const options *o, const bed *b, json_t **out, tdm_erro
 }
 
 int dem_bench_main(int argc, char **argv) {
-  options o = {.particles = 10000, .threads = 1, .dt = 8.6e-5};
+  options o = {.particles = 10000, .threads = 1, .dt = 8.6e-5, .radius = {0.005, 0.005}};
   tdm_error err = {0};
   bed b = {0};
   json_t *out = NULL;
@@ -404,19 +454,20 @@ int dem_bench_main(int argc, char **argv) {
   }
   if (!read_options(&o, argc, argv))
     return EXIT_FAILURE;
+  char name[PATH_MAX];
   if (o.bed) {
-    read_bed(&b, o.bed, &err);
-    for (int i = 0; i < b.n && !(o.box > 0 && i == 0); i++) /* the smallest square that holds them */
-      o.box = fmax(o.box, fmax(b.ball[i].position.x, b.ball[i].position.y) + b.ball[i].radius);
+    open_bed(&b, o.bed, &err);
+    o.box = o.box > 0 ? o.box : b.side;
   } else {
-    o.box = o.box > 0 ? o.box : 0.01 * cbrt(o.particles);
-    make_bed(&b, &o, &err);
+    o.box = o.box > 0 ? o.box : (o.radius[0] + o.radius[1]) * cbrt(o.particles);
+    make_bed(&b, name, &o, &err);
   }
   if (o.steps == 0)
     o.steps = (long)fmax(100, 2e7 / fmax(1, b.n));
   if (!err.status)
     measure(&o, &b, &out, &err);
-  free(b.ball);
+  if (b.file)
+    fclose(b.file);
   if (err.status) {
     fprintf(stderr, "tandem-dem bench: %s%s%s\n", err.path, err.path[0] ? ": " : "", err.message);
     return EXIT_FAILURE;

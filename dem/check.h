@@ -8,6 +8,9 @@
  * apart. Counts the particles that are behind a plane altogether in *nbehind: planes do not act on them. */
 tdm_status dem_check_start(const dem_data *data, int *nbehind, tdm_error *err);
 
+/* The scene's entry that made particle i, and its number there (its id, if it came from a source). */
+void dem_where(const dem_data *data, int i, char path[TDM_PATH_MAX], int *number);
+
 /* TDM_ERR_NUMERIC when a particle's position or velocity is not finite at time t [s]. */
 tdm_status dem_check_finite(const dem_data *data, double t, tdm_error *err);
 

@@ -1,25 +1,16 @@
 /* Creating, copying and destroying the data, and particles that come and go: see data.h. */
 #include "dem/data.h"
 
+#include "dem/domain.h"
+#include "dem/extras.h"
 #include "dem/geometry/walls.h"
+#include "dem/integrate.h"
 #include "dem/search/pairs.h"
 #include "dem/step.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The arrays of particles that are state: X(field, entries a particle). */
-#define PARTICLE_STATE(X) \
-  X(sphere, 1)            \
-  X(rotor, 1)             \
-  X(pace, 1)              \
-  X(position_at_list, 1)  \
-  X(mass, 1)              \
-  X(kind, 1)              \
-  X(id, 1)                \
-  X(touched, 1)           \
-  X(front, d->model->nwall)
 
 /* The next `bytes` of the block, or only add up the size when block is NULL. */
 static void *place(char *block, size_t *used, size_t bytes) {
@@ -40,6 +31,7 @@ static size_t layout(dem_data *d, char *block) {
   PLACE(pose_at_list, nb);
   PLACE(margin, nb);
   PLACE(reach, nb);
+  PLACE(fast_load, nb);
   PLACE(wall, nw);
   PLACE(lid, nw);
   PLACE(sample_sum, nc);
@@ -53,18 +45,18 @@ static size_t layout(dem_data *d, char *block) {
 static size_t layout_particles(dem_data *d, char *block) {
   size_t np = (size_t)d->capacity + 1, used = 0;
 #define X(field, n) PLACE(field, np *(size_t)(n));
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   PLACE(pairs.first, np);
-  PLACE(spare_pairs.first, np);
   PLACE(number, np);
   size_t nchunk = (size_t)dem_chunks(d->capacity);
   PLACE(pairs.chunk, nchunk + 1);
   PLACE(walls.chunk, nchunk + 1);
-  PLACE(spare_pairs.chunk, nchunk + 1);
   PLACE(spare_walls.chunk, nchunk + 1);
+  PLACE(chunk_spare, nchunk + 1);
   PLACE(crossings.chunk, nchunk + 1);
   PLACE(chunk_load, nchunk * (size_t)d->model->nbody);
+  PLACE(chunk_flux, nchunk);
   return used;
 }
 
@@ -84,7 +76,7 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
 #define X(field, n)         \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
-  PARTICLE_STATE(X)
+  DEM_PARTICLE_STATE(X)
 #undef X
   size_t nchunk = (size_t)d->nchunk + 1;
   memcpy(dst->pairs.first, d->pairs.first, (np + 1) * sizeof *d->pairs.first);
@@ -93,23 +85,31 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
   memcpy(dst->crossings.chunk, d->crossings.chunk, nchunk * sizeof *d->crossings.chunk);
 }
 
-/* put the particle that is none behind the last: nowhere, so that it touches nothing */
-static void end_particles(dem_data *d) {
+/* nowhere, so that it touches nothing */
+void dem_data_end(dem_data *d) {
   d->sphere[d->nparticle] = (dem_sphere){.position = {NAN, NAN, NAN}, .inverse_mass = 1};
   d->rotor[d->nparticle] = (dem_rotor){0};
+}
+
+/* room for `capacity` sums */
+static bool grow_push(const dem_data *d, dem_push **push, int capacity) {
+  dem_push *grown = zeroed((size_t)capacity * sizeof *grown);
+  if (!grown)
+    return false;
+  if (*push)
+    memcpy(grown, *push, (size_t)d->nparticle * sizeof *grown);
+  free(*push);
+  *push = grown;
+  return true;
 }
 
 bool dem_crossings_reserve(dem_data *d, int count) {
   int need = d->nparticle + 1 + count;
   if (need > d->push_capacity) {
     int capacity = need + need / 8 + 64;
-    dem_push *push = zeroed((size_t)capacity * sizeof *push);
-    if (!push)
+    bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
+    if (!grow_push(d, &d->push, capacity) || (two && !grow_push(d, &d->spare_push, capacity)))
       return false;
-    if (d->push)
-      memcpy(push, d->push, (size_t)d->nparticle * sizeof *push);
-    free(d->push);
-    d->push = push;
     d->push_capacity = capacity;
   }
   dem_crossings *c = &d->crossings;
@@ -144,23 +144,28 @@ bool dem_data_reserve(dem_data *d, int n) {
   return dem_crossings_reserve(d, n - d->nparticle);
 }
 
-/* a new array of n entries in place of the old one, whose contents go */
-static bool renew(void *array, size_t n, size_t size) {
-  void **p = array;
+/* an aligned array of n entries, the first `keep` of them those of the old one */
+static bool grow(void *array, size_t n, size_t keep, size_t size) {
+  void **p = array, *grown = aligned_alloc(64, (n * size + 127) & ~(size_t)63);
+  if (!grown)
+    return false;
+  if (keep > 0)
+    memcpy(grown, *p, keep * size);
   free(*p);
-  *p = aligned_alloc(64, (n * size + 127) & ~(size_t)63);
-  return *p != NULL;
+  *p = grown;
+  return true;
 }
 
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
   if (count <= list->capacity && list->one) /* arrays also for no entries */
     return true;
-  size_t capacity = (count + count / 8 + 64) & ~(size_t)7;
-  list->capacity = 0;
-  if (!renew(&list->one, capacity, sizeof(int)) || !renew(&list->other, capacity, sizeof(int)) ||
-      !renew(&list->sink, capacity, sizeof(int)) ||
-      (ncolumn > 0 && !renew(&list->history, capacity * (size_t)ncolumn, sizeof(double))))
+  size_t before = list->capacity, capacity = (count + count / 8 + 64) & ~(size_t)7;
+  if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
+      !grow(&list->sink, capacity, 0, sizeof(int)) ||
+      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
     return false;
+  for (int q = ncolumn - 1; q > 0; q--) /* columns move apart, the last first */
+    memmove(list->history + (size_t)q * capacity, list->history + (size_t)q * before, before * sizeof(double));
   list->capacity = capacity;
   return true;
 }
@@ -170,8 +175,8 @@ bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
     return true;
   size_t capacity = count + count / 4 + 64;
   list->capacity = 0;
-  if (!renew(&list->entry, capacity, sizeof *list->entry) ||
-      (ncolumn > 0 && !renew(&list->history, capacity * (size_t)ncolumn, sizeof(double))))
+  if (!grow(&list->entry, capacity, 0, sizeof *list->entry) ||
+      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, 0, sizeof(double))))
     return false;
   list->capacity = capacity;
   return true;
@@ -196,15 +201,31 @@ static void begin(dem_data *d) {
     d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
     dem_exact_add(&d->ledger.mass, m->mass[i]);
   }
-  end_particles(d);
+  dem_drive_particles(d);
+  dem_data_end(d);
+  d->restart = true;
+  dem_domain_begin(d);
   d->ledger.created = (uint64_t)d->nparticle;
   d->since_sort = DEM_SORT_STEPS;
+  d->skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
   for (int b = 0; b < m->nbody; b++) {
     d->pose[b] = m->body[b].start.pose;
     d->twist[b] = m->body[b].start.twist;
     d->body_inverse[b] = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
   }
+  dem_bodies_drive(d, m->time_start);
   dem_lids_away(d);
+}
+
+/* for all that will be there after settling */
+static const char *choose_search(dem_data *d) {
+  const dem_model *m = d->model;
+  for (int i = d->nparticle; i < m->nparticle; i++) /* places of those still to be poured */
+    d->sphere[i].radius = m->radius[i];
+  dem_search_input spheres = {.sphere = d->sphere, .n = m->nparticle, .skin = 0.1 * m->mean_radius};
+  const char *name = dem_search_choose(&spheres);
+  dem_data_end(d);
+  return name;
 }
 
 dem_data *dem_data_create(const dem_model *model) {
@@ -214,16 +235,16 @@ dem_data *dem_data_create(const dem_model *model) {
   d->model = model;
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
-  d->search = dem_search_create("cells");
   d->nthread = 1;
   if (d->block)
     layout(d, d->block);
-  if (!d->block || !d->search || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
+  if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
     dem_data_destroy(&d);
     return NULL;
   }
   begin(d);
-  if (!dem_forces_now(d, false)) {
+  d->search = dem_search_create(model->search ? model->search : choose_search(d));
+  if (!d->search || !dem_forces_now(d, false)) {
     dem_data_destroy(&d);
     return NULL;
   }
@@ -233,7 +254,7 @@ dem_data *dem_data_create(const dem_model *model) {
 
 /* entries and histories of the lists, whose rows and chunks are there already */
 static bool copy_lists(dem_data *dst, const dem_data *src) {
-  int ncolumn = src->model->law->ncolumn;
+  int ncolumn = src->model->columns.ncolumn;
   const dem_pairs *p = &src->pairs;
   const dem_wall_contacts *w = &src->walls;
   const dem_crossings *c = &src->crossings;
@@ -269,18 +290,34 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
     return false;
   memcpy(dst->block, src->block, src->block_size);
   copy_particles(dst, src);
-  end_particles(dst);
+  dem_data_end(dst);
   if (!copy_lists(dst, src))
     return false;
   memcpy(dst->push, src->push, (size_t)src->nparticle * sizeof *src->push);
   memset(dst->push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  if (src->spare_push) {
+    memcpy(dst->spare_push, src->spare_push, (size_t)src->nparticle * sizeof *src->push);
+    memset(dst->spare_push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  }
   dst->nstep = src->nstep;
   dst->since_sort = src->since_sort;
+  dst->since_list = src->since_list;
+  dst->skin = src->skin;
+  dst->memory_dt = src->memory_dt;
+  dst->restart = src->restart;
+  dst->domain = src->domain;
+  memcpy(dst->domain_rate, src->domain_rate, sizeof src->domain_rate);
+  memcpy(dst->length_at_list, src->length_at_list, sizeof src->length_at_list);
+  dst->strained = src->strained;
+  dst->strain_steps = src->strain_steps;
+  dst->strain_dt = src->strain_dt;
+  dst->guard = src->guard;
   dst->ledger = src->ledger;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;
   dst->nrebuild = src->nrebuild;
   dst->ncontact = src->ncontact;
+  dst->energy = src->energy;
   dst->sample_count = src->sample_count;
   return true;
 }
@@ -289,23 +326,10 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
-  void *arrays[] = {d->pairs.one,
-                    d->pairs.other,
-                    d->pairs.sink,
-                    d->pairs.history,
-                    d->spare_pairs.one,
-                    d->spare_pairs.other,
-                    d->spare_pairs.sink,
-                    d->spare_pairs.history,
-                    d->walls.entry,
-                    d->walls.history,
-                    d->spare_walls.entry,
-                    d->spare_walls.history,
-                    d->crossings.particle,
-                    d->crossings.order,
-                    d->push,
-                    d->particle_block,
-                    d->block};
+  void *arrays[] = {
+      d->pairs.one,       d->pairs.other,   d->pairs.sink,        d->pairs.history,       d->column,
+      d->walls.entry,     d->walls.history, d->spare_walls.entry, d->spare_walls.history, d->crossings.particle,
+      d->crossings.order, d->push,          d->spare_push,        d->particle_block,      d->block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   dem_rows_free(&d->rows);
@@ -324,12 +348,20 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->mass[i] = newcomer->mass;
   d->kind[i] = newcomer->kind;
   d->touched[i] = 0;
-  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, newcomer->velocity, 1 / newcomer->mass};
+  const dem_model *m = d->model;
+  tdm_vec3 velocity = dem_flatten(m, newcomer->velocity, 0);
+  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, velocity, 1 / newcomer->mass};
   d->rotor[i] = (dem_rotor){.radius = newcomer->radius};
-  d->pace[i] = (dem_pace){.velocity = newcomer->velocity};
+  d->pace[i] = (dem_pace){.velocity = velocity};
   d->push[i] = (dem_push){0};
+  if (d->spare_push)
+    d->spare_push[i] = (dem_push){0};
+  if (m->driven)
+    d->drive[i] = (dem_pace){0};
+  if (m->integrator->remember && !d->restart)
+    m->integrator->remember(d, i, i + 1, d->memory_dt);
   d->position_at_list[i] = newcomer->position;
-  end_particles(d);
+  dem_data_end(d);
   dem_exact_add(&d->ledger.mass, newcomer->mass);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
@@ -385,7 +417,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
     number[i] = gone[i] >= 0 ? -1 : after++;
   if (after == before)
     return;
-  int ncolumn = d->model->law->ncolumn;
+  int ncolumn = d->model->columns.ncolumn;
   remove_pairs(&d->pairs, before, after, number, ncolumn);
   remove_walls(&d->walls, number, ncolumn);
   for (int i = 0; i < before; i++) {
@@ -395,15 +427,19 @@ void dem_data_remove(dem_data *d, const int *gone) {
       continue;
     }
     d->push[number[i]] = d->push[i];
+    if (d->spare_push)
+      d->spare_push[number[i]] = d->spare_push[i];
 #define X(field, n)                                                                       \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
-    PARTICLE_STATE(X)
+    DEM_PARTICLE_STATE(X)
 #undef X
   }
   d->nparticle = after;
-  end_particles(d);
+  dem_data_end(d);
   d->push[after] = (dem_push){0};
+  if (d->spare_push)
+    d->spare_push[after] = (dem_push){0};
   if (d->nchunk > 1) {
     d->list_stale = true; /* chunks have other particles now */
     return;
@@ -414,28 +450,40 @@ void dem_data_remove(dem_data *d, const int *gone) {
 
 /* ---- order ---- */
 
-/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers. */
+/* an array of n records of `words` 64-bit words, or of n ints, in a new order; copy: room for a word of each */
+static void reorder_words(uint64_t *array, size_t n, size_t words, const int *from, uint64_t *copy) {
+  for (size_t w = 0; w < words; w++) {
+    for (size_t p = 0; p < n; p++)
+      copy[p] = array[p * words + w];
+    for (size_t p = 0; p < n; p++)
+      array[p * words + w] = copy[from[p]];
+  }
+}
+
+static void reorder_bytes(char *array, size_t n, size_t size, const int *from, char *copy) {
+  for (size_t b = 0; b < size; b++) {
+    for (size_t p = 0; p < n; p++)
+      copy[p] = array[p * size + b];
+    for (size_t p = 0; p < n; p++)
+      array[p * size + b] = copy[from[p]];
+  }
+}
+
 bool dem_data_permute(dem_data *d, const int *from) {
-  size_t np = (size_t)d->nparticle, largest = 0;
-#define X(field, n) largest = (size_t)(n) * sizeof *d->field > largest ? (size_t)(n) * sizeof *d->field : largest;
-  PARTICLE_STATE(X)
-#undef X
-  if (sizeof *d->push > largest)
-    largest = sizeof *d->push;
-  char *copy = malloc(np * largest + 1);
+  size_t n = (size_t)d->nparticle;
+  uint64_t *copy = malloc((n + 1) * sizeof *copy); /* a word of each particle at a time: little memory */
   if (!copy)
     return false;
-#define MOVE(field, n)                                                          \
-  {                                                                             \
-    size_t size = (size_t)(n) * sizeof *d->field;                               \
-    memcpy(copy, d->field, np *size);                                           \
-    for (size_t p = 0; p < np; p++)                                             \
-      memcpy((char *)d->field + p * size, copy + (size_t)from[p] * size, size); \
-  }
-#define X(field, n) MOVE(field, n)
-  PARTICLE_STATE(X)
+#define X(field, each)                                                                                            \
+  if ((size_t)(each) * sizeof *d->field % sizeof *copy == 0)                                                      \
+    reorder_words((uint64_t *)(void *)d->field, n, (size_t)(each) * sizeof *d->field / sizeof *copy, from, copy); \
+  else                                                                                                            \
+    reorder_bytes((char *)d->field, n, (size_t)(each) * sizeof *d->field, from, (char *)copy);
+  DEM_PARTICLE_STATE(X)
+  X(push, 1)
 #undef X
-  MOVE(push, 1)
+  if (d->spare_push)
+    reorder_words((uint64_t *)(void *)d->spare_push, n, sizeof *d->spare_push / sizeof *copy, from, copy);
   free(copy);
   return true;
 }

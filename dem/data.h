@@ -50,6 +50,20 @@ typedef struct {
   int count, capacity;
 } dem_crossings;
 
+/* The arrays of particles that are state: X(field, entries a particle). A new one only needs its row. */
+#define DEM_PARTICLE_STATE(X)    \
+  X(sphere, 1)                   \
+  X(rotor, 1)                    \
+  X(pace, 1)                     \
+  X(position_at_list, 1)         \
+  X(mass, 1)                     \
+  X(kind, 1)                     \
+  X(id, 1)                       \
+  X(touched, 1)                  \
+  X(drive, d->model->driven)     \
+  X(memory, d->model->remembers) \
+  X(front, d->model->nwall)
+
 /* How far a source is. */
 typedef struct {
   uint64_t due, made;         /* particles that should be there by now, and those that are */
@@ -69,8 +83,22 @@ typedef struct {
 /* What went in and out, for the balance. */
 typedef struct {
   uint64_t created, removed; /* created: with those of the start */
+  uint64_t left;             /* of the removed: those that left dem.domain */
   dem_exact mass;            /* created less removed, without round-off [kg] */
 } dem_ledger;
+
+/* What the guard saw last (guard.h). */
+typedef enum { DEM_GUARD_LEAP, DEM_GUARD_OVERLAP, DEM_GUARD_STEP, DEM_GUARD_ENERGY, DEM_GUARD_KINDS } dem_guard_kind;
+
+typedef struct {
+  double start, lowest;           /* energy at the first look, and the lowest since [J] */
+  double potential;               /* lowest potential since [J] */
+  uint64_t judging;               /* 1: the three are there */
+  uint64_t flow;                  /* particles that had come or gone then */
+  uint64_t leaper;                /* 1 + id of a particle that moved more than its radius in a step, 0: none */
+  double leap;                    /* by how much [m] */
+  uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
+} dem_guard_state;
 
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
@@ -94,6 +122,9 @@ typedef struct dem_data {
   dem_rotor *rotor;           /* likewise */
   dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
   dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings */
+  dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
+  dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
+  dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
   tdm_vec3 *position_at_list; /* when the lists were built [m] */
 
   /* bodies, (nbody) each */
@@ -108,9 +139,21 @@ typedef struct dem_data {
   double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
   uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
   tdm_wrench *chunk_load; /* (nchunk x nbody) body_load by chunk */
+  dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
+
+  double memory_dt; /* step for which memory was made [s] */
+  bool restart;     /* memory is to be made anew */
+
+  dem_domain domain;        /* where the box is now; all 0 when the scene has none */
+  double domain_rate[3];    /* how fast its lengths grow now [m/s] */
+  double strained;          /* how long it has been strained before the steps counted next [s] */
+  uint64_t strain_steps;    /* steps since, of strain_dt each */
+  double strain_dt;         /* [s] */
+  double length_at_list[3]; /* its lengths when the lists were built [m] */
+  dem_guard_state guard;
 
   int nchunk; /* of DEM_CHUNK particles each, as of the last list */
   dem_pairs pairs;
@@ -118,10 +161,13 @@ typedef struct dem_data {
   dem_crossings crossings;
   bool list_valid;     /* the lists are lists of these particles */
   bool list_stale;     /* particles came: rebuild at the next step */
+  double skin;         /* of the lists [m] */
   uint64_t nrebuild;   /* of the lists */
+  uint64_t since_list; /* steps since the last of them */
   uint64_t since_sort; /* steps since the particles were put in the order of their places */
 
-  long ncontact; /* touching pairs and walls at the last evaluation */
+  long ncontact;     /* touching pairs and walls at the last evaluation */
+  dem_energy energy; /* of the contacts, if the scene asks for it */
 
   /* means over the output interval, (ncoupled) */
   tdm_wrench *sample_sum;
@@ -129,11 +175,14 @@ typedef struct dem_data {
   uint64_t sample_count;   /* steps in sample_sum */
 
   /* not part of the state */
-  dem_pairs spare_pairs; /* the lists of before, at a rebuild */
-  dem_wall_contacts spare_walls;
-  dem_rows rows;      /* what the search found */
-  dem_search *search; /* owned */
-  int *number;        /* (nparticle) scratch */
+  dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
+  size_t *chunk_spare;           /* (nchunk + 1) */
+  double *column;                /* (column_capacity) a column of histories, at a rebuild */
+  size_t column_capacity;
+  dem_rows rows;         /* what the search found */
+  dem_search *search;    /* owned */
+  tdm_wrench *fast_load; /* (nbody) multi-step: body_load of the fast contacts */
+  int *number;           /* (nparticle) scratch */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
@@ -167,6 +216,9 @@ void dem_data_remove(dem_data *data, const int *gone);
  * built next. False: no memory. */
 bool dem_data_permute(dem_data *data, const int *from);
 
+/* Put the particle that is none behind the last. */
+void dem_data_end(dem_data *data);
+
 /* Room for n particles. False: no memory, nothing changed. */
 bool dem_data_reserve(dem_data *data, int n);
 
@@ -174,7 +226,12 @@ bool dem_data_reserve(dem_data *data, int n);
  * contact.wall_mass. */
 void dem_set_body_mass(dem_data *data, int i, double mass);
 
-/* Room for `count` entries; what is there may be lost. False: no memory. */
+/* The particle after the last one of a chunk. */
+static inline int dem_chunk_end(const dem_data *d, int c) {
+  return c + 1 < d->nchunk ? (c + 1) * DEM_CHUNK : d->nparticle;
+}
+
+/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. False: no memory. */
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
 bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
 

@@ -6,6 +6,7 @@
  */
 #include "dem/fill.h"
 
+#include "dem/extras.h"
 #include "dem/model_read.h"
 
 #include <gsl/gsl_randist.h>
@@ -324,7 +325,11 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   read[type](&f);
   if (f.total_mass > 0 && m->nparticle > first)
     scale_mass(m, first, f.total_mass);
-  m->group[entry] = (dem_group){first, m->nparticle - first};
+  dem_group *group = &m->group[entry];
+  *group = (dem_group){.first = first, .count = m->nparticle - first};
+  dem_read_group_extras(m, group, o);
+  if (group->fixed && m->npouring > 0 && m->pouring[m->npouring - 1].entry == entry)
+    tdm_object_fail(o, "fixed", "holds particles that are to fall; remove it, or choose another \"type\"");
   tdm_object_close(o);
 }
 

@@ -2,6 +2,7 @@
 #include "dem/flow.h"
 
 #include "dem/draw.h"
+#include "dem/extras.h"
 #include "dem/geometry/walls.h"
 #include "dem/room.h"
 #include "protocol/log.h"
@@ -72,6 +73,7 @@ static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, de
   for (int k = 0; k < (point ? 1 : TRIES); k++) {
     tdm_vec3 x = point ? s->low : place_of(s, now->made, now->draw);
     out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
+    out->position = dem_flatten(m, out->position, m->flat_at);
     now->draw++;
     if (dem_room_free(room, d, out->position, out->radius))
       return true;
@@ -137,7 +139,7 @@ static bool touches(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
   double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
-  return gap < d->sphere[i].radius && !(wall->primitive == DEM_PLANE && gap <= -d->sphere[i].radius);
+  return gap < d->sphere[i].radius && !(dem_wall_endless(wall) && gap <= -d->sphere[i].radius);
 }
 
 /* is particle i inside sink s by its place alone? */

@@ -1,4 +1,4 @@
-/* Velocity Verlet: see integrate.h. A particle's records are vectors of eight: velocity and spin go together. */
+/* The integrators: see integrate.h. A particle's records are vectors of eight: velocity and spin go together. */
 #include "dem/integrate.h"
 
 #include "dem/simd.h"
@@ -16,43 +16,70 @@ DEM_INLINE void store8(void *p, v8 a) {
   memcpy(p, &a, sizeof a);
 }
 
-/* acceleration and angular acceleration of a particle */
-DEM_INLINE v8 acceleration(const dem_sphere *s, const dem_push *push, v8 gravity) {
+/* t in the lanes of velocity and spin */
+DEM_INLINE v8 span(double t) {
+  return (v8){t, t, t, 0, t, t, t, 0};
+}
+
+/* first three lanes of a, others of b */
+DEM_INLINE v8 join(v8 a, v8 b) {
+  return __builtin_shuffle(a, b, (v8i){0, 1, 2, 11, 12, 13, 14, 15});
+}
+
+/* ---- accelerations ---- */
+
+/* What acts besides contacts; `driven` is known when a loop is compiled. */
+typedef struct {
+  v8 gravity, free; /* free: 0 for what must not change in two dimensions, else 1 */
+  const dem_pace *drive;
+} field;
+
+DEM_INLINE field field_of(const dem_data *d, const bool driven) {
+  const dem_model *m = d->model;
+  field f = {{m->gravity.x, m->gravity.y, m->gravity.z, 0, 0, 0, 0, 0}, {1, 1, 1, 1, 1, 1, 1, 1}, d->drive};
+  for (int a = 0; driven && a < 3; a++)
+    if (m->flat >= 0)
+      f.free[a == m->flat ? a : 4 + a] = 0;
+  return f;
+}
+
+/* of contacts alone: linear and angular */
+DEM_INLINE v8 of_contacts(const dem_sphere *s, const dem_push *push) {
   double per_mass = s->inverse_mass, turn = -2.5 * per_mass / s->radius; /* I = 2/5 m R^2, torque = -R twist */
   v8 scale = {per_mass, per_mass, per_mass, 0, turn, turn, turn, 0};
-  return load8(push) * scale + gravity;
+  return load8(push) * scale;
 }
 
-DEM_INLINE v8 gravity_of(const dem_model *m) {
-  return (v8){m->gravity.x, m->gravity.y, m->gravity.z, 0, 0, 0, 0, 0};
+DEM_INLINE v8 of_all(const dem_data *d, int i, const dem_push *push, const field *f, const bool driven) {
+  v8 a = of_contacts(&d->sphere[i], &push[i]) + f->gravity;
+  return driven ? (a + load8(&f->drive[i])) * f->free : a;
 }
 
-static int chunk_end(const dem_data *d, int c) {
-  int end = (c + 1) * DEM_CHUNK;
-  return end < d->nparticle ? end : d->nparticle;
+/* ---- what all share ---- */
+
+#define EACH_PARTICLE(d, chunk, i) for (int i = (chunk)*DEM_CHUNK, end_ = dem_chunk_end(d, chunk); i < end_; i++)
+
+/* How far particles of a chunk are from where they were listed. */
+typedef struct {
+  double most, sum; /* of squares [m2]; the sum is NaN when one is */
+} travel;
+
+/* position, radius | velocity ahead, 1/mass; and the forces zeroed */
+DEM_INLINE void put(dem_data *d, int i, v8 x, v8 ahead, tdm_vec3 shift, travel *moved) {
+  const v8 zero = {0};
+  dem_sphere *s = &d->sphere[i];
+  store8(&d->push[i], zero);
+  store8(s, __builtin_shuffle(x, ahead, (v8i){0, 1, 2, 3, 8, 9, 10, 7}));
+  double radius = s->radius;
+  d->rotor[i].surface = tdm_v3(radius * ahead[4], radius * ahead[5], radius * ahead[6]);
+  tdm_vec3 way = tdm_sub(tdm_sub(s->position, d->position_at_list[i]), shift);
+  double r2 = tdm_dot(way, way);
+  moved->most = r2 > moved->most ? r2 : moved->most;
+  moved->sum += r2;
 }
 
-static double begin(dem_data *d, int chunk, double dt, tdm_vec3 shift) {
-  const v8 half = {0.5 * dt, 0.5 * dt, 0.5 * dt, 0, 0.5 * dt, 0.5 * dt, 0.5 * dt, 0};
-  const v8 drift = {dt, dt, dt, 0, 0, 0, 0, 0}, g = gravity_of(d->model), zero = {0};
-  double moved2 = 0, sum = 0;
-  for (int i = chunk * DEM_CHUNK, end = chunk_end(d, chunk); i < end; i++) {
-    dem_sphere *s = &d->sphere[i];
-    v8 a = half * acceleration(s, &d->push[i], g);
-    v8 v = load8(&d->pace[i]) + a, ahead = v + a;
-    store8(&d->pace[i], v);
-    store8(&d->push[i], zero);
-    /* position, radius | velocity ahead, 1/mass */
-    v8 x = load8(s) + drift * v;
-    store8(s, __builtin_shuffle(x, ahead, (v8i){0, 1, 2, 3, 8, 9, 10, 7}));
-    double radius = s->radius;
-    d->rotor[i].surface = tdm_v3(radius * ahead[4], radius * ahead[5], radius * ahead[6]);
-    tdm_vec3 moved = tdm_sub(tdm_sub(s->position, d->position_at_list[i]), shift);
-    double r2 = tdm_dot(moved, moved);
-    moved2 = r2 > moved2 ? r2 : moved2;
-    sum += r2;
-  }
-  return isfinite(sum) ? moved2 : NAN;
+static double farthest(const travel *moved) {
+  return isfinite(moved->sum) ? moved->most : NAN;
 }
 
 static void add_crossings(dem_data *d, int chunk) {
@@ -66,11 +93,175 @@ static void add_crossings(dem_data *d, int chunk) {
   }
 }
 
-static void finish(dem_data *d, int chunk, double dt) {
-  const v8 half = {0.5 * dt, 0.5 * dt, 0.5 * dt, 0, 0.5 * dt, 0.5 * dt, 0.5 * dt, 0}, g = gravity_of(d->model);
-  add_crossings(d, chunk);
-  for (int i = chunk * DEM_CHUNK, end = chunk_end(d, chunk); i < end; i++)
-    store8(&d->pace[i], load8(&d->pace[i]) + half * acceleration(&d->sphere[i], &d->push[i], g));
+/* time in the lanes of a position */
+DEM_INLINE v8 drift_of(double dt) {
+  return (v8){dt, dt, dt, 0, 0, 0, 0, 0};
 }
 
-const dem_integrator DEM_ISA(dem_integrator) = {begin, finish};
+/* ---- verlet ---- */
+
+DEM_INLINE double begin_verlet(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
+  const v8 half = span(0.5 * stride->dt), drift = drift_of(stride->dt);
+  const field f = field_of(d, driven);
+  travel moved = {0, 0};
+  EACH_PARTICLE(d, chunk, i) {
+    v8 a = half * of_all(d, i, d->push, &f, driven);
+    v8 v = load8(&d->pace[i]) + a, ahead = v + a;
+    store8(&d->pace[i], v);
+    put(d, i, load8(&d->sphere[i]) + drift * v, ahead, stride->shift, &moved);
+  }
+  return farthest(&moved);
+}
+
+DEM_INLINE void end_verlet(dem_data *d, int chunk, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt);
+  const field f = field_of(d, driven);
+  add_crossings(d, chunk);
+  EACH_PARTICLE(d, chunk, i)
+  store8(&d->pace[i], load8(&d->pace[i]) + half * of_all(d, i, d->push, &f, driven));
+}
+
+/* ---- leap-frog ---- */
+
+DEM_INLINE double begin_leap_frog(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
+  const v8 half = span(0.5 * stride->dt), drift = drift_of(stride->dt);
+  const field f = field_of(d, driven);
+  travel moved = {0, 0};
+  EACH_PARTICLE(d, chunk, i) {
+    v8 a = half * of_all(d, i, d->push, &f, driven);
+    v8 w = load8(&d->memory[i]) + (a + a);
+    store8(&d->memory[i], w);
+    store8(&d->pace[i], w);
+    put(d, i, load8(&d->sphere[i]) + drift * w, w + a, stride->shift, &moved);
+  }
+  return farthest(&moved);
+}
+
+DEM_INLINE void end_leap_frog(dem_data *d, int chunk, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt);
+  const field f = field_of(d, driven);
+  add_crossings(d, chunk);
+  EACH_PARTICLE(d, chunk, i)
+  store8(&d->pace[i], load8(&d->memory[i]) + half * of_all(d, i, d->push, &f, driven));
+}
+
+DEM_INLINE void remember_leap_frog(dem_data *d, int first, int end, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt);
+  const field f = field_of(d, driven);
+  for (int i = first; i < end; i++)
+    store8(&d->memory[i], load8(&d->pace[i]) - half * of_all(d, i, d->push, &f, driven));
+}
+
+/* ---- stormer-verlet: memory is position before | angle of the last step ---- */
+
+DEM_INLINE double begin_stormer(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
+  const double dt = stride->dt;
+  const v8 half = span(0.5 * dt), square = span(dt * dt), rate = span(1 / dt), place = drift_of(1);
+  const field f = field_of(d, driven);
+  travel moved = {0, 0};
+  EACH_PARTICLE(d, chunk, i) {
+    v8 a = of_all(d, i, d->push, &f, driven);
+    v8 x = load8(&d->sphere[i]), before = load8(&d->memory[i]);
+    v8 way = join(x - before, before) + square * a; /* moved and turned in this step */
+    v8 v = rate * way;
+    store8(&d->memory[i], join(x, way));
+    store8(&d->pace[i], v);
+    put(d, i, x + place * way, v + half * a, stride->shift, &moved);
+  }
+  return farthest(&moved);
+}
+
+DEM_INLINE void end_stormer(dem_data *d, int chunk, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt), rate = span(1 / dt);
+  const field f = field_of(d, driven);
+  add_crossings(d, chunk);
+  EACH_PARTICLE(d, chunk, i) {
+    v8 before = load8(&d->memory[i]), way = join(load8(&d->sphere[i]) - before, before);
+    store8(&d->pace[i], rate * way + half * of_all(d, i, d->push, &f, driven));
+  }
+}
+
+DEM_INLINE void remember_stormer(dem_data *d, int first, int end, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt), whole = span(dt);
+  const field f = field_of(d, driven);
+  for (int i = first; i < end; i++) {
+    v8 way = whole * (load8(&d->pace[i]) - half * of_all(d, i, d->push, &f, driven));
+    store8(&d->memory[i], join(load8(&d->sphere[i]) - way, way));
+  }
+}
+
+/* ---- multi-step: push has the fast forces in a substep, spare_push the slow ones ---- */
+
+DEM_INLINE double begin_multi(dem_data *d, int chunk, const dem_stride *stride, const bool driven) {
+  const v8 half = span(0.5 * stride->dt), drift = drift_of(stride->dt), lead = span(stride->lead);
+  const field f = field_of(d, driven);
+  travel moved = {0, 0};
+  EACH_PARTICLE(d, chunk, i) {
+    v8 fast = of_contacts(&d->sphere[i], &d->push[i]), slow = of_all(d, i, d->spare_push, &f, driven);
+    v8 a = half * (driven ? fast * f.free : fast);
+    v8 v = load8(&d->pace[i]) + a;
+    store8(&d->pace[i], v);
+    put(d, i, load8(&d->sphere[i]) + drift * v, v + a + lead * slow, stride->shift, &moved);
+  }
+  return farthest(&moved);
+}
+
+DEM_INLINE void end_multi(dem_data *d, int chunk, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt);
+  const field f = field_of(d, driven);
+  add_crossings(d, chunk);
+  EACH_PARTICLE(d, chunk, i) {
+    v8 fast = of_contacts(&d->sphere[i], &d->push[i]);
+    store8(&d->pace[i], load8(&d->pace[i]) + half * (driven ? fast * f.free : fast));
+  }
+}
+
+DEM_INLINE void kick_multi(dem_data *d, int chunk, double dt, const bool driven) {
+  const v8 half = span(0.5 * dt);
+  const field f = field_of(d, driven);
+  add_crossings(d, chunk);
+  EACH_PARTICLE(d, chunk, i)
+  store8(&d->pace[i], load8(&d->pace[i]) + half * of_all(d, i, d->push, &f, driven));
+}
+
+/* ---- the table ---- */
+
+#define FUNCTIONS(name, suffix, driven)                                                  \
+  static double name##_begin##suffix(dem_data *d, int chunk, const dem_stride *stride) { \
+    return begin_##name(d, chunk, stride, driven);                                       \
+  }                                                                                      \
+  static void name##_end##suffix(dem_data *d, int chunk, double dt) {                    \
+    end_##name(d, chunk, dt, driven);                                                    \
+  }
+#define REMEMBER(name, suffix, driven)                                              \
+  static void name##_remember##suffix(dem_data *d, int first, int end, double dt) { \
+    remember_##name(d, first, end, dt, driven);                                     \
+  }
+#define X(title, name, keeps) FUNCTIONS(name, , false) FUNCTIONS(name, _driven, true)
+DEM_INTEGRATOR_LIST(X)
+#undef X
+REMEMBER(leap_frog, , false)
+REMEMBER(leap_frog, _driven, true)
+REMEMBER(stormer, , false)
+REMEMBER(stormer, _driven, true)
+
+static void multi_kick(dem_data *d, int chunk, double dt) {
+  kick_multi(d, chunk, dt, false);
+}
+
+static void multi_kick_driven(dem_data *d, int chunk, double dt) {
+  kick_multi(d, chunk, dt, true);
+}
+
+#define verlet_optional(suffix) NULL, NULL
+#define leap_frog_optional(suffix) leap_frog_remember##suffix, NULL
+#define stormer_optional(suffix) stormer_remember##suffix, NULL
+#define multi_optional(suffix) NULL, multi_kick##suffix
+
+const dem_integrator DEM_ISA(dem_integrators)[] = {
+#define X(title, name, keeps)                                         \
+  {title, false, keeps, name##_begin, name##_end, name##_optional()}, \
+      {title, true, keeps, name##_begin_driven, name##_end_driven, name##_optional(_driven)},
+    DEM_INTEGRATOR_LIST(X)
+#undef X
+        {0}};

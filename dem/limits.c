@@ -1,36 +1,40 @@
 /* Limits of the DEM step: see limits.h. */
 #include "dem/limits.h"
 
+#include "dem/domain.h"
+
 #include <stdlib.h>
 
 double dem_rayleigh(double radius, double density, double shear, double poisson) {
   return M_PI * radius * sqrt(density / shear) / (0.1631 * poisson + 0.8766);
 }
 
-double dem_contact_time(double mass, double radius, double young, double speed) {
-  /* 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) (15/16)^(2/5) */
-  return 2.8682656992 * pow(mass * mass / (radius * young * young * speed), 0.2);
-}
-
 /* how far x can fall until it meets a plane [m] */
 static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
   double deepest = 0;
   for (int w = 0; w < d->model->nwall; w++) {
+    if (d->model->wall[w].primitive != DEM_PLANE)
+      continue;
     tdm_vec3 n;
     double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
-    if (d->model->wall[w].primitive == DEM_PLANE && slope > 0.1 && gap > 0)
+    if (slope > 0.1 && gap > 0)
       deepest = fmax(deepest, gap / slope);
   }
   return deepest;
 }
 
-/* at which the particles of a pouring arrive at a plane */
+/* at which the particles of a pouring arrive at a plane, or at the lowest point of another wall */
 static double poured_speed(const dem_data *d, const dem_pouring *p) {
   const dem_model *m = d->model;
   double g = tdm_norm(m->gravity), v = p->count > 0 ? tdm_norm(m->velocity[p->first]) : 0;
   if (p->count == 0 || g == 0)
     return v;
-  return sqrt(v * v + 2 * g * fall_of(d, tdm_scale(-1 / g, m->gravity), m->position[p->first]));
+  tdm_vec3 up = tdm_scale(-1 / g, m->gravity), x = m->position[p->first];
+  double fall = fall_of(d, up, x), low, high;
+  for (int w = 0; w < m->nwall; w++)
+    if (m->wall[w].primitive != DEM_SOLID_BOX && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+      fall = fmax(fall, tdm_dot(x, up) - low);
+  return sqrt(v * v + 2 * g * fall);
 }
 
 /* the speed at which the contact time is taken */
@@ -68,7 +72,7 @@ static void include_box(extent *e, const dem_box *box, tdm_pose pose) {
   for (int corner = 0; corner < 8; corner++) {
     tdm_vec3 to = tdm_v3(corner & 1 ? box->half.x : -box->half.x, corner & 2 ? box->half.y : -box->half.y,
                          corner & 4 ? box->half.z : -box->half.z);
-    include(e, tdm_pose_point(pose, tdm_add(box->center, to)));
+    include(e, tdm_pose_point(pose, tdm_add(box->center, tdm_quat_rotate(box->turn, to))));
   }
 }
 
@@ -90,14 +94,41 @@ static double fall_height(const dem_data *d) {
   }
   for (int k = 0; k < m->nbox; k++)
     include_box(&e, &m->box[k], d->pose[m->box[k].body]);
+  for (int w = 0; w < m->nwall; w++) {
+    double low, high;
+    if (m->wall[w].primitive != DEM_SOLID_BOX && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
+      e.low = fmin(e.low, low);
+      e.high = fmax(e.high, high);
+    }
+  }
   return fmax(deepest, e.high > e.low ? e.high - e.low : 0);
+}
+
+/* the fastest that a driven body or a moving surface gets at a particle [m/s] */
+static double driven_speed(const dem_data *d) {
+  const dem_model *m = d->model;
+  double fastest = 0;
+  for (int b = 0; b < m->nbody; b++) {
+    double reach = 0;
+    if (!m->body[b].drive.given)
+      continue;
+    for (int i = 0; i < d->nparticle; i++)
+      reach = fmax(reach, tdm_norm(tdm_sub(d->sphere[i].position, m->body[b].drive.center)));
+    fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, reach));
+  }
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    double rim = fmax(wall->radius[0], wall->radius[1]);
+    fastest = fmax(fastest, tdm_norm(wall->surface) + fabs(wall->surface_spin) * rim);
+  }
+  return fastest;
 }
 
 double dem_expected_speed(const dem_data *d) {
   const dem_model *m = d->model;
   if (m->expected_speed > 0)
     return m->expected_speed;
-  double speed = impact_speed(d);
+  double speed = fmax(impact_speed(d), driven_speed(d));
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     tdm_vec3 v = source->velocity;
@@ -120,13 +151,17 @@ static void add_particle(dem_limits *l, const dem_model *m, int kind, double rad
   const dem_pair *row = &m->pair[kind * m->nmaterial];
   for (int k = 0; k < m->nmaterial; k++)
     if (row[k].given)
-      l->contact = fmin(l->contact, dem_contact_time(mass / 2, radius / 2, row[k].young, l->speed));
+      l->contact = fmin(l->contact, dem_normal_contact_time(m, &row[k], (dem_impact){mass / 2, radius / 2, l->speed}));
 }
 
-/* stiffness that a contact of this overlap adds at a particle [N/m] */
-static double stiffness(const dem_model *m, const dem_pair *pair, double radius, double overlap) {
-  double circle = sqrt(radius * overlap), normal = 2 * pair->young * circle;
-  return m->law->ncolumn ? fmax(normal, 3.5 * 8 * pair->shear * circle) : normal;
+/* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */
+static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at, double overlap) {
+  double normal = dem_normal_stiffness(m, pair, at, overlap), tangential = 0;
+  if (m->law->tangential == DEM_TANGENTIAL_mindlin)
+    tangential = 8 * pair->shear * sqrt(at.radius * overlap);
+  if (m->law->tangential == DEM_TANGENTIAL_spring)
+    tangential = pair->tangential_stiffness;
+  return fmax(normal, 3.5 * tangential);
 }
 
 /* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */
@@ -135,11 +170,13 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
   for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
     int j = d->pairs.other[k];
     double both = d->sphere[i].radius + d->sphere[j].radius;
-    double overlap = both - tdm_norm(tdm_sub(d->sphere[i].position, d->sphere[j].position));
+    double overlap = both - tdm_norm(dem_between(d, d->sphere[i].position, d->sphere[j].position));
     if (!(overlap > 0))
       continue;
     const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
-    double s = stiffness(m, pair, d->sphere[i].radius * d->sphere[j].radius / both, overlap);
+    dem_impact at = {.mass = 1 / (1 / d->mass[i] + 1 / d->mass[j]),
+                     .radius = d->sphere[i].radius * d->sphere[j].radius / both};
+    double s = stiffness(m, pair, at, overlap);
     sum[i] += s;
     sum[j] += s;
   }
@@ -153,7 +190,7 @@ static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, doubl
   double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], d->sphere[i].position, &n);
   const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
   if (gap < radius && gap > -radius)
-    sum[i] += stiffness(m, pair, radius, radius - gap);
+    sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);
 }
 
 static double smallest_eigen(const dem_data *d) {
@@ -166,7 +203,7 @@ static double smallest_eigen(const dem_data *d) {
     add_wall_stiffness(d, &d->walls.entry[k], sum);
   for (int i = 0; i < d->nparticle; i++)
     if (sum[i] > 0)
-      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] / d->mass[i]));
+      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
   free(sum);
   return smallest;
 }

@@ -2,14 +2,15 @@
  *
  * Rayleigh: dt_R = pi R sqrt(rho/G) / (0.1631 nu + 0.8766), the time a surface wave takes around a particle ([L18]
  * Eq. 26, where the parenthesis stands inside the root in print); a share of 0.2 to 0.4 is common.
- * Contact: an impact takes t_c = 2.868 (m*^2 / (R* E*^2 v))^(1/5) (Hertz); 20 steps resolve it well, 10 are the least.
+ * Contact: the closed form of the normal law (contact/theory.h); 20 steps resolve it well, 10 are the least.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
- * contacts that touch now; tangentially (1 + m R^2/I) S_t = 3.5 S_t acts. 0.8 of it is taken.
+ * contacts that touch now; tangentially (1 + m R^2/I) k_t = 3.5 k_t acts. 0.8 of it is taken.
  * Particles that sources will make count for the first two.
  */
 #ifndef DEM_LIMITS_H
 #define DEM_LIMITS_H
 
+#include "dem/contact/theory.h"
 #include "dem/data.h"
 
 /* shares of the three times above that a step may take */
@@ -30,9 +31,6 @@ typedef struct {
 
 /* Rayleigh step of a sphere [s]: radius [m], density [kg/m3], shear modulus [Pa]. */
 double dem_rayleigh(double radius, double density, double shear, double poisson);
-
-/* Duration of an undamped Hertz impact [s] at speed v [m/s]; inf for v = 0. */
-double dem_contact_time(double mass, double radius, double young, double speed);
 
 /* The limits of the present state, with the contact time at the speed of the fastest relative motion or of a fall by a
  * diameter, whichever is higher. */

@@ -20,6 +20,15 @@ int dem_find_body(const dem_model *m, const char *name) {
   return -1;
 }
 
+double dem_largest_radius(const dem_model *m) {
+  double largest = 0;
+  for (int i = 0; i < m->nparticle; i++)
+    largest = fmax(largest, m->radius[i]);
+  for (int s = 0; s < m->nsource; s++)
+    largest = fmax(largest, m->source[s].sizes.max);
+  return largest;
+}
+
 tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
   tdm_error own = {0}; /* so that err may be NULL */
   if (!err)
@@ -43,10 +52,13 @@ void dem_model_destroy(dem_model **model) {
     free(m->source[i].name);
   for (int i = 0; m->sink && i < m->nsink; i++)
     free(m->sink[i].name);
+  for (int i = 0; m->mesh && i < m->nmesh; i++)
+    dem_mesh_destroy(&m->mesh[i]);
   free(m->settle.store);
-  void *arrays[] = {m->pouring,     m->source, m->sink,         m->box,      m->material, m->pair,
-                    m->settle_pair, m->body,   m->coupled_body, m->wall,     m->group,    m->radius,
-                    m->mass,        m->kind,   m->position,     m->velocity, m->spin};
+  free(m->start);
+  void *arrays[] = {m->pouring, m->source,      m->sink, m->box,          m->mesh,     m->material,
+                    m->pair,    m->settle_pair, m->body, m->coupled_body, m->wall,     m->group,
+                    m->radius,  m->mass,        m->kind, m->position,     m->velocity, m->spin};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

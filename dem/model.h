@@ -6,6 +6,7 @@
 #define DEM_MODEL_H
 
 #include "dem/contact/table.h"
+#include "dem/geometry/driven.h"
 #include "dem/geometry/shape.h"
 #include "dem/sizes.h"
 #include "protocol/participant.h"
@@ -20,24 +21,50 @@ typedef struct {
   double shear; /* young / (2 (1 + poisson)) [Pa] */
 } dem_material;
 
-/* What a contact of two materials needs, worked out at load time. */
+/* What a contact of two materials needs, worked out at load time; 0 where no law of the scene asks for it. All doubles
+ * after `given`: contacts gather them by their place. */
 typedef struct {
-  bool given; /* the scene has this pair */
-  double restitution, friction;
-  double floor;              /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
-  double young;              /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
-  double shear;              /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
-  double normal_damping;     /* 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n) */
-  double tangential_damping; /* 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n) */
+  bool given;         /* the scene has this pair */
+  double restitution; /* 0: the damping is given otherwise */
+  double friction, static_friction;
+  double floor; /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
+  double young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
+  double shear; /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
+
+  /* normal; normal_damping: hooke 2 zeta: c_n = this * sqrt(m* k); hertz 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n);
+   * hunt-crossley X = lambda v_0 */
+  double stiffness;          /* hooke, hysteretic k_l [N/m]; hunt-crossley [N/m^p] */
+  double stiffness_per_mass; /* hooke with a contact time: k = this * m* [1/s2] */
+  double hertzian;           /* hunt-crossley after Hertz: k = this * sqrt(R*), 4/3 E* [Pa] */
+  double normal_damping;
+  double viscosity;      /* hooke: c_p [kg/s]; hertz: eta of [G21] Eq. 3 [Pa s] */
+  double speed_floor;    /* hunt-crossley: least v_0 [m/s] */
+  double unloading;      /* hysteretic k_un [N/m] */
+  double plastic;        /* hysteretic: delta_0/delta_max = 1 - k_l/k_un */
+  double adhesion_slope; /* hysteretic k_ad [N/m] */
+
+  /* tangential; tangential_damping: mindlin 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n); spring
+   * 2 zeta sqrt(k_t): c_t = this * sqrt(m*) */
+  double tangential_stiffness; /* spring [N/m] */
+  double tangential_damping;
+  double tangential_viscosity; /* spring, viscous [kg/s] */
+  double damps_as_normal;      /* spring: 1 when zeta is that of the restitution */
+
+  double rolling_friction, rolling_damping; /* mu_r; eta_r, share of the critical */
+  double twisting_friction;
+  double cohesion_density; /* sjkr [J/m3] */
+  double adhesion_energy;  /* jkr: work of adhesion w [J/m2] */
+  double adhesion_length;  /* jkr: (pi w/E*)^(1/3) [m^(1/3)] */
 } dem_pair;
 
 /* A geometry: walls that move as one rigid body. */
 typedef struct {
   char *name;
   int material;
-  int coupled;     /* index among the assignment's coupled bodies, -1: fixed in space */
+  int coupled;     /* index among the assignment's coupled bodies, -1: fixed or driven */
   double mass;     /* at the start [kg], inf: cannot be moved */
   tdm_state start; /* world */
+  dem_drive drive; /* of a body that is not coupled */
 } dem_body;
 
 /* Makes particles during the run (flow.h). */
@@ -94,7 +121,31 @@ typedef struct {
 /* Particles that one entry of dem.particles made: [first, first + count). */
 typedef struct {
   int first, count;
+  tdm_vec3 force;        /* on each of them, besides gravity and contacts [N] */
+  tdm_vec3 acceleration; /* likewise [m/s2] */
+  bool fixed;            /* they never move */
 } dem_group;
+
+/* The box in which particles stay, repeat or leave (domain.h). */
+typedef struct {
+  bool wanted;        /* the scene has dem.domain */
+  bool periodic[3];   /* else open */
+  double low[3];      /* at the start [m] */
+  double length[3];   /* at the start [m] */
+  double rate[3];     /* of strain: length (1 + rate t) [1/s]; 0 in open directions */
+  bool repeats, open; /* some direction is periodic, some is open */
+  bool strained;      /* some rate is not 0 */
+} dem_domain_def;
+
+typedef enum { DEM_GUARD_WARN, DEM_GUARD_STOP } dem_guard_action;
+
+/* What is watched while running (guard.h). */
+typedef struct {
+  long every;     /* steps between two looks, 0: never */
+  double overlap; /* largest share of the smaller radius */
+  double energy;  /* largest rise, as a share of the energy there is */
+  dem_guard_action action;
+} dem_guard_def;
 
 typedef struct {
   bool wanted;     /* the scene has dem.settle */
@@ -113,22 +164,45 @@ typedef struct dem_model {
 
   const char *simd;   /* instruction set, of dem_simd_names */
   const dem_law *law; /* the combination of contact laws */
+  dem_rolling rolling;
+  dem_twisting twisting;
+  dem_cohesion cohesion;
+  bool couples;        /* contacts give couples: rolling or twisting */
+  bool energy;         /* energies of the contacts are wanted */
+  double exponent;     /* hunt-crossley: p */
+  bool printed;        /* hunt-crossley: lambda as printed */
+  dem_columns columns; /* of the contacts' history */
+  double reach;        /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;
-  bool clip;        /* the normal force never attracts */
-  double wall_mass; /* [kg] taken for every wall in the damping; 0: the body's own mass */
-  double skin;      /* of the neighbour list [m] */
+  bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
+  const struct dem_integrator *settler; /* velocity Verlet, for settling */
+  struct {
+    long substeps;
+    double mass; /* contacts of a smaller effective mass are the fast ones [kg] */
+  } multi_step;
+  const char *search; /* of dem_search_names, NULL: chosen for the spheres */
+  int flat;           /* axis along which particles do not move (dem.dimension 2), -1: none */
+  double flat_at;     /* their coordinate along it [m] */
+  bool driven;        /* flat, or a group has forces of its own or is fixed */
+  dem_domain_def domain;
+  dem_guard_def guard;
+  char *start;        /* stored state that the run starts from, NULL: none */
+  bool clip;          /* the normal force never attracts */
+  double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */
+  double skin;        /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
+  double mean_radius; /* of the particles, every source's counted as one [m] */
 
   int nmaterial;
   dem_material *material; /* (nmaterial) */
   dem_pair *pair;         /* (nmaterial x nmaterial), symmetric */
   dem_pair *settle_pair;  /* (nmaterial x nmaterial) the same while settling */
 
-  int nbody, ncoupled;
+  int nbody, ncoupled, ndriven;
   dem_body *body;    /* (nbody) */
   int *coupled_body; /* (ncoupled) body of each coupled body */
 
   int nwall;
-  dem_wall *wall; /* (nwall) half-spaces and solid boxes of all bodies, body by body */
+  dem_wall *wall; /* (nwall) of all bodies, body by body */
 
   int ngroup;
   dem_group *group; /* (ngroup) by entry of dem.particles */
@@ -138,6 +212,9 @@ typedef struct dem_model {
 
   int nbox;
   dem_box *box; /* (nbox) containers */
+
+  int nmesh;
+  dem_mesh **mesh; /* (nmesh) owned; walls borrow them */
 
   int nsource, nsink;
   dem_source *source; /* (nsource) */
@@ -161,6 +238,9 @@ typedef struct dem_model {
 /* Index of a name, -1 when there is none. */
 int dem_find_material(const dem_model *model, const char *name);
 int dem_find_body(const dem_model *model, const char *name);
+
+/* Largest radius that is there or that a source will make [m]; 0 without any. */
+double dem_largest_radius(const dem_model *model);
 
 /* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
 tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);

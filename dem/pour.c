@@ -2,6 +2,7 @@
 #include "dem/pour.h"
 
 #include "dem/draw.h"
+#include "dem/extras.h"
 #include "dem/room.h"
 
 #include <stdio.h>
@@ -69,7 +70,8 @@ static uint64_t cells_of(const dem_pouring *p, uint64_t n[3]) {
 }
 
 /* a place for a particle of radius r in cell c of n, world */
-static tdm_vec3 place_in(const dem_pouring *p, uint64_t c, const uint64_t n[3], uint64_t layer, double r) {
+static tdm_vec3 place_in(const dem_model *m, const dem_pouring *p, uint64_t c, const uint64_t n[3], uint64_t layer,
+                         double r) {
   tdm_vec3 size = tdm_sub(p->high, p->low);
   const double length[3] = {size.x, size.y, size.z};
   const uint64_t at[3] = {c % n[0], c / n[0] % n[1], c / (n[0] * n[1])};
@@ -78,19 +80,23 @@ static tdm_vec3 place_in(const dem_pouring *p, uint64_t c, const uint64_t n[3], 
     double cell = length[a] / (double)n[a], play = fmax(0, cell - 2 * r);
     x[a] = (double)at[a] * cell + r + play * dem_draw(p->seed, LAYERS + layer, 4 * c + a);
   }
-  return tdm_pose_point(p->frame, tdm_add(p->low, tdm_v3(x[0], x[1], x[2])));
+  return dem_flatten(m, tdm_pose_point(p->frame, tdm_add(p->low, tdm_v3(x[0], x[1], x[2]))), m->flat_at);
 }
 
 /* a particle in every free cell; when fewer are to come than there are cells, in some of them (Knuth, algorithm S) */
 static bool make_layer(dem_data *d, const dem_pouring *p, dem_room *room, uint64_t layer) {
+  const dem_model *m = d->model;
+  bool meet = m->flat >= 0 || m->domain.repeats; /* particles of two cells can: in the plane, or by their images */
   uint64_t n[3], ncell = cells_of(p, n), end = (uint64_t)(p->first + p->count), wanted = end - d->ledger.created;
   for (uint64_t c = 0; c < ncell && wanted > 0; c++) {
     if (dem_draw(p->seed, LAYERS + layer, 4 * c + 3) * (double)(ncell - c) >= (double)wanted)
       continue;
     wanted--;
-    double r = d->model->radius[d->ledger.created];
-    tdm_vec3 x = place_in(p, c, n, layer, r);
-    if (dem_room_free(room, d, x, r) && !add(d, x))
+    double r = m->radius[d->ledger.created];
+    tdm_vec3 x = place_in(m, p, c, n, layer, r);
+    if (!dem_room_free(room, d, x, r))
+      continue;
+    if (!add(d, x) || (meet && !dem_room_add(room, d, d->nparticle - 1)))
       return false;
   }
   return true;
@@ -122,15 +128,9 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles that are poured");
+  dem_drive_particles(d);
   pour->next = t + 1.05 * fall_time(d, p); /* drag slows the fall a little */
   if (d->ledger.created > before)
     pour->last = t;
   return t - pour->last > d->model->settle.max_time ? refuse(d, p, err) : TDM_OK;
-}
-
-bool dem_pour_rest(dem_data *d) {
-  while (!dem_pour_over(d))
-    if (!add(d, d->model->position[d->ledger.created]))
-      return false;
-  return true;
 }

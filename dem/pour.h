@@ -23,8 +23,4 @@ bool dem_pour_over(const dem_data *data);
  * room for dem.settle.max_time. */
 tdm_status dem_pour_now(dem_data *data, dem_pour *pour, double t, tdm_error *err);
 
-/* Put all that is still to come at the middles of their regions, for a stored bed, which knows their places. False: no
- * memory. */
-bool dem_pour_rest(dem_data *data);
-
 #endif

@@ -198,6 +198,26 @@ static void report_lids(dem_report *r, const dem_data *d) {
   json_object_set_new(r->json, "lids", all);
 }
 
+static void report_meshes(dem_report *r, const dem_model *m) {
+  json_t *all = json_array();
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_mesh *mesh = m->wall[w].mesh;
+    if (!mesh)
+      continue;
+    const dem_mesh_report *of = dem_mesh_figures(mesh);
+    json_t *one = dem_mesh_report_json(mesh);
+    json_object_set_new(one, "body", json_string(m->body[m->wall[w].body].name));
+    json_array_append_new(all, one);
+    if (of->degenerate + of->duplicate > 0)
+      note(r, "\"%s\": %d triangles without area and %d that are there twice were left out", dem_mesh_name(mesh),
+           of->degenerate, of->duplicate);
+    if (of->open + of->nonmanifold > 0)
+      note(r, "\"%s\": %d edges belong to one triangle only and %d to more than two; a closed part has none",
+           dem_mesh_name(mesh), of->open, of->nonmanifold);
+  }
+  json_object_set_new(r->json, "meshes", all);
+}
+
 void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
   const dem_model *m = d->model;
   *r = (dem_report){.json = json_object()};
@@ -212,16 +232,20 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "sources", json_integer(m->nsource));
   json_object_set_new(r->json, "sinks", json_integer(m->nsink));
   json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
-  json_object_set_new(r->json, "normal", json_string(m->law->normal));
-  json_object_set_new(r->json, "tangential", json_string(m->law->tangential));
+  json_object_set_new(r->json, "normal", json_string(dem_normals[m->law->normal].name));
+  json_object_set_new(r->json, "tangential", json_string(dem_tangentials[m->law->tangential].name));
+  json_object_set_new(r->json, "rolling", json_string(dem_rollings[m->rolling].name));
+  json_object_set_new(r->json, "twisting", json_string(dem_twistings[m->twisting].name));
+  json_object_set_new(r->json, "cohesion", json_string(dem_cohesions[m->cohesion].name));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
   json_object_set_new(r->json, "simd", json_string(m->simd));
-  json_object_set_new(r->json, "skin", number(m->skin));
+  json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));
   warn_start(r, d, settled, nbehind);
   report_limits(r, m, &limits);
   warn_step(r, m, &limits);
   report_ratios(r, d, fill.mass);
   report_lids(r, d);
+  report_meshes(r, m);
   if (m->settle.wanted)
     json_object_set_new(r->json, "settle",
                         json_pack("{s:b, s:b, s:f, s:f, s:f}", "rest", settled->rest, "stored", settled->stored, "time",

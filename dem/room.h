@@ -1,16 +1,23 @@
 /* Is there room for a sphere? The particles near a box, for a source or a filling that tries places between two steps:
- * a list, and when many places are tried, cells. The answer does not depend on them.
+ * a list, and when many places are tried, cells. The answer does not depend on them. In periodic directions a particle
+ * is a member once for each of its images that is near the box.
  */
 #ifndef DEM_ROOM_H
 #define DEM_ROOM_H
 
 #include "dem/data.h"
 
+/* A particle, or an image of it. */
 typedef struct {
-  tdm_vec3 low, high; /* box of the centres that are tried [m] */
-  double radius;      /* largest that is tried [m] */
-  double largest;     /* of those and the members [m] */
-  int *particle;      /* (capacity) members: particles near the box */
+  tdm_vec3 position; /* [m] */
+  double radius;     /* [m] */
+} dem_occupant;
+
+typedef struct {
+  tdm_vec3 low, high;   /* box of the centres that are tried [m] */
+  double radius;        /* largest that is tried [m] */
+  double largest;       /* of those and the members [m] */
+  dem_occupant *member; /* (capacity) what is near the box */
   int count, capacity;
   long looked; /* at members so far, without cells */
 

@@ -37,7 +37,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while settling");
     drag(d, settle->drag * out->dt);
-    if (p && tdm_participant_alive(p))
+    if (tdm_participant_alive(p))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while settling");
     if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
       return err->status;
@@ -72,6 +72,7 @@ static void stand_still(dem_data *d) {
     d->pace[i].velocity = d->pace[i].spin = tdm_v3(0, 0, 0);
   for (int b = 0; b < d->model->nbody; b++)
     d->twist[b] = d->model->body[b].start.twist;
+  dem_bodies_drive(d, d->model->time_start);
   d->nstep = 0;
 }
 
@@ -115,7 +116,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
   for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
     bool pressed = move_lids(d, out->dt) < close_enough;
     moved += press_speed * out->dt;
-    if (4 * moved > d->model->skin) { /* no list margin knows of a wall that moves on its body */
+    if (4 * moved > d->skin) { /* no list margin knows of a wall that moves on its body */
       moved = 0;
       if (!dem_lists_build(d))
         return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
@@ -123,7 +124,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
     drag(d, settle->drag * out->dt);
-    if (p && tdm_participant_alive(p))
+    if (tdm_participant_alive(p))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while pressing a lid");
     if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
       return err->status;

@@ -20,7 +20,7 @@ typedef struct {
 } dem_settled;
 
 /* Settle `data`, which is at the start, or take the bed from settle.store; then lids are in place. `participant` is
- * told that the solver lives (NULL: nobody is). Errors: TDM_ERR_INTERRUPTED, TDM_ERR_NUMERIC, TDM_ERR_MEMORY,
+ * told that the solver lives (NULL: a signal may end it). Errors: TDM_ERR_INTERRUPTED, TDM_ERR_NUMERIC, TDM_ERR_MEMORY,
  * TDM_ERR_FILE, TDM_ERR_SCENE (no room for all that is to be poured); not coming to rest is none. */
 tdm_status dem_settle(dem_data *data, tdm_participant *participant, dem_settled *settled, tdm_error *err);
 

@@ -17,12 +17,14 @@
 #error "DEM_SIMD is set by the build: 512, 256 or 0"
 #endif
 
+/* a name for each instruction set */
+#define DEM_ISA(name) DEM_ISA_(name)
 #define DEM_INLINE static inline __attribute__((always_inline, unused))
 
 #if DEM_SIMD == 512
 #include <immintrin.h>
 enum { DEM_W = 8 };
-#define DEM_ISA(name) name##_avx512
+#define DEM_ISA_(name) name##_avx512
 typedef __m512d vd;
 typedef __mmask8 vm;
 
@@ -135,7 +137,7 @@ DEM_INLINE void vd_push_pairs(dem_push *push, const int *i, const int *j, const 
 #elif DEM_SIMD == 256
 #include <immintrin.h>
 enum { DEM_W = 4 };
-#define DEM_ISA(name) name##_avx2
+#define DEM_ISA_(name) name##_avx2
 typedef __m256d vd;
 typedef __m256d vm;
 
@@ -236,7 +238,7 @@ DEM_INLINE void vd_push_pairs(dem_push *push, const int *i, const int *j, const 
 
 #else
 enum { DEM_W = 4 };
-#define DEM_ISA(name) name##_plain
+#define DEM_ISA_(name) name##_plain
 typedef double vd __attribute__((vector_size(32)));
 typedef long long vm __attribute__((vector_size(32)));
 

@@ -8,8 +8,10 @@
 #include "dem/check.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
+#include "dem/guard.h"
 #include "dem/report.h"
 #include "dem/settle.h"
+#include "dem/state.h"
 #include "dem/step.h"
 #include "protocol/log.h"
 
@@ -17,8 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One row an output channel: name, unit. channel_values fills them in this order; then come two for each source, two
- * for each sink and for each of its size classes, and the balance if there is any of them. */
+/* One row an output channel: name, unit. channel_values fills them in this order; then come the energies if the scene
+ * asks for them, two for each source, two for each sink and for each of its size classes, and the balance if there is
+ * any of them. */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -42,7 +45,7 @@ enum { NCHANNEL = sizeof channels / sizeof channels[0], LOST = 9 };
 typedef struct {
   dem_model *model;
   dem_data *data;
-  tdm_participant *participant; /* borrowed */
+  tdm_participant *participant; /* borrowed; NULL: no server */
   dem_motion *motion;           /* (ncoupled) paths of the present window */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
   int nchannel;
@@ -53,6 +56,25 @@ typedef struct {
 } dem_solver;
 
 /* ---- outputs ---- */
+
+/* the energies' channels: what names them, and the values of the present state into out; returns how many */
+static const char *const energy_channels[] = {"energy.potential", "energy.elastic", "energy.wall_work",
+#define X(mechanism, name) "energy.dissipated." name,
+                                              DEM_ENERGY_LIST(X)
+#undef X
+};
+enum { NENERGY = sizeof energy_channels / sizeof energy_channels[0] };
+
+static int energy_values(const dem_data *d, double *out) {
+  double potential = 0;
+  for (int i = 0; i < d->nparticle; i++)
+    potential -= d->mass[i] * tdm_dot(d->model->gravity, d->sphere[i].position);
+  *out++ = potential;
+  *out++ = dem_energy_elastic(&d->energy);
+  *out++ = d->energy.wall_work;
+  memcpy(out, d->energy.dissipated, sizeof d->energy.dissipated);
+  return NENERGY;
+}
 
 /* (nchannel) values of the present state */
 static void channel_values(const dem_data *d, double *out) {
@@ -81,6 +103,8 @@ static void channel_values(const dem_data *d, double *out) {
                              mass};
   memcpy(out, values, sizeof values);
   out += NCHANNEL;
+  if (m->energy)
+    out += energy_values(d, out);
   for (int s = 0; s < m->nsource; s++) {
     *out++ = (double)d->source[s].made;
     *out++ = (double)(d->source[s].due - d->source[s].made);
@@ -110,13 +134,17 @@ static bool make_channels(dem_solver *s) {
   int flows = m->nsource + m->nsink, classes = 0;
   for (int k = 0; k < m->nsink; k++)
     classes += dem_sink_classes(&m->sink[k]);
-  s->nchannel = NCHANNEL + (flows > 0 ? 2 * (flows + classes) + 2 : 0);
+  s->nchannel = NCHANNEL + (m->energy ? NENERGY : 0) + (flows > 0 ? 2 * (flows + classes) + 2 : 0);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
   if (!s->channel || !s->initial)
     return false;
   memcpy(s->channel, channels, sizeof channels);
   tdm_channel *c = s->channel + NCHANNEL;
+  for (int k = 0; m->energy && k < NENERGY; k++, c++) {
+    snprintf(c->name, sizeof c->name, "%s", energy_channels[k]);
+    snprintf(c->unit, sizeof c->unit, "J");
+  }
   for (int k = 0; k < m->nsource; k++) {
     name_channel(c++, "source", m->source[k].name, "created", "1");
     name_channel(c++, "source", m->source[k].name, "waiting", "1");
@@ -175,18 +203,32 @@ static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
 
 /* ---- create ---- */
 
+/* the particles of the stored state dem.start; lids stay where it has them unless there is settling to come */
+static tdm_status start_from(dem_data *d, tdm_error *err) {
+  if (dem_state_read(d, DEM_STATE_START, d->model->start, "dem.start", NULL, 0, err))
+    return err->status;
+  if (d->model->settle.wanted)
+    dem_lids_away(d);
+  if (!dem_forces_now(d, false))
+    return tdm_fail(err, TDM_ERR_MEMORY, "dem.start", "no memory for the neighbour lists");
+  return TDM_OK;
+}
+
 /* Particles in place and at rest; *ready told. */
 static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_model *m = s->model;
   dem_data *d = s->data;
   int nbehind = 0;
   dem_settled settled = {.rest = true, .pressed = true};
+  if (m->start && start_from(d, err))
+    return err->status;
   if (dem_check_start(d, &nbehind, err))
     return err->status;
   if (m->settle.wanted && dem_settle(d, s->participant, &settled, err))
     return err->status;
-  if (!m->settle.wanted && dem_lids_place(d) && !dem_forces_now(d, false))
+  if (!m->settle.wanted && !m->start && dem_lids_place(d) && !dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  dem_energy_begin(&d->energy);
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->sample_mean[c] = d->body_load[m->coupled_body[c]];
@@ -273,13 +315,15 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     d->sample_count++;
 
     double t = step_time(d, step, k, dt);
+    if (dem_guard(d, t, dt, err))
+      return err->status;
     if (!dem_flow(d, t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
 
     /* the last step closes what is left */
     while (sample < step->nsample && (t >= step->sample_time[sample] - 1e-6 * dt || k == step->nstep))
       close_sample(s, sample++, t, result);
-    if (s->participant && tdm_participant_alive(s->participant))
+    if (tdm_participant_alive(s->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
@@ -299,6 +343,11 @@ static void destroy(void *self) {
   free(s->motion);
   free(s->load);
   free(s);
+}
+
+const dem_data *dem_solver_data(const void *self) {
+  const dem_solver *s = self;
+  return s->data;
 }
 
 const tdm_solver_ops dem_solver_ops = {

@@ -6,4 +6,7 @@
 
 extern const tdm_solver_ops dem_solver_ops;
 
+/* The state of a solver that `create` of these operations made (borrowed). */
+const struct dem_data *dem_solver_data(const void *self);
+
 #endif

@@ -1,41 +1,55 @@
 /* One DEM step: see step.h. */
 #include "dem/step.h"
 
+#include "dem/domain.h"
 #include "dem/geometry/walls.h"
+#include "dem/guard.h"
 #include "dem/integrate.h"
 #include "dem/search/pairs.h"
+
+#include <string.h>
 
 /* every chunk on its own, on the threads there are */
 #define EACH_CHUNK _Pragma("omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)")
 
-static double begin_step(dem_data *d, double dt) {
-  tdm_vec3 shift = dem_lists_shift(d);
-  const dem_integrator *integrator = d->model->integrator;
+static double begin_step(dem_data *d, const dem_integrator *integrator, double dt, double lead) {
+  dem_stride stride = {dt, lead, dem_lists_shift(d)};
   double moved2 = 0;
   bool numbers = true;
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1) reduction(max : moved2) reduction(&& : numbers)
   for (int c = 0; c < d->nchunk; c++) {
-    double r2 = integrator->begin(d, c, dt, shift);
+    double r2 = integrator->begin(d, c, &stride);
     numbers = numbers && r2 >= 0;
     moved2 = r2 > moved2 ? r2 : moved2;
   }
   return numbers ? moved2 : NAN;
 }
 
-/* add up the forces on particles (zeroed before) and bodies */
-static void evaluate(dem_data *d, bool settling, double dt) {
+/* in the order of the chunks */
+static void add_energy(dem_data *d, double dt) {
+  dem_flux sum = {0};
+  for (int c = 0; c < d->nchunk; c++)
+    dem_flux_add(&sum, &d->chunk_flux[c]);
+  dem_energy_step(&d->energy, &sum, dt);
+}
+
+/* add up the forces of a share of the contacts on particles (zeroed before) and bodies */
+static void evaluate(dem_data *d, dem_share share, bool settling, double dt) {
   const dem_model *m = d->model;
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1) reduction(+ : touching)
   for (int c = 0; c < d->nchunk; c++) {
     for (int b = 0; b < m->nbody; b++)
       d->chunk_load[c * m->nbody + b] = (tdm_wrench){0};
-    dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling, .dt = dt};
+    dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling, .dt = dt, .share = share};
     m->law->pairs(&task);
     m->law->walls(&task);
     touching += task.touching;
+    d->chunk_flux[c] = task.flux;
   }
   d->ncontact = touching;
+  if (m->energy)
+    add_energy(d, dt);
   for (int b = 0; b < m->nbody; b++) {
     tdm_wrench sum = {0};
     for (int c = 0; c < d->nchunk; c++) {
@@ -46,23 +60,131 @@ static void evaluate(dem_data *d, bool settling, double dt) {
   }
 }
 
-static void end_step(dem_data *d, double dt) {
-  const dem_integrator *integrator = d->model->integrator;
+static void end_step(dem_data *d, const dem_integrator *integrator, double dt) {
   EACH_CHUNK
   for (int c = 0; c < d->nchunk; c++)
     integrator->end(d, c, dt);
 }
 
-bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt) {
-  if (motion)
-    dem_bodies_move(d, motion, k, n);
-  double moved2 = begin_step(d, dt);
+/* between drift and forces; false: no memory */
+static bool find_contacts(dem_data *d, double moved2, double dt) {
+  if (d->model->domain.repeats)
+    dem_domain_wrap(d);
+  uint64_t before = d->nrebuild;
   if (!dem_lists_update(d, moved2))
     return false;
-  evaluate(d, settling, dt);
-  end_step(d, dt);
+  if (d->nrebuild != before) /* a particle that moves far in a step makes new lists */
+    dem_guard_note_leap(d, dt);
+  return true;
+}
+
+/* ---- several steps of the fast forces in one of the slow ones ---- */
+
+static void swap_forces(dem_data *d) {
+  dem_push *push = d->push;
+  d->push = d->spare_push;
+  d->spare_push = push;
+}
+
+static void kick(dem_data *d, double dt) {
+  const dem_integrator *integrator = d->model->integrator;
+  EACH_CHUNK
+  for (int c = 0; c < d->nchunk; c++)
+    integrator->kick(d, c, dt);
+}
+
+/* loads of the bodies: those of the slow contacts, and means of the fast ones over the substeps */
+static void add_fast_loads(dem_data *d, double share, const tdm_wrench *from, tdm_wrench *to) {
+  for (int b = 0; b < d->model->nbody; b++) {
+    to[b].force = tdm_axpy(share, from[b].force, to[b].force);
+    to[b].moment = tdm_axpy(share, from[b].moment, to[b].moment);
+  }
+}
+
+static void evaluate_slow(dem_data *d, bool settling, double dt) {
+  long fast = d->ncontact;
+  evaluate(d, DEM_SLOW, settling, dt);
+  d->ncontact += fast;
+  add_fast_loads(d, 1, d->fast_load, d->body_load);
+}
+
+/* the forces of both kinds at the present state, each in its place; needs them zeroed */
+static void evaluate_both(dem_data *d, bool settling, double dt) {
+  memset(d->spare_push, 0, (size_t)d->nparticle * sizeof *d->push);
+  swap_forces(d);
+  evaluate(d, DEM_FAST, settling, dt);
+  end_step(d, d->model->integrator, 0);
+  swap_forces(d);
+  memcpy(d->fast_load, d->body_load, (size_t)d->model->nbody * sizeof *d->body_load);
+  evaluate_slow(d, settling, dt);
+}
+
+static bool multi_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, double dt) {
+  const dem_model *m = d->model;
+  uint64_t many = (uint64_t)m->multi_step.substeps;
+  double h = dt / (double)many;
+  kick(d, dt);
+  memset(d->fast_load, 0, (size_t)m->nbody * sizeof *d->fast_load);
+  for (uint64_t j = 1; j <= many; j++) {
+    if (motion)
+      dem_bodies_move(d, motion, (k - 1) * many + j, n * many);
+    dem_bodies_drive(d, m->time_start + ((double)d->nstep + (double)j / (double)many) * m->dt);
+    if (m->domain.strained)
+      dem_domain_strain(d, h);
+    swap_forces(d);
+    double moved2 = begin_step(d, m->integrator, h, (double)j * h - 0.5 * dt);
+    if (!find_contacts(d, moved2, h))
+      return false;
+    evaluate(d, DEM_FAST, false, h);
+    end_step(d, m->integrator, h);
+    swap_forces(d);
+    add_fast_loads(d, 1 / (double)many, d->body_load, d->fast_load);
+  }
+  memset(d->push, 0, (size_t)d->nparticle * sizeof *d->push);
+  evaluate_slow(d, false, dt);
+  kick(d, dt);
+  return true;
+}
+
+/* ---- one step ---- */
+
+static bool single_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt) {
+  const dem_model *m = d->model;
+  const dem_integrator *integrator = settling ? m->settler : m->integrator;
+  if (motion)
+    dem_bodies_move(d, motion, k, n);
+  if (!settling)
+    dem_bodies_drive(d, m->time_start + (double)(d->nstep + 1) * m->dt);
+  if (m->domain.strained && !settling)
+    dem_domain_strain(d, dt);
+  double moved2 = begin_step(d, integrator, dt, 0);
+  if (!find_contacts(d, moved2, dt))
+    return false;
+  evaluate(d, DEM_ALL, settling, dt);
+  end_step(d, integrator, dt);
+  return true;
+}
+
+/* what the integrator keeps, after a change from outside or for another step */
+static void remember(dem_data *d, double dt) {
+  if ((d->restart || dt != d->memory_dt) && d->model->integrator->remember)
+    d->model->integrator->remember(d, 0, d->nparticle, dt);
+  d->restart = false;
+  d->memory_dt = dt;
+}
+
+bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt) {
+  bool multi = !settling && d->model->integrator->kick;
+  if (!settling)
+    remember(d, dt);
+  if (!(multi ? multi_step(d, motion, k, n, dt) : single_step(d, motion, k, n, settling, dt)))
+    return false;
+  if (d->model->domain.open)
+    dem_domain_leave(d);
+  d->restart = d->restart || settling;
   d->nstep++;
   d->since_sort++;
+  d->since_list++;
   return true;
 }
 
@@ -72,8 +194,12 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
     d->rotor[i].surface = tdm_scale(d->sphere[i].radius, d->pace[i].spin);
     d->push[i] = (dem_push){0};
   }
-  evaluate(d, settling, dt);
-  end_step(d, 0);
+  if (d->model->integrator->kick && !settling)
+    evaluate_both(d, settling, dt);
+  else
+    evaluate(d, DEM_ALL, settling, dt);
+  end_step(d, d->model->settler, 0);
+  d->restart = true;
 }
 
 bool dem_forces_now(dem_data *d, bool settling) {

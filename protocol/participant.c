@@ -1,5 +1,6 @@
 #include "protocol/participant.h"
 
+#include "protocol/command_line.h"
 #include "protocol/log.h"
 #include "protocol/scene.h"
 #include "protocol/transport.h"
@@ -87,6 +88,8 @@ static tdm_status unexpected(const tdm_header *header, const char *expected, tdm
 }
 
 tdm_status tdm_participant_alive(tdm_participant *p) {
+  if (!p)
+    return tdm_interrupted ? TDM_ERR_INTERRUPTED : TDM_OK;
   if (p->finished)
     return TDM_ERR_INTERRUPTED;
   if (tdm_clock() - p->last_sent < alive_interval)

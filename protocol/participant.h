@@ -97,7 +97,7 @@ tdm_status tdm_participant_advance(tdm_participant *p, const tdm_result *result,
 
 /* To be called after every step of the solver's own: tells the server that it lives. Cheap: one look at the clock, and
  * a message at most twice a second. Returns TDM_ERR_INTERRUPTED when the server asked to stop or is gone: drop the work
- * then. */
+ * then. p is NULL when a solver runs by itself: then a signal asks it to stop. */
 tdm_status tdm_participant_alive(tdm_participant *p);
 
 /* Send ERROR if err is set, close and free. *p becomes NULL. p or *p may be NULL. */

@@ -8,8 +8,8 @@
 
 tdm_status scn_result_read(scn_result *r, const char *dir, tdm_error *err) {
   char file[4352];
-  r->scene = cpl_record_read(dir, "scene.json", err);
-  r->summary = r->scene ? cpl_record_read(dir, "summary.json", err) : NULL;
+  r->scene = tdm_results_read(dir, "scene.json", err);
+  r->summary = r->scene ? tdm_results_read(dir, "summary.json", err) : NULL;
   if (!r->summary)
     return err->status;
   const json_t *bodies = json_object_get(json_object_get(r->scene, "coupling"), "bodies");

@@ -22,23 +22,31 @@ typedef struct {
 } dem_coefficients;
 
 typedef struct {
-  vm touching;
+  vm touching;     /* a law that acts over a gap takes lanes away here */
   vd3 normal;      /* unit, from the partner to the particle */
   vd overlap;      /* [m] */
   vd rate;         /* of the overlap, > 0 while approaching [m/s] */
   vd3 slip;        /* tangential velocity of the particle against the partner at the contact [m/s] */
   vd turn;         /* of the contact about its normal: radius-weighted mean spin [rad/s] */
   vd radius;       /* effective, R* [m] */
-  vd inverse_mass; /* effective, 1/m* [1/kg] */
+  vd mass;         /* effective, m* [kg] */
+  vd inverse_mass; /* its inverse [1/kg] */
   double dt;       /* [s], 0: evaluate only */
   dem_coefficients pair;
+  const dem_model *model;
 
-  /* by the normal law */
-  vd force;     /* along the normal, > 0 repels [N] */
-  vd circle;    /* contact radius, or 0 when the law has none [m] */
+  bool more;          /* constant in each loop: the fields below are there */
+  vd3 spin;           /* angular velocity of the particle against the partner [rad/s] */
+  vd inverse_inertia; /* of rolling, 1/I_r: sum of 1/(I + m R^2) [1/(kg m2)] */
+  vd sliding;         /* history: 1 while the contact slides, for a static friction of its own */
+
+  /* by the normal law, cohesion may change it */
+  vd force;     /* along the normal, > 0 repels [N]; what friction is limited by */
+  vd circle;    /* contact radius, where the law has one [m] */
+  vd stiffness; /* slope of the elastic force [N/m] */
   vd damping;   /* what damping of other families scales with (see the law) [kg/s] */
   vd elastic;   /* energy stored in the normal direction [J] */
-  vd dissipate; /* power lost by the normal law [W] */
+  vd pull;      /* by cohesion: along the normal, besides `force` [N] */
 } dem_contact;
 
 /* coefficient `field` of dem_pair in each lane */
@@ -52,6 +60,30 @@ DEM_INLINE vd dem_coefficient(const dem_coefficients *c, size_t offset) {
   for (int l = 0; l < DEM_W; l++)
     lane[l] = *(const double *)(base + (size_t)c->index[l] * sizeof(dem_pair));
   return vd_load(lane);
+}
+
+/* Turn a history vector with the contact: by the mean spin about the normal, then into the tangent plane at the same
+ * length. The correction of the length is small: float precision of it is double precision of the result. */
+DEM_KERNEL vd3 dem_turn_history(const dem_contact *c, vd3 f) {
+  vd before = vd3_dot(f, f);
+  f = vd3_axpy(c->turn * vd_set(c->dt), vd3_cross(c->normal, f), f);
+  f = vd3_axpy(-vd3_dot(f, c->normal), c->normal, f);
+  vd after = vd3_dot(f, f);
+  vd change = vd_only(vm_less(vd_set(1e-36), after), vd_ratio_single(before - after, after));
+  return vd3_scale(vd_set(1) + vd_set(0.5) * vd_min(change, vd_set(1)), f);
+}
+
+/* f where it is not over; there its direction times the limit. length2 = f.f */
+DEM_KERNEL vd3 dem_clip(vd3 f, vd length2, vd limit, vm over) {
+  vd scale = vd_pick(over, limit / vd_sqrt(vd_pick(over, length2, vd_set(1))), vd_set(1));
+  return vd3_scale(scale, f);
+}
+
+/* against v with this size; 0 where v is 0 */
+DEM_KERNEL vd3 dem_against(vd3 v, vd size) {
+  vd v2 = vd3_dot(v, v);
+  vm moves = vm_less(vd_set(0), v2);
+  return vd3_scale(vd_only(moves, -size / vd_sqrt(vd_pick(moves, v2, vd_set(1)))), v);
 }
 
 #endif

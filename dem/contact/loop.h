@@ -1,9 +1,13 @@
-/* The laws' loops, compiled once for each instruction set: see loop.c. */
+/* The laws' loops, compiled once for each instruction set and normal law: see loop.c. */
 #ifndef DEM_CONTACT_LOOP_H
 #define DEM_CONTACT_LOOP_H
 
 #include "dem/contact/table.h"
 
-extern const dem_law dem_laws_avx512[], dem_laws_avx2[], dem_laws_plain[]; /* ended by a row of NULLs */
+/* ended by a row of zeros */
+#define X(law, name, ncolumn, vectors, keys) \
+  extern const dem_law dem_laws_##law##_avx512[], dem_laws_##law##_avx2[], dem_laws_##law##_plain[];
+DEM_NORMAL_LIST(X)
+#undef X
 
 #endif

@@ -1,6 +1,8 @@
 /* Damping ratio from restitution: see restitution.h. */
 #include "dem/contact/restitution.h"
 
+#include "dem/contact/theory.h"
+
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_roots.h>
@@ -85,4 +87,45 @@ bool dem_beta_clip(double restitution, double *beta) {
   }
   gsl_root_fsolver_free(solver);
   return fabs(miss(*beta, &restitution)) < 1e-8;
+}
+
+/* ---- linear, and Hunt and Crossley ---- */
+
+/* the root of f, which falls, in [low, high], by bisection to the last bit */
+static double falling_root(double (*f)(double x, double e), double e, double low, double high) {
+  for (int i = 0; i < 200; i++) {
+    double middle = 0.5 * (low + high);
+    if (f(middle, e) > 0)
+      low = middle;
+    else
+      high = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+static double linear_miss(double zeta, double e) {
+  return dem_linear_restitution(zeta, true) - e;
+}
+
+double dem_linear_ratio(double restitution, bool clip) {
+  if (!clip || restitution >= 1)
+    return dem_beta_keep(restitution);
+  return falling_root(linear_miss, restitution, 0, 1 + 1 / restitution);
+}
+
+/* The speed e after an impact with X: X - ln(1+X) = -eX - ln(1 - eX), in terms of both; > 0 when X is too small. */
+static double hunt_miss(double x, double e) {
+  return -e * x - log1p(-e * x) < x - log1p(x) ? 1 : -1;
+}
+
+static double hunt_speed_miss(double e, double x) {
+  return hunt_miss(x, e);
+}
+
+double dem_hunt_damping(double restitution) {
+  return restitution >= 1 ? 0 : falling_root(hunt_miss, restitution, 0, 1 / restitution);
+}
+
+double dem_hunt_restitution(double damping) {
+  return damping <= 0 ? 1 : falling_root(hunt_speed_miss, damping, 0, fmin(1, 1 / damping));
 }

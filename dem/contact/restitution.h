@@ -20,4 +20,11 @@ double dem_restitution_clip(double beta);
 /* beta for which dem_restitution_clip gives e, to 1e-9 in e. Returns false when it cannot be found (e below 0.001). */
 bool dem_beta_clip(double restitution, double *beta);
 
+/* Damping ratio zeta of a linear contact for e in (0, 1]. */
+double dem_linear_ratio(double restitution, bool clip);
+
+/* X = lambda v_0 of Hunt and Crossley's contact for e in (0, 1]; and the e that an X gives. */
+double dem_hunt_damping(double restitution);
+double dem_hunt_restitution(double damping);
+
 #endif

@@ -7,7 +7,12 @@
 /* one row a shape: its name in the scene, read by read_<name> */
 #define DEM_SHAPE_LIST(X) \
   X(plane)                \
-  X(box)
+  X(box)                  \
+  X(cylinder)             \
+  X(cone)                 \
+  X(mesh)
+
+static const char *const sides[] = {"inside", "outside"};
 
 static void append(dem_wall_list *list, dem_wall wall, tdm_error *err) {
   dem_wall *grown = realloc(list->wall, (size_t)(list->count + 1) * sizeof *grown);
@@ -74,9 +79,9 @@ static void append_box(dem_wall_list *list, dem_box box, tdm_error *err) {
 }
 
 static void read_box(tdm_object *o, int body, dem_wall_list *list) {
-  static const char *const sides[] = {"inside", "outside"};
   tdm_vec3 size = tdm_get_vec3(o, "size", NULL);
   tdm_vec3 center = tdm_get_vec3(o, "center", &(tdm_vec3){0, 0, 0});
+  tdm_quat turn = tdm_get_orientation(o, "orientation");
   int side = tdm_get_choice(o, "side", sides, 2, -1);
   bool closed[6];
   read_open(o, closed);
@@ -89,18 +94,19 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
       tdm_object_fail(o, "open", "only a box with \"side\": \"inside\" has open faces; remove the key");
     if (tdm_has(o, "lid"))
       tdm_object_fail(o, "lid", "only a box with \"side\": \"inside\" has a lid; remove the key");
-    append(list, (dem_wall){.primitive = DEM_SOLID_BOX, .body = body, .point = center, .half = half}, o->err);
+    append(list, (dem_wall){.primitive = DEM_SOLID_BOX, .body = body, .point = center, .turn = turn, .half = half},
+           o->err);
     return;
   }
   const double h[3] = {half.x, half.y, half.z};
-  dem_box box = {.body = body, .center = center, .half = half, .lid = -1};
+  dem_box box = {.body = body, .center = center, .turn = turn, .half = half, .lid = -1};
   int lid = read_lid(o, closed, &box);
   for (int face = 0; face < 6; face++) {
     if (!closed[face])
       continue;
     double out[3] = {0, 0, 0};
     out[face / 2] = face % 2 ? 1 : -1;
-    tdm_vec3 outward = tdm_v3(out[0], out[1], out[2]);
+    tdm_vec3 outward = tdm_quat_rotate(turn, tdm_v3(out[0], out[1], out[2]));
     dem_wall wall = {.primitive = DEM_PLANE,
                      .body = body,
                      .point = tdm_axpy(h[face / 2], outward, center),
@@ -111,6 +117,112 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
   }
   append_box(list, box, o->err);
 }
+
+/* ---- cylinders and cones ---- */
+
+/* the rotation that turns z into the direction `axis` the short way */
+static tdm_quat turn_to(tdm_vec3 axis) {
+  tdm_vec3 z = {0, 0, 1}, a = tdm_unit(axis), turn = tdm_cross(z, a);
+  double sine = tdm_norm(turn);
+  if (sine == 0)
+    return a.z < 0 ? (tdm_quat){0, 1, 0, 0} : tdm_quat_identity();
+  return tdm_quat_from_rotvec(tdm_scale(atan2(sine, a.z) / sine, turn));
+}
+
+/* a flat end: a plane that looks along `out` times the axis, seen from inside */
+static void append_end(dem_wall_list *list, const dem_wall *of, double z, double out, tdm_error *err) {
+  tdm_vec3 axis = tdm_quat_rotate(of->turn, tdm_v3(0, 0, 1));
+  append(list,
+         (dem_wall){.primitive = DEM_PLANE,
+                    .body = of->body,
+                    .point = tdm_axpy(z, axis, of->point),
+                    .normal = tdm_scale(-out, axis)},
+         err);
+}
+
+/* what cylinders and cones have in common; radius and length are set */
+static void read_round(tdm_object *o, dem_wall wall, bool endless, dem_wall_list *list) {
+  wall.point = tdm_get_vec3(o, "point", &(tdm_vec3){0, 0, 0});
+  tdm_vec3 axis = tdm_get_vec3(o, "axis", &(tdm_vec3){0, 0, 1});
+  if (!o->err->status && tdm_norm(axis) < 1e-9)
+    tdm_object_fail(o, "axis", "is the zero vector; give the direction from the first end to the second");
+  wall.turn = turn_to(axis);
+  wall.surface_spin = tdm_get_number(o, "surface_spin", 0, TDM_ANY);
+  wall.inside = tdm_get_choice(o, "side", sides, 2, -1) == 0;
+  bool ends = false;
+  if (tdm_has(o, "ends")) {
+    ends = json_is_true(json_object_get(o->json, "ends"));
+    if (!json_is_boolean(json_object_get(o->json, "ends")))
+      tdm_object_fail(o, "ends", "must be true or false");
+    else if (!wall.inside)
+      tdm_object_fail(o, "ends", "only \"side\": \"inside\" asks for ends: a solid has them; remove the key");
+    else if (ends && endless)
+      tdm_object_fail(o, "ends", "are where the length ends; give \"length\" too, or remove the key");
+  }
+  bool cylinder = wall.radius[0] == wall.radius[1];
+  wall.primitive = endless || (cylinder && ends) ? DEM_CYLINDER : wall.inside ? DEM_SHELL : DEM_SOLID_FRUSTUM;
+  append(list, wall, o->err);
+  if (ends) {
+    append_end(list, &wall, 0, -1, o->err);
+    append_end(list, &wall, wall.length, 1, o->err);
+  }
+}
+
+static void read_cylinder(tdm_object *o, int body, dem_wall_list *list) {
+  double radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  bool endless = !tdm_has(o, "length");
+  double length = tdm_get_number(o, "length", 1, TDM_POSITIVE);
+  read_round(o, (dem_wall){.body = body, .radius = {radius, radius}, .length = length}, endless, list);
+}
+
+static void read_cone(tdm_object *o, int body, dem_wall_list *list) {
+  dem_wall wall = {.body = body};
+  bool there = tdm_get_numbers(o, "radii", wall.radius, 2, true);
+  if (there && !(wall.radius[0] >= 0 && wall.radius[1] >= 0 && wall.radius[0] + wall.radius[1] > 0))
+    tdm_object_fail(o, "radii", "are [%g, %g] m but must be 0 or greater, and not both 0", wall.radius[0],
+                    wall.radius[1]);
+  wall.length = tdm_get_number(o, "length", TDM_REQUIRED, TDM_POSITIVE);
+  read_round(o, wall, false, list);
+}
+
+/* ---- meshes ---- */
+
+static void append_mesh(dem_wall_list *list, dem_mesh *mesh, tdm_error *err) {
+  dem_mesh **grown = realloc(list->mesh, (size_t)(list->nmesh + 1) * sizeof *grown);
+  if (!grown) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for mesh %d", list->nmesh);
+    dem_mesh_destroy(&mesh);
+    return;
+  }
+  list->mesh = grown;
+  list->mesh[list->nmesh++] = mesh;
+}
+
+static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
+  const char *file = tdm_get_string(o, "file", NULL);
+  double scale = tdm_get_number(o, "scale", 1, TDM_POSITIVE);
+  tdm_vec3 position = tdm_get_vec3(o, "position", &(tdm_vec3){0, 0, 0});
+  tdm_quat turn = tdm_get_orientation(o, "orientation");
+  double facet_angle = tdm_get_number(o, "facet_angle", DEM_MESH_FACET_ANGLE, TDM_NOT_NEGATIVE);
+  if (facet_angle > 0.5 * M_PI)
+    tdm_object_fail(o, "facet_angle", "is %g rad but must be at most a right angle, %.4g rad", facet_angle, 0.5 * M_PI);
+  if (o->err->status)
+    return;
+  char path[TDM_PATH_MAX];
+  dem_stl stl;
+  if (dem_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK) {
+    for (size_t k = 0; k < 3 * (size_t)stl.count; k++)
+      stl.corner[k] = tdm_add(position, tdm_quat_rotate(turn, stl.corner[k]));
+    dem_mesh *mesh = dem_mesh_make(&stl, file, facet_angle, path, o->err);
+    if (mesh) {
+      append(list, (dem_wall){.primitive = DEM_MESH, .body = body, .mesh = mesh}, o->err);
+      append_mesh(list, mesh, o->err);
+    }
+  }
+  dem_stl_destroy(&stl);
+}
+
+/* ---- all ---- */
 
 void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err) {
   static const char *const names[] = {
@@ -127,14 +239,49 @@ void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *lis
   int shape = tdm_get_choice(&o, "type", names, sizeof names / sizeof names[0], -1);
   if (shape < 0)
     return;
+  int first = list->count;
   read[shape](&o, body, list);
+  tdm_vec3 surface = tdm_get_vec3(&o, "surface_velocity", &(tdm_vec3){0, 0, 0});
+  for (int w = first; w < list->count; w++)
+    list->wall[w].surface = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(list->wall[w].turn)), surface);
   tdm_object_close(&o);
 }
 
 dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose) {
   dem_wall_place place;
-  place.axes = tdm_quat_to_matrix(pose->orientation);
-  place.point = tdm_add(pose->position, tdm_m3_mul(place.axes, wall->point));
-  place.normal = tdm_m3_mul(place.axes, wall->normal);
+  tdm_mat3 body = tdm_quat_to_matrix(pose->orientation);
+  place.point = tdm_add(pose->position, tdm_m3_mul(body, wall->point));
+  place.normal = tdm_m3_mul(body, wall->normal);
+  place.axes = tdm_quat_to_matrix(tdm_quat_mul(pose->orientation, tdm_quat_unit(wall->turn)));
   return place;
+}
+
+static void include(tdm_vec3 x, tdm_vec3 up, double reach, double *low, double *high) {
+  *low = fmin(*low, tdm_dot(x, up) - reach);
+  *high = fmax(*high, tdm_dot(x, up) + reach);
+}
+
+bool dem_wall_extent(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 up, double *low, double *high) {
+  if (wall->primitive == DEM_PLANE || wall->primitive == DEM_CYLINDER)
+    return false;
+  *low = INFINITY;
+  *high = -INFINITY;
+  if (wall->primitive == DEM_SHELL || wall->primitive == DEM_SOLID_FRUSTUM) {
+    /* an end is a disc: its radius times the sine between axis and up */
+    tdm_vec3 axis = tdm_m3_mul(place->axes, tdm_v3(0, 0, 1));
+    double sine = tdm_norm(tdm_cross(axis, up));
+    include(place->point, up, wall->radius[0] * sine, low, high);
+    include(tdm_axpy(wall->length, axis, place->point), up, wall->radius[1] * sine, low, high);
+    return true;
+  }
+  tdm_vec3 least = tdm_scale(-1, wall->half), most = wall->half;
+  if (wall->primitive == DEM_MESH) {
+    least = dem_mesh_figures(wall->mesh)->low;
+    most = dem_mesh_figures(wall->mesh)->high;
+  }
+  for (int k = 0; k < 8; k++) {
+    tdm_vec3 own = tdm_v3(k & 1 ? most.x : least.x, k & 2 ? most.y : least.y, k & 4 ? most.z : least.z);
+    include(tdm_add(place->point, tdm_m3_mul(place->axes, own)), up, 0, low, high);
+  }
+  return true;
 }

@@ -1,60 +1,99 @@
 /* Walls: the primitives that every shape of a scene is made of.
  *
  * A plane is a half-space that is solid behind the plane. A box seen from inside is up to six planes; a box seen from
- * outside is one solid box. A new shape is a row of DEM_SHAPE_LIST and a function that reads it into walls; a new
- * primitive is a case of dem_wall_gap.
+ * outside is one solid box. A cylinder without ends is solid behind its surface; a piece of a cylinder or a cone is a
+ * thin shell when the particles are inside, so they can leave by its ends and meet it from behind, and a solid with
+ * flat ends when they are outside. A mesh is a thin shell.
+ *
+ * A new shape is a row of DEM_SHAPE_LIST and a function that reads it into walls; a new primitive is a case of
+ * dem_wall_gap.
  *
  * Planes have no edges: a box seen from inside acts as if its faces were infinite.
  */
 #ifndef DEM_GEOMETRY_SHAPE_H
 #define DEM_GEOMETRY_SHAPE_H
 
+#include "dem/geometry/frustum.h"
+#include "dem/geometry/mesh.h"
 #include "protocol/scene.h"
 
-typedef enum { DEM_PLANE, DEM_SOLID_BOX } dem_primitive;
+typedef enum {
+  DEM_PLANE,
+  DEM_SOLID_BOX,
+  DEM_CYLINDER,      /* without ends */
+  DEM_SHELL,         /* curved surface of a piece of a cylinder or cone, felt from both sides */
+  DEM_SOLID_FRUSTUM, /* a piece of a cylinder or cone with flat ends */
+  DEM_MESH
+} dem_primitive;
 
 typedef struct {
   dem_primitive primitive;
   int body;
-  tdm_vec3 point;  /* on the plane, or centre of the box; body axes, from the centre of mass [m] */
-  tdm_vec3 normal; /* plane: unit, towards the particles; body axes */
-  tdm_vec3 half;   /* box: half edge lengths [m] */
+  tdm_vec3 point;       /* on the plane, centre of the box, middle of the end at z = 0; body axes, from the centre of
+                           mass [m]. A mesh: 0 */
+  tdm_quat turn;        /* the wall's own axes to body axes (box, cylinder, cone); all zeros: none */
+  tdm_vec3 normal;      /* plane: unit, towards the particles; body axes */
+  tdm_vec3 half;        /* box: half edge lengths [m] */
+  double radius[2];     /* cylinder, cone: at z = 0 and at z = length of its own axes [m] */
+  double length;        /* of a piece [m] */
+  bool inside;          /* cylinder: the particles are inside */
+  const dem_mesh *mesh; /* borrowed from the list; body axes */
+  tdm_vec3 surface;     /* velocity of the surface in the wall (a belt), the wall's own axes [m/s] */
+  double surface_spin;  /* the same about the wall's own z axis [rad/s] */
 } dem_wall;
 
 /* A wall where it is now. */
 typedef struct {
   tdm_vec3 point, normal; /* world */
-  tdm_mat3 axes;          /* box: body axes to world */
+  tdm_mat3 axes;          /* the wall's own axes to world; a mesh's own axes are the body's */
 } dem_wall_place;
 
 /* A container: a box shape seen from inside, and its lid if it has one. */
 typedef struct {
   int body;
-  tdm_vec3 center, half; /* body axes [m] */
-  int lid;               /* wall that is the lid, -1: none */
-  double gap;            /* of the lid above the highest particle [m] */
-  double press;          /* force with which the lid is then pressed on the bed, 0: none [N] */
+  tdm_vec3 center; /* body axes [m] */
+  tdm_quat turn;   /* the box's own axes to body axes */
+  tdm_vec3 half;   /* own axes [m] */
+  int lid;         /* wall that is the lid, -1: none */
+  double gap;      /* of the lid above the highest particle [m] */
+  double press;    /* force with which the lid is then pressed on the bed, 0: none [N] */
 } dem_box;
 
-/* Growing lists of walls and of boxes. */
+/* Growing lists of walls, boxes and meshes. */
 typedef struct {
   dem_wall *wall;
   int count;
   dem_box *box;
   int nbox;
+  dem_mesh **mesh;
+  int nmesh;
 } dem_wall_list;
 
-/* Read one entry of a body's "shapes" and append its walls (list->wall and list->box are freed by the
- * owner). */
+/* Read one entry of a body's "shapes" and append its walls (the lists and the meshes are freed by the owner). */
 void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err);
 
 /* Where a wall is when its body is at `pose`. */
 dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose);
 
 /* Signed distance of the point x from the wall's surface (negative inside) and the unit normal there, from the wall
- * towards x, both world. For a box the nearest point may lie on a face, an edge or a corner; a point inside leaves by
- * the nearest face. */
+ * towards x, both world. For a solid the nearest point may lie on a face, an edge or a corner; a point inside leaves by
+ * the nearest face. Thin shells have no inside: the distance is never negative. A mesh may have more contacts than this
+ * nearest one: dem_mesh_contacts, with x in the wall's own axes (dem_wall_own). */
 static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, tdm_vec3 *normal);
+
+/* The point x (world) in the wall's own axes. */
+static inline tdm_vec3 dem_wall_own(const dem_wall_place *place, tdm_vec3 x);
+
+/* Is the wall solid all the way behind its surface? It acts to a depth of one radius then; a particle that is deeper
+ * went through. */
+static inline bool dem_wall_endless(const dem_wall *wall);
+
+/* Velocity of the surface at `point` (world) relative to the body, world [m/s]. The part along the surface is meant:
+ * the caller takes the part along the normal away. */
+static inline tdm_vec3 dem_wall_surface(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point);
+
+/* Does the wall reach from `low` to `high` along the unit vector `up` (world)? False for walls without end. */
+bool dem_wall_extent(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 up, double *low, double *high);
 
 /* ---- inline ---- */
 
@@ -79,13 +118,45 @@ static inline double dem_box_gap(tdm_vec3 half, tdm_vec3 c, tdm_vec3 *normal) {
   return gap;
 }
 
+static inline tdm_vec3 dem_wall_own(const dem_wall_place *place, tdm_vec3 x) {
+  return tdm_m3_tmul(place->axes, tdm_sub(x, place->point));
+}
+
+static inline bool dem_wall_endless(const dem_wall *wall) {
+  return wall->primitive == DEM_PLANE || (wall->primitive == DEM_CYLINDER && wall->inside);
+}
+
+static inline tdm_vec3 dem_wall_surface(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point) {
+  tdm_vec3 spin = tdm_m3_mul(place->axes, tdm_v3(0, 0, wall->surface_spin));
+  return tdm_add(tdm_m3_mul(place->axes, wall->surface), tdm_cross(spin, tdm_sub(point, place->point)));
+}
+
 static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, tdm_vec3 *normal) {
   if (wall->primitive == DEM_PLANE) {
     *normal = place->normal;
     return tdm_dot(tdm_sub(x, place->point), place->normal);
   }
-  tdm_vec3 n;
-  double gap = dem_box_gap(wall->half, tdm_m3_tmul(place->axes, tdm_sub(x, place->point)), &n);
+  tdm_vec3 n = {0, 0, 0}, own = dem_wall_own(place, x);
+  double gap = INFINITY;
+  switch (wall->primitive) {
+  case DEM_SOLID_BOX:
+    gap = dem_box_gap(wall->half, own, &n);
+    break;
+  case DEM_CYLINDER:
+    gap = dem_cylinder_gap(wall->radius[0], wall->inside, own, &n);
+    break;
+  case DEM_SHELL:
+    gap = dem_shell_gap(wall->radius, wall->length, own, &n);
+    break;
+  case DEM_SOLID_FRUSTUM:
+    gap = dem_frustum_gap(wall->radius, wall->length, own, &n);
+    break;
+  case DEM_MESH:
+    gap = dem_mesh_gap(wall->mesh, own, &n);
+    break;
+  case DEM_PLANE:
+    break;
+  }
   *normal = tdm_m3_mul(place->axes, n);
   return gap;
 }

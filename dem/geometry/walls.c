@@ -27,11 +27,25 @@ void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t
       put(d, w);
 }
 
+void dem_bodies_drive(dem_data *d, double t) {
+  const dem_model *m = d->model;
+  if (m->ndriven == 0)
+    return;
+  for (int b = 0; b < m->nbody; b++)
+    if (m->body[b].drive.given) {
+      tdm_state now = dem_driven_state(&m->body[b].drive, &m->body[b].start, t);
+      d->pose[b] = now.pose;
+      d->twist[b] = now.twist;
+    }
+  for (int w = 0; w < m->nwall; w++)
+    if (m->body[m->wall[w].body].drive.given)
+      put(d, w);
+}
+
 bool dem_behind(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
-  return wall->primitive == DEM_PLANE &&
-         dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
+  return dem_wall_endless(wall) && dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
 }
 
 void dem_mark_front(dem_data *d, int first) {
@@ -71,11 +85,13 @@ void dem_lids_away(dem_data *d) {
 static bool over_box(const dem_data *d, const dem_box *box, tdm_vec3 outward, int i) {
   tdm_pose pose = d->pose[box->body];
   tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->sphere[i].position, pose.position));
-  x = tdm_sub(x, box->center);
+  tdm_quat back = tdm_quat_conj(box->turn);
+  x = tdm_quat_rotate(back, tdm_sub(x, box->center));
+  outward = tdm_quat_rotate(back, outward);
   const double at[3] = {x.x, x.y, x.z}, half[3] = {box->half.x, box->half.y, box->half.z};
   const double out[3] = {outward.x, outward.y, outward.z};
   for (int a = 0; a < 3; a++)
-    if (out[a] != 0 ? out[a] * at[a] < -half[a] : fabs(at[a]) > half[a])
+    if (fabs(out[a]) > 0.5 ? out[a] * at[a] < -half[a] : fabs(at[a]) > half[a])
       return false;
   return true;
 }

@@ -8,6 +8,9 @@
 /* Bring the coupled bodies and their walls to step k of a window of n steps along `motion` (ncoupled). */
 void dem_bodies_move(dem_data *data, const dem_motion *motion, uint64_t k, uint64_t n);
 
+/* Bring the driven bodies and their walls to time t [s]. */
+void dem_bodies_drive(dem_data *data, double t);
+
 /* Put the walls of all bodies where the poses say. */
 void dem_walls_put(dem_data *data);
 

@@ -13,19 +13,29 @@ tdm_vec3 dem_lists_shift(const dem_data *d) {
   return tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
 }
 
+/* by how much the images of a box that is strained have moved [m] */
+static double strained_since(const dem_data *d) {
+  tdm_vec3 grown = {0, 0, 0};
+  for (int a = 0; a < 3; a++)
+    (&grown.x)[a] = d->domain.length[a] - d->length_at_list[a];
+  return tdm_norm(grown);
+}
+
 /* may the lists still be used? Written so that NaN says no. */
 static bool lists_hold(const dem_data *d, double moved2) {
   const double safety = 0.999; /* round-off must not decide */
   const dem_model *m = d->model;
   double moved = sqrt(moved2);
-  if (!d->list_valid || d->list_stale || !(2 * moved < safety * m->skin))
+  uint64_t interval = (uint64_t)dem_search_interval(d->search);
+  double nearer = 2 * moved + (m->domain.strained ? strained_since(d) : 0);
+  if (!d->list_valid || d->list_stale || !(nearer < safety * d->skin) || (interval > 0 && d->since_list >= interval))
     return false;
   tdm_vec3 u = dem_lists_shift(d);
   for (int b = 0; b < m->nbody; b++) {
     double away = moved;
     tdm_vec3 dx = tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
     away += tdm_norm(tdm_sub(dx, u));
-    if (m->body[b].coupled >= 0) {
+    if (m->body[b].coupled >= 0 || m->body[b].drive.given) {
       tdm_quat turn = tdm_quat_mul(tdm_quat_conj(d->pose_at_list[b].orientation), d->pose[b].orientation);
       away += 2 * sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) * d->reach[b];
     }
@@ -37,7 +47,7 @@ static bool lists_hold(const dem_data *d, double moved2) {
 
 /* ---- histories ---- */
 
-/* the entry of particles a and b in a list, -1: none */
+/* the entry of particles a and b in the list, -1: none */
 static int find_entry(const dem_pairs *list, int a, int b) {
   int i = a < b ? a : b, j = a < b ? b : a;
   for (int k = list->first[i]; k < list->first[i + 1]; k++)
@@ -46,53 +56,62 @@ static int find_entry(const dem_pairs *list, int a, int b) {
   return -1;
 }
 
-/* Take over the histories of chunk c's entries from the list of before, whose particles had the numbers old[] (NULL:
- * the same). Vectors turn round when the order of a pair does. */
-static void carry_pairs(dem_data *d, const dem_pairs *before, const int *old, int c) {
+/* Where the histories of chunk c's new entries, as the search found them, are in the list as it still is: 2 k + 1 when
+ * the pair is turned round, 2 k when not, -1 when there is none. Into sink, which is not needed now. old: the numbers
+ * that the particles had, NULL: the same. */
+static void find_histories(dem_data *d, const size_t *chunk, const int *old, int c) {
   dem_pairs *list = &d->pairs;
-  const dem_law *law = d->model->law;
-  for (size_t q = 0; q < (size_t)law->ncolumn; q++)
-    memset(list->history + q * list->capacity + list->chunk[c], 0,
-           (list->chunk[c + 1] - list->chunk[c]) * sizeof(double));
-  if (!before)
-    return;
-  for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++) {
-    int i = list->one[k], j = list->other[k];
-    if (i >= d->nparticle)
-      break;
-    int oi = old ? old[i] : i, oj = old ? old[j] : j;
-    int at = find_entry(before, oi, oj);
-    if (at < 0)
-      continue;
-    bool turned = (oi < oj) != (i < j);
-    for (size_t q = 0; q < (size_t)law->ncolumn; q++) {
-      double value = before->history[q * before->capacity + (size_t)at];
-      list->history[q * list->capacity + k] = turned && (law->vectors >> q & 1) ? -value : value;
+  size_t k = chunk[c];
+  for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
+    for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
+      int j = d->rows.other[r], oi = old ? old[i] : i, oj = old ? old[j] : j, at = find_entry(list, oi, oj);
+      list->sink[k] = at < 0 ? -1 : 2 * at + (oi > oj);
     }
+  for (; k < chunk[c + 1]; k++)
+    list->sink[k] = -1;
+}
+
+/* Bring the histories to their new entries, column by column; vectors turn round with their pairs. False: no memory. */
+static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
+  const dem_columns *columns = &d->model->columns;
+  dem_pairs *list = &d->pairs;
+  if (before > d->column_capacity) {
+    free(d->column);
+    d->column_capacity = before + before / 8;
+    d->column = malloc(d->column_capacity * sizeof *d->column);
   }
+  if (!d->column)
+    d->column_capacity = 0;
+  for (size_t q = 0; q < (size_t)columns->ncolumn && d->column; q++) {
+    double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
+    memcpy(d->column, to, before * sizeof *to);
+#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
+    for (int c = 0; c < d->nchunk; c++)
+      for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
+        int at = list->sink[k];
+        to[k] = at < 0 ? 0 : at & 1 ? sign * d->column[at >> 1] : d->column[at >> 1];
+      }
+  }
+  return d->column || before == 0;
 }
 
 /* ---- pairs ---- */
 
-/* where the entries of each chunk begin; false: no memory */
-static bool place_chunks(dem_data *d) {
-  dem_pairs *list = &d->pairs;
+/* where the entries of each chunk will begin */
+static void place_chunks(const dem_data *d, size_t *chunk) {
   size_t at = 0;
   for (int c = 0; c < d->nchunk; c++) {
-    int begin = c * DEM_CHUNK, end = c + 1 < d->nchunk ? begin + DEM_CHUNK : d->nparticle;
-    list->chunk[c] = at;
-    at += (size_t)(d->rows.first[end] - d->rows.first[begin]);
+    chunk[c] = at;
+    at += (size_t)(d->rows.first[dem_chunk_end(d, c)] - d->rows.first[c * DEM_CHUNK]);
     at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
   }
-  list->chunk[d->nchunk] = list->count = at;
-  return dem_pairs_reserve(list, at, d->model->law->ncolumn);
+  chunk[d->nchunk] = at;
 }
 
 static void fill_chunk(dem_data *d, int c) {
   dem_pairs *list = &d->pairs;
-  int begin = c * DEM_CHUNK, end = c + 1 < d->nchunk ? begin + DEM_CHUNK : d->nparticle, none = d->nparticle;
-  int k = (int)list->chunk[c];
-  for (int i = begin; i < end; i++) {
+  int none = d->nparticle, k = (int)list->chunk[c];
+  for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++) {
     list->first[i] = k;
     for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
       list->one[k] = i;
@@ -137,20 +156,54 @@ static bool place_crossings(dem_data *d) {
   return true;
 }
 
-static bool build_pairs(dem_data *d, const dem_pairs *before, const int *old) {
-  dem_search_input input = {.sphere = d->sphere, .n = d->nparticle, .skin = d->model->skin, .nthread = d->nthread};
+/* leave away the pairs of which neither can move */
+static void drop_fixed(dem_data *d) {
+  int at = 0, begin = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    int end = d->rows.first[i + 1];
+    for (int r = begin; r < end; r++)
+      if (d->sphere[i].inverse_mass + d->sphere[d->rows.other[r]].inverse_mass > 0)
+        d->rows.other[at++] = d->rows.other[r];
+    begin = end;
+    d->rows.first[i + 1] = at;
+  }
+  d->rows.count = (size_t)at;
+}
+
+/* The new list, in the place of the old one. carry: its histories are taken over; old: the numbers that the particles
+ * had, NULL: the same. */
+static bool build_pairs(dem_data *d, bool carry, const int *old) {
+  dem_pairs *list = &d->pairs;
+  dem_search_input input = {.sphere = d->sphere,
+                            .n = d->nparticle,
+                            .skin = d->skin + d->model->reach,
+                            .domain = d->domain,
+                            .nthread = d->nthread};
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
-  if (!place_chunks(d))
+  if (d->model->driven)
+    drop_fixed(d);
+  int ncolumn = d->model->columns.ncolumn;
+  size_t *chunk = d->chunk_spare, before = carry ? list->count : 0;
+  place_chunks(d, chunk);
+  size_t count = chunk[d->nchunk];
+  if (!dem_pairs_reserve(list, count, ncolumn))
     return false;
+  if (ncolumn > 0) {
+#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
+    for (int c = 0; c < d->nchunk; c++)
+      if (carry)
+        find_histories(d, chunk, old, c);
+      else
+        memset(list->sink + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->sink);
+    if (!carry_pairs(d, chunk, before))
+      return false;
+  }
+  memcpy(list->chunk, chunk, (size_t)(d->nchunk + 1) * sizeof *chunk);
+  list->count = count;
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
   for (int c = 0; c < d->nchunk; c++)
     fill_chunk(d, c);
-  if (d->model->law->ncolumn > 0) {
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
-    for (int c = 0; c < d->nchunk; c++)
-      carry_pairs(d, before, old, c);
-  }
   return place_crossings(d);
 }
 
@@ -164,7 +217,7 @@ static bool append_wall(dem_data *d, dem_wall_entry entry) {
     if (!grown)
       return false;
     list->entry = grown;
-    int ncolumn = d->model->law->ncolumn;
+    int ncolumn = d->model->columns.ncolumn;
     free(list->history);
     list->history = ncolumn > 0 ? malloc(capacity * (size_t)ncolumn * sizeof(double)) : NULL;
     if (ncolumn > 0 && !list->history)
@@ -187,10 +240,10 @@ static int by_entry(const void *a, const void *b) {
   return compare_entries(a, b);
 }
 
-/* the histories of the wall contacts, both lists ascending */
+/* the histories of the contacts with walls, both lists ascending */
 static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
   dem_wall_contacts *list = &d->walls;
-  size_t ncolumn = (size_t)d->model->law->ncolumn, old = 0, nold = before ? before->count : 0;
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, old = 0, nold = before ? before->count : 0;
   for (size_t k = 0; k < list->count; k++) {
     while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
       old++;
@@ -202,7 +255,7 @@ static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
 
 /* the list of before with new numbers; to ascend again it is sorted, histories with it */
 static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
-  size_t ncolumn = (size_t)d->model->law->ncolumn, n = list->count;
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
   if (n == 0 || ncolumn == 0)
     return true;
   struct {
@@ -238,11 +291,11 @@ static bool list_walls_of(dem_data *d, int i) {
     const dem_wall *wall = &m->wall[w];
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
-    /* distance from where a contact begins; a plane ends one radius behind its surface */
-    double away = gap - s->radius;
-    if (wall->primitive == DEM_PLANE)
+    /* distance from where a contact acts; a plane ends one radius behind its surface */
+    double away = gap - s->radius - m->reach;
+    if (dem_wall_endless(wall))
       away = fmax(away, -gap - s->radius);
-    if (!(away < m->skin))
+    if (!(away < d->skin))
       d->margin[wall->body] = fmin(d->margin[wall->body], away);
     else if (!append_wall(d, (dem_wall_entry){i, w, 0}))
       return false;
@@ -272,31 +325,41 @@ static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
   for (int i = 0; i < d->nparticle; i++)
     d->position_at_list[i] = d->sphere[i].position;
+  memcpy(d->length_at_list, d->domain.length, sizeof d->length_at_list);
+  d->since_list = 0;
   for (int b = 0; b < m->nbody; b++) {
     d->pose_at_list[b] = d->pose[b];
     d->margin[b] = INFINITY;
     d->reach[b] = 0;
-    if (m->body[b].coupled < 0)
+    if (m->body[b].coupled < 0 && !m->body[b].drive.given)
       continue;
     for (int i = 0; i < d->nparticle; i++)
       d->reach[b] = fmax(d->reach[b], tdm_norm(tdm_sub(d->sphere[i].position, d->pose[b].position)));
   }
 }
 
-/* the lists of before become the spare ones */
-static void swap_lists(dem_data *d) {
-  dem_pairs pairs = d->pairs;
-  dem_wall_contacts walls = d->walls;
-  d->pairs = d->spare_pairs;
-  d->walls = d->spare_walls;
-  d->spare_pairs = pairs;
-  d->spare_walls = walls;
+/* Choose the skin, when the scene does not: with lists that held for T steps under a skin s something moves by about
+ * s/2T a step. A list costs about four steps, a skin s about 1.3 s/r of one for the pairs that do not touch: the sum is
+ * least at sqrt(3 r s/T). Half way there each time. */
+static void adapt_skin(dem_data *d, bool sort) {
+  double r = d->model->mean_radius, steps = (double)d->since_list;
+  if (d->model->skin > 0 || steps == 0 || ((sort || d->list_stale) && steps < 100))
+    return;
+  double best = sqrt(3 * r * d->skin / steps), most = 0.5 * r;
+  for (int a = 0; a < 3; a++) /* as much as a box that repeats allows */
+    if (d->domain.periodic[a])
+      most = fmin(most, 0.45 * d->domain.length[a] - 2 * dem_largest_radius(d->model));
+  d->skin = fmax(0.02 * r, fmin(most, sqrt(best * d->skin)));
 }
 
 bool dem_lists_build(dem_data *d) {
   bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
-  swap_lists(d);
-  bool carry = d->model->law->ncolumn > 0 && d->list_valid, good = true;
+  if (d->list_valid)
+    adapt_skin(d, sort);
+  dem_wall_contacts walls = d->walls;
+  d->walls = d->spare_walls;
+  d->spare_walls = walls;
+  bool carry = d->model->columns.ncolumn > 0 && d->list_valid, good = true;
   const int *old = NULL;
   d->list_valid = false;
   if (sort) {
@@ -311,9 +374,9 @@ bool dem_lists_build(dem_data *d) {
   }
   note_positions(d);
   d->nchunk = dem_chunks(d->nparticle);
-  d->list_valid =
-      good && build_pairs(d, carry ? &d->spare_pairs : NULL, old) && build_walls(d, carry ? &d->spare_walls : NULL);
+  d->list_valid = good && build_pairs(d, carry, old) && build_walls(d, carry ? &d->spare_walls : NULL);
   d->list_stale = false;
+  d->since_list = 0;
   d->nrebuild++;
   return d->list_valid;
 }

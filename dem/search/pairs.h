@@ -6,7 +6,8 @@
  *   walls, body b:  max_i |dx_i - u| + |dX_b - u| + chord(b) * reach_b < margin_b
  * where dx, dX are displacements since the lists were built, chord the length 2 sin(angle/2) of the body's turn, reach
  * the largest distance of a particle from the body's centre of mass, and margin the smallest gap of an unlisted
- * particle to this body's walls (at least the skin). Checked every step, after the drift: no contact is ever missed.
+ * particle to this body's walls (at least the skin). The skin changes the speed, never a result. Checked every step,
+ * after the drift: no contact is ever missed.
  */
 #ifndef DEM_SEARCH_PAIRS_H
 #define DEM_SEARCH_PAIRS_H

@@ -3,7 +3,8 @@
  * A search is a row of the table in search.c. It gets the spheres and a distance, and returns for every particle i the
  * particles j > i, ascending, whose surfaces are nearer than `skin`:
  *   |x_i - x_j| < r_i + r_j + skin
- * (the nearest images when the box repeats). So results do not depend on the search, only the time does.
+ * (the nearest images when the box repeats). So results do not depend on the search, only the time does. A sphere whose
+ * position is not finite has no partners.
  */
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
@@ -13,7 +14,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The box that repeats. */
+/* The box that repeats. One image of a neighbour is enough: a length is at least 2 (2 r_max + skin), which whoever
+ * makes the domain sees to. */
 typedef struct {
   bool periodic[3];
   double low[3], length[3]; /* [m]; positions are kept in [low, low + length) in a periodic direction */
@@ -35,12 +37,12 @@ typedef struct {
   size_t first_capacity;
 } dem_rows;
 
-/* What a search keeps between calls: scratch memory, and what speeds the next call up. Nothing in it decides the
- * result. */
+/* What a search keeps between calls: scratch memory, and what speeds the next call up ("sweep": as long as particles
+ * keep their numbers). Nothing in it decides the result. */
 typedef struct dem_search dem_search;
 
-/* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests); "auto"
- * is not among them. */
+/* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests);
+ * "auto" is not among them. */
 extern const char *const dem_search_names[];
 
 /* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. */

@@ -109,23 +109,23 @@ static tdm_status write_table(cpl_verify *v, const collision_result *true_mass, 
 static void plot(cpl_verify *v) {
   static const char setup[] = "set logscale x\nset logscale y\nset format x '%g'\nset format y '%g'\n"
                               "set key bottom left\n";
-  static const cpl_curve particle[] = {
+  static const tdm_curve particle[] = {
       {"table.csv", "1:(abs($2))", "true effective mass", "linespoints pt 7"},
       {"table.csv", "1:(abs($4))", "wall mass 1e8 kg", "linespoints pt 5"},
       {"table.csv", "1:(abs($6))", "[L18] Table I (opposite sign)", "points pt 2 ps 1.5"},
   };
-  static const cpl_curve body[] = {
+  static const tdm_curve body[] = {
       {"table.csv", "1:(abs($3))", "true effective mass", "linespoints pt 7"},
       {"table.csv", "1:(abs($5))", "wall mass 1e8 kg", "linespoints pt 5"},
       {"table.csv", "1:(abs($7))", "[L18] Table I", "points pt 2 ps 1.5"},
   };
-  static const cpl_curve velocity[] = {
+  static const tdm_curve velocity[] = {
       {"m_p=10/dem.csv", "1:6", "particle", "lines lw 2"},
       {"m_p=10/body_cube.csv", "1:9", "cube", "lines lw 2"},
       {"m_p=10/dem.csv", "1:(0.5)", "particle after, theory", "lines dt 2 lc rgb 'black'"},
       {"m_p=10/dem.csv", "1:(1.5)", "cube after, theory", "lines dt 3 lc rgb 'black'"},
   };
-  const cpl_plot plots[] = {
+  const tdm_plot plots[] = {
       {"Error of the particle's velocity after the collision", "m_c/m_p", "|error| [%]", setup, 3, particle},
       {"Error of the cube's velocity after the collision", "m_c/m_p", "|error| [%]", setup, 3, body},
       {"Velocities, m_p = m_c = 10 kg", "time [s]", "velocity [m/s]",

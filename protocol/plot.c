@@ -1,4 +1,4 @@
-#include "coupler/plot.h"
+#include "protocol/plot.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -7,20 +7,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static void write_panel(FILE *f, const cpl_plot *plot) {
+static void write_panel(FILE *f, const tdm_plot *plot) {
   fprintf(f, "set title \"%s\"\nset xlabel \"%s\"\nset ylabel \"%s\"\n", plot->title, plot->xlabel, plot->ylabel);
   if (plot->setup)
     fputs(plot->setup, f);
   fputs("plot ", f);
   for (int i = 0; i < plot->ncurve; i++) {
-    const cpl_curve *c = &plot->curve[i];
+    const tdm_curve *c = &plot->curve[i];
     fprintf(f, "%s'%s' skip 1 using %s with %s title \"%s\"", i ? ", \\\n     " : "", c->file, c->using, c->style,
             c->title);
   }
   fputs("\n", f);
 }
 
-static void write_script(FILE *f, const char *name, int nplot, const cpl_plot *plot) {
+static void write_script(FILE *f, const char *name, int nplot, const tdm_plot *plot) {
   static const char *const terminals[][2] = {{"pngcairo", "png"}, {"svg", "svg"}};
   fputs("set datafile separator ','\nset grid lc rgb '#dddddd'\nset key top right\nset encoding utf8\n", f);
   for (int t = 0; t < 2; t++) {
@@ -56,17 +56,10 @@ static int run_gnuplot(const char *dir, const char *script, const char *log) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-tdm_status cpl_plot_write(const char *dir, const char *name, int nplot, const cpl_plot *plot, tdm_error *err) {
+tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
   char path[4096], script[256], log[256];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(log, sizeof log, "%s.gnuplot", name); /* not .log: dem.log is the solver's */
-  snprintf(path, sizeof path, "%s/%s", dir, script);
-  FILE *f = fopen(path, "w");
-  if (!f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  write_script(f, name, nplot, plot);
-  if (fclose(f) != 0)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   int status = run_gnuplot(dir, script, log);
   if (status == 127)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "no plots: gnuplot is not installed (Debian package gnuplot-nox)");
@@ -75,4 +68,17 @@ tdm_status cpl_plot_write(const char *dir, const char *name, int nplot, const cp
   snprintf(path, sizeof path, "%s/%s", dir, log);
   unlink(path);
   return TDM_OK;
+}
+
+tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err) {
+  char path[4096], script[256];
+  snprintf(script, sizeof script, "%s.gp", name);
+  snprintf(path, sizeof path, "%s/%s", dir, script);
+  FILE *f = fopen(path, "w");
+  if (!f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  write_script(f, name, nplot, plot);
+  if (fclose(f) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  return tdm_plot_run(dir, name, err);
 }

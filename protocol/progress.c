@@ -1,4 +1,4 @@
-#include "coupler/progress.h"
+#include "protocol/progress.h"
 
 #include "protocol/log.h"
 
@@ -9,8 +9,8 @@
 static const double bar_interval = 0.2, line_interval = 10; /* [s] */
 enum { BAR_WIDTH = 30 };
 
-void cpl_progress_begin(cpl_progress *p, double end, bool quiet) {
-  *p = (cpl_progress){.quiet = quiet, .terminal = isatty(2), .end = end};
+void tdm_progress_begin(tdm_progress *p, double end, const char *unit, bool quiet) {
+  *p = (tdm_progress){.quiet = quiet, .terminal = isatty(2), .end = end, .unit = unit};
   p->start = p->last = tdm_clock();
 }
 
@@ -22,15 +22,15 @@ static void format_left(double seconds, char *out, size_t size) {
     snprintf(out, size, "%u:%02u", s / 60, s % 60);
 }
 
-void cpl_progress_update(cpl_progress *p, double time, uint64_t window) {
+void tdm_progress_update(tdm_progress *p, double time, uint64_t count) {
   if (p->quiet)
     return;
   double now = tdm_clock();
   if (now - p->last < (p->terminal ? bar_interval : line_interval))
     return;
-  p->rate = (double)(window - p->last_window) / (now - p->last);
+  p->rate = (double)(count - p->last_count) / (now - p->last);
   p->last = now;
-  p->last_window = window;
+  p->last_count = count;
   char left[32];
   double done = time / p->end;
   format_left(done > 0 ? (now - p->start) * (1 - done) / done : 0, left, sizeof left);
@@ -40,16 +40,16 @@ void cpl_progress_update(cpl_progress *p, double time, uint64_t window) {
     memset(bar, ' ', BAR_WIDTH);
     memset(bar, '=', (size_t)(full < BAR_WIDTH ? full : BAR_WIDTH));
     bar[BAR_WIDTH] = 0;
-    fprintf(stderr, "\r[%s] %3.0f %%  %.4g of %.4g s  %.0f windows/s  %s left \033[K", bar, 100 * done, time, p->end,
-            p->rate, left);
+    fprintf(stderr, "\r[%s] %3.0f %%  %.4g of %.4g s  %.0f %s/s  %s left \033[K", bar, 100 * done, time, p->end,
+            p->rate, p->unit, left);
   } else {
-    fprintf(stderr, "tandem: %.0f %%, %.4g of %.4g s, %.0f windows/s, %s left\n", 100 * done, time, p->end, p->rate,
+    fprintf(stderr, "tandem: %.0f %%, %.4g of %.4g s, %.0f %s/s, %s left\n", 100 * done, time, p->end, p->rate, p->unit,
             left);
   }
   fflush(stderr);
 }
 
-void cpl_progress_end(cpl_progress *p) {
+void tdm_progress_end(tdm_progress *p) {
   if (!p->quiet && p->terminal) {
     fprintf(stderr, "\r\033[K");
     fflush(stderr);

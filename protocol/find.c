@@ -1,4 +1,4 @@
-#include "coupler/find.h"
+#include "protocol/find.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,7 +20,8 @@ static void share_dir(char *out, size_t size) {
   snprintf(out, size, "%s/share/tandem/scenarios", self);
 }
 
-tdm_status cpl_find_scene(char *out, size_t size, const char *name, const char *dir, tdm_error *err) {
+tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir,
+                          tdm_error *err) {
   char share[2200];
   share_dir(share, sizeof share);
   const char *const usual[] = {"scenarios", share, TANDEM_SOURCE_DIR "/scenarios"};
@@ -31,10 +32,11 @@ tdm_status cpl_find_scene(char *out, size_t size, const char *name, const char *
     return TDM_OK; /* a file, or meant as one: reading it tells what is wrong */
   char looked[1024] = "";
   for (int i = 0; i < nplace; i++) {
-    snprintf(out, size, "%s/%s/scene.json", place[i], name);
+    snprintf(out, size, "%s/%s%s%s/scene.json", place[i], group, *group ? "/" : "", name);
     if (is_file(out))
       return TDM_OK;
-    snprintf(looked + strlen(looked), sizeof looked - strlen(looked), "%s%s", i ? ", " : "", place[i]);
+    snprintf(looked + strlen(looked), sizeof looked - strlen(looked), "%s%s%s%s", i ? ", " : "", place[i],
+             *group ? "/" : "", group);
   }
   return tdm_fail(err, TDM_ERR_FILE, NULL,
                   "%s: neither a scene file nor a scenario in %s; name a file, or give --scenarios DIR", name, looked);

@@ -1,6 +1,6 @@
 /* Plots by gnuplot: a script, a PNG and an SVG in the directory of the data. */
-#ifndef CPL_PLOT_H
-#define CPL_PLOT_H
+#ifndef TDM_PLOT_H
+#define TDM_PLOT_H
 
 #include "protocol/status.h"
 
@@ -9,17 +9,20 @@ typedef struct {
   const char *using; /* gnuplot's column expression: "1:4", "1:(-$4)" */
   const char *title;
   const char *style; /* gnuplot's: "lines lw 2", "points pt 7" */
-} cpl_curve;
+} tdm_curve;
 
 typedef struct {
   const char *title, *xlabel, *ylabel;
   const char *setup; /* further gnuplot commands, each line ended: "set logscale x\n"; may be NULL */
   int ncurve;
-  const cpl_curve *curve;
-} cpl_plot;
+  const tdm_curve *curve;
+} tdm_plot;
 
 /* Write dir/name.gp and have gnuplot make name.png and name.svg beside it, the plots one under the other. A missing
  * gnuplot is an error of status TDM_ERR_FILE that the caller may take as a notice. */
-tdm_status cpl_plot_write(const char *dir, const char *name, int nplot, const cpl_plot *plot, tdm_error *err);
+tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err);
+
+/* Have gnuplot run dir/name.gp, which is there; the same errors. */
+tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err);
 
 #endif

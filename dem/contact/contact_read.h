@@ -1,0 +1,25 @@
+/* Reading the scene's materials, contact laws and pairs: keys in README.md. */
+#ifndef DEM_CONTACT_CONTACT_READ_H
+#define DEM_CONTACT_CONTACT_READ_H
+
+#include "dem/model.h"
+#include "protocol/scene.h"
+
+/* dem.simd and dem.contact: the laws of the model; first, for what follows asks only for what they need. */
+void dem_contact_read(dem_model *model, tdm_object *section);
+
+void dem_materials_read(dem_model *model, json_t *array, tdm_error *err);
+
+/* Fills model->pair. */
+void dem_pairs_read(dem_model *model, json_t *array, tdm_error *err);
+
+/* Every pair that can meet must be given. When particles, sources and bodies are there. */
+void dem_pairs_check(const dem_model *model, tdm_error *err);
+
+/* model->settle_pair: the pairs with dem.settle's restitution and friction, read here. */
+void dem_settle_pairs_read(dem_model *model, tdm_object *settle);
+
+/* Last: the loops, columns and reach that follow from all of it. */
+void dem_contact_finish(dem_model *model);
+
+#endif

@@ -1,0 +1,30 @@
+/* Energies of the contacts: see energy.h. */
+#include "dem/contact/energy.h"
+
+void dem_flux_add(dem_flux *sum, const dem_flux *chunk) {
+  for (int k = 0; k < DEM_ENERGIES; k++) {
+    sum->power[k] += chunk->power[k];
+    sum->elastic[k] += chunk->elastic[k];
+  }
+  sum->wall_power += chunk->wall_power;
+}
+
+void dem_energy_step(dem_energy *e, const dem_flux *now, double dt) {
+  if (dt > 0) {
+    for (int k = 0; k < DEM_ENERGIES; k++)
+      e->dissipated[k] += 0.5 * dt * (e->now.power[k] + now->power[k]) - (now->elastic[k] - e->now.elastic[k]);
+    e->wall_work += 0.5 * dt * (e->now.wall_power + now->wall_power);
+  }
+  e->now = *now;
+}
+
+void dem_energy_begin(dem_energy *e) {
+  *e = (dem_energy){.now = e->now};
+}
+
+double dem_energy_elastic(const dem_energy *e) {
+  double sum = 0;
+  for (int k = 0; k < DEM_ENERGIES; k++)
+    sum += e->now.elastic[k];
+  return sum;
+}

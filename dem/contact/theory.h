@@ -1,0 +1,42 @@
+/* Closed forms of normal impacts: what the laws of normal.h give for two bodies that collide centrally.
+ *
+ * With the coefficients of a pair; effective mass [kg] and radius [m], approach speed [m/s]. For hertz, duration and
+ * overlap are those without damping; NaN where there is no closed form.
+ */
+#ifndef DEM_CONTACT_THEORY_H
+#define DEM_CONTACT_THEORY_H
+
+#include "dem/model.h"
+
+typedef struct {
+  double mass, radius; /* effective [kg], [m] */
+  double speed;        /* [m/s] */
+} dem_impact;
+
+/* Duration [s]; inf when the bodies stay together. */
+double dem_normal_contact_time(const dem_model *model, const dem_pair *pair, dem_impact impact);
+
+/* Largest overlap [m]. */
+double dem_normal_overlap(const dem_model *model, const dem_pair *pair, dem_impact impact);
+
+/* Coefficient of restitution; 0 when they stay together. */
+double dem_normal_restitution(const dem_model *model, const dem_pair *pair, dem_impact impact);
+
+/* Largest slope of the force at an overlap [N/m]; impact.speed does not matter. */
+double dem_normal_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
+
+/* The force there at rest, on first loading, without cohesion [N]. */
+double dem_normal_force(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
+
+/* Duration of an undamped Hertz impact [s]; inf for v = 0. */
+double dem_contact_time(double mass, double radius, double young, double speed);
+
+/* Damped linear impact, damping ratio zeta, kept or clipped tail: duration times the undamped frequency, and e. */
+double dem_linear_time(double zeta, bool clip);
+double dem_linear_restitution(double zeta, bool clip);
+
+/* JKR, work of adhesion w [J/m2]: gap at which a contact that was closed opens [m], and largest pull [N]. */
+double dem_jkr_reach(double radius, double young, double adhesion);
+double dem_jkr_pull(double radius, double adhesion);
+
+#endif

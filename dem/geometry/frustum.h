@@ -1,0 +1,20 @@
+/* Cylinders and cones. Own axes: z along the axis, from the end with radius[0] at z = 0 to the end with radius[1] at
+ * z = length; a cylinder has two equal radii. */
+#ifndef DEM_GEOMETRY_FRUSTUM_H
+#define DEM_GEOMETRY_FRUSTUM_H
+
+#include "protocol/vec3.h"
+
+/* The curved surface alone, a thin shell with open ends: distance of x (>= 0) from its nearest point, on the rims too,
+ * and the unit normal from there to x. On the axis, where all directions are alike, the normal lies in the x-z plane.
+ */
+double dem_shell_gap(const double radius[2], double length, tdm_vec3 x, tdm_vec3 *normal);
+
+/* A solid with flat ends: signed distance, negative inside, and the unit normal; a point inside leaves by the nearest
+ * surface. */
+double dem_frustum_gap(const double radius[2], double length, tdm_vec3 x, tdm_vec3 *normal);
+
+/* A cylinder without ends, solid outside (`inside`: the particles are) or inside: signed distance and normal. */
+double dem_cylinder_gap(double radius, int inside, tdm_vec3 x, tdm_vec3 *normal);
+
+#endif

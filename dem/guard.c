@@ -1,0 +1,227 @@
+/* The guard: see guard.h. */
+#include "dem/guard.h"
+
+#include "dem/check.h"
+#include "dem/domain.h"
+#include "dem/limits.h"
+#include "protocol/log.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { STEP_LOOKS = 10, LOGGED = 10 };
+
+void dem_guard_read(dem_model *m, tdm_object *section) {
+  static const char *const actions[] = {"warn", "stop"};
+  tdm_object o = tdm_get_object(section, "guard", false);
+  m->guard.every = tdm_get_integer(&o, "every", 100, 0);
+  m->guard.overlap = tdm_get_number(&o, "overlap", 0.3, TDM_POSITIVE);
+  m->guard.energy = tdm_get_number(&o, "energy", 0.5, TDM_POSITIVE);
+  m->guard.action = (dem_guard_action)tdm_get_choice(&o, "action", actions, 2, DEM_GUARD_WARN);
+  tdm_object_close(&o);
+}
+
+static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const char *text, tdm_error *err) {
+  if (d->model->guard.action == DEM_GUARD_STOP)
+    return tdm_fail(err, TDM_ERR_NUMERIC, path, "%s", text);
+  char quoted[TDM_MESSAGE_MAX];
+  if (++d->guard.told[kind] <= LOGGED)
+    tdm_log(TDM_LOG_WARNING, "guard", "message=%s%s", tdm_log_quote(quoted, sizeof quoted, text),
+            d->guard.told[kind] == LOGGED ? " further=not_logged" : "");
+  return TDM_OK;
+}
+
+/* ---- leaps ---- */
+
+void dem_guard_note_leap(dem_data *d, double dt) {
+  for (int i = 0; i < d->nparticle; i++) {
+    double way = dt * tdm_norm(d->pace[i].velocity);
+    if (way > d->sphere[i].radius && way > d->guard.leap) {
+      d->guard.leaper = d->id[i] + 1;
+      d->guard.leap = way;
+    }
+  }
+}
+
+static tdm_status look_at_leap(dem_data *d, double t, tdm_error *err) {
+  char path[TDM_PATH_MAX] = "dem", text[TDM_MESSAGE_MAX];
+  int n = 0, i = 0;
+  while (i < d->nparticle && d->id[i] + 1 != d->guard.leaper)
+    i++;
+  tdm_vec3 x = {NAN, NAN, NAN};
+  double radius = NAN;
+  if (i < d->nparticle) {
+    dem_where(d, i, path, &n);
+    x = d->sphere[i].position;
+    radius = d->sphere[i].radius;
+  }
+  snprintf(text, sizeof text,
+           "particle %d (id %llu) moved %.3g m in a step, more than its radius %.3g m, to [%.6g, %.6g, %.6g] m at "
+           "t = %.9g s, step %llu: it may pass through walls and particles; reduce time.dt or its speed",
+           n, (unsigned long long)(d->guard.leaper - 1), d->guard.leap, radius, x.x, x.y, x.z, t,
+           (unsigned long long)d->nstep);
+  d->guard.leaper = 0;
+  d->guard.leap = 0;
+  return tell(d, DEM_GUARD_LEAP, path, text, err);
+}
+
+/* ---- overlaps ---- */
+
+typedef struct {
+  double share; /* of the smaller radius */
+  int particle, other, wall;
+} deepest;
+
+static deepest find_deepest(const dem_data *d) {
+  const dem_model *m = d->model;
+  deepest worst = {.particle = -1, .other = -1, .wall = -1};
+  for (int i = 0; i < d->nparticle; i++)
+    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
+      int j = d->pairs.other[k];
+      if (j >= d->nparticle)
+        break;
+      const dem_sphere *a = &d->sphere[i], *b = &d->sphere[j];
+      tdm_vec3 c = dem_between(d, a->position, b->position);
+      double sum = a->radius + b->radius, r2 = tdm_dot(c, c), smaller = fmin(a->radius, b->radius);
+      double near = sum - worst.share * smaller;
+      if (near > 0 && r2 < near * near)
+        worst = (deepest){(sum - sqrt(r2)) / smaller, i, j, -1};
+    }
+  for (size_t k = 0; k < d->walls.count; k++) {
+    const dem_wall_entry *e = &d->walls.entry[k];
+    const dem_sphere *s = &d->sphere[e->particle];
+    tdm_vec3 n;
+    double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), share = 1 - gap / s->radius;
+    if (share > worst.share && !(m->wall[e->wall].primitive == DEM_PLANE && share >= 2))
+      worst = (deepest){share, e->particle, -1, e->wall};
+  }
+  return worst;
+}
+
+static tdm_status look_at_overlaps(dem_data *d, double t, tdm_error *err) {
+  deepest worst = find_deepest(d);
+  if (!(worst.share > d->model->guard.overlap))
+    return TDM_OK;
+  char path[TDM_PATH_MAX], text[TDM_MESSAGE_MAX], partner[256];
+  int n;
+  dem_where(d, worst.particle, path, &n);
+  if (worst.wall >= 0)
+    snprintf(partner, sizeof partner, "a wall of \"%s\"", d->model->body[d->model->wall[worst.wall].body].name);
+  else
+    snprintf(partner, sizeof partner, "particle id %llu", (unsigned long long)d->id[worst.other]);
+  tdm_vec3 x = d->sphere[worst.particle].position;
+  snprintf(text, sizeof text,
+           "particle %d (id %llu) at [%.6g, %.6g, %.6g] m overlaps %s by %.3g of the smaller radius, more than "
+           "dem.guard.overlap = %g, at t = %.9g s, step %llu; use a stiffer material or a smaller time.dt",
+           n, (unsigned long long)d->id[worst.particle], x.x, x.y, x.z, partner, worst.share, d->model->guard.overlap,
+           t, (unsigned long long)d->nstep);
+  return tell(d, DEM_GUARD_OVERLAP, path, text, err);
+}
+
+/* ---- the step ---- */
+
+static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err) {
+  dem_limits now = dem_limits_now(d);
+  double eigen = DEM_EIGEN_SHARE * now.eigen, contact = DEM_CONTACT_SHARE_MOST * now.contact;
+  if (!(dt > fmin(eigen, contact)))
+    return TDM_OK;
+  char text[TDM_MESSAGE_MAX];
+  snprintf(text, sizeof text, "a step of %g s is above %s, %.3g s, at t = %.9g s, step %llu; reduce time.dt", dt,
+           eigen < contact ? "0.8 of the stable step of the stiffest particle" : "a tenth of the shortest contact time",
+           fmin(eigen, contact), t, (unsigned long long)d->nstep);
+  return tell(d, DEM_GUARD_STEP, "time.dt", text, err);
+}
+
+/* ---- energy ---- */
+
+typedef struct {
+  double kinetic, potential, elastic, magnitude; /* magnitude: of the potentials, for round-off [J] */
+} energies;
+
+static bool can_judge(const dem_data *d) {
+  const dem_model *m = d->model;
+  if (m->law->normal != DEM_NORMAL_hertz || m->cohesion != DEM_COHESION_none || m->domain.strained ||
+      (m->domain.repeats && m->driven))
+    return false;
+  for (int a = 0; a < 3; a++)
+    if (m->domain.periodic[a] && (&m->gravity.x)[a] != 0)
+      return false;
+  for (int b = 0; b < m->nbody; b++)
+    if (m->body[b].coupled >= 0 || tdm_norm(d->twist[b].velocity) + tdm_norm(d->twist[b].angular) > 0)
+      return false;
+  return true;
+}
+
+static double elastic_of(const dem_data *d, int kind, int partner, double radius, double overlap) {
+  return overlap > 0 ? 8.0 / 15 * d->model->pair[kind * d->model->nmaterial + partner].young * sqrt(radius * overlap) *
+                           overlap * overlap
+                     : 0;
+}
+
+static energies energies_now(const dem_data *d) {
+  const dem_model *m = d->model;
+  energies e = {0};
+  for (int i = 0; i < d->nparticle; i++) {
+    const dem_sphere *s = &d->sphere[i];
+    tdm_vec3 g = m->driven ? tdm_add(m->gravity, d->drive[i].velocity) : m->gravity;
+    double fall = d->mass[i] * tdm_dot(g, s->position), inertia = 0.4 * d->mass[i] * s->radius * s->radius;
+    e.potential -= fall;
+    e.magnitude += fabs(fall);
+    e.kinetic += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
+    e.kinetic += 0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
+    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1] && d->pairs.other[k] < d->nparticle; k++) {
+      const dem_sphere *o = &d->sphere[d->pairs.other[k]];
+      double sum = s->radius + o->radius, r = tdm_norm(dem_between(d, s->position, o->position));
+      e.elastic += elastic_of(d, d->kind[i], d->kind[d->pairs.other[k]], s->radius * o->radius / sum, sum - r);
+    }
+  }
+  for (size_t k = 0; k < d->walls.count; k++) {
+    const dem_wall_entry *at = &d->walls.entry[k];
+    const dem_sphere *s = &d->sphere[at->particle];
+    tdm_vec3 n;
+    double overlap = s->radius - dem_wall_gap(&m->wall[at->wall], &d->wall[at->wall], s->position, &n);
+    if (overlap < 2 * s->radius)
+      e.elastic += elastic_of(d, d->kind[at->particle], m->body[m->wall[at->wall].body].material, s->radius, overlap);
+  }
+  return e;
+}
+
+static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
+  dem_guard_state *g = &d->guard;
+  uint64_t flow = d->ledger.created + d->ledger.removed;
+  energies e = energies_now(d);
+  double all = e.kinetic + e.potential + e.elastic;
+  if (!g->judging || g->flow != flow) {
+    g->judging = 1;
+    g->flow = flow;
+    g->lowest = all;
+    g->start = e.kinetic + e.elastic + e.potential;
+    g->potential = e.potential;
+    return TDM_OK;
+  }
+  g->lowest = fmin(g->lowest, all);
+  g->potential = fmin(g->potential, e.potential);
+  double there = g->start - g->potential, rise = all - g->lowest;
+  if (!(rise > d->model->guard.energy * there + 1e-9 * (e.magnitude + there)))
+    return TDM_OK;
+  char text[TDM_MESSAGE_MAX];
+  snprintf(text, sizeof text,
+           "the energy of the particles rose by %.3g J without a source, more than dem.guard.energy = %g of the %.3g J "
+           "there were, at t = %.9g s, step %llu; reduce time.dt, or look for particles that are pressed together",
+           rise, d->model->guard.energy, there, t, (unsigned long long)d->nstep);
+  g->judging = 0; /* from here anew */
+  return tell(d, DEM_GUARD_ENERGY, "dem", text, err);
+}
+
+tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
+  uint64_t every = (uint64_t)d->model->guard.every;
+  if (d->guard.leaper && every > 0 && look_at_leap(d, t, err))
+    return err->status;
+  if (every == 0 || d->nstep % every != 0)
+    return TDM_OK;
+  if (dem_check_finite(d, t, err) || look_at_overlaps(d, t, err))
+    return err->status;
+  if (d->nstep % (STEP_LOOKS * every) == 0 && look_at_step(d, t, dt, err))
+    return err->status;
+  return can_judge(d) ? look_at_energy(d, t, err) : TDM_OK;
+}

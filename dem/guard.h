@@ -1,0 +1,28 @@
+/* The guard: looks at a running simulation every dem.guard.every steps, and warns (log event "guard") or stops.
+ *
+ *   overlap  of two particles, or of one and a wall, above a share of the smaller radius
+ *   leap     a particle moves more than its radius in a step: it may pass through a thin wall or another particle. Seen
+ *            in every step in which lists are made, and lists are made when a particle has moved by half the skin.
+ *   step     time.dt above the stability limit of the contacts there are (DEM_EIGEN_SHARE of 2/omega), or above a tenth
+ *            of the contact time at the present fastest speed (limits.h); every tenth look
+ *   energy   kinetic + potential + elastic has risen from its lowest value by more than a share of all energy there was
+ *            (at the first look, and what gravity has given since). Judged while nothing but contacts, gravity and
+ *            constant forces acts: no body moves, no particle came or went since, the box is not strained, no force
+ * acts along a periodic direction. Elastic is the normal part alone, of hertz: other laws are not judged. numbers
+ * positions and velocities that are no numbers always stop
+ */
+#ifndef DEM_GUARD_H
+#define DEM_GUARD_H
+
+#include "dem/data.h"
+
+/* Read the section's "guard". */
+void dem_guard_read(dem_model *model, tdm_object *section);
+
+/* Note a particle that moved more than its radius in the step of dt under way. */
+void dem_guard_note_leap(dem_data *data, double dt);
+
+/* After a step of dt that ended at t. TDM_ERR_NUMERIC: stop. */
+tdm_status dem_guard(dem_data *data, double t, double dt, tdm_error *err);
+
+#endif

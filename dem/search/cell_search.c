@@ -1,0 +1,38 @@
+/* Linked cells: all spheres in cells of the largest diameter and the skin; neighbours are in the cells around. The
+ * search for spheres of like size. */
+#include "dem/search/bins.h"
+
+static double largest_radius(const dem_search_input *input) {
+  double largest = 0;
+  for (int i = 0; i < input->n; i++)
+    largest = input->sphere[i].radius > largest ? input->sphere[i].radius : largest;
+  return largest;
+}
+
+typedef struct {
+  const dem_bins *bins;
+  dem_near near;
+  int nthread;
+  dem_pairs *found;
+} finding;
+
+static void find_part(void *context, int t) {
+  const finding *f = context;
+  dem_bins_pairs(f->bins, &f->near, t, f->nthread, &f->found[t]);
+}
+
+static bool find(void *state, const dem_search_input *input, dem_pairs *found) {
+  dem_bins *bins = state;
+  if (input->n < 2)
+    return true;
+  if (!dem_bins_fill(bins, input, NULL, input->n, 2 * largest_radius(input) + input->skin))
+    return false;
+  dem_search_parallel(input->nthread, find_part, &(finding){bins, dem_near_make(input), input->nthread, found});
+  return true;
+}
+
+static void release(void *state) {
+  dem_bins_free(state);
+}
+
+const dem_search_method dem_search_cells = {.state_size = sizeof(dem_bins), .find = find, .release = release};

@@ -1,0 +1,13 @@
+/* Where scenes are: a file, or the name of a scenario. */
+#ifndef TDM_FIND_H
+#define TDM_FIND_H
+
+#include "protocol/status.h"
+
+#include <stddef.h>
+
+/* The scene file for `name`: a file of that name, or GROUP/NAME/scene.json ("": NAME/scene.json) in --scenarios DIR
+ * (`dir`, may be NULL: then ./scenarios, the installed share folder, the source folder that tandem was built from). */
+tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir, tdm_error *err);
+
+#endif

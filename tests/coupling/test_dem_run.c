@@ -1,0 +1,364 @@
+/* tandem-dem run and check as a user calls them: the files of a run, bit-identity, wrong input, Ctrl-C. */
+#include "coupler/table.h"
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Seven balls drop into a tub; a ramp beside it. */
+static const char scene[] =
+    "{\"time\": {\"end\": 0.1, \"dt\": 2e-4},\n"
+    " \"output\": {\"interval\": 0.01, \"particles_interval\": 0.05},\n"
+    " \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, \"young_modulus\": 1e7, \"poisson_ratio\": "
+    "0.3}],\n"
+    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 0.8, \"friction\": 0.4}],\n"
+    "  \"bodies\": [{\"name\": \"tub\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": [0.5, 0.5, "
+    "0.5],\n"
+    "   \"side\": \"inside\", \"open\": [\"+z\"]}, {\"type\": \"box\", \"side\": \"outside\", \"size\": [0.1, 0.1, "
+    "0.02],"
+    "\n   \"center\": [0, 0, -0.24]}]}],\n"
+    "  \"particles\": [{\"type\": \"random\", \"material\": \"m\", \"count\": 7, \"radius\": 0.05, \"seed\": 3,\n"
+    "   \"region\": {\"min\": [-0.2, -0.2, -0.2], \"max\": [0.2, 0.2, -0.08]}}]}}\n";
+
+static const char *dir;
+
+static void setup(void) {
+  dir = directory_make();
+  write_file(dir, "scene.json", scene);
+}
+
+static void run(const char *out, const char *options) {
+  int status = command("tandem-dem run %s/scene.json --out %s/%s %s", dir, dir, out, options);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+}
+
+static bool is_there(const char *out, const char *name) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/%s/%s", dir, out, name);
+  return access(path, F_OK) == 0;
+}
+
+static char *read_all(const char *out, const char *name) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/%s/%s", dir, out, name);
+  FILE *f = fopen(path, "r");
+  ck_assert_msg(f != NULL, "%s is not there", path);
+  char *text = calloc(1, 1 << 20);
+  ck_assert_uint_lt(fread(text, 1, (1 << 20) - 1, f), (1 << 20) - 1);
+  fclose(f);
+  return text;
+}
+
+/* ---- a little XML ---- */
+
+/* every element is closed in its turn */
+static void expect_balanced(const char *xml) {
+  char open[32][32];
+  int depth = 0;
+  for (const char *p = strchr(xml, '<'); p; p = strchr(p + 1, '<')) {
+    char name[32];
+    const char *end = strchr(p, '>');
+    ck_assert_ptr_nonnull(end);
+    if (p[1] == '?' || end[-1] == '/')
+      continue;
+    ck_assert_int_eq(sscanf(p + 1 + (p[1] == '/'), "%31[A-Za-z]", name), 1);
+    if (p[1] == '/') {
+      ck_assert_int_gt(depth, 0);
+      ck_assert_str_eq(open[--depth], name);
+    } else {
+      ck_assert_int_lt(depth, 32);
+      strcpy(open[depth++], name);
+    }
+  }
+  ck_assert_int_eq(depth, 0);
+}
+
+static int digit(char c) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const char *at = c ? strchr(digits, c) : NULL;
+  return at ? (int)(at - digits) : -1;
+}
+
+/* The bytes of a DataArray behind its byte count, which must be right; returns their number. */
+static size_t decode(const char *xml, const char *name, unsigned char *out, size_t size) {
+  char what[64];
+  snprintf(what, sizeof what, "Name=\"%s\"", name);
+  const char *p = strstr(xml, what);
+  ck_assert_msg(p != NULL, "no array %s", name);
+  p = strchr(p, '\n') + 1;
+  size_t n = 0;
+  uint32_t bits = 0;
+  int nbit = 0;
+  for (; digit(*p) >= 0; p++) {
+    bits = bits << 6 | (uint32_t)digit(*p);
+    nbit += 6;
+    if (nbit >= 8) {
+      nbit -= 8;
+      ck_assert_uint_lt(n, size);
+      out[n++] = (unsigned char)(bits >> nbit);
+    }
+  }
+  while (*p == '=')
+    p++;
+  ck_assert_int_eq(*p, '\n');
+  uint64_t count;
+  ck_assert_uint_ge(n, sizeof count);
+  memcpy(&count, out, sizeof count);
+  memmove(out, out + sizeof count, n - sizeof count);
+  ck_assert_uint_eq(count, n - sizeof count);
+  return n - sizeof count;
+}
+
+/* ---- tests ---- */
+
+START_TEST(a_run_writes_its_files) {
+  setup();
+  run("out", "--set 'output.pictures={\"times\":[0,0.05],\"view\":\"yz\",\"color\":\"height0\"}'");
+  cpl_table t;
+  tdm_error err = {0};
+  char path[512];
+  snprintf(path, sizeof path, "%s/out/channels.csv", dir);
+  ck_assert_msg(cpl_table_read(&t, path, &err) == TDM_OK, "%s", err.message);
+  ck_assert_int_eq(t.nrow, 11);
+  const double *time = cpl_table_column(&t, "time", &err), *z = cpl_table_column(&t, "particles.com.z", &err);
+  ck_assert_ptr_nonnull(z);
+  ck_assert_double_eq_tol(time[10], 0.1, 1e-15);
+
+  /* the particles of a frame are those of the time histories: equal masses, so their mean is the centre of mass */
+  for (int frame = 0; frame < 3; frame++) {
+    char name[64];
+    snprintf(name, sizeof name, "particles_%06d.vtp", frame);
+    char *xml = read_all("out", name);
+    expect_balanced(xml);
+    ck_assert_ptr_nonnull(strstr(xml, "NumberOfPoints=\"7\""));
+    double x[7][3], mean = 0, radius[7 + 1];
+    unsigned char bytes[512];
+    ck_assert_uint_eq(decode(xml, "position", bytes, sizeof bytes), sizeof x);
+    memcpy(x, bytes, sizeof x);
+    for (int i = 0; i < 7; i++)
+      mean += x[i][2] / 7;
+    ck_assert_double_eq_tol(mean, z[5 * frame], 1e-14);
+    ck_assert_uint_eq(decode(xml, "radius", bytes, sizeof bytes), 7 * sizeof(double));
+    memcpy(radius, bytes, 7 * sizeof(double));
+    ck_assert_double_eq(radius[6], 0.05);
+    free(xml);
+  }
+  cpl_table_free(&t);
+
+  /* the five faces of the tub, cut to its size, and the six of the block */
+  char *xml = read_all("out", "walls_000000.vtp");
+  expect_balanced(xml);
+  ck_assert_ptr_nonnull(strstr(xml, "NumberOfPolys=\"11\""));
+  static unsigned char bytes[11 * 12 * 24 + 64];
+  size_t n = decode(xml, "position", bytes, sizeof bytes) / sizeof(double);
+  double largest = 0;
+  for (size_t i = 0; i < n; i++) {
+    double x;
+    memcpy(&x, bytes + i * sizeof x, sizeof x);
+    largest = fmax(largest, fabs(x));
+  }
+  ck_assert_double_eq_tol(largest, 0.25, 1e-8);
+  free(xml);
+  xml = read_all("out", "scene.pvd");
+  expect_balanced(xml);
+  ck_assert_ptr_nonnull(strstr(xml, "timestep=\"0.05\" part=\"0\" name=\"particles\" file=\"particles_000001.vtp\""));
+  free(xml);
+
+  char *text = read_all("out", "summary.json");
+  json_t *summary = json_loads(text, 0, NULL);
+  ck_assert_str_eq(json_string_value(json_object_get(summary, "status")), "TDM_OK");
+  ck_assert_int_eq(json_integer_value(json_object_get(summary, "particles")), 7);
+  ck_assert_int_eq(json_integer_value(json_object_get(summary, "steps")), 500);
+  ck_assert_double_eq(json_number_value(json_object_get(summary, "particle_steps")), 3500);
+  ck_assert_int_eq(json_integer_value(json_object_get(summary, "pictures")), 2);
+  json_decref(summary);
+  free(text);
+  static const char *const pictures[] = {"picture_000.png", "picture_001.png", "pictures.png", "channels.png"};
+  for (int i = 0; i < 4; i++)
+    ck_assert_msg(is_there("out", pictures[i]), "%s", pictures[i]);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(runs_are_bit_identical) {
+  setup();
+  run("one", "");
+  run("two", "--set output.interval=0.01");
+  static const char *const files[] = {"channels.csv",         "particles_000000.vtp", "particles_000001.vtp",
+                                      "particles_000002.vtp", "walls_000002.vtp",     "scene.pvd"};
+  for (int i = 0; i < 6; i++)
+    ck_assert_msg(command("cmp %s/one/%s %s/two/%s", dir, files[i], dir, files[i]) == 0, "%s", command_output);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(outputs_do_not_change_the_run) {
+  setup();
+  run("one", "");
+  run("two", "--set output.interval=0.1 --set output.particles_interval=0.0166");
+  char *a = read_all("one", "channels.csv"), *b = read_all("two", "channels.csv");
+  ck_assert_str_eq(strstr(a, "\n0.1,"), strstr(b, "\n0.1,"));
+  free(a);
+  free(b);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(without_gnuplot_runs_work) {
+  setup();
+  int status = command("env PATH=/nowhere " TANDEM_BIN_DIR "/tandem-dem run %s/scene.json --out %s/out --set "
+                       "'output.pictures={\"times\":[0,0.05,0.1]}'",
+                       dir, dir);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+  expect_output("gnuplot is not installed");
+  ck_assert(is_there("out", "picture_002.dat") && is_there("out", "summary.json"));
+  directory_remove(dir);
+}
+END_TEST
+
+static const struct {
+  const char *options, *path, *words;
+} cases[] = {
+    {"--set time.dt=0", "time.dt", "greater than 0"},
+    {"--set time.edn=1", "time.edn", "did you mean \"end\""},
+    {"--set output.interval=1e-9", "output.interval", "shorter than a DEM step"},
+    {"--set output.particles_interval=0", "output.particles_interval", "greater than 0"},
+    {"--set output.particles_intervall=1", "output.particles_intervall", "did you mean \"particles_interval\""},
+    {"--set output.pictures.view=xz", "output.pictures.times", "missing"},
+    {"--set 'output.pictures={\"times\":[]}'", "output.pictures.times", "1 to 1000"},
+    {"--set 'output.pictures={\"times\":[2]}'", "output.pictures.times[0]", "0 to time.end"},
+    {"--set 'output.pictures={\"times\":[0.1,0.05]}'", "output.pictures.times[1]", "later than"},
+    {"--set 'output.pictures={\"times\":[\"soon\"]}'", "output.pictures.times[0]", "must be a time"},
+    {"--set 'output.pictures={\"times\":[0],\"view\":\"up\"}'", "output.pictures.view", "\"xz\""},
+    {"--set 'output.pictures={\"times\":[0],\"color\":\"sped\"}'", "output.pictures.color", "did you mean \"speed\""},
+    {"--set 'output.pictures={\"times\":[0],\"min\":[0,0]}'", "output.pictures.max", "missing"},
+    {"--set 'output.pictures={\"times\":[0],\"min\":[0,0],\"max\":[0,1]}'", "output.pictures.max", "greater than min"},
+    {"--set 'output.repose={\"along\":\"z\"}'", "output.repose.along", "\"x\", \"y\""},
+    {"--set coupling.n=3", "coupling", "tandem run"},
+    {"--set mbd.bodies=[]", "mbd", "tandem run"},
+    {"--set demm.gravity=1", "demm", "did you mean \"dem\""},
+    {"--set dem.particles[0].radius=0", "dem.particles[0].radius", "greater than 0"},
+    {"--set dem.pairs=[]", "dem.pairs", "can touch"},
+    {"--set time.dt=5e-3 --set output.interval=0.01 --set dem.materials[0].young_modulus=5e11 --strict", "time.dt",
+     "strict"},
+};
+
+START_TEST(values_of_the_scene) {
+  setup();
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    int status = command("tandem-dem run %s/scene.json --out %s/out --force %s", dir, dir, cases[i].options);
+    ck_assert_msg(status == 1, "%s: exit status %d: %s", cases[i].options, status, command_output);
+    char path[256];
+    snprintf(path, sizeof path, ": %s: ", cases[i].path);
+    ck_assert_msg(
+        strstr(command_output, path) && strstr(command_output, cases[i].words) && strstr(command_output, "scene.json:"),
+        "%s: expected place, \"%s\" and \"%s\" in: %s", cases[i].options, path, cases[i].words, command_output);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(command_lines) {
+  setup();
+  static const struct {
+    const char *words, *output;
+    int status;
+  } lines[] = {
+      {"", "tandem-dem run SCENE", 2},
+      {"--help", "tandem-dem check SCENE", 0},
+      {"--version", "tandem-dem ", 0},
+      {"rnu", "did you mean run", 2},
+      {"run", "name one scene", 2},
+      {"run a.json b.json", "name one scene", 2},
+      {"run nothing.json", "nothing.json", 1},
+      {"run nothing", "neither a scene file nor a scenario", 1},
+      {"run --froce x", "did you mean --force", 2},
+      {"run --out", "--out needs a value", 2},
+      {"check x --out y", "--out does not go", 2},
+      {"--connect", "wrong option or value", 2},
+  };
+  for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+    int status = command("tandem-dem %s", lines[i].words);
+    ck_assert_msg(status == lines[i].status, "\"%s\": exit status %d: %s", lines[i].words, status, command_output);
+    expect_output(lines[i].output);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(result_directories) {
+  setup();
+  run("out", "");
+  ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/out", dir, dir), 1);
+  expect_output("holds the results of an earlier run");
+  expect_output("--force");
+  run("out", "--force --set output.particles_interval=0.1");
+  ck_assert(!is_there("out", "particles_000002.vtp")); /* of the run before */
+
+  ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/scene.json/out", dir, dir), 1);
+  expect_output("cannot be made: Not a directory");
+  ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s", dir, dir), 1);
+  expect_output("is the scene itself");
+  char *text = read_all(".", "scene.json");
+  ck_assert_str_eq(text, scene);
+  free(text);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(an_interrupt_keeps_what_was_computed) {
+  setup();
+  int status =
+      command("timeout -s INT --preserve-status 2 tandem-dem run %s/scene.json --out %s/out --set time.end=1e4 "
+              "--set output.interval=0.5 --set output.particles_interval=100",
+              dir, dir);
+  ck_assert_msg(status == 130, "%d: %s", status, command_output);
+  char *csv = read_all("out", "channels.csv");
+  ck_assert_ptr_nonnull(strstr(csv, "\n0.5,"));
+  ck_assert_int_eq(csv[strlen(csv) - 1], '\n');
+  free(csv);
+  char *text = read_all("out", "summary.json");
+  ck_assert_ptr_nonnull(strstr(text, "TDM_ERR_INTERRUPTED"));
+  free(text);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_check_says_what_would_run) {
+  setup();
+  ck_assert_int_eq(command("tandem-dem check %s/scene.json --set output.pictures.times=[0.1]", dir), 0);
+  expect_output("0.1 s in 500 steps");
+  expect_output("every 0.01 s: 11 rows");
+  expect_output("limits.rayleigh.time");
+  expect_output("0 warnings");
+  ck_assert(!is_there(".", "run-out"));
+  directory_remove(dir);
+}
+END_TEST
+
+/* Every scene of scenarios/dem loads without doubts about its step, with the particles that its README names. Those
+ * that settle do it for a moment only. */
+START_TEST(the_scenes_load) {
+  static const struct {
+    const char *name, *what, *number, *options;
+  } scenes[] = {{"hopper", "particles", "1911", "--set dem.settle.max_time=1e-3"},
+                {"mixer", "particles", "1567", "--set dem.settle.max_time=1e-3"},
+                {"zigzag", "sources", "1", "--strict"},
+                {"repose", "sources", "1", "--strict"}};
+  for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+    char line[64];
+    ck_assert_msg(command("tandem-dem check %s %s", scenes[i].name, scenes[i].options) == 0, "%s: %s", scenes[i].name,
+                  command_output);
+    ck_assert_msg(strstr(command_output, "time.dt: ") == NULL, "%s", command_output);
+    snprintf(line, sizeof line, "\n  %-28s %s\n", scenes[i].what, scenes[i].number);
+    expect_output(line);
+  }
+}
+END_TEST
+
+TEST_MAIN("dem_run", 120, a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
+          without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
+          an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load)

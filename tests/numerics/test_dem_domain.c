@@ -1,0 +1,237 @@
+/* The box dem.domain: open, periodic, strained; and the searches by name. */
+#include "test_dem_support.h"
+
+#include "dem/flow.h"
+#include "tests/test_main.h"
+
+#define MATERIAL                                                                                 \
+  "'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],'pairs':[" \
+  "{'materials':['a','a'],'restitution':%g,'friction':0.4}],'gravity':[0,0,0]"
+
+/* a gas in a box of 0.5 m that repeats; it moves as a whole, so that all of it passes the boundaries */
+static rig *gas(int n, double e, const char *more) {
+  rig *r = rig_make(scene_json("{" MATERIAL ",'domain':{'min':[-0.1,0,0],'max':[0.4,0.5,0.5],'x':'periodic','y':"
+                               "'periodic','z':'periodic'},'particles':[{'type':'random','material':'a','count':%d,"
+                               "'radius':[0.02,0.04],'region':{'min':[-0.1,0,0],'max':[0.4,0.5,0.5]},"
+                               "'velocity':[3,-5,2]}]%s}",
+                               e, n, more),
+                    5e-5, 0, NULL);
+  for (int i = 0; i < n; i++)
+    r->data->pace[i].velocity = tdm_axpy(2, tdm_v3(sin(3 * i), cos(5 * i), sin(7 * i)), r->data->pace[i].velocity);
+  r->data->restart = true;
+  return r;
+}
+
+START_TEST(test_repeats) {
+  /* momentum stays, positions stay inside, energy of an elastic gas without contacts is kept */
+  rig *r = gas(100, 0.9, "");
+  dem_data *d = r->data;
+  tdm_vec3 p[2];
+  double sum = 0, far = 0;
+  long most = 0;
+  for (int n = 0; n < 2; n++) {
+    p[n] = tdm_v3(0, 0, 0);
+    for (int i = 0; i < 100; i++) {
+      p[n] = tdm_axpy(d->mass[i], d->pace[i].velocity, p[n]);
+      sum += d->mass[i] * tdm_norm(d->pace[i].velocity);
+    }
+    for (int s = 0; n == 0 && s < 6000; s++) {
+      rig_steps(r, 1);
+      most = d->ncontact > most ? d->ncontact : most;
+      for (int i = 0; i < 100; i++)
+        for (int a = 0; a < 3; a++)
+          far = fmax(far, fabs((&d->sphere[i].position.x)[a] - (a == 0 ? 0.15 : 0.25)));
+    }
+  }
+  ck_assert_int_gt(most, 10);
+  ck_assert(far > 0.2499 && far <= 0.25);
+  ck_assert(tdm_norm(tdm_sub(p[1], p[0])) < 1e-12 * sum);
+  ck_assert_int_eq(d->nparticle, 100);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_bits) {
+  /* neither the search nor the skin changes a bit, for any integrator */
+  static const char *const ways[] = {"",
+                                     ",'search':'cells'",
+                                     ",'search':'sweep'",
+                                     ",'search':'grid'",
+                                     ",'search':'all'",
+                                     ",'skin':0.0005",
+                                     ",'skin':0.02"};
+  static const char *const integrators[] = {"", ",'integrator':'leap-frog'", ",'integrator':'stormer-verlet'",
+                                            ",'integrator':'multi-step','multi_step':{'substeps':2,'mass':0.05}"};
+  for (int k = 0; k < 4; k++) {
+    rig *reference = NULL;
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+      char more[256];
+      snprintf(more, sizeof more, "%s%s", ways[w], integrators[k]);
+      rig *r = gas(100, 0.5, more);
+      rig_steps(r, 1500);
+      if (!reference) {
+        reference = r;
+        continue;
+      }
+      ck_assert_msg(!memcmp(r->data->sphere, reference->data->sphere, 100 * sizeof(dem_sphere)), "%s", more);
+      ck_assert_mem_eq(r->data->pace, reference->data->pace, 100 * sizeof(dem_pace));
+      rig_free(r);
+    }
+    rig_free(reference);
+  }
+}
+END_TEST
+
+START_TEST(test_verlet_1967) {
+  /* its own skin and interval */
+  rig *r = rig_make(scene_json("{" MATERIAL ",'search':'verlet-1967','particles':[{'type':'block','material':'a',"
+                               "'radius':0.02,'count':[5,5,5],'corner':[0,0,0],'spacing':0.05}]}",
+                               0.5),
+                    1e-4, 0, NULL);
+  ck_near(r->model->skin, 0.06, 1e-15);
+  rig_steps(r, 100);
+  ck_assert_uint_eq(r->data->nrebuild, 1 + 4); /* at steps 21, 41, 61, 81 */
+  rig_free(r);
+}
+END_TEST
+
+/* two spheres that meet over a boundary (across) or in the middle of the box, a little off centre, spinning */
+static void meet(bool across, const char *integrator, double rate, tdm_vec3 v[2], tdm_vec3 w[2], double *gap) {
+  double x = across ? 0.95 : 0.4, y = across ? 0.05 : 0.5;
+  rig *r =
+      rig_make(scene_json("{" MATERIAL ",%s 'particles':["
+                          "{'type':'list','material':'a','radius':0.04,'positions':[[%.17g,0.01,0]],'velocity':"
+                          "[1,0,0.1],'spin':[0,0,5]},"
+                          "{'type':'list','material':'a','radius':0.04,'positions':[[%.17g,0,0]],'velocity':"
+                          "[%.17g,0,0]}]%s}",
+                          0.6,
+                          across ? rate != 0 ? "'domain':{'min':[0,-1,-1],'max':[1,1,1],'x':'periodic','strain_rate':"
+                                               "[-0.5,0,0]},"
+                                             : "'domain':{'min':[0,-1,-1],'max':[1,1,1],'x':'periodic'},"
+                                 : "",
+                          x, y, across ? -1.0 : -1.0 + rate, integrator),
+               1e-5, 0, NULL);
+  rig_steps(r, 3000);
+  for (int i = 0; i < 2; i++) {
+    v[i] = r->data->pace[i].velocity;
+    w[i] = r->data->pace[i].spin;
+  }
+  *gap = r->data->sphere[0].position.x - r->data->sphere[1].position.x;
+  if (across) /* what passed the boundary goes on with the image's velocity: as seen from particle 0 */
+    *gap -= r->data->domain.length[0] * rint(*gap / r->data->domain.length[0]);
+  rig_free(r);
+}
+
+static void same_meeting(const char *integrator, double rate) {
+  tdm_vec3 v[2][2], w[2][2];
+  double gap[2];
+  for (int across = 0; across < 2; across++)
+    meet(across, integrator, rate, v[across], w[across], &gap[across]);
+  ck_assert(fabs(v[0][0].x - 1) > 0.5);
+  ck_assert(tdm_norm(w[0][1]) > 0.1);
+  for (int i = 0; i < 2; i++) {
+    ck_near(v[1][i].y, v[0][i].y, 1e-8);
+    ck_near(v[1][i].z, v[0][i].z, 1e-8);
+    ck_near(w[1][i].z, w[0][i].z, 1e-6);
+    /* a particle that passed the boundary has the velocity of its image */
+    double off = v[1][i].x - v[0][i].x;
+    ck_near(off - rate * rint(rate != 0 ? off / rate : 0), 0, 1e-8);
+  }
+  ck_near(gap[1], gap[0], 1e-9);
+}
+
+START_TEST(test_over_the_boundary) {
+  same_meeting("", 0);
+  same_meeting(",'integrator':'stormer-verlet'", 0);
+  same_meeting(",'integrator':'leap-frog'", 0);
+}
+END_TEST
+
+START_TEST(test_strained) {
+  /* the length is linear in time; the image moves with the boundary */
+  same_meeting("", -0.5);
+  same_meeting(",'integrator':'stormer-verlet'", -0.5);
+  rig *r = rig_make(scene_json("{" MATERIAL ",'domain':{'min':[-1,-1,-1],'max':[1,3,1],'y':'periodic','x':'periodic',"
+                               "'strain_rate':[0.5,-0.25,0]},'particles':[]}",
+                               0.5),
+                    1e-3, 0, NULL);
+  rig_steps(r, 500);
+  ck_near(r->data->domain.length[0], 2.5, 1e-14);
+  ck_near(r->data->domain.low[0], -1.25, 1e-14);
+  ck_near(r->data->domain.length[1], 3.5, 1e-14);
+  ck_near(r->data->domain.low[1], -0.75, 1e-14);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_squeezed) {
+  /* a gas without motion in a box that shrinks from all sides touches in the end: none is lost, and its stress does
+   * work on it */
+  rig *r = rig_make(scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1],'x':'periodic','y':'periodic','z':"
+                               "'periodic','strain_rate':[-0.5,-0.5,-0.5]},'particles':[{'type':'block','material':'a',"
+                               "'radius':0.05,'count':[8,8,8],'corner':[0.0625,0.0625,0.0625],'spacing':0.125}]}",
+                               0.5),
+                    1e-4, 0, NULL);
+  rig_steps(r, 1500);
+  ck_assert_int_eq(r->data->nparticle, 512);
+  ck_near(r->data->domain.length[2], 0.925, 1e-12);
+  rig_steps(r, 1000); /* the outermost are pushed in by the images of their opposites */
+  ck_assert_int_gt(r->data->ncontact, 100);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_open) {
+  rig *r = rig_make(scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1],'y':'periodic'},'particles':["
+                               "{'type':'block','material':'a','radius':0.05,'count':[4,4,4],'corner':[0.1,0.1,0.1],"
+                               "'spacing':0.2,'velocity':[1,3,0]}]}",
+                               0.5),
+                    1e-3, 0, NULL);
+  dem_data *d = r->data;
+  rig_steps(r, 250); /* the columns at 0.7 are 0.05 before the edge, those at 0.1 at 0.35 */
+  ck_assert_int_eq(d->nparticle, 64);
+  rig_steps(r, 100);
+  ck_assert_int_eq(d->nparticle, 48);
+  ck_assert_uint_eq(d->ledger.left, 16);
+  rig_steps(r, 1000);
+  ck_assert_int_eq(d->nparticle, 0);
+  ck_assert_uint_eq(d->ledger.left, 64);
+  ck_assert(dem_balance_number(d) == 0 && dem_balance_mass(d) == 0);
+  rig_free(r);
+}
+END_TEST
+
+/* load what must be refused; the error */
+static tdm_error refused(const char *domain, const char *more) {
+  dem_model *m = NULL;
+  tdm_error err = {0};
+  json_t *json = scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1]%s},'particles':[{'type':'list',"
+                            "'material':'a','radius':0.1,'positions':[[0.5,0.5,0.5]]}]%s}",
+                            0.5, domain, more);
+  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1};
+  ck_assert_int_eq(dem_model_load(&m, &a, &err), TDM_ERR_SCENE);
+  dem_model_destroy(&m);
+  json_decref(json);
+  return err;
+}
+
+START_TEST(test_refused) {
+  tdm_error err = refused(",'x':'periodic'", ",'skin':0.4");
+  ck_assert_str_eq(err.path, "dem.domain");
+  ck_assert(strstr(err.message, "1.2 m") && strstr(err.message, "1 m wide in x"));
+  err = refused(",'x':'periodic','strain_rate':[-0.6,0,0]", "");
+  ck_assert(strstr(err.message, "0.4 m at the end"));
+  err = refused(",'strain_rate':[1,0,0]", "");
+  ck_assert_str_eq(err.path, "dem.domain.strain_rate");
+}
+END_TEST
+
+START_TEST(test_plane_across) {
+  tdm_error err = refused(",'x':'periodic'", ",'bodies':[{'name':'b','material':'a','shapes':[{'type':'plane','normal':"
+                                             "[0.1,0,1]}]}]");
+  ck_assert(strstr(err.message, "plane of \"b\""));
+}
+END_TEST
+
+TEST_MAIN("dem domain", 60, test_repeats, test_bits, test_verlet_1967, test_over_the_boundary, test_strained,
+          test_squeezed, test_open, test_refused, test_plane_across)

@@ -1,0 +1,143 @@
+/* What the outputs of a run work out: slopes of heaps, walls as polygons, the starts of particles. */
+#include "dem/output/picture.h"
+#include "dem/output/polygon.h"
+#include "dem/output/repose.h"
+#include "tests/numerics/test_dem_support.h"
+#include "tests/test_main.h"
+
+#include <math.h>
+
+enum { MANY = 2000 };
+
+static tdm_vec3 position[MANY];
+static double radius[MANY];
+
+/* rows of particles under the lines z = height - tan(low) |x| (x < 0) and height - tan(high) x */
+static dem_snapshot heap(double low_deg, double high_deg, double height, double r) {
+  dem_snapshot s = {.position = position, .radius = radius};
+  double slope[2] = {tan(low_deg * M_PI / 180), tan(high_deg * M_PI / 180)};
+  for (int column = -40; column <= 40; column++) {
+    double x = 2 * r * column, top = height - slope[x > 0] * fabs(x);
+    for (double z = top - r; z > r && s.count < MANY; z -= 2 * r) {
+      position[s.count] = tdm_v3(x, 0.3 * x, z);
+      radius[s.count++] = r;
+    }
+  }
+  return s;
+}
+
+START_TEST(the_slopes_of_a_heap) {
+  static const double angles[][2] = {{30, 30}, {20, 35}, {5, 5}};
+  for (int k = 0; k < 3; k++) {
+    dem_snapshot s = heap(angles[k][0], angles[k][1], k == 2 ? 0.06 : 0.4, 0.01);
+    dem_repose found = dem_repose_of(&s, 0);
+    ck_assert_double_eq_tol(found.low, angles[k][0], 0.6);
+    ck_assert_double_eq_tol(found.high, angles[k][1], 0.6);
+    ck_assert_double_eq_tol(found.mean, 0.5 * (found.low + found.high), 1e-12);
+  }
+}
+END_TEST
+
+START_TEST(no_heap_has_no_slope) {
+  dem_snapshot none = {0};
+  ck_assert(isnan(dem_repose_of(&none, 0).mean));
+  dem_snapshot s = heap(30, 30, 0.4, 0.01);
+  s.count = 1;
+  ck_assert(isnan(dem_repose_of(&s, 1).mean));
+}
+END_TEST
+
+/* ---- polygons ---- */
+
+static double area(const dem_polygon *p) {
+  tdm_vec3 twice = {0, 0, 0};
+  for (int c = 2; c < p->ncorner; c++)
+    twice = tdm_add(twice, tdm_cross(tdm_sub(p->corner[c - 1], p->corner[0]), tdm_sub(p->corner[c], p->corner[0])));
+  return 0.5 * tdm_norm(twice);
+}
+
+/* a container that is open above and turned about z, a block in it, and planes */
+static rig *walled_scene(void) {
+  return rig_make(
+      scene_json(
+          "{'materials': [{'name': 'm', 'density': 1000, 'young_modulus': 1e7, 'poisson_ratio': 0.3}],"
+          "'pairs': [{'materials': ['m', 'm'], 'restitution': 0.8, 'friction': 0.4}],"
+          "'bodies': [{'name': 'tub', 'material': 'm', 'position': [5, 0, 0], 'orientation': [0.9, 0, 0, 0.3],"
+          "  'shapes': [{'type': 'box', 'side': 'inside', 'size': [1, 2, 3], 'open': ['+z']}]},"
+          " {'name': 'block', 'material': 'm', 'shapes': [{'type': 'box', 'side': 'outside', 'size': [1, 1, 2]}]},"
+          " {'name': 'far', 'material': 'm', 'shapes': [{'type': 'plane', 'point': [0, 0, -50], 'normal': [0, 0, "
+          "1]}]},"
+          " {'name': 'slanted', 'material': 'm', 'shapes': [{'type': 'plane', 'normal': [1, 2, 3]}]}]}"),
+      1e-4, 0, NULL);
+}
+
+START_TEST(walls_as_polygons) {
+  rig *r = walled_scene();
+  dem_polygons all = {0};
+  tdm_error err = {0};
+  dem_bounds bounds = {{-1, -1, -1}, {1, 1, 1}};
+  ck_assert_int_eq(dem_polygons_make(&all, r->data, &bounds, &err), TDM_OK);
+  ck_assert_int_eq(all.count, 5 + 6 + 1); /* the plane that is far away is not seen */
+  double total[4] = {0};
+  for (int k = 0; k < all.count; k++) {
+    const dem_polygon *p = &all.polygon[k];
+    total[p->body] += area(p);
+    ck_assert_int_eq(p->solid, p->body == 1);
+  }
+  ck_near(total[0], 2 * (2 * 3 + 1 * 3) + 1 * 2, 1e-6);
+  ck_near(total[1], 2 * (1 + 2 + 2), 1e-12);
+  /* x + 2y + 3z = 0 in the cube [-1, 1]^3: over the square in x, y as far as |x + 2y| <= 3, seen at cos = 3/sqrt(14).
+   * That leaves out nothing but the corners where x = 1, y = 1. */
+  ck_near(total[3], 4 * sqrt(14) / 3, 1e-6);
+  const dem_polygon *slanted = &all.polygon[all.count - 1];
+  for (int c = 0; c < slanted->ncorner; c++) {
+    tdm_vec3 x = slanted->corner[c];
+    ck_near(x.x + 2 * x.y + 3 * x.z, 0, 1e-6);
+    ck_assert(fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))) < 1 + 1e-6);
+  }
+  dem_polygons_free(&all);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(the_bounds_of_a_scene) {
+  rig *r = walled_scene();
+  dem_snapshot s = {0};
+  tdm_error err = {0};
+  ck_assert_int_eq(dem_snapshot_take(&s, r->data, &err), TDM_OK);
+  ck_assert_int_eq(s.count, 0);
+  dem_bounds b = dem_scene_bounds(r->data, &s);
+  double angle = 2 * atan2(0.3, 0.9);
+  ck_near(b.low.x, -0.5, 1e-12);
+  ck_near(b.high.x, 5 + 0.5 * cos(angle) + 1 * sin(angle), 1e-12);
+  ck_near(b.low.z, -1.5, 1e-12);
+  dem_snapshot_free(&s);
+  rig_free(r);
+}
+END_TEST
+
+/* ---- pictures ---- */
+
+START_TEST(particles_keep_the_colour_of_their_start) {
+  tdm_error err = {0};
+  int64_t id[3] = {0, 1, 2};
+  dem_snapshot s = {.count = 2, .id = id, .position = position, .radius = radius};
+  dem_pictures p = {0};
+  position[0] = tdm_v3(0, 0, 1);
+  position[1] = tdm_v3(0, 0, 2);
+  ck_assert_int_eq(dem_pictures_watch(&p, &s, &err), TDM_OK);
+  /* the first leaves, the second moves, a third comes */
+  id[0] = 1;
+  id[1] = 2;
+  position[0] = tdm_v3(0, 0, 7);
+  position[1] = tdm_v3(0, 0, 9);
+  ck_assert_int_eq(dem_pictures_watch(&p, &s, &err), TDM_OK);
+  ck_assert_int_eq(p.nborn, 3);
+  ck_assert_double_eq(p.born[1].z, 2);
+  ck_assert_double_eq(p.born[2].z, 9);
+  dem_pictures_free(&p);
+}
+END_TEST
+
+TEST_MAIN("dem_output", 10, the_slopes_of_a_heap, no_heap_has_no_slope, walls_as_polygons, the_bounds_of_a_scene,
+          particles_keep_the_colour_of_their_start)
