@@ -82,6 +82,45 @@ START_TEST(test_bits) {
 }
 END_TEST
 
+START_TEST(test_threads) {
+  /* several chunks: the same bits for any number of threads, and no reaction over chunks or boundaries is lost */
+  static const char *const integrators[] = {"", ",'integrator':'multi-step','multi_step':{'substeps':2,'mass':0.02}"};
+  for (int k = 0; k < 2; k++) {
+    rig *r[2];
+    for (int t = 0; t < 2; t++) {
+      r[t] =
+          rig_make(scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1],'x':'periodic','y':'periodic','z':"
+                              "'periodic'},'particles':[{'type':'random','material':'a','count':4500,'radius':[0.02,"
+                              "0.028],'region':{'min':[0,0,0],'max':[1,1,1]}}]%s}",
+                              0.5, integrators[k]),
+                   5e-5, 0, NULL);
+      dem_data *d = r[t]->data;
+      d->nthread = t + 1;
+      for (int i = 0; i < 4500; i++)
+        d->pace[i].velocity = tdm_v3(sin(3 * (double)d->id[i]), 5, cos((double)d->id[i]));
+      tdm_vec3 before = {0, 0, 0}, after = {0, 0, 0};
+      double sum = 0;
+      for (int i = 0; i < 4500; i++) {
+        before = tdm_axpy(d->mass[i], d->pace[i].velocity, before);
+        sum += d->mass[i] * tdm_norm(d->pace[i].velocity);
+      }
+      d->since_sort = 960; /* so that the order is renewed on the way */
+      rig_steps(r[t], 120);
+      for (int i = 0; i < 4500; i++)
+        after = tdm_axpy(d->mass[i], d->pace[i].velocity, after);
+      ck_assert_int_gt(d->ncontact, 200);
+      ck_assert_uint_eq(d->since_sort, 80);
+      ck_assert_int_gt(d->crossings.count, 100);
+      ck_assert(tdm_norm(tdm_sub(after, before)) < 1e-12 * sum);
+    }
+    ck_assert_mem_eq(r[0]->data->sphere, r[1]->data->sphere, 4500 * sizeof(dem_sphere));
+    ck_assert_mem_eq(r[0]->data->pace, r[1]->data->pace, 4500 * sizeof(dem_pace));
+    rig_free(r[0]);
+    rig_free(r[1]);
+  }
+}
+END_TEST
+
 START_TEST(test_verlet_1967) {
   /* its own skin and interval */
   rig *r = rig_make(scene_json("{" MATERIAL ",'search':'verlet-1967','particles':[{'type':'block','material':'a',"
@@ -233,5 +272,5 @@ START_TEST(test_plane_across) {
 }
 END_TEST
 
-TEST_MAIN("dem domain", 60, test_repeats, test_bits, test_verlet_1967, test_over_the_boundary, test_strained,
-          test_squeezed, test_open, test_refused, test_plane_across)
+TEST_MAIN("dem domain", 60, test_repeats, test_bits, test_threads, test_verlet_1967, test_over_the_boundary,
+          test_strained, test_squeezed, test_open, test_refused, test_plane_across)
