@@ -8,6 +8,8 @@
 #include "protocol/log.h"
 #include "tests/test_main.h"
 
+#include <unistd.h>
+
 #define GRAIN                                                                           \
   "'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}]," \
   "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}]"
@@ -401,6 +403,33 @@ START_TEST(test_waits_for_walls) {
 }
 END_TEST
 
+START_TEST(test_waits_for_meshes) {
+  /* a triangle at z = 0: near its middle there is no room on either side, above and below it there is */
+  char file[] = "/tmp/test_dem_flow_XXXXXX";
+  FILE *f = fdopen(mkstemp(file), "w");
+  fputs("solid t\nfacet normal 0 0 1\nouter loop\nvertex -1 -1 0\nvertex 1 -1 0\nvertex 0 1 0\nendloop\nendfacet\n"
+        "endsolid t\n",
+        f);
+  fclose(f);
+  static const struct {
+    double z;
+    int made;
+  } rows[] = {{0.009, 0}, {-0.009, 0}, {0.011, 1}, {-0.011, 1}};
+  for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+    rig *r = rig_make(scene_json("{" GRAIN ",'gravity':[0,0,0],'bodies':[{'name':'m','material':'a','shapes':[{'type':"
+                                 "'mesh','file':'%s'}]}],'sources':[{'name':'feed','material':'a','radius':0.01,"
+                                 "'rate':10,'count':1,'position':[0,0,%g]}]}",
+                                 file, rows[k].z),
+                      1e-3, 0, NULL);
+    begin(r);
+    steps(r, NULL, 20);
+    ck_assert_int_eq(r->data->nparticle, rows[k].made);
+    rig_free(r);
+  }
+  remove(file);
+}
+END_TEST
+
 START_TEST(test_neighbours_keep_histories) {
   /* two particles that slide and roll on the floor do not notice that a third, listed before them, is taken away */
   const char *pair = "{'type':'list','material':'a','radius':0.02,'positions':[[0,0,0.02],[0.0399,0,0.02]],"
@@ -506,4 +535,4 @@ END_TEST
 
 TEST_MAIN("dem flow", 120, test_creation_times, test_mass_rate, test_limits, test_classes, test_room, test_many,
           test_balances, test_after_contact, test_through_is_no_rebound, test_waiting, test_waits_for_walls,
-          test_neighbours_keep_histories, test_relative_velocity, test_copy, test_exact_sum)
+          test_waits_for_meshes, test_neighbours_keep_histories, test_relative_velocity, test_copy, test_exact_sum)

@@ -1,6 +1,7 @@
 /* Pouring: exact numbers and masses, beds at rest inside their box, order of entries, errors, stored beds. */
 #include "test_dem_support.h"
 
+#include "dem/domain.h"
 #include "dem/flow.h"
 #include "dem/pour.h"
 #include "dem/settle.h"
@@ -200,6 +201,54 @@ START_TEST(test_ready) {
 }
 END_TEST
 
+/* smallest gap between two particles just poured, as a share of the sum of their radii; every one is in its place */
+static double first_layer(const char *section, rig **out) {
+  rig *r = rig_make(scene_json("{" GRAIN ",'settle':{},%s,'particles':[{'type':'poured','material':'a','radius':"
+                               "[0.02,0.03],'count':200,'acceleration':[0,0,-3],"
+                               "'region':{'min':[-0.1,-0.1,0],'max':[0.91,0.4,0.3]}}]}",
+                               section),
+                    1e-4, 0, NULL);
+  dem_pour pour = {0};
+  tdm_error err = {0};
+  for (int k = 0; k < 2; k++) { /* two at once: the second finds those of the first */
+    pour.next = 0;
+    ck_assert(!dem_pour_now(r->data, &pour, 0, &err));
+  }
+  double least = INFINITY;
+  for (int i = 0; i < r->data->nparticle; i++) {
+    const dem_sphere *a = &r->data->sphere[i];
+    ck_near(r->data->drive[i].velocity.z, -3, 1e-12);
+    for (int j = 0; j < i; j++) {
+      const dem_sphere *b = &r->data->sphere[j];
+      least = fmin(least, tdm_norm(dem_between(r->data, a->position, b->position)) / (a->radius + b->radius) - 1);
+    }
+  }
+  *out = r;
+  return least;
+}
+
+START_TEST(test_images) {
+  /* the region reaches round the box: places are free of the images of others too */
+  rig *r;
+  double gap = first_layer("'domain':{'min':[0,0,-1],'max':[0.9,0.5,1],'x':'periodic'}", &r);
+  ck_assert_int_gt(r->data->nparticle, 80);
+  ck_assert_msg(gap >= -1e-12, "%g", gap);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_plane) {
+  /* in two dimensions all are in the plane, where they have room */
+  rig *r;
+  double gap = first_layer("'dimension':2,'plane':'xz','plane_at':0.7", &r);
+  ck_assert_int_gt(r->data->nparticle, 20);
+  ck_assert_msg(gap >= -1e-12, "%g", gap);
+  for (int i = 0; i < r->data->nparticle; i++)
+    ck_assert(r->data->sphere[i].position.y == 0.7);
+  rig_free(r);
+}
+END_TEST
+
 START_TEST(test_errors) {
   static const struct {
     const char *entry, *path, *says;
@@ -212,6 +261,10 @@ START_TEST(test_errors) {
       {"'radius':0.01,'count':-1,'region':{'min':[0,0,0],'max':[1,1,1]}", "dem.particles[0].count", "at least 0"},
       {"'radius':1e-6,'total_mass':1e6,'region':{'min':[0,0,0],'max':[1,1,1]}", "dem.particles[0]", "at most"},
       {"'radius':0.01,'count':1,'region':{'min':[0,0,0],'max':[1,1,1]}", "dem.settle", "missing"},
+      {"'radius':0.01,'count':1,'fixed':true,'region':{'min':[0,0,0],'max':[1,1,1]}", "dem.particles[0].fixed", "fall"},
+      {"'radius':0.01,'count':1,'region':{'min':[0,0,0],'max':[1,1,1]}}],'settle':{},'start':'x','bodies':[],"
+       "'sinks':[{'name':'s','type':'plane','point':[0,0,0],'normal':[0,0,1]",
+       "dem.start", "poured"},
   };
   for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
     json_t *json = scene_json("{" GRAIN ",'particles':[{'type':'poured','material':'a',%s}]}", rows[i].entry);
@@ -227,4 +280,5 @@ START_TEST(test_errors) {
 }
 END_TEST
 
-TEST_MAIN("dem pour", 120, test_number, test_mass, test_entries, test_stored, test_full, test_ready, test_errors)
+TEST_MAIN("dem pour", 120, test_number, test_mass, test_entries, test_stored, test_full, test_ready, test_images,
+          test_plane, test_errors)
