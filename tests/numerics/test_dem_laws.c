@@ -485,6 +485,64 @@ START_TEST(test_sjkr) {
 }
 END_TEST
 
+/* ---- settling, and walls that move ---- */
+
+START_TEST(test_settle_overrides) {
+  /* restitution and friction of dem.settle, for each normal law */
+  static const struct {
+    const char *contact, *pair;
+    double e;
+  } cases[] = {{"'normal':'hooke'", "'stiffness':1e4,'damping':3,'friction':0.5", 0.4},
+               {"'normal':'hertz'", "'restitution':0.9,'friction':0.5", 0.4},
+               {"'normal':'hunt-crossley'", "'restitution':0.9,'friction':0.5", 0.4},
+               {"'normal':'hysteretic'", "'stiffness':1e4,'unloading_stiffness':2e4,'friction':0.5", 0.4}};
+  for (int k = 0; k < 4; k++) {
+    rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.3}],"
+                                 "'contact':{%s},'pairs':[{'materials':['a','a'],%s}],"
+                                 "'settle':{'restitution':0.4,'friction':{'static':0.3,'dynamic':0.2}}}",
+                                 cases[k].contact, cases[k].pair),
+                      1e-5, 0, NULL);
+    const dem_pair *pair = &r->model->settle_pair[0];
+    ck_near(dem_normal_restitution(r->model, pair, impact_of(&usual)), cases[k].e, 1e-9);
+    ck_near(pair->friction, 0.2, 0);
+    ck_near(pair->static_friction, 0.3, 0);
+    ck_near(r->model->pair[0].friction, 0.5, 0);
+    ck_assert_int_ge(r->model->columns.sliding, 0);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_wall_work) {
+  /* a floor that rises at 0.2 m/s hits a ball at rest without loss: 1/2 m (2 v)^2 is the work of the wall */
+  const double dt = 1e-6;
+  tdm_assigned_body body = {.name = "floor", .mass = 1e9, .state = state_at(0, 0, 0)};
+  body.state.twist.velocity = tdm_v3(0, 0, 0.2);
+  rig *r =
+      rig_make(scene_json("{'gravity':[0,0,0],'energy':true,'materials':[{'name':'a','density':2500}],"
+                          "'pairs':[{'materials':['a','a'],'stiffness':1e4,'restitution':1}],"
+                          "'contact':{'normal':'hooke','tangential':'none'},"
+                          "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+                          "'particles':[{'type':'list','material':'a','radius':0.01,'mass':0.01,"
+                          "'positions':[[0,0,0.01]]}]}"),
+               dt, 1, &body);
+  tdm_state now = body.state;
+  for (int k = 0; k < 6000; k++) {
+    tdm_state next = now;
+    next.pose.position.z += dt * 0.2;
+    dem_motion path = dem_motion_make(&now, &next, dt, TDM_LINEAR);
+    ck_assert(dem_step(r->data, &path, 1, 1, false, dt));
+    now = next;
+  }
+  ck_assert_int_eq(r->data->ncontact, 0);
+  ck_relative(r->data->pace[0].velocity.z, 0.4, 1e-5);
+  ck_relative(r->data->energy.wall_work, 0.5 * 0.01 * 0.16, 1e-5);
+  for (int k = 0; k < DEM_ENERGIES; k++)
+    ck_near(r->data->energy.dissipated[k], 0, 1e-8);
+  rig_free(r);
+}
+END_TEST
+
 /* ---- scenes ---- */
 
 static const struct {
@@ -566,6 +624,8 @@ int main(void) {
                                 test_jkr,
                                 test_jkr_impact,
                                 test_sjkr,
+                                test_settle_overrides,
+                                test_wall_work,
                                 test_no_elastic_constants};
   for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++)
     tcase_add_test(all, tests[k]);
