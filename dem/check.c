@@ -15,7 +15,7 @@ void dem_where(const dem_data *d, int i, char path[TDM_PATH_MAX], int *number) {
   snprintf(path, TDM_PATH_MAX, "dem.sources");
   if (id >= (uint64_t)m->nparticle)
     return;
-  while (g < m->ngroup - 1 && *number >= m->group[g].first + m->group[g].count)
+  while (g < m->ngroup - 1 && !(*number >= m->group[g].first && *number < m->group[g].first + m->group[g].count))
     g++;
   snprintf(path, TDM_PATH_MAX, "dem.particles[%d]", g);
   *number -= m->group[g].first;

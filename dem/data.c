@@ -157,7 +157,7 @@ static bool grow(void *array, size_t n, size_t keep, size_t size) {
 }
 
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
-  if (count <= list->capacity)
+  if (count <= list->capacity && list->one) /* arrays also for no entries */
     return true;
   size_t before = list->capacity, capacity = (count + count / 8 + 64) & ~(size_t)7;
   if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
@@ -191,8 +191,8 @@ void dem_set_body_mass(dem_data *d, int i, double mass) {
 /* particles and bodies as the model has them at the start */
 static void begin(dem_data *d) {
   const dem_model *m = d->model;
-  d->nparticle = m->nparticle;
-  for (int i = 0; i < m->nparticle; i++) {
+  d->nparticle = m->nparticle - m->npoured;
+  for (int i = 0; i < d->nparticle; i++) {
     d->id[i] = (uint64_t)i;
     d->mass[i] = m->mass[i];
     d->kind[i] = m->kind[i];
@@ -205,7 +205,7 @@ static void begin(dem_data *d) {
   dem_data_end(d);
   d->restart = true;
   dem_domain_begin(d);
-  d->ledger.created = (uint64_t)m->nparticle;
+  d->ledger.created = (uint64_t)d->nparticle;
   d->since_sort = DEM_SORT_STEPS;
   d->skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
   for (int b = 0; b < m->nbody; b++) {
@@ -215,6 +215,17 @@ static void begin(dem_data *d) {
   }
   dem_bodies_drive(d, m->time_start);
   dem_lids_away(d);
+}
+
+/* for all that will be there after settling */
+static const char *choose_search(dem_data *d) {
+  const dem_model *m = d->model;
+  for (int i = d->nparticle; i < m->nparticle; i++) /* places of those still to be poured */
+    d->sphere[i].radius = m->radius[i];
+  dem_search_input spheres = {.sphere = d->sphere, .n = m->nparticle, .skin = 0.1 * m->mean_radius};
+  const char *name = dem_search_choose(&spheres);
+  dem_data_end(d);
+  return name;
 }
 
 dem_data *dem_data_create(const dem_model *model) {
@@ -232,8 +243,7 @@ dem_data *dem_data_create(const dem_model *model) {
     return NULL;
   }
   begin(d);
-  dem_search_input spheres = {.sphere = d->sphere, .n = d->nparticle, .skin = 0.1 * model->mean_radius};
-  d->search = dem_search_create(model->search ? model->search : dem_search_choose(&spheres));
+  d->search = dem_search_create(model->search ? model->search : choose_search(d));
   if (!d->search || !dem_forces_now(d, false)) {
     dem_data_destroy(&d);
     return NULL;

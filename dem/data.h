@@ -75,7 +75,9 @@ typedef struct {
 
 typedef struct {
   uint64_t removed;
-  double mass; /* [kg] */
+  double mass;                               /* [kg] */
+  uint64_t class_removed[DEM_EDGES_MAX + 1]; /* the same by size class */
+  double class_mass[DEM_EDGES_MAX + 1];
 } dem_sink_state;
 
 /* What went in and out, for the balance. */

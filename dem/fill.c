@@ -21,13 +21,17 @@ enum { PARTICLES_MAX = 20000000 };
 #define FILL_LIST(X) \
   X(list)            \
   X(block)           \
-  X(random)
+  X(random)          \
+  X(poured)
 
 /* One entry of dem.particles while it is read. */
 typedef struct {
   dem_model *m;
   tdm_object *o;
-  int kind;          /* material */
+  int entry; /* of dem.particles */
+  int kind;  /* material */
+  dem_sizes sizes;
+  uint64_t seed;
   tdm_pose frame;    /* positions of the entry to world */
   tdm_vec3 velocity; /* world [m/s] */
   tdm_vec3 spin;     /* world [rad/s] */
@@ -61,12 +65,21 @@ static bool make_room(filler *f, long n) {
   return good;
 }
 
+static double mass_of(const filler *f, double radius) {
+  return f->mass > 0 ? f->mass : f->m->material[f->kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+}
+
+/* radius of the entry's particle k */
+static double draw(const filler *f, uint64_t k) {
+  return dem_sizes_draw(&f->sizes, f->seed, k);
+}
+
 /* Add a particle at x (coordinates of the entry). There is room. */
 static void add(filler *f, tdm_vec3 x, double radius) {
   dem_model *m = f->m;
   int i = m->nparticle++;
   m->radius[i] = radius;
-  m->mass[i] = f->mass > 0 ? f->mass : m->material[f->kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+  m->mass[i] = mass_of(f, radius);
   m->kind[i] = f->kind;
   m->position[i] = tdm_pose_point(f->frame, x);
   m->velocity[i] = f->velocity;
@@ -77,7 +90,6 @@ static void add(filler *f, tdm_vec3 x, double radius) {
 
 static void read_list(filler *f) {
   tdm_object *o = f->o;
-  double radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
   json_t *positions = tdm_get_array(o, "positions", true);
   size_t n = json_array_size(positions);
   if (o->err->status || !make_room(f, (long)n))
@@ -96,7 +108,7 @@ static void read_list(filler *f) {
       tdm_fail(o->err, TDM_ERR_SCENE, tdm_path(path, o, "positions", (int)i), "must be three finite numbers [x, y, z]");
       return;
     }
-    add(f, tdm_v3(x[0], x[1], x[2]), radius);
+    add(f, tdm_v3(x[0], x[1], x[2]), draw(f, i));
   }
 }
 
@@ -104,8 +116,8 @@ static void read_list(filler *f) {
 
 static void read_block(filler *f) {
   tdm_object *o = f->o;
-  double radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
-  double spacing = tdm_get_number(o, "spacing", 2 * radius, TDM_POSITIVE);
+  double radius = f->sizes.max;
+  double spacing = tdm_get_number(o, "spacing", o->err->status ? 1 : 2 * radius, TDM_POSITIVE);
   tdm_vec3 corner = tdm_get_vec3(o, "corner", NULL);
   double count[3] = {0, 0, 0};
   tdm_get_numbers(o, "count", count, 3, true);
@@ -118,10 +130,11 @@ static void read_block(filler *f) {
   double n = count[0] * count[1] * count[2];
   if (o->err->status || !make_room(f, n > PARTICLES_MAX ? PARTICLES_MAX + 1L : (long)n))
     return;
+  uint64_t number = 0;
   for (int k = 0; k < (int)count[2]; k++)
     for (int j = 0; j < (int)count[1]; j++)
       for (int i = 0; i < (int)count[0]; i++)
-        add(f, tdm_axpy(spacing, tdm_v3(i, j, k), corner), radius);
+        add(f, tdm_axpy(spacing, tdm_v3(i, j, k), corner), draw(f, number++));
 }
 
 /* ---- random ---- */
@@ -149,8 +162,7 @@ static bool choose_cells(const double size[3], double least, long count, double 
   return true;
 }
 
-static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3], const double n[3], long count,
-                    double least, double most) {
+static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3], const double n[3], long count) {
   double cell[3] = {size[0] / n[0], size[1] / n[1], size[2] / n[2]};
   long ncell = (long)(n[0] * n[1] * n[2]), left = count;
   for (long c = 0; c < ncell && left > 0; c++) {
@@ -158,7 +170,7 @@ static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3],
     if (gsl_rng_uniform(rng) * (double)(ncell - c) >= (double)left)
       continue;
     left--;
-    double radius = least + (most - least) * gsl_rng_uniform(rng);
+    double radius = dem_sizes_quantile(&f->sizes, gsl_rng_uniform(rng));
     const double at[3] = {(double)(c % (long)n[0]), (double)(c / (long)n[0] % (long)n[1]),
                           (double)(c / ((long)n[0] * (long)n[1]))};
     double x[3];
@@ -170,33 +182,91 @@ static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3],
   }
 }
 
+static void read_region(tdm_object *o, tdm_vec3 *low, tdm_vec3 *high) {
+  tdm_object region = tdm_get_object(o, "region", true);
+  *low = tdm_get_vec3(&region, "min", NULL);
+  *high = tdm_get_vec3(&region, "max", NULL);
+  if (!o->err->status && !(high->x > low->x && high->y > low->y && high->z > low->z))
+    tdm_object_fail(&region, "max", "must be greater than min in x, y and z");
+  tdm_object_close(&region);
+}
+
 static void read_random(filler *f) {
   tdm_object *o = f->o;
   long count = tdm_get_integer(o, "count", TDM_REQUIRED_INT, 0);
-  double radius[2] = {0, 0};
-  dem_read_radius(o, radius);
-  long seed = tdm_get_integer(o, "seed", 1, 0);
-  tdm_object region = tdm_get_object(o, "region", true);
-  tdm_vec3 low = tdm_get_vec3(&region, "min", NULL), high = tdm_get_vec3(&region, "max", NULL);
-  double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z}, n[3];
-  if (!o->err->status && !(size[0] > 0 && size[1] > 0 && size[2] > 0))
-    tdm_object_fail(&region, "max", "must be greater than min in x, y and z");
-  tdm_object_close(&region);
+  double largest = f->sizes.max, n[3];
+  tdm_vec3 low, high;
+  read_region(o, &low, &high);
+  double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
   if (o->err->status || count == 0 || !make_room(f, count))
     return;
-  if (!choose_cells(size, 2 * radius[1], count, n)) {
-    double room = cells_of(size, 2 * radius[1], n), layer = n[0] * n[1];
+  if (!choose_cells(size, 2 * largest, count, n)) {
+    double room = cells_of(size, 2 * largest, n), layer = n[0] * n[1];
     if (layer > 0)
       tdm_object_fail(o, "region", "holds %.0f particles of radius %g m, not %ld; make it at least %g m high (z)", room,
-                      radius[1], count, ceil((double)count / layer) * 2 * radius[1]);
+                      largest, count, ceil((double)count / layer) * 2 * largest);
     else
-      tdm_object_fail(o, "region", "is smaller than a particle of radius %g m; make it larger", radius[1]);
+      tdm_object_fail(o, "region", "is smaller than a particle of radius %g m; make it larger", largest);
     return;
   }
   gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
-  gsl_rng_set(rng, (unsigned long)seed);
-  scatter(f, rng, low, size, n, count, radius[0], radius[1]);
+  gsl_rng_set(rng, (unsigned long)f->seed);
+  scatter(f, rng, low, size, n, count);
   gsl_rng_free(rng);
+}
+
+/* ---- poured ---- */
+
+/* As many as make up total_mass at most; all together are not heavier than it but for the next one. */
+static long count_of_mass(const filler *f) {
+  double sum = 0;
+  for (uint64_t k = 0; k < PARTICLES_MAX; k++) {
+    sum += mass_of(f, draw(f, k));
+    if (sum > f->total_mass * (1 + 1e-9)) /* sums are not exact */
+      return (long)k;
+  }
+  return PARTICLES_MAX + 1L;
+}
+
+/* the number to pour, from "count" or "total_mass"; with both the masses are scaled */
+static long read_amount(filler *f) {
+  tdm_object *o = f->o;
+  if (tdm_has(o, "count"))
+    return tdm_get_integer(o, "count", TDM_REQUIRED_INT, 0);
+  if (f->total_mass == 0 && !o->err->status)
+    tdm_object_fail(o, "count", "missing; give \"count\" or \"total_mass\" [kg]");
+  long n = o->err->status ? 0 : count_of_mass(f);
+  if (n == 0 && !o->err->status)
+    tdm_object_fail(o, "total_mass", "is %g kg, less than the first particle, %g kg", f->total_mass,
+                    mass_of(f, draw(f, 0)));
+  f->total_mass = 0;
+  return n;
+}
+
+static void check_pouring(tdm_object *o, const filler *f, const dem_pouring *p) {
+  tdm_vec3 size = tdm_sub(p->high, p->low);
+  double least = fmin(size.x, fmin(size.y, size.z));
+  if (!o->err->status && least < 2 * p->largest * (1 - 1e-9))
+    tdm_object_fail(o, "region", "is smaller than a particle of radius %g m; make it larger", p->largest);
+  if (!o->err->status && tdm_norm(f->m->gravity) == 0 && tdm_norm(f->velocity) == 0)
+    tdm_object_fail(o, "velocity", "is zero, and so is gravity: the particles would never leave the region");
+}
+
+static void read_poured(filler *f) {
+  tdm_object *o = f->o;
+  dem_model *m = f->m;
+  long count = read_amount(f);
+  dem_pouring p = {.entry = f->entry, .first = m->nparticle, .frame = f->frame, .seed = f->seed};
+  p.largest = f->sizes.max;
+  read_region(o, &p.low, &p.high);
+  check_pouring(o, f, &p);
+  if (o->err->status || !make_room(f, count))
+    return;
+  p.count = (int)count;
+  for (int k = 0; k < p.count; k++)
+    add(f, tdm_scale(0.5, tdm_add(p.low, p.high)), draw(f, (uint64_t)k));
+  m->pouring[m->npouring++] = p;
+  m->npoured += p.count;
 }
 
 /* ---- entries ---- */
@@ -226,7 +296,7 @@ static void scale_mass(dem_model *m, int first, double total) {
     m->mass[i] *= total / sum;
 }
 
-static void read_entry(dem_model *m, tdm_object *o) {
+static void read_entry(dem_model *m, tdm_object *o, int entry) {
   static const char *const types[] = {
 #define X(name) #name,
       FILL_LIST(X)
@@ -237,12 +307,14 @@ static void read_entry(dem_model *m, tdm_object *o) {
       FILL_LIST(X)
 #undef X
   };
-  filler f = {.m = m, .o = o};
+  filler f = {.m = m, .o = o, .entry = entry};
   int type = tdm_get_choice(o, "type", types, sizeof types / sizeof types[0], -1);
   read_names(&f);
   const tdm_vec3 zero = {0, 0, 0};
   f.velocity = tdm_get_vec3(o, "velocity", &zero);
   f.spin = tdm_get_vec3(o, "spin", &zero);
+  dem_sizes_read(o, &f.sizes);
+  f.seed = (uint64_t)tdm_get_integer(o, "seed", 1, 0);
   f.mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
   f.total_mass = tdm_get_number(o, "total_mass", 0, tdm_has(o, "total_mass") ? TDM_POSITIVE : TDM_ANY);
   if (f.mass > 0 && f.total_mass > 0)
@@ -253,21 +325,29 @@ static void read_entry(dem_model *m, tdm_object *o) {
   read[type](&f);
   if (f.total_mass > 0 && m->nparticle > first)
     scale_mass(m, first, f.total_mass);
-  dem_group *group = &m->group[m->ngroup++];
+  dem_group *group = &m->group[entry];
   *group = (dem_group){.first = first, .count = m->nparticle - first};
   dem_read_group_extras(m, group, o);
+  if (group->fixed && m->npouring > 0 && m->pouring[m->npouring - 1].entry == entry)
+    tdm_object_fail(o, "fixed", "holds particles that are to fall; remove it, or choose another \"type\"");
   tdm_object_close(o);
 }
 
 void dem_fill_read(dem_model *m, json_t *particles, tdm_error *err) {
   size_t n = json_array_size(particles);
   m->group = calloc(n + 1, sizeof *m->group);
-  if (!m->group)
+  m->pouring = calloc(n + 1, sizeof *m->pouring);
+  m->ngroup = (int)n;
+  if (!m->group || !m->pouring)
     tdm_fail(err, TDM_ERR_MEMORY, "dem.particles", "no memory");
-  for (size_t i = 0; i < n && !err->status; i++) {
-    char path[TDM_PATH_MAX];
-    snprintf(path, sizeof path, "dem.particles[%zu]", i);
-    tdm_object o = tdm_object_open(json_array_get(particles, i), path, err);
-    read_entry(m, &o);
-  }
+  for (int poured = 0; poured < 2; poured++) /* those that are poured are the last */
+    for (size_t i = 0; i < n && !err->status; i++) {
+      const char *type = json_string_value(json_object_get(json_array_get(particles, i), "type"));
+      if ((type && strcmp(type, "poured") == 0) != poured)
+        continue;
+      char path[TDM_PATH_MAX];
+      snprintf(path, sizeof path, "dem.particles[%zu]", i);
+      tdm_object o = tdm_object_open(json_array_get(particles, i), path, err);
+      read_entry(m, &o, (int)i);
+    }
 }

@@ -1,4 +1,4 @@
-/* Particles from a scene: single ones, blocks, and random filling. */
+/* Particles from a scene: single ones, blocks, random filling, and what is to be poured (pour.h). */
 #ifndef DEM_FILL_H
 #define DEM_FILL_H
 

@@ -103,6 +103,27 @@ static uint64_t hash_groups(uint64_t h, const dem_model *m) {
   return h;
 }
 
+/* the particles that fall in while settling; as ever when there are none */
+static uint64_t hash_pourings(uint64_t h, const dem_model *m) {
+  for (int k = 0; k < m->npouring; k++) {
+    const dem_pouring *p = &m->pouring[k];
+    const double numbers[] = {p->first, p->count, p->largest};
+    h = hash_numbers(h, numbers, 3);
+    h = hash_bytes(h, &p->seed, sizeof p->seed);
+    h = hash_bytes(h, &p->frame, sizeof p->frame);
+    h = hash_vectors(h, &p->low, 1);
+    h = hash_vectors(h, &p->high, 1);
+  }
+  return h;
+}
+
+static uint64_t hash_sizes(uint64_t h, const dem_sizes *s) {
+  const double numbers[] = {s->distribution, s->min, s->max, s->mean, s->deviation, s->nradius};
+  h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);
+  h = hash_numbers(h, s->radius, (size_t)s->nradius);
+  return hash_numbers(h, s->upto, (size_t)s->nradius);
+}
+
 uint64_t dem_fingerprint_bed(const dem_model *m) {
   size_t np = (size_t)m->nparticle;
   uint64_t h = hash_box(hash_laws(hash_start, m), m);
@@ -119,7 +140,7 @@ uint64_t dem_fingerprint_bed(const dem_model *m) {
     h = hash_numbers(h, &material, 1);
     h = hash_bytes(h, &m->body[b].start, sizeof m->body[b].start);
   }
-  h = hash_walls(h, m);
+  h = hash_pourings(hash_walls(h, m), m);
   h = hash_numbers(h, m->radius, np);
   h = hash_numbers(h, m->mass, np);
   h = hash_bytes(h, m->kind, np * sizeof *m->kind);
@@ -144,14 +165,19 @@ uint64_t dem_fingerprint_whole(const dem_model *m) {
   h = hash_pairs(h, m, m->pair);
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
-    const double numbers[] = {source->kind,   source->radius[0], source->radius[1],    source->mass,
-                              source->rate,   source->mass_rate, source->start,        source->end,
-                              source->factor, source->relative,  (double)source->count};
+    const double numbers[] = {source->kind,          source->mass,      source->rate,   source->mass_rate,
+                              source->start,         source->end,       source->factor, source->relative,
+                              (double)source->count, source->total_mass};
     h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);
+    h = hash_sizes(h, &source->sizes);
     h = hash_vectors(h, &source->low, 1);
     h = hash_vectors(h, &source->high, 1);
     h = hash_vectors(h, &source->velocity, 1);
     h = hash_bytes(h, &source->seed, sizeof source->seed);
+  }
+  for (int s = 0; s < m->nsink; s++) { /* what a sink has counted is by its classes */
+    const double classes = m->sink[s].nedge;
+    h = hash_numbers(hash_numbers(h, &classes, 1), m->sink[s].edge, (size_t)m->sink[s].nedge);
   }
   return h;
 }

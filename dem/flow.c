@@ -1,9 +1,10 @@
 /* Sources and sinks: see flow.h. */
 #include "dem/flow.h"
 
-#include "dem/domain.h"
+#include "dem/draw.h"
 #include "dem/extras.h"
 #include "dem/geometry/walls.h"
+#include "dem/room.h"
 #include "protocol/log.h"
 
 enum {
@@ -11,39 +12,19 @@ enum {
   LOGGED_WAITS = 10 /* of a source; the channel tells the rest */
 };
 
+static const double ROUND_OFF = 1e-6; /* of a step: times on the grid of steps are on it */
+
 /* ---- drawing ---- */
 
-/* SplitMix64's mixing function (Steele, Lea & Flood 2014) */
-static uint64_t mix(uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
-/* A number in [0, 1) that depends on its arguments alone. */
-static double uniform(uint64_t seed, uint64_t particle, uint64_t draw) {
-  const uint64_t golden = 0x9e3779b97f4a7c15u;
-  uint64_t z = mix(seed + golden);
-  z = mix(z + golden * (particle + 1));
-  z = mix(z + golden * (draw + 1));
-  return (double)(z >> 11) * 0x1p-53;
-}
-
-static double radius_of(const dem_source *s, uint64_t particle) {
-  if (s->radius[0] == s->radius[1])
-    return s->radius[0];
-  return s->radius[0] + (s->radius[1] - s->radius[0]) * uniform(s->seed, particle, 0);
-}
-
 static double mass_of(const dem_model *m, const dem_source *s, uint64_t particle) {
-  double r = radius_of(s, particle);
+  double r = dem_sizes_draw(&s->sizes, s->seed, particle);
   return s->mass > 0 ? s->mass : m->material[s->kind].density * 4.0 / 3 * M_PI * r * r * r;
 }
 
 static tdm_vec3 place_of(const dem_source *s, uint64_t particle, uint64_t draw) {
   tdm_vec3 size = tdm_sub(s->high, s->low);
-  const double u[3] = {uniform(s->seed, particle, 3 * draw + 1), uniform(s->seed, particle, 3 * draw + 2),
-                       uniform(s->seed, particle, 3 * draw + 3)};
+  const double u[3] = {dem_draw(s->seed, particle, 3 * draw + 1), dem_draw(s->seed, particle, 3 * draw + 2),
+                       dem_draw(s->seed, particle, 3 * draw + 3)};
   return tdm_add(s->low, tdm_v3(size.x * u[0], size.y * u[1], size.z * u[2]));
 }
 
@@ -60,46 +41,41 @@ static void advance_due(const dem_model *m, const dem_source *s, dem_source_stat
     double due = due_time(s, now->due, now->due_mass);
     if (!(due <= t + round_off) || !(due < s->end - round_off))
       return;
-    now->due_mass += mass_of(m, s, now->due);
+    double mass = mass_of(m, s, now->due);
+    if (now->due_mass + mass > s->total_mass * (1 + 1e-9)) /* sums are not exact */
+      return;
+    now->due_mass += mass;
     now->due++;
   }
 }
 
-/* does a sphere at x overlap a particle or a wall? Not one that is altogether behind a plane. */
-static bool occupied(const dem_data *d, tdm_vec3 x, double radius) {
-  const dem_model *m = d->model;
-  for (int w = 0; w < m->nwall; w++) {
-    tdm_vec3 n;
-    double gap = dem_wall_gap(&m->wall[w], &d->wall[w], x, &n);
-    if (gap < radius && !(dem_wall_endless(&m->wall[w]) && gap <= -radius))
-      return true;
-  }
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 c = dem_between(d, x, d->sphere[i].position);
-    double sum = radius + d->sphere[i].radius;
-    if (tdm_dot(c, c) < sum * sum)
-      return true;
-  }
-  return false;
+static tdm_vec3 velocity_of(const dem_data *d, const dem_source *s) {
+  return s->relative >= 0 ? tdm_axpy(s->factor, d->twist[s->relative].velocity, s->velocity) : s->velocity;
+}
+
+/* the places that the source's particles can take in this step, of length dt */
+static bool open_room(dem_room *room, const dem_data *d, const dem_source *s, double dt) {
+  double flight = dt * (tdm_norm(velocity_of(d, s)) + 0.5 * dt * tdm_norm(d->model->gravity));
+  tdm_vec3 margin = tdm_v3(flight, flight, flight);
+  return dem_room_open(room, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
 }
 
 /* The source's next particle, which was due `late` [s] ago, if there is room for it. */
-static bool find_room(const dem_data *d, const dem_source *s, dem_source_state *now, double late, dem_newcomer *out) {
+static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double late,
+                      dem_newcomer *out) {
   const dem_model *m = d->model;
   bool point = s->low.x == s->high.x && s->low.y == s->high.y && s->low.z == s->high.z;
-  out->radius = radius_of(s, now->made);
+  out->radius = dem_sizes_draw(&s->sizes, s->seed, now->made);
   out->mass = mass_of(m, s, now->made);
   out->kind = s->kind;
-  tdm_vec3 v = s->velocity;
-  if (s->relative >= 0)
-    v = tdm_axpy(s->factor, d->twist[s->relative].velocity, v);
+  tdm_vec3 v = velocity_of(d, s);
   out->velocity = tdm_axpy(late, m->gravity, v);
   for (int k = 0; k < (point ? 1 : TRIES); k++) {
     tdm_vec3 x = point ? s->low : place_of(s, now->made, now->draw);
     out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
     out->position = dem_flatten(m, out->position, m->flat_at);
     now->draw++;
-    if (!occupied(d, out->position, out->radius))
+    if (dem_room_free(room, d, out->position, out->radius))
       return true;
   }
   return false;
@@ -122,27 +98,39 @@ static void note_room(const dem_source *s, dem_source_state *now, double t) {
   now->blocked = 0;
 }
 
-static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, double t, double dt) {
-  const double round_off = 1e-6 * dt; /* times on the grid of steps are on it */
-  advance_due(d->model, s, now, t, round_off);
+/* make what is due, as far as there is room; false: no memory */
+static bool make_due(dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double t, double dt) {
+  const double round_off = ROUND_OFF * dt;
   while (now->made < now->due) {
     /* one that waited, or queued behind one, starts where the source is */
     double late = t - due_time(s, now->made, now->made_mass);
     if (now->blocked || late < round_off || late > dt - round_off)
       late = 0;
     dem_newcomer newcomer;
-    if (!find_room(d, s, now, late, &newcomer)) {
+    if (!find_room(d, room, s, now, late, &newcomer)) {
       note_wait(s, now, t);
       return true;
     }
     note_room(s, now, t);
-    if (!dem_data_add(d, &newcomer))
+    if (!dem_data_add(d, &newcomer) || !dem_room_add(room, d, d->nparticle - 1))
       return false;
     now->made++;
     now->made_mass += newcomer.mass;
     now->draw = 0;
   }
   return true;
+}
+
+static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, double t, double dt) {
+  advance_due(d->model, s, now, t, ROUND_OFF * dt);
+  if (now->made == now->due)
+    return true;
+  dem_room room;
+  if (!open_room(&room, d, s, dt))
+    return false;
+  bool good = make_due(d, &room, s, now, t, dt);
+  dem_room_close(&room);
+  return good;
 }
 
 /* ---- sinks ---- */
@@ -193,6 +181,18 @@ static int taker(dem_data *d, int i) {
   return first;
 }
 
+static void count_out(dem_data *d, int s, int i) {
+  const dem_sink *sink = &d->model->sink[s];
+  dem_sink_state *now = &d->sink[s];
+  int k = 0;
+  while (k < sink->nedge && d->sphere[i].radius >= sink->edge[k])
+    k++;
+  now->removed++;
+  now->mass += d->mass[i];
+  now->class_removed[k]++;
+  now->class_mass[k] += d->mass[i];
+}
+
 static void run_sinks(dem_data *d) {
   int *gone = d->number; /* scratch */
   long many = 0;
@@ -200,8 +200,7 @@ static void run_sinks(dem_data *d) {
     gone[i] = taker(d, i);
     if (gone[i] < 0)
       continue;
-    d->sink[gone[i]].removed++;
-    d->sink[gone[i]].mass += d->mass[i];
+    count_out(d, gone[i], i);
     many++;
   }
   if (many > 0)

@@ -50,8 +50,8 @@ static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
   if (!by_number && !by_mass)
     tdm_object_fail(o, "rate", "missing; give \"rate\" [1/s] or \"mass_rate\" [kg/s]");
   /* equal masses: exact multiples of 1/rate */
-  if (by_mass && (s->mass > 0 || s->radius[0] == s->radius[1])) {
-    s->rate = s->mass_rate / (s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->radius[0]));
+  if (by_mass && (s->mass > 0 || s->sizes.min == s->sizes.max)) {
+    s->rate = s->mass_rate / (s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.min));
     s->mass_rate = 0;
   }
 }
@@ -94,7 +94,7 @@ static void read_source(dem_model *m, tdm_object *o) {
   m->nsource++;
   refuse_same(o, s->name, same, "dem.sources");
   s->kind = dem_read_material(m, o);
-  dem_read_radius(o, s->radius);
+  dem_sizes_read(o, &s->sizes);
   s->mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
   read_place(o, s);
   s->velocity = tdm_get_vec3(o, "velocity", &(tdm_vec3){0, 0, 0});
@@ -104,6 +104,7 @@ static void read_source(dem_model *m, tdm_object *o) {
   if (s->end <= s->start)
     tdm_object_fail(o, "end", "is %g s but must be after start, %g s", s->end, s->start);
   s->count = tdm_has(o, "count") ? (uint64_t)tdm_get_integer(o, "count", TDM_REQUIRED_INT, 0) : UINT64_MAX;
+  s->total_mass = tdm_has(o, "total_mass") ? tdm_get_number(o, "total_mass", TDM_REQUIRED, TDM_POSITIVE) : INFINITY;
   s->seed = (uint64_t)tdm_get_integer(o, "seed", 1, 0);
   if (!o->err->status)
     read_rate(m, o, s);
@@ -124,6 +125,26 @@ void dem_sources_read(dem_model *m, json_t *sources, tdm_error *err) {
 }
 
 /* ---- sinks ---- */
+
+/* edges of the size classes, ascending radii */
+static void read_classes(tdm_object *o, dem_sink *s) {
+  if (!tdm_has(o, "classes"))
+    return;
+  json_t *edges = tdm_get_array(o, "classes", true);
+  size_t n = json_array_size(edges);
+  if (!o->err->status && (n == 0 || n > DEM_EDGES_MAX))
+    tdm_object_fail(o, "classes", "has %zu radii; give 1 to %d, the edges between the classes", n, DEM_EDGES_MAX);
+  for (size_t k = 0; k < n && !o->err->status; k++) {
+    json_t *value = json_array_get(edges, k);
+    double r = json_number_value(value), least = k > 0 ? s->edge[k - 1] : 0;
+    char path[TDM_PATH_MAX];
+    if (!json_is_number(value) || !(r > least))
+      tdm_fail(o->err, TDM_ERR_SCENE, tdm_path(path, o, "classes", (int)k), "must be a radius greater than %g m",
+               least);
+    else
+      s->edge[s->nedge++] = r;
+  }
+}
 
 static void read_sink(dem_model *m, tdm_object *o) {
   static const char *const types[] = {"after_contact", "box", "plane"};
@@ -150,6 +171,7 @@ static void read_sink(dem_model *m, tdm_object *o) {
       tdm_object_fail(o, "normal", "is the zero vector; give the direction from the plane towards the side that stays");
     s->normal = tdm_unit(s->normal);
   }
+  read_classes(o, s);
   tdm_object_close(o);
 }
 

@@ -9,6 +9,34 @@ double dem_rayleigh(double radius, double density, double shear, double poisson)
   return M_PI * radius * sqrt(density / shear) / (0.1631 * poisson + 0.8766);
 }
 
+/* how far x can fall until it meets a plane [m] */
+static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
+  double deepest = 0;
+  for (int w = 0; w < d->model->nwall; w++) {
+    if (d->model->wall[w].primitive != DEM_PLANE)
+      continue;
+    tdm_vec3 n;
+    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
+    if (slope > 0.1 && gap > 0)
+      deepest = fmax(deepest, gap / slope);
+  }
+  return deepest;
+}
+
+/* at which the particles of a pouring arrive at a plane, or at the lowest point of another wall */
+static double poured_speed(const dem_data *d, const dem_pouring *p) {
+  const dem_model *m = d->model;
+  double g = tdm_norm(m->gravity), v = p->count > 0 ? tdm_norm(m->velocity[p->first]) : 0;
+  if (p->count == 0 || g == 0)
+    return v;
+  tdm_vec3 up = tdm_scale(-1 / g, m->gravity), x = m->position[p->first];
+  double fall = fall_of(d, up, x), low, high;
+  for (int w = 0; w < m->nwall; w++)
+    if (m->wall[w].primitive != DEM_SOLID_BOX && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+      fall = fmax(fall, tdm_dot(x, up) - low);
+  return sqrt(v * v + 2 * g * fall);
+}
+
 /* the speed at which the contact time is taken */
 static double impact_speed(const dem_data *d) {
   const dem_model *m = d->model;
@@ -19,6 +47,10 @@ static double impact_speed(const dem_data *d) {
     fastest = fmax(fastest, tdm_norm(d->pace[i].velocity));
     largest = fmax(largest, d->sphere[i].radius);
   }
+  for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
+    largest = fmax(largest, m->radius[i]);
+  for (int k = 0; k < m->npouring && d->ledger.created < (uint64_t)m->nparticle; k++)
+    fastest = fmax(fastest, poured_speed(d, &m->pouring[k]));
   return fmax(fastest + body_speed, sqrt(2 * tdm_norm(m->gravity) * 2 * largest));
 }
 
@@ -42,20 +74,6 @@ static void include_box(extent *e, const dem_box *box, tdm_pose pose) {
                          corner & 4 ? box->half.z : -box->half.z);
     include(e, tdm_pose_point(pose, tdm_add(box->center, tdm_quat_rotate(box->turn, to))));
   }
-}
-
-/* how far x can fall until it meets a plane [m] */
-static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
-  double deepest = 0;
-  for (int w = 0; w < d->model->nwall; w++) {
-    if (d->model->wall[w].primitive != DEM_PLANE)
-      continue;
-    tdm_vec3 n;
-    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
-    if (slope > 0.1 && gap > 0)
-      deepest = fmax(deepest, gap / slope);
-  }
-  return deepest;
 }
 
 static double fall_height(const dem_data *d) {
@@ -203,6 +221,8 @@ static dem_limits limits_at(const dem_data *d, double speed) {
   dem_limits l = {.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
   for (int i = 0; i < d->nparticle; i++)
     add_particle(&l, m, d->kind[i], d->sphere[i].radius, d->mass[i]);
+  for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
+    add_particle(&l, m, m->kind[i], m->radius[i], m->mass[i]);
   l.eigen = smallest_eigen(d);
   return l;
 }
@@ -228,7 +248,8 @@ dem_limits dem_limits_expected(const dem_data *d) {
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     for (int k = 0; k < 2; k++) {
-      double r = source->radius[k], full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
+      double r = k ? source->sizes.max : source->sizes.min;
+      double full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
       add_particle(&l, m, source->kind, r, source->mass > 0 ? source->mass : full);
     }
   }

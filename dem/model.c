@@ -25,7 +25,7 @@ double dem_largest_radius(const dem_model *m) {
   for (int i = 0; i < m->nparticle; i++)
     largest = fmax(largest, m->radius[i]);
   for (int s = 0; s < m->nsource; s++)
-    largest = fmax(largest, m->source[s].radius[1]);
+    largest = fmax(largest, m->source[s].sizes.max);
   return largest;
 }
 
@@ -56,9 +56,9 @@ void dem_model_destroy(dem_model **model) {
     dem_mesh_destroy(&m->mesh[i]);
   free(m->settle.store);
   free(m->start);
-  void *arrays[] = {m->source,      m->sink, m->box,          m->mesh,     m->material, m->pair,
-                    m->settle_pair, m->body, m->coupled_body, m->wall,     m->group,    m->radius,
-                    m->mass,        m->kind, m->position,     m->velocity, m->spin};
+  void *arrays[] = {m->pouring, m->source,      m->sink, m->box,          m->mesh,     m->material,
+                    m->pair,    m->settle_pair, m->body, m->coupled_body, m->wall,     m->group,
+                    m->radius,  m->mass,        m->kind, m->position,     m->velocity, m->spin};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

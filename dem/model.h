@@ -8,6 +8,7 @@
 #include "dem/contact/table.h"
 #include "dem/geometry/driven.h"
 #include "dem/geometry/shape.h"
+#include "dem/sizes.h"
 #include "protocol/participant.h"
 
 #include <stdint.h>
@@ -69,8 +70,8 @@ typedef struct {
 /* Makes particles during the run (flow.h). */
 typedef struct {
   char *name;
-  int kind;           /* material */
-  double radius[2];   /* smallest, largest [m]; uniform between */
+  int kind; /* material */
+  dem_sizes sizes;
   double mass;        /* of one particle [kg], 0: from the density */
   double rate;        /* [1/s], 0: mass_rate decides */
   double mass_rate;   /* [kg/s], 0: rate decides */
@@ -80,21 +81,42 @@ typedef struct {
   double factor;      /* of that velocity */
   double start, end;  /* [s]; inf: no end */
   uint64_t count;     /* at most so many particles */
+  double total_mass;  /* ends before the particle that would exceed it [kg]; inf: no limit */
   uint64_t seed;
 } dem_source;
 
 /* Takes particles away during the run (flow.h). */
 typedef enum { DEM_SINK_AFTER_CONTACT, DEM_SINK_BOX, DEM_SINK_PLANE } dem_sink_type;
 
-enum { DEM_SINKS_MAX = 32 }; /* one bit each in dem_data.touched */
+enum {
+  DEM_SINKS_MAX = 32, /* one bit each in dem_data.touched */
+  DEM_EDGES_MAX = 15  /* of a sink's size classes */
+};
 
 typedef struct {
   char *name;
   dem_sink_type type;
-  int body;               /* after_contact */
-  tdm_vec3 low, high;     /* box: world [m] */
-  tdm_vec3 point, normal; /* plane: takes what is behind it; world */
+  int body;                   /* after_contact */
+  tdm_vec3 low, high;         /* box: world [m] */
+  tdm_vec3 point, normal;     /* plane: takes what is behind it; world */
+  int nedge;                  /* 0: no classes, else nedge + 1 of them */
+  double edge[DEM_EDGES_MAX]; /* (nedge) ascending radii [m]: class k has edge[k-1] <= r < edge[k] */
 } dem_sink;
+
+/* Size classes that a sink counts by. */
+static inline int dem_sink_classes(const dem_sink *sink) {
+  return sink->nedge > 0 ? sink->nedge + 1 : 0;
+}
+
+/* Lets particles fall into a bed while it settles (pour.h). */
+typedef struct {
+  int entry;          /* of dem.particles */
+  int first, count;   /* its particles in the arrays of the model */
+  tdm_pose frame;     /* of the region to world */
+  tdm_vec3 low, high; /* region in which they appear, spheres inside [m] */
+  double largest;     /* radius [m] */
+  uint64_t seed;
+} dem_pouring;
 
 /* Particles that one entry of dem.particles made: [first, first + count). */
 typedef struct {
@@ -183,7 +205,10 @@ typedef struct dem_model {
   dem_wall *wall; /* (nwall) of all bodies, body by body */
 
   int ngroup;
-  dem_group *group; /* (ngroup) */
+  dem_group *group; /* (ngroup) by entry of dem.particles */
+
+  int npouring;
+  dem_pouring *pouring; /* (npouring) one after the other */
 
   int nbox;
   dem_box *box; /* (nbox) containers */
@@ -195,8 +220,9 @@ typedef struct dem_model {
   dem_source *source; /* (nsource) */
   dem_sink *sink;     /* (nsink) */
 
-  /* the particles at the start; how many there are now, and which, is in the data */
-  int nparticle;
+  /* the particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
+   * settling and have no position yet. */
+  int nparticle, npoured;
   double *radius;     /* (nparticle) [m] */
   double *mass;       /* (nparticle) [kg] */
   int *kind;          /* (nparticle) material */

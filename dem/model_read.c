@@ -44,16 +44,6 @@ static bool read_flag(tdm_object *o, const char *key) {
   return json_is_true(value);
 }
 
-void dem_read_radius(tdm_object *o, double radius[2]) {
-  if (tdm_has(o, "radius") && json_is_array(json_object_get(o->json, "radius")))
-    tdm_get_numbers(o, "radius", radius, 2, true);
-  else
-    radius[0] = radius[1] = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
-  if (!o->err->status && !(radius[0] > 0 && radius[1] >= radius[0]))
-    tdm_object_fail(o, "radius", "is [%g, %g] but must be [smallest, largest], both greater than 0", radius[0],
-                    radius[1]);
-}
-
 static const char *choose(tdm_object *o, const char *key, const char *const *names, int fallback) {
   int n = 0;
   while (names[n])
@@ -218,7 +208,7 @@ static double mean_radius_ahead(const dem_model *m) {
   for (int i = 0; i < m->nparticle; i++)
     sum += m->radius[i];
   for (int s = 0; s < m->nsource; s++)
-    sum += 0.5 * (m->source[s].radius[0] + m->source[s].radius[1]);
+    sum += dem_sizes_mean(&m->source[s].sizes);
   int n = m->nparticle + m->nsource;
   return n ? sum / n : 1;
 }
@@ -276,6 +266,9 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   if (!err->status)
     dem_contact_finish(m);
   tdm_has(&o, "settle");
+  if (m->npouring > 0 && !m->settle.wanted)
+    tdm_object_fail(&o, "settle", "missing: dem.particles[%d] is poured while settling; give \"settle\" {}",
+                    m->pouring[0].entry);
   m->mean_radius = mean_radius_ahead(m);
   m->skin = tdm_get_number(&o, "skin", 0, tdm_has(&o, "skin") ? TDM_POSITIVE : TDM_ANY);
   read_search(m, &o);
@@ -287,6 +280,9 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   m->start = start ? strdup(start) : NULL;
   if (m->start && m->settle.store)
     tdm_object_fail(&o, "start", "excludes dem.settle.store, which would keep a bed of other particles; remove one");
+  if (m->start && m->npouring > 0)
+    tdm_object_fail(&o, "start", "brings the particles with it, but dem.particles[%d] is poured; remove one",
+                    m->pouring[0].entry);
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);

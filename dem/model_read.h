@@ -13,9 +13,6 @@ int dem_read_material(const dem_model *model, tdm_object *o);
 /* The key `key` of an object as the index of a body; 0 after an error. */
 int dem_read_body(const dem_model *model, tdm_object *o, const char *key);
 
-/* The key "radius": one number or [smallest, largest], both positive [m]. */
-void dem_read_radius(tdm_object *o, double radius[2]);
-
 /* The arrays "sources" and "sinks" (may be NULL; flow_read.c). Materials and bodies are there already. */
 void dem_sources_read(dem_model *model, json_t *sources, tdm_error *err);
 void dem_sinks_read(dem_model *model, json_t *sinks, tdm_error *err);

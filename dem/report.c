@@ -147,7 +147,7 @@ static double heaviest_particle(const dem_data *d) {
   for (int i = 0; i < d->nparticle; i++)
     heaviest = fmax(heaviest, d->mass[i]);
   for (int s = 0; s < m->nsource; s++) {
-    double r = m->source[s].radius[1], full = m->material[m->source[s].kind].density * 4.0 / 3 * M_PI * r * r * r;
+    double r = m->source[s].sizes.max, full = m->material[m->source[s].kind].density * 4.0 / 3 * M_PI * r * r * r;
     heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
   }
   return heaviest;

@@ -5,6 +5,7 @@
 #include "dem/check.h"
 #include "dem/geometry/walls.h"
 #include "dem/limits.h"
+#include "dem/pour.h"
 #include "dem/search/pairs.h"
 #include "dem/step.h"
 
@@ -23,11 +24,16 @@ static void drag(dem_data *d, double share) {
   }
 }
 
-/* step until the bed was slow for `quiet` seconds, or max_time */
+/* step until all is poured and the bed was slow for `quiet` seconds, or max_time after the last particle came */
 static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled *out, tdm_error *err) {
   const dem_settling *settle = &d->model->settle;
   uint64_t slow = 0, most = (uint64_t)fmin(ceil(settle->max_time / out->dt), 1e15);
-  for (uint64_t k = 1; k <= most; k++) {
+  dem_pour pour = {0};
+  for (uint64_t k = 1, left = most; left > 0; k++) {
+    if (dem_pour_now(d, &pour, (double)(k - 1) * out->dt, err))
+      return err->status;
+    bool poured = dem_pour_over(d);
+    left -= poured;
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while settling");
     drag(d, settle->drag * out->dt);
@@ -37,7 +43,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
       return err->status;
     out->time = (double)k * out->dt;
     out->speed = fastest(d);
-    slow = out->speed < settle->speed ? slow + 1 : 0;
+    slow = poured && out->speed < settle->speed ? slow + 1 : 0;
     out->rest = (double)slow * out->dt >= quiet;
     if (out->rest)
       break;
@@ -162,7 +168,7 @@ static tdm_status settle_or_read(dem_data *d, tdm_participant *p, dem_settled *o
 
 tdm_status dem_settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   *out = (dem_settled){.rest = true, .pressed = true};
-  if (d->nparticle == 0)
+  if (d->model->nparticle == 0)
     dem_lids_place(d);
   else if (settle_or_read(d, p, out, err))
     return err->status;

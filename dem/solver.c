@@ -21,8 +21,8 @@
 #include <string.h>
 
 /* One row an output channel: name, unit. channel_values fills them in this order; then come the energies if the scene
- * asks for them, two for each source, two for each sink, what left dem.domain if there is one, and the balance if
- * particles can come or go. */
+ * asks for them, two for each source, two for each sink and for each of its size classes, what left dem.domain if
+ * there is one, and the balance if particles can come or go. */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -121,6 +121,10 @@ static void channel_values(const dem_data *d, double *out) {
   for (int s = 0; s < m->nsink; s++) {
     *out++ = (double)d->sink[s].removed;
     *out++ = d->sink[s].mass;
+    for (int k = 0; k < dem_sink_classes(&m->sink[s]); k++) {
+      *out++ = (double)d->sink[s].class_removed[k];
+      *out++ = d->sink[s].class_mass[k];
+    }
   }
   if (m->domain.wanted)
     *out++ = (double)d->ledger.left;
@@ -139,6 +143,8 @@ static void name_channel(tdm_channel *c, const char *group, const char *name, co
 static bool make_channels(dem_solver *s) {
   const dem_model *m = s->model;
   int flows = m->nsource + m->nsink;
+  for (int k = 0; k < m->nsink; k++)
+    flows += dem_sink_classes(&m->sink[k]);
   s->nchannel =
       NCHANNEL + (m->energy ? NENERGY : 0) + 2 * flows + (m->domain.wanted ? 1 : 0) + (has_balance(m) ? 2 : 0);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
@@ -158,6 +164,13 @@ static bool make_channels(dem_solver *s) {
   for (int k = 0; k < m->nsink; k++) {
     name_channel(c++, "sink", m->sink[k].name, "removed", "1");
     name_channel(c++, "sink", m->sink[k].name, "mass", "kg");
+    for (int j = 0; j < dem_sink_classes(&m->sink[k]); j++) {
+      char what[32];
+      snprintf(what, sizeof what, "class%d.removed", j);
+      name_channel(c++, "sink", m->sink[k].name, what, "1");
+      snprintf(what, sizeof what, "class%d.mass", j);
+      name_channel(c++, "sink", m->sink[k].name, what, "kg");
+    }
   }
   if (m->domain.wanted)
     *c++ = (tdm_channel){"particles.left", "1"};

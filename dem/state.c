@@ -22,7 +22,7 @@
 static const char magic[8] = {'T', 'N', 'D', 'M', 'D', 'E', 'M', '\n'};
 
 /* Raise it when the format changes, or when the same inputs give another state. */
-enum { STATE_VERSION = 1 };
+enum { STATE_VERSION = 2 };
 
 typedef struct {
   char magic[8];
@@ -256,7 +256,7 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
   bool same = r->use == DEM_STATE_WHOLE ? h.whole == dem_fingerprint_whole(d->model)
               : r->use == DEM_STATE_BED ? h.bed == dem_fingerprint_bed(d->model)
                                         : h.start == dem_fingerprint_start(d->model);
-  same = same && (r->use != DEM_STATE_BED || d->model->domain.open || h.nparticle == (uint64_t)d->nparticle);
+  same = same && (r->use != DEM_STATE_BED || d->model->domain.open || h.nparticle == (uint64_t)d->model->nparticle);
   if (!same && r->use == DEM_STATE_START)
     return refuse(r, err, "is of a scene with other contact laws, elastic constants, shapes or periodic directions");
   if (!same)

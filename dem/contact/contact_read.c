@@ -482,22 +482,12 @@ void dem_settle_pairs_read(dem_model *m, tdm_object *o) {
 
 /* ---- what follows ---- */
 
-/* the largest particle that is there or will be made [m] */
-static double largest_radius(const dem_model *m) {
-  double largest = 0;
-  for (int i = 0; i < m->nparticle; i++)
-    largest = fmax(largest, m->radius[i]);
-  for (int s = 0; s < m->nsource; s++)
-    largest = fmax(largest, m->source[s].radius[1]);
-  return largest;
-}
-
 /* gap over which contacts act [m]: R* is largest at a wall */
 static double law_reach(const dem_model *m) {
   double reach = 0;
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++)
     if (m->cohesion == DEM_COHESION_jkr && m->pair[k].given)
-      reach = fmax(reach, dem_jkr_reach(largest_radius(m), m->pair[k].young, m->pair[k].adhesion_energy));
+      reach = fmax(reach, dem_jkr_reach(dem_largest_radius(m), m->pair[k].young, m->pair[k].adhesion_energy));
   return reach;
 }
 

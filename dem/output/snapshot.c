@@ -114,8 +114,8 @@ dem_bounds dem_scene_bounds(const dem_data *d, const dem_snapshot *s) {
   for (int w = 0; w < m->nwall; w++)
     include_wall(&b, &m->wall[w], &d->pose[m->wall[w].body]);
   for (int k = 0; k < m->nsource; k++) {
-    include(&b, m->source[k].low, m->source[k].radius[1]);
-    include(&b, m->source[k].high, m->source[k].radius[1]);
+    include(&b, m->source[k].low, m->source[k].sizes.max);
+    include(&b, m->source[k].high, m->source[k].sizes.max);
   }
   if (!(b.low.x <= b.high.x))
     b = (dem_bounds){{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};

@@ -1,10 +1,14 @@
 /* Sources and sinks: creation times, waiting, removal, balances, copies. */
 #include "test_dem_support.h"
 
+#include "dem/draw.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
+#include "dem/room.h"
 #include "protocol/log.h"
 #include "tests/test_main.h"
+
+#include <unistd.h>
 
 #define GRAIN                                                                           \
   "'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}]," \
@@ -25,7 +29,7 @@ static void balanced(const dem_data *d) {
   for (int s = 0; s < d->model->nsink; s++)
     removed += d->sink[s].removed;
   ck_assert_uint_eq(created, removed + (uint64_t)d->nparticle);
-  for (int i = 1; i < d->nparticle; i++)
+  for (int i = 1; i < d->nparticle && d->nparticle <= DEM_CHUNK; i++) /* more are sorted by place */
     ck_assert(d->id[i] > d->id[i - 1]);
 }
 
@@ -36,6 +40,16 @@ static void steps(rig *r, const dem_motion *path, long n) {
     ck_assert(dem_flow(d, r->model->time_start + (double)d->nstep * r->model->dt, r->model->dt));
     balanced(d);
   }
+}
+
+/* the same, with the balance at the end only */
+static void many_steps(rig *r, long n) {
+  dem_data *d = r->data;
+  for (long k = 0; k < n; k++) {
+    ck_assert(dem_step(d, NULL, 1, 1, false, r->model->dt));
+    ck_assert(dem_flow(d, r->model->time_start + (double)d->nstep * r->model->dt, r->model->dt));
+  }
+  balanced(d);
 }
 
 static void same(const dem_data *a, const dem_data *b) {
@@ -111,6 +125,150 @@ START_TEST(test_mass_rate) {
   ck_near(x, 0, 0.05);
   ck_assert(d->source[0].made_mass >= 5 && d->source[0].made_mass - 5 <= most);
   rig_free(r);
+}
+END_TEST
+
+START_TEST(test_limits) {
+  /* until a number or a mass is reached, whichever is first; a mass is never exceeded, and the next would exceed it */
+  static const char *const limits[] = {"'count':37,'total_mass':100", "'count':1000,'total_mass':0.6",
+                                       "'total_mass':0.6"};
+  for (int k = 0; k < 3; k++) {
+    rig *r = rig_make(scene_json("{" GRAIN ",'gravity':[0,0,0],'sources':[{'name':'s','material':'a','rate':900,"
+                                 "'radius':{'distribution':'lognormal','median':0.01,'sigma':0.3,'min':0.005,"
+                                 "'max':0.03},%s,'seed':3,'region':{'min':[0,0,0],'max':[1,1,1]}}]}",
+                                 limits[k]),
+                      1e-3, 0, NULL);
+    begin(r);
+    many_steps(r, 1000);
+    const dem_data *d = r->data;
+    const dem_source *s = &r->model->source[0];
+    double sum = 0, next = 1000 * 4.0 / 3 * M_PI * pow(dem_sizes_draw(&s->sizes, 3, (uint64_t)d->nparticle), 3);
+    for (int i = 0; i < d->nparticle; i++) {
+      ck_assert(d->sphere[i].radius == dem_sizes_draw(&s->sizes, 3, (uint64_t)i));
+      sum += d->mass[i];
+    }
+    ck_assert_uint_eq(d->source[0].due, d->source[0].made);
+    if (k == 0)
+      ck_assert_int_eq(d->nparticle, 37);
+    else
+      ck_assert_msg(sum <= 0.6 && sum + next > 0.6, "%.17g and %g", sum, next);
+    rig_free(r);
+  }
+  /* ten of 0.1 kg are 1 kg, in spite of round-off */
+  rig *r = rig_make(scene_json("{" GRAIN ",'gravity':[0,0,0],'sources':[{'name':'s','material':'a','radius':0.01,"
+                               "'mass':0.1,'mass_rate':100,'total_mass':1,'position':[0,0,0],'velocity':[50,0,0]}]}"),
+                    1e-3, 0, NULL);
+  begin(r);
+  steps(r, NULL, 100);
+  ck_assert_int_eq(r->data->nparticle, 10);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_classes) {
+  /* a sink's classes hold what the sink got, sorted by the radii of those that came */
+  rig *r = rig_make(
+      scene_json("{" GRAIN ",'sources':[{'name':'s','material':'a','rate':3000,'seed':5,'velocity':[0,0,-1],'radius':"
+                 "{'distribution':'list','radii':[0.002,0.003,0.004,0.006],'shares':[4,3,2,1]},"
+                 "'region':{'min':[0,0,1],'max':[1,1,1.1]}}],"
+                 "'sinks':[{'name':'low','type':'plane','point':[0,0,0.8],'normal':[0,0,1],"
+                 "'classes':[0.001,0.003,0.005]},"
+                 "{'name':'fine','type':'box','min':[0,0,0.9],'max':[0.5,1,0.95],'classes':[0.0025]}]}"),
+      1e-3, 0, NULL);
+  begin(r);
+  many_steps(r, 600);
+  const dem_data *d = r->data;
+  const dem_source *s = &r->model->source[0];
+  uint64_t came[4] = {0}, out[4] = {0}; /* below 1, 3, 5 mm, and above: an edge belongs to the class above it */
+  for (uint64_t k = 0; k < d->source[0].made; k++) {
+    double radius = dem_sizes_draw(&s->sizes, 5, k);
+    came[radius < 0.003 ? 1 : radius < 0.005 ? 2 : 3]++;
+  }
+  for (int i = 0; i < d->nparticle; i++)
+    came[d->sphere[i].radius < 0.003 ? 1 : d->sphere[i].radius < 0.005 ? 2 : 3]--;
+  for (int k = 0; k < 2; k++) {
+    const dem_sink_state *sink = &d->sink[k];
+    uint64_t number = 0;
+    double mass = 0;
+    for (int c = 0; c <= DEM_EDGES_MAX; c++) {
+      number += sink->class_removed[c];
+      mass += sink->class_mass[c];
+    }
+    ck_assert_uint_gt(number, 200);
+    ck_assert_uint_eq(number, sink->removed);
+    ck_relative(mass, sink->mass, 1e-12);
+  }
+  const dem_sink_state *low = &d->sink[0], *fine = &d->sink[1];
+  ck_assert_uint_eq(low->class_removed[0], 0);
+  const double small = 1000 * 4.0 / 3 * M_PI * 8e-9, large = small * 27;
+  ck_relative(low->class_mass[1], (double)low->class_removed[1] * small, 1e-10);
+  ck_relative(low->class_mass[3], (double)low->class_removed[3] * large, 1e-10);
+  ck_relative(fine->class_mass[0], (double)fine->class_removed[0] * small, 1e-10);
+  for (int c = 1; c < 4; c++)
+    out[c] = low->class_removed[c];
+  ck_assert_uint_eq(came[1], out[1] + fine->class_removed[0]);
+  ck_assert_uint_eq(came[2] + came[3], out[2] + out[3] + fine->class_removed[1]);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_room) {
+  /* the cells find what a look at all particles finds, sizes 1 : 20, places outside the box's rim included */
+  json_t *json = scene_json("{" GRAIN "," FLOOR ",'gravity':[0,0,0],'sources':[{'name':'s','material':'a',"
+                            "'rate':1e5,'count':1500,'radius':{'distribution':'lognormal','median':0.02,'sigma':0.8,"
+                            "'min':0.01,'max':0.2},'region':{'min':[-1,-1,0.01],'max':[1,1,2]}}]}");
+  rig *r = rig_make(json, 1e-3, 0, NULL);
+  begin(r);
+  steps(r, NULL, 60);
+  const dem_data *d = r->data;
+  ck_assert_int_gt(d->nparticle, 1000);
+  dem_room room;
+  tdm_vec3 low = {-0.6, -0.7, 0}, high = {0.8, 0.3, 1.5};
+  ck_assert(dem_room_open(&room, d, low, high, 0.05));
+  int frees = 0;
+  for (uint64_t k = 0; k < 20000; k++) {
+    double radius = 0.05 * dem_draw(1, k, 0), u[3];
+    for (uint64_t a = 0; a < 3; a++)
+      u[a] = dem_draw(1, k, a + 1);
+    tdm_vec3 x = tdm_v3(low.x + 1.4 * u[0], low.y + u[1], low.z + 1.5 * u[2]);
+    bool free = x.z >= radius;
+    for (int i = 0; i < d->nparticle; i++) {
+      double sum = radius + d->sphere[i].radius;
+      tdm_vec3 c = tdm_sub(x, d->sphere[i].position);
+      free = free && !(tdm_dot(c, c) < sum * sum);
+    }
+    ck_assert_int_eq(dem_room_free(&room, d, x, radius), free);
+    frees += free;
+  }
+  ck_assert(frees > 2000 && frees < 18000);
+  dem_room_close(&room);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_many) {
+  /* more than one chunk, whose particles are sorted by place, with a sink: balances, the same again, no overlap made */
+  rig *r[2];
+  for (int k = 0; k < 2; k++) {
+    r[k] = rig_make(scene_json("{" GRAIN ",'skin':0.01,'gravity':[0,0,-1],'sources':[{'name':'s','material':'a',"
+                               "'rate':50000,'count':6000,'radius':[0.005,0.02],'velocity':[0,0,-0.5],"
+                               "'region':{'min':[-1,-1,0],'max':[1,1,0.5]}}],'sinks':[{'name':'out','type':'plane',"
+                               "'point':[0,0,-0.02],'normal':[0,0,1],'classes':[0.01]}]}"),
+                    5e-4, 0, NULL);
+    begin(r[k]);
+    many_steps(r[k], 450);
+  }
+  const dem_data *d = r[0]->data;
+  ck_assert_int_gt(d->nparticle, DEM_CHUNK);
+  ck_assert_uint_gt(d->sink[0].removed, 500);
+  ck_assert_uint_gt(d->sink[0].class_removed[0], 100);
+  bool ascend = true;
+  for (int i = 1; i < d->nparticle; i++)
+    ascend = ascend && d->id[i] > d->id[i - 1];
+  ck_assert(!ascend);
+  same(d, r[1]->data);
+  ck_assert_mem_eq(d->sink, r[1]->data->sink, sizeof *d->sink);
+  rig_free(r[0]), rig_free(r[1]);
 }
 END_TEST
 
@@ -245,6 +403,33 @@ START_TEST(test_waits_for_walls) {
 }
 END_TEST
 
+START_TEST(test_waits_for_meshes) {
+  /* a triangle at z = 0: near its middle there is no room on either side, above and below it there is */
+  char file[] = "/tmp/test_dem_flow_XXXXXX";
+  FILE *f = fdopen(mkstemp(file), "w");
+  fputs("solid t\nfacet normal 0 0 1\nouter loop\nvertex -1 -1 0\nvertex 1 -1 0\nvertex 0 1 0\nendloop\nendfacet\n"
+        "endsolid t\n",
+        f);
+  fclose(f);
+  static const struct {
+    double z;
+    int made;
+  } rows[] = {{0.009, 0}, {-0.009, 0}, {0.011, 1}, {-0.011, 1}};
+  for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+    rig *r = rig_make(scene_json("{" GRAIN ",'gravity':[0,0,0],'bodies':[{'name':'m','material':'a','shapes':[{'type':"
+                                 "'mesh','file':'%s'}]}],'sources':[{'name':'feed','material':'a','radius':0.01,"
+                                 "'rate':10,'count':1,'position':[0,0,%g]}]}",
+                                 file, rows[k].z),
+                      1e-3, 0, NULL);
+    begin(r);
+    steps(r, NULL, 20);
+    ck_assert_int_eq(r->data->nparticle, rows[k].made);
+    rig_free(r);
+  }
+  remove(file);
+}
+END_TEST
+
 START_TEST(test_neighbours_keep_histories) {
   /* two particles that slide and roll on the floor do not notice that a third, listed before them, is taken away */
   const char *pair = "{'type':'list','material':'a','radius':0.02,'positions':[[0,0,0.02],[0.0399,0,0.02]],"
@@ -348,6 +533,6 @@ START_TEST(test_exact_sum) {
 }
 END_TEST
 
-TEST_MAIN("dem flow", 120, test_creation_times, test_mass_rate, test_balances, test_after_contact,
-          test_through_is_no_rebound, test_waiting, test_waits_for_walls, test_neighbours_keep_histories,
-          test_relative_velocity, test_copy, test_exact_sum)
+TEST_MAIN("dem flow", 120, test_creation_times, test_mass_rate, test_limits, test_classes, test_room, test_many,
+          test_balances, test_after_contact, test_through_is_no_rebound, test_waiting, test_waits_for_walls,
+          test_waits_for_meshes, test_neighbours_keep_histories, test_relative_velocity, test_copy, test_exact_sum)

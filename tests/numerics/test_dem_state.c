@@ -22,7 +22,8 @@ static json_t *everything(int k, const char *more) {
       "'fixed':true},{'type':'list','material':'a','radius':0.04,'positions':[[0.8,0.8,0.05]],'force':[1,0,0]}],"
       "'sources':[{'name':'s','material':'a','radius':[0.01,0.03],'rate':400,'region':{'min':[0,0,0.9],'max':[1,1,0.95]"
       "}}"
-      "],'sinks':[{'name':'k','type':'box','min':[0.3,0.3,0],'max':[0.35,0.35,1]},{'name':'l','type':'after_contact',"
+      "],'sinks':[{'name':'k','type':'box','min':[0.3,0.3,0],'max':[0.35,0.35,1],'classes':[0.02,0.035]},{'name':'l','"
+      "type':'after_contact',"
       "'body':'c'}]%s}",
       integrators[k], k == 3 ? ",'multi_step':{'substeps':3,'mass':0.1}" : "", more);
 }
@@ -60,6 +61,7 @@ START_TEST(test_goes_on) {
     go_on(r, 5003); /* no list begins just here */
     ck_assert_int_gt(r->data->ncontact, 20);
     ck_assert_uint_gt(r->data->ledger.removed, 5);
+    ck_assert_uint_gt(r->data->sink[0].class_removed[0] + r->data->sink[0].class_removed[1], 0);
     void *bytes;
     size_t size;
     tdm_error err = {0};

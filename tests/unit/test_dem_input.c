@@ -85,6 +85,18 @@ static const bad bads[] = {
     {"{" MATERIALS "," PAIRS ",'sources':[{'name':'a b'}]}", "dem.sources[0].name", "letters"},
     {"{" MATERIALS "," PAIRS ",'sources':[{'name':'a','material':'grain','radius':[0.2,0.1]}]}",
      "dem.sources[0].radius", "smallest, largest"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,0,0],'total_mass':0") "]}",
+     "dem.sources[0].total_mass", "greater than 0"},
+    {"{" MATERIALS "," PAIRS
+     ",'sources':[{'name':'a','material':'grain','radius':{'distribution':'normal','mean':1}}]}",
+     "dem.sources[0].radius.deviation", "missing"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'block','material':'grain','radius':[0.1,0.2],'count':[2,2,2],"
+     "'spacing':0.3,'corner':[0,0,0]}]}",
+     "dem.particles[0].spacing", "at least 0.4"},
+    {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'box','min':[0,0,0],'max':[1,1,1],'classes':[]}]}",
+     "dem.sinks[0].classes", "1 to 15"},
+    {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'box','min':[0,0,0],'max':[1,1,1],'classes':[0.1,0.1]}]}",
+     "dem.sinks[0].classes[1]", "greater than 0.1"},
     {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'bocks'}]}", "dem.sinks[0].type", "box"},
     {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'after_contact'}]}", "dem.sinks[0].body", "missing"},
     {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'plane','point':[0,0,0],'normal':[0,0,0]}]}",
@@ -265,7 +277,7 @@ END_TEST
   "'sources':[{'name':'feed','material':'grain','radius':0.05,'mass':0.5,'rate':300,'start':1e-3,"                     \
   "'position':[0,0,1],'velocity':[60,0,0]},"                                                                           \
   "{'name':'stuck','material':'grain','radius':0.05,'mass':0.5,'rate':50,'position':[0,0,-0.5]}],"                     \
-  "'sinks':[{'name':'right','type':'plane','point':[0.4,0,0],'normal':[-1,0,0]}]}"
+  "'sinks':[{'name':'right','type':'plane','point':[0.4,0,0],'normal':[-1,0,0],'classes':[0.045]}]}"
 
 static double channel_of(const session *s, const outcome *out, int sample, const char *name) {
   for (int c = 0; c < s->ready.nchannel; c++)
@@ -291,6 +303,10 @@ START_TEST(test_flow_channels) {
   const double made[] = {1, 1, 2, 3}; /* at 1, 4.33, 7.67 ms */
   for (int k = 0; k < 4; k++) {
     double removed = channel_of(a, &whole, k, "sink.right.removed");
+    double small = channel_of(a, &whole, k, "sink.right.class0.removed");
+    ck_near(small + channel_of(a, &whole, k, "sink.right.class1.removed"), removed, 0);
+    ck_near(channel_of(a, &whole, k, "sink.right.class0.mass") + channel_of(a, &whole, k, "sink.right.class1.mass"),
+            channel_of(a, &whole, k, "sink.right.mass"), 1e-12);
     ck_near(channel_of(a, &whole, k, "source.feed.created"), made[k], 0);
     ck_near(channel_of(a, &whole, k, "source.feed.waiting"), 0, 0);
     ck_near(channel_of(a, &whole, k, "source.stuck.waiting"), 1, 0);
