@@ -365,6 +365,16 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
   b->count = 0;
 }
 
+/* the motion of a belt or a spinning roll besides its body's; at rest while settling, as driven bodies are */
+static inline void add_surface(tdm_twist *wall_at, const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point,
+                               tdm_vec3 n) {
+  if (wall->surface_spin == 0 && tdm_dot(wall->surface, wall->surface) == 0)
+    return;
+  tdm_vec3 v = dem_wall_surface(wall, place, point);
+  wall_at->velocity = tdm_add(wall_at->velocity, tdm_axpy(-tdm_dot(v, n), n, v));
+  wall_at->angular = tdm_add(wall_at->angular, tdm_m3_mul(place->axes, tdm_v3(0, 0, wall->surface_spin)));
+}
+
 DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
   const dem_model *m = task->model;
   const row r = row_of(m, constants);
@@ -396,10 +406,12 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     /* the contact point lies on the wall's surface */
     int body = wall->body, l = b.count++;
     tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->pose[body].position);
-    tdm_twist now = d->twist[body];
-    tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
+    tdm_twist now = d->twist[body]; /* of the wall at the contact point */
+    now.velocity = tdm_add(now.velocity, tdm_cross(now.angular, lever));
+    if (!task->settling)
+      add_surface(&now, wall, &d->wall[w], point, n);
     double arm = gap / s->radius;
-    tdm_vec3 v = tdm_sub(tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity), wall_v);
+    tdm_vec3 v = tdm_sub(tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity), now.velocity);
     /* a held body is immovable; a coupled one has its own mass */
     double per_mass = s->inverse_mass + (task->settling ? 0 : d->body_inverse[body]);
     const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(now.angular, n),
@@ -410,7 +422,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
       tdm_vec3 spin = tdm_axpy(1 / s->radius, d->rotor[i].surface, tdm_scale(-1, now.angular));
       b.number[SX][l] = spin.x, b.number[SY][l] = spin.y, b.number[SZ][l] = spin.z;
       b.number[PER_INERTIA][l] = s->inverse_mass / (1.4 * s->radius * s->radius);
-      b.velocity[l] = wall_v;
+      b.velocity[l] = now.velocity;
     }
     for (int q = 0; q < ncolumn; q++)
       b.history[q][l] = list->history[(size_t)q * list->capacity + k];
