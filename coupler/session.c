@@ -425,6 +425,24 @@ tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step,
   return TDM_OK;
 }
 
+static tdm_status ask_state(cpl_session *s, cpl_role role, tdm_message_type type, int slot, tdm_error *err) {
+  tdm_header header;
+  json_t *json = json_pack("{s:i}", "slot", slot);
+  tdm_status status = tdm_control_write(&s->out, type, 0, json, err);
+  json_decref(json);
+  if (status == TDM_OK)
+    status = send_to(s, role, err);
+  return status == TDM_OK ? wait_for(s, role, type, &header, err) : status;
+}
+
+tdm_status cpl_session_save(cpl_session *s, cpl_role role, int slot, tdm_error *err) {
+  return ask_state(s, role, TDM_SAVE, slot, err);
+}
+
+tdm_status cpl_session_restore(cpl_session *s, cpl_role role, int slot, tdm_error *err) {
+  return ask_state(s, role, TDM_RESTORE, slot, err);
+}
+
 /* ---- end ---- */
 
 void cpl_session_close(cpl_session *s, const tdm_error *err) {

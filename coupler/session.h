@@ -49,6 +49,11 @@ tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_e
 tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step *step, tdm_result *result,
                             tdm_error *err);
 
+/* Ask a solver with the capability "restore" to keep its state under a slot (0 ... TDM_SLOTS_MAX - 1), or to go back to
+ * it; between windows only. */
+tdm_status cpl_session_save(cpl_session *session, cpl_role role, int slot, tdm_error *err);
+tdm_status cpl_session_restore(cpl_session *session, cpl_role role, int slot, tdm_error *err);
+
 /* The name of its HELLO, or its role. */
 const char *cpl_session_name(const cpl_session *session, cpl_role role);
 

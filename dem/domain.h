@@ -14,9 +14,9 @@
 /* Read the section's "domain". */
 void dem_domain_read(dem_model *model, tdm_object *section);
 
-/* Refuse a box that is too narrow for its images at any time until `end` [s] (radii and skin are known by then), and
- * planes across a periodic direction. */
-void dem_domain_check(const dem_model *model, double end, tdm_error *err);
+/* Refuse a box that at any time of the run is too narrow for the images of particles up to this radius [m], and planes
+ * across a periodic direction. */
+void dem_domain_check(const dem_model *model, double largest_radius, tdm_error *err);
 
 /* The box as at the start of the run. */
 void dem_domain_begin(dem_data *data);

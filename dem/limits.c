@@ -125,15 +125,23 @@ double dem_expected_speed(const dem_data *d) {
 
 /* ---- the three limits ---- */
 
+/* How often contacts of this effective mass are taken in a step: a limit of theirs allows a step so many times as long.
+ */
+static double takes(const dem_model *m, double mass) {
+  return m->multi_step.substeps > 0 && mass < m->multi_step.mass ? (double)m->multi_step.substeps : 1;
+}
+
 /* Rayleigh step and shortest contact (with its like or with a wall) of one kind of particle */
 static void add_particle(dem_limits *l, const dem_model *m, int kind, double radius, double mass) {
   double density = mass / (4.0 / 3 * M_PI * radius * radius * radius);
   const dem_material *material = &m->material[kind];
-  l->rayleigh = fmin(l->rayleigh, dem_rayleigh(radius, density, material->shear, material->poisson));
+  double often = takes(m, mass);
+  l->rayleigh = fmin(l->rayleigh, often * dem_rayleigh(radius, density, material->shear, material->poisson));
   const dem_pair *row = &m->pair[kind * m->nmaterial];
   for (int k = 0; k < m->nmaterial; k++)
     if (row[k].given)
-      l->contact = fmin(l->contact, dem_normal_contact_time(m, &row[k], (dem_impact){mass / 2, radius / 2, l->speed}));
+      l->contact =
+          fmin(l->contact, often * dem_normal_contact_time(m, &row[k], (dem_impact){mass / 2, radius / 2, l->speed}));
 }
 
 /* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */
@@ -185,7 +193,7 @@ static double smallest_eigen(const dem_data *d) {
     add_wall_stiffness(d, &d->walls.entry[k], sum);
   for (int i = 0; i < d->nparticle; i++)
     if (sum[i] > 0)
-      smallest = fmin(smallest, 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
+      smallest = fmin(smallest, takes(d->model, d->mass[i]) * 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
   free(sum);
   return smallest;
 }

@@ -5,6 +5,7 @@
  * Contact: the closed form of the normal law (contact/theory.h); 20 steps resolve it well, 10 are the least.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
  * contacts that touch now; tangentially (1 + m R^2/I) k_t = 3.5 k_t acts. 0.8 of it is taken.
+ * Of contacts that multi-step takes several times in a step, so many times the limit counts.
  * Particles that sources will make count for the first two.
  */
 #ifndef DEM_LIMITS_H

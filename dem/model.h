@@ -136,7 +136,7 @@ typedef struct {
 
 typedef struct dem_model {
   double dt; /* DEM step [s] */
-  double time_start;
+  double time_start, time_end;
   tdm_interpolation interpolation;
   tdm_vec3 gravity; /* [m/s2] */
 

@@ -75,6 +75,7 @@ static void read_integrator(dem_model *m, tdm_object *section) {
   tdm_object o = tdm_get_object(section, "multi_step", true);
   m->multi_step.substeps = tdm_get_integer(&o, "substeps", TDM_REQUIRED_INT, 1);
   m->multi_step.mass = tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
+  m->law = dem_law_find(m->simd, m->law->normal, m->law->tangential, true); /* which can leave contacts out */
   tdm_object_close(&o);
 }
 
@@ -242,6 +243,7 @@ static void read_settle(dem_model *m, tdm_object *section) {
 void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
   m->dt = assignment->dt;
   m->time_start = assignment->time_start;
+  m->time_end = assignment->time_end;
   m->interpolation = assignment->interpolation;
 
   tdm_object o = tdm_object_open(assignment->scene, "dem", err);
@@ -279,7 +281,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   read_search(m, &o);
   dem_domain_read(m, &o);
   if (!err->status)
-    dem_domain_check(m, assignment->time_end, err);
+    dem_domain_check(m, dem_largest_radius(m), err);
   dem_guard_read(m, &o);
   const char *start = tdm_has(&o, "start") ? tdm_get_string(&o, "start", NULL) : NULL;
   m->start = start ? strdup(start) : NULL;

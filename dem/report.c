@@ -2,6 +2,7 @@
 #include "dem/report.h"
 
 #include "dem/geometry/walls.h"
+#include "dem/integrate.h"
 #include "dem/limits.h"
 
 #include <stdarg.h>
@@ -238,6 +239,7 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "twisting", json_string(dem_twistings[m->twisting].name));
   json_object_set_new(r->json, "cohesion", json_string(dem_cohesions[m->cohesion].name));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
+  json_object_set_new(r->json, "integrator", json_string(m->integrator->name));
   json_object_set_new(r->json, "simd", json_string(m->simd));
   json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));
   warn_start(r, d, settled, nbehind);

@@ -6,6 +6,7 @@
 #include "dem/solver.h"
 
 #include "dem/check.h"
+#include "dem/domain.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
 #include "dem/guard.h"
@@ -20,7 +21,8 @@
 #include <string.h>
 
 /* One row an output channel: name, unit. channel_values fills them in this order; then come the energies if the scene
- * asks for them, two for each source, two for each sink, and the balance if there is any of them. */
+ * asks for them, two for each source, two for each sink, what left dem.domain if there is one, and the balance if
+ * particles can come or go. */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -52,6 +54,10 @@ typedef struct {
   double *initial;      /* (nchannel) */
   dem_report report;
   long lost; /* particles through walls so far, as logged */
+  struct {
+    dem_data *data; /* NULL: nothing was saved */
+    long lost;
+  } slot[TDM_SLOTS_MAX];
 } dem_solver;
 
 /* ---- outputs ---- */
@@ -73,6 +79,10 @@ static int energy_values(const dem_data *d, double *out) {
   *out++ = d->energy.wall_work;
   memcpy(out, d->energy.dissipated, sizeof d->energy.dissipated);
   return NENERGY;
+}
+
+static bool has_balance(const dem_model *m) {
+  return m->nsource + m->nsink > 0 || m->domain.open;
 }
 
 /* (nchannel) values of the present state */
@@ -112,7 +122,9 @@ static void channel_values(const dem_data *d, double *out) {
     *out++ = (double)d->sink[s].removed;
     *out++ = d->sink[s].mass;
   }
-  if (m->nsource + m->nsink > 0) {
+  if (m->domain.wanted)
+    *out++ = (double)d->ledger.left;
+  if (has_balance(m)) {
     *out++ = dem_balance_number(d);
     *out++ = dem_balance_mass(d);
   }
@@ -127,7 +139,8 @@ static void name_channel(tdm_channel *c, const char *group, const char *name, co
 static bool make_channels(dem_solver *s) {
   const dem_model *m = s->model;
   int flows = m->nsource + m->nsink;
-  s->nchannel = NCHANNEL + (m->energy ? NENERGY : 0) + (flows > 0 ? 2 * flows + 2 : 0);
+  s->nchannel =
+      NCHANNEL + (m->energy ? NENERGY : 0) + 2 * flows + (m->domain.wanted ? 1 : 0) + (has_balance(m) ? 2 : 0);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
   if (!s->channel || !s->initial)
@@ -146,7 +159,9 @@ static bool make_channels(dem_solver *s) {
     name_channel(c++, "sink", m->sink[k].name, "removed", "1");
     name_channel(c++, "sink", m->sink[k].name, "mass", "kg");
   }
-  if (flows > 0) {
+  if (m->domain.wanted)
+    *c++ = (tdm_channel){"particles.left", "1"};
+  if (has_balance(m)) {
     *c++ = (tdm_channel){"balance.number", "1"};
     *c++ = (tdm_channel){"balance.mass", "kg"};
   }
@@ -189,9 +204,28 @@ static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
 
 /* ---- create ---- */
 
+/* particles from elsewhere: pairs of materials that nobody gave, radii that the box is too narrow for */
+static tdm_status check_started(const dem_data *d, tdm_error *err) {
+  const dem_model *m = d->model;
+  double largest = 0;
+  for (int i = 0; i < d->nparticle && !err->status; i++) {
+    largest = fmax(largest, d->sphere[i].radius);
+    for (int j = i > 0 && d->kind[i] == d->kind[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
+      if (!m->pair[d->kind[i] * m->nmaterial + j].given) {
+        const char *a = m->material[d->kind[i]].name, *b = m->material[j].name;
+        return tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
+                        "\"%s\" and \"%s\" have no entry, but dem.start brings particles of \"%s\"; add one", a, b, a);
+      }
+  }
+  dem_domain_check(m, largest, err);
+  return err->status;
+}
+
 /* the particles of the stored state dem.start; lids stay where it has them unless there is settling to come */
 static tdm_status start_from(dem_data *d, tdm_error *err) {
   if (dem_state_read(d, DEM_STATE_START, d->model->start, "dem.start", NULL, 0, err))
+    return err->status;
+  if (check_started(d, err))
     return err->status;
   if (d->model->settle.wanted)
     dem_lids_away(d);
@@ -317,10 +351,35 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
   return dem_check_finite(d, step->t1, err);
 }
 
+/* ---- states in memory ---- */
+
+static tdm_status save(void *self, int slot, tdm_error *err) {
+  dem_solver *s = self;
+  dem_data **kept = &s->slot[slot].data;
+  if (!*kept)
+    *kept = dem_data_create(s->model);
+  if (!*kept || !dem_data_copy(*kept, s->data))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", s->data->nparticle);
+  s->slot[slot].lost = s->lost;
+  return TDM_OK;
+}
+
+static tdm_status restore(void *self, int slot, tdm_error *err) {
+  dem_solver *s = self;
+  if (!s->slot[slot].data)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
+  if (!dem_data_copy(s->data, s->slot[slot].data))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", s->slot[slot].data->nparticle);
+  s->lost = s->slot[slot].lost;
+  return TDM_OK;
+}
+
 static void destroy(void *self) {
   dem_solver *s = self;
   if (!s)
     return;
+  for (int k = 0; k < TDM_SLOTS_MAX; k++)
+    dem_data_destroy(&s->slot[k].data);
   json_decref(s->report.json);
   dem_data_destroy(&s->data);
   dem_model_destroy(&s->model);
@@ -335,11 +394,16 @@ const dem_data *dem_solver_data(const void *self) {
   const dem_solver *s = self;
   return s->data;
 }
+static const char *const capabilities[] = {"restore"};
 
 const tdm_solver_ops dem_solver_ops = {
+    .capabilities = capabilities,
+    .ncapability = sizeof capabilities / sizeof capabilities[0],
     .role = "dem",
     .software = "tandem-dem " TANDEM_VERSION,
     .create = create,
     .step = solve,
+    .save = save,
+    .restore = restore,
     .destroy = destroy,
 };

@@ -25,6 +25,7 @@ struct tdm_participant {
   double last_look, silence; /* when it last listened; how long nothing came while it listened [s] */
   uint64_t window;
   double t1; /* end of the window under way */
+  tdm_keeper keeper;
 };
 
 tdm_participant_def tdm_participant_default_def(void) {
@@ -243,10 +244,45 @@ tdm_status tdm_participant_ready(tdm_participant *p, const tdm_ready *ready, tdm
 
 /* ---- the loop ---- */
 
+void tdm_participant_keep(tdm_participant *p, const tdm_keeper *keeper) {
+  p->keeper = *keeper;
+}
+
+/* SAVE or RESTORE, answered by a message of the same type */
+static tdm_status keep(tdm_participant *p, const tdm_header *header, tdm_error *err) {
+  json_t *json = NULL;
+  if (tdm_control_read(header, &json, err) != TDM_OK)
+    return err->status;
+  json_t *slot = json_object_get(json, "slot");
+  json_int_t number = json_integer_value(slot);
+  if (!json_is_integer(slot) || number < 0 || number >= TDM_SLOTS_MAX)
+    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: \"slot\" must be a whole number from 0 to %d",
+             tdm_message_name(header->type), TDM_SLOTS_MAX - 1);
+  else if (header->type == TDM_SAVE)
+    p->keeper.save(p->keeper.self, (int)number, err);
+  else
+    p->keeper.restore(p->keeper.self, (int)number, err);
+  json_decref(json);
+  if (err->status != TDM_OK)
+    return err->status;
+  json = json_pack("{s:I}", "slot", number);
+  send_control(p, header->type, json, err);
+  json_decref(json);
+  return err->status;
+}
+
 bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result, tdm_error *err) {
+  tdm_error own = {0};
+  err = err ? err : &own;
   tdm_header header;
-  if (p->finished || receive(p, &header, err) != TDM_OK)
-    return false;
+  bool kept;
+  do {
+    if (p->finished || receive(p, &header, err) != TDM_OK)
+      return false;
+    kept = p->keeper.save && (header.type == TDM_SAVE || header.type == TDM_RESTORE);
+    if (kept && keep(p, &header, err) != TDM_OK)
+      return false;
+  } while (kept);
   if (header.type == TDM_FINISH) {
     p->finished = true;
     return false;
@@ -326,6 +362,8 @@ tdm_status tdm_participant_run(const tdm_solver_ops *ops, const tdm_participant_
       tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", ready.warning[i].path,
               tdm_log_quote(quoted, sizeof quoted, ready.warning[i].message));
     tdm_log(TDM_LOG_INFO, "ready", "channels=%d warnings=%d", ready.nchannel, ready.nwarning);
+    tdm_keeper keeper = {.self = self, .save = ops->save, .restore = ops->restore};
+    tdm_participant_keep(p, &keeper);
     tdm_step step;
     tdm_result result;
     while (status == TDM_OK && tdm_participant_next(p, &step, &result, err)) {

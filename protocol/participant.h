@@ -4,6 +4,7 @@
  *   tdm_participant_connect(&p, &def, err);            HELLO
  *   tdm_participant_initialize(p, &assignment, err);   waits for ASSIGN
  *   tdm_participant_ready(p, &ready, err);             READY
+ *   tdm_participant_keep(p, &keeper);                  only with the capability "restore"
  *   while (tdm_participant_next(p, &step, &result, err))   waits for STEP; false at FINISH or after an error
  *     ... solve from step.t0 to step.t1, fill result's arrays ...
  *     tdm_participant_advance(p, &result, err);        RESULT
@@ -88,6 +89,20 @@ tdm_status tdm_participant_initialize(tdm_participant *p, tdm_assignment *assign
 /* Send READY. */
 tdm_status tdm_participant_ready(tdm_participant *p, const tdm_ready *ready, tdm_error *err);
 
+/* A solver with the capability "restore" keeps states in memory when the server asks for it between two windows; slot
+ * is 0 ... TDM_SLOTS_MAX - 1. After restore it behaves, bit for bit, as it did after save; a slot that nothing was
+ * saved in is its error (TDM_ERR_PROTOCOL). */
+enum { TDM_SLOTS_MAX = 16 };
+
+typedef struct {
+  void *self;
+  tdm_status (*save)(void *self, int slot, tdm_error *err);
+  tdm_status (*restore)(void *self, int slot, tdm_error *err);
+} tdm_keeper;
+
+/* From now on tdm_participant_next answers SAVE and RESTORE itself, with these (copied). */
+void tdm_participant_keep(tdm_participant *p, const tdm_keeper *keeper);
+
 /* Wait for the next STEP. Sets *step and a zeroed *result with its arrays laid out for this role. Returns false at
  * FINISH (err untouched) or after an error. */
 bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result, tdm_error *err);
@@ -115,6 +130,9 @@ typedef struct {
                        tdm_error *err);
   /* Solve one window and fill the arrays of result. */
   tdm_status (*step)(void *self, const tdm_step *step, tdm_result *result, tdm_error *err);
+  /* Capability "restore" (tdm_keeper); NULL: none. */
+  tdm_status (*save)(void *self, int slot, tdm_error *err);
+  tdm_status (*restore)(void *self, int slot, tdm_error *err);
   void (*destroy)(void *self); /* NULL is allowed as self */
 } tdm_solver_ops;
 

@@ -79,11 +79,15 @@ DEM_KERNEL vd3 dem_clip(vd3 f, vd length2, vd limit, vm over) {
   return vd3_scale(scale, f);
 }
 
-/* against v with this size; 0 where v is 0 */
-DEM_KERNEL vd3 dem_against(vd3 v, vd size) {
+/* Against v with this size, but no more than stops v within the step (a force of 1 changes v by per_mass a second); 0
+ * where v is 0. */
+DEM_KERNEL vd3 dem_against(const dem_contact *c, vd3 v, vd size, vd per_mass) {
   vd v2 = vd3_dot(v, v);
   vm moves = vm_less(vd_set(0), v2);
-  return vd3_scale(vd_only(moves, -size / vd_sqrt(vd_pick(moves, v2, vd_set(1)))), v);
+  vd share = size / vd_sqrt(vd_pick(moves, v2, vd_set(1)));
+  if (c->dt > 0)
+    share = vd_min(share, vd_set(1 / c->dt) / per_mass);
+  return vd3_scale(vd_only(moves, -share), v);
 }
 
 #endif

@@ -226,7 +226,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
   const vd reach = vd_set(constants.more ? m->reach : 0);
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
-  const bool repeats = m->domain.repeats, shared = task->share != DEM_ALL;
+  const bool repeats = m->domain.repeats, shared = constants.more && task->share != DEM_ALL;
   const bool many = d->nparticle > 20000; /* more than a cache of the second level holds */
   long touching = 0;
 
@@ -279,12 +279,15 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     vd3 velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), (vd3){s[4], s[5], s[6]});
     if (constants.more)
       pair_spins(d, i, j, &c);
+    if (!constants.more)
+      touching += __builtin_popcount(vm_bits(c.touching));
     outcome out = law(task, &c, velocity, list->history + k, list->capacity, law_row, 0);
     for (int q = 0; shared && q < ncolumn; q++) {
       double *history = list->history + (size_t)q * list->capacity + k;
       vd_store(history, vd_pick(own, vd_load(history), kept[q]));
     }
-    touching += __builtin_popcount(vm_bits(c.touching));
+    if (constants.more) /* cohesion may have opened some */
+      touching += __builtin_popcount(vm_bits(c.touching));
     vd3 twist = vd3_scale(share, out.twist);
     vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
                   (vd[3]){twist.x, twist.y, twist.z});

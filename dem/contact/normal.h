@@ -9,7 +9,8 @@
  *
  * hunt-crossley: [A07] Eq. 2.39 with the exponent of the elastic law in the damping as well,
  *   F = k delta^p (1 + X delta'/v_0),   X - ln(1+X) = -e X - ln(1 - e X)   (or X = 3/4 (1 - e^2) as printed)
- * History: v_0, the speed at which the contact began, not less than a floor.
+ * History: v_0, the largest normal speed of the contact so far, not less than a floor. In an impact of two that is the
+ * speed at which it began; a contact that began slowly and is then hit by others is not damped without bound.
  *
  * hysteretic: [A07] Eq. 2.41-2.49. Loading on slope k_l, unloading and reloading on k_un, down to the adhesive line:
  *   F = max(k_un (delta - delta_0), -k_ad delta),   delta_0 = (1 - k_l/k_un) delta_max
@@ -63,8 +64,7 @@ DEM_KERNEL vd dem_power(vd x, double p) {
 
 DEM_KERNEL void dem_normal_hunt_crossley(dem_contact *c, vd *history) {
   const double p = c->model->exponent;
-  vm begins = vm_equal(history[0], vd_set(0));
-  history[0] = vd_pick(begins, vd_max(c->rate, DEM_OF(c, speed_floor)), history[0]);
+  history[0] = vd_max(vd_max(history[0], vd_abs(c->rate)), DEM_OF(c, speed_floor));
   c->circle = vd_sqrt(c->radius * c->overlap);
   vd k = DEM_OF(c, stiffness) + DEM_OF(c, hertzian) * vd_sqrt(c->radius);
   vd elastic = k * dem_power(c->overlap, p);

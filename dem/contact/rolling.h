@@ -1,7 +1,7 @@
 /* Couples: rolling and twisting resistance; in the loops with `more` only. F_n is that of friction.
  *
  * rolling, with the relative spin w in the tangent plane:
- * constant-torque: mu_r R* F_n against w (model A of Ai et al. 2011); none at w = 0, as coulomb
+ * constant-torque: mu_r R* F_n against w (model A of Ai et al. 2011); at rest as coulomb
  * spring-dashpot: model C of Ai et al. (2011), EPSD:
  *   M = M_el - c_r w,   k_r = 2.25 k_n (mu_r R*)^2,   |M_el| <= mu_r R* F_n,   c_r = 2 eta_r sqrt(I_r k_r) below the
  *   limit, 0 at it;   1/I_r = sum of 1/(I + m R^2)
@@ -23,6 +23,11 @@ DEM_KERNEL vd dem_couple_limit(const dem_contact *c, vd coefficient) {
   return coefficient * c->radius * vd_max(c->force, vd_set(0));
 }
 
+/* sum of 1/I: I + m R^2 = 3.5 I */
+DEM_KERNEL vd dem_per_inertia(const dem_contact *c) {
+  return vd_set(3.5) * c->inverse_inertia;
+}
+
 DEM_KERNEL dem_couple dem_rolling_none(const dem_contact *c, vd3 roll, vd *history) {
   (void)c, (void)roll, (void)history;
   return (dem_couple){{vd_set(0), vd_set(0), vd_set(0)}, vd_set(0)};
@@ -30,7 +35,8 @@ DEM_KERNEL dem_couple dem_rolling_none(const dem_contact *c, vd3 roll, vd *histo
 
 DEM_KERNEL dem_couple dem_rolling_constant_torque(const dem_contact *c, vd3 roll, vd *history) {
   (void)history;
-  return (dem_couple){dem_against(roll, dem_couple_limit(c, DEM_OF(c, rolling_friction))), vd_set(0)};
+  return (dem_couple){dem_against(c, roll, dem_couple_limit(c, DEM_OF(c, rolling_friction)), dem_per_inertia(c)),
+                      vd_set(0)};
 }
 
 DEM_KERNEL dem_couple dem_rolling_spring_dashpot(const dem_contact *c, vd3 roll, vd *history) {
@@ -55,7 +61,8 @@ DEM_KERNEL dem_couple dem_twisting_none(const dem_contact *c, vd3 twist) {
 }
 
 DEM_KERNEL dem_couple dem_twisting_constant_torque(const dem_contact *c, vd3 twist) {
-  return (dem_couple){dem_against(twist, dem_couple_limit(c, DEM_OF(c, twisting_friction))), vd_set(0)};
+  return (dem_couple){dem_against(c, twist, dem_couple_limit(c, DEM_OF(c, twisting_friction)), dem_per_inertia(c)),
+                      vd_set(0)};
 }
 
 #endif

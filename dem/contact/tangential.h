@@ -1,8 +1,8 @@
 /* Tangential forces: kernels with their columns of history. An attracting contact has no friction.
  *
- * coulomb: [A07] Eq. 2.54, mu_d F_n against the slip; none at slip 0. Without a spring a contact cannot stick: where it
- * comes to rest the force changes its sign from step to step, and the slip stays within mu_d F_n dt/m.
- * viscous: [A07] Eq. 2.56, -c_t v_t, without a limit.
+ * coulomb: [A07] Eq. 2.54, mu_d F_n against the slip; none at slip 0. Where it would turn the slip round within a step
+ * it only stops it (1/m of two spheres that slip is 3.5/m*), so a contact at rest creeps, by what other forces give it
+ * in a step. viscous: [A07] Eq. 2.56, -c_t v_t, without a limit.
  *
  * spring: [A07] Eq. 2.57-2.59 with Coulomb's limit over the whole: F_t = F_el - c_t v_t, |F_t| <= mu F_n, F_el from
  *   k_t, c_t = c_p + 2 zeta_t sqrt(k_t m*)
@@ -39,7 +39,7 @@ DEM_KERNEL dem_tangential dem_tangential_none(dem_contact *c, vd *history) {
 DEM_KERNEL dem_tangential dem_tangential_coulomb(dem_contact *c, vd *history) {
   (void)history;
   vd limit = DEM_OF(c, friction) * vd_max(c->force, vd_set(0));
-  return (dem_tangential){dem_against(c->slip, limit), vd_set(0)};
+  return (dem_tangential){dem_against(c, c->slip, limit, vd_set(3.5) * c->inverse_mass), vd_set(0)};
 }
 
 DEM_KERNEL dem_tangential dem_tangential_viscous(dem_contact *c, vd *history) {

@@ -75,14 +75,14 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
 static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
   const dem_columns *columns = &d->model->columns;
   dem_pairs *list = &d->pairs;
-  if (before > d->column_capacity) {
+  if (before > d->column_capacity || !d->column) {
     free(d->column);
-    d->column_capacity = before + before / 8;
+    d->column_capacity = before + before / 8 + 8;
     d->column = malloc(d->column_capacity * sizeof *d->column);
+    if (!d->column)
+      return false;
   }
-  if (!d->column)
-    d->column_capacity = 0;
-  for (size_t q = 0; q < (size_t)columns->ncolumn && d->column; q++) {
+  for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
     double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
     memcpy(d->column, to, before * sizeof *to);
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
@@ -92,7 +92,7 @@ static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
         to[k] = at < 0 ? 0 : at & 1 ? sign * d->column[at >> 1] : d->column[at >> 1];
       }
   }
-  return d->column || before == 0;
+  return true;
 }
 
 /* ---- pairs ---- */

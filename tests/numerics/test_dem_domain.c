@@ -82,6 +82,45 @@ START_TEST(test_bits) {
 }
 END_TEST
 
+START_TEST(test_threads) {
+  /* several chunks: the same bits for any number of threads, and no reaction over chunks or boundaries is lost */
+  static const char *const integrators[] = {"", ",'integrator':'multi-step','multi_step':{'substeps':2,'mass':0.02}"};
+  for (int k = 0; k < 2; k++) {
+    rig *r[2];
+    for (int t = 0; t < 2; t++) {
+      r[t] =
+          rig_make(scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1],'x':'periodic','y':'periodic','z':"
+                              "'periodic'},'particles':[{'type':'random','material':'a','count':4500,'radius':[0.02,"
+                              "0.028],'region':{'min':[0,0,0],'max':[1,1,1]}}]%s}",
+                              0.5, integrators[k]),
+                   5e-5, 0, NULL);
+      dem_data *d = r[t]->data;
+      d->nthread = t + 1;
+      for (int i = 0; i < 4500; i++)
+        d->pace[i].velocity = tdm_v3(sin(3 * (double)d->id[i]), 5, cos((double)d->id[i]));
+      tdm_vec3 before = {0, 0, 0}, after = {0, 0, 0};
+      double sum = 0;
+      for (int i = 0; i < 4500; i++) {
+        before = tdm_axpy(d->mass[i], d->pace[i].velocity, before);
+        sum += d->mass[i] * tdm_norm(d->pace[i].velocity);
+      }
+      d->since_sort = 960; /* so that the order is renewed on the way */
+      rig_steps(r[t], 120);
+      for (int i = 0; i < 4500; i++)
+        after = tdm_axpy(d->mass[i], d->pace[i].velocity, after);
+      ck_assert_int_gt(d->ncontact, 200);
+      ck_assert_uint_eq(d->since_sort, 80);
+      ck_assert_int_gt(d->crossings.count, 100);
+      ck_assert(tdm_norm(tdm_sub(after, before)) < 1e-12 * sum);
+    }
+    ck_assert_mem_eq(r[0]->data->sphere, r[1]->data->sphere, 4500 * sizeof(dem_sphere));
+    ck_assert_mem_eq(r[0]->data->pace, r[1]->data->pace, 4500 * sizeof(dem_pace));
+    rig_free(r[0]);
+    rig_free(r[1]);
+  }
+}
+END_TEST
+
 START_TEST(test_verlet_1967) {
   /* its own skin and interval */
   rig *r = rig_make(scene_json("{" MATERIAL ",'search':'verlet-1967','particles':[{'type':'block','material':'a',"
@@ -201,6 +240,52 @@ START_TEST(test_open) {
 }
 END_TEST
 
+START_TEST(test_channels) {
+  /* through the solver: the channel of what left, and a balance that closes; the guard's stop ends a window */
+  json_t *json = scene_json("{" MATERIAL ",'guard':{'action':'stop','every':10,'overlap':0.01},'domain':{'min':[0,0,0],"
+                            "'max':[1,1,1]},'particles':[{'type':'list','material':'a','radius':0.05,'positions':["
+                            "[0.999,0.5,0.5],[0.5,0.2,0.5],[0.5,0.31,0.5]],'velocity':[1,0,0]}]}",
+                            0.5);
+  for (int squeeze = 0; squeeze < 2; squeeze++) {
+    tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 50};
+    if (squeeze) {
+      json_t *groups = json_object_get(json, "particles");
+      json_array_append_new(groups,
+                            scene_json("{'type':'list','material':'a','radius':0.05,'positions':[[0.1,0.5,0.5]],"
+                                       "'velocity':[3,0,0]}"));
+      json_array_append_new(groups,
+                            scene_json("{'type':'list','material':'a','radius':0.05,'positions':[[0.202,0.5,0.5]]"
+                                       ",'velocity':[-3,0,0]}"));
+    }
+    void *self = NULL;
+    tdm_ready ready = {0};
+    tdm_error err = {0};
+    ck_assert_msg(!dem_solver_ops.create(&self, &a, &ready, NULL, &err), "%s", err.message);
+    double t1 = 5e-3, values[64] = {0};
+    tdm_step step = {.t1 = t1, .nstep = 50, .nsample = 1, .sample_time = &t1};
+    tdm_result result = {.nload = 1, .nsample = 1, .nchannel = ready.nchannel, .channel = values};
+    tdm_status status = dem_solver_ops.step(self, &step, &result, &err);
+    if (squeeze) {
+      ck_assert_int_eq(status, TDM_ERR_NUMERIC);
+      ck_assert_ptr_nonnull(strstr(err.message, "dem.guard.overlap"));
+    } else {
+      ck_assert_msg(status == TDM_OK, "%s", err.message);
+      int found = 0;
+      for (int c = 0; c < ready.nchannel; c++) {
+        bool left = !strcmp(ready.channel[c].name, "particles.left");
+        bool balance = !strncmp(ready.channel[c].name, "balance.", 8);
+        ck_assert(!(left && values[c] != 1) && !(balance && values[c] != 0));
+        found += left + balance;
+      }
+      ck_assert_int_eq(found, 3);
+      ck_assert(values[0] == 2);
+    }
+    dem_solver_ops.destroy(self);
+  }
+  json_decref(json);
+}
+END_TEST
+
 /* load what must be refused; the error */
 static tdm_error refused(const char *domain, const char *more) {
   dem_model *m = NULL;
@@ -233,5 +318,5 @@ START_TEST(test_plane_across) {
 }
 END_TEST
 
-TEST_MAIN("dem domain", 60, test_repeats, test_bits, test_verlet_1967, test_over_the_boundary, test_strained,
-          test_squeezed, test_open, test_refused, test_plane_across)
+TEST_MAIN("dem domain", 300, test_repeats, test_bits, test_threads, test_verlet_1967, test_over_the_boundary,
+          test_strained, test_squeezed, test_open, test_channels, test_refused, test_plane_across)

@@ -382,6 +382,50 @@ START_TEST(test_fixed) {
 }
 END_TEST
 
-TEST_MAIN("dem integrators", 60, test_order, test_order_damped, test_same_motion, test_reversal, test_energy,
+START_TEST(test_load) {
+  /* the impulse on a body is what the particles lost: over impacts that begin and end inside, whatever share of the
+   * contacts is taken in substeps, also while the floor moves */
+  static const double mass[] = {0, 0, 0, 1e9, 1e-9, 0.3};
+  for (int n = 0; n < 6; n++) {
+    int k = n < 3 ? n : 3;
+    tdm_assigned_body floor = {.name = "floor", .mass = 100, .state = state_at(0, 0, 0)};
+    rig *r = rig_make(
+        scene_json("{'gravity':[0,0,0]," MATERIAL ",'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],"
+                   "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}"
+                   "],'particles':[{'type':'list','material':'a','radius':0.05,'positions':[[0,0,0.06]],"
+                   "'velocity':[1,0,-2],'spin':[0,3,0]},{'type':'list','material':'a','radius':0.03,"
+                   "'positions':[[0.3,0,0.04]],'velocity':[0,1,-1]}]%s}",
+                   keys_of(k, mass[n])),
+        2e-5, 1, &floor);
+    dem_data *d = r->data;
+    tdm_vec3 impulse = {0, 0, 0}, gained = {0, 0, 0};
+    long most = 0;
+    for (int i = 0; i < 2; i++)
+      gained = tdm_axpy(-d->mass[i], d->pace[i].velocity, gained);
+    tdm_state now = state_at(0, 0, 0), next;
+    for (int s = 0; s < 3000; s++) {
+      next = now;
+      next.pose.position.z += 2e-6; /* 0.1 m/s upward */
+      dem_motion path = dem_motion_make(&now, &next, 2e-5, TDM_LINEAR);
+      ck_assert(dem_step(d, &path, 1, 1, false, 2e-5));
+      now = next;
+      impulse = tdm_axpy(2e-5, d->body_load[0].force, impulse);
+      most = d->ncontact > most ? d->ncontact : most;
+    }
+    for (int i = 0; i < 2; i++) {
+      gained = tdm_axpy(d->mass[i], d->pace[i].velocity, gained);
+      ck_assert(d->pace[i].velocity.z > 0.3);
+    }
+    ck_assert_int_ge(most, 1);
+    ck_assert_int_eq(d->ncontact, 0);
+    ck_assert(gained.z > 1 && fabs(gained.x) > 0.01);
+    ck_assert_msg(tdm_norm(tdm_add(gained, impulse)) < 1e-12, "%s, mass %g: off by %.3g", names[k], mass[n],
+                  tdm_norm(tdm_add(gained, impulse)));
+    rig_free(r);
+  }
+}
+END_TEST
+
+TEST_MAIN("dem integrators", 300, test_order, test_order_damped, test_same_motion, test_reversal, test_energy,
           test_momentum, test_another_step, test_newcomer, test_multi_step_is_cheaper_than_it_is_wrong, test_discs,
-          test_body_force, test_fixed)
+          test_body_force, test_fixed, test_load)

@@ -1,0 +1,330 @@
+/* Extreme cases: each ends accurate or with a clear error, never in silent garbage; and the guard that sees to it. */
+#include "test_dem_support.h"
+
+#include "dem/check.h"
+#include "dem/guard.h"
+#include "dem/limits.h"
+#include "tests/test_main.h"
+
+/* A sphere of radius R, density, stiffness, restitution, friction and speed falls on a floor at a slant. */
+typedef struct {
+  double radius, density, young, restitution, friction, speed;
+  const char *more;
+} drop;
+
+static rig *drop_make(drop c, double dt) {
+  return rig_make(scene_json("{'materials':[{'name':'a','density':%g,'young_modulus':%g,'poisson_ratio':0.25}],"
+                             "'pairs':[{'materials':['a','a'],'restitution':%g,'friction':%g}],'gravity':[0,0,0],"
+                             "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+                             "'particles':[{'type':'list','material':'a','radius':%g,'positions':[[0,0,%.17g]],"
+                             "'velocity':[%.17g,0,%.17g]}]%s}",
+                             c.density, c.young, c.restitution, c.friction, c.radius, c.radius, 0.5 * c.speed, -c.speed,
+                             c.more ? c.more : ""),
+                  dt, 0, NULL);
+}
+
+static double contact_time(const rig *r, double speed) {
+  return dem_contact_time(r->data->mass[0], r->data->sphere[0].radius, r->model->pair[0].young, speed);
+}
+
+/* Speed after the impact over the speed before, in 200 steps a contact or more; -1: it never left. */
+static double restitution_of(drop c) {
+  rig *r = drop_make(c, 1);
+  double dt = contact_time(r, c.speed) / 200, e = -1;
+  for (long k = 0; k < 100000 && e < 0; k++) {
+    ck_assert(dem_step(r->data, NULL, 0, 1, false, dt));
+    if (k > 10 && r->data->ncontact == 0)
+      e = r->data->pace[0].velocity.z / c.speed;
+  }
+  tdm_error err = {0};
+  ck_assert_int_eq(dem_check_finite(r->data, 0, &err), TDM_OK);
+  rig_free(r);
+  return e;
+}
+
+START_TEST(test_stiffness_and_density) {
+  /* 1e3 to 1e11 Pa, 1 to 2e4 kg/m3: the restitution is the given one */
+  for (int s = 3; s <= 11; s += 2)
+    for (int d = 0; d < 3; d++) {
+      double density = d == 0 ? 1 : d == 1 ? 1000 : 2e4;
+      /* not so fast that the sphere is squashed: 1 % of the wave speed */
+      drop c = {0.01, density, pow(10, s), 0.6, 0.3, 0.01 * sqrt(pow(10, s) / density), NULL};
+      ck_near(restitution_of(c), 0.6, 0.005);
+    }
+}
+END_TEST
+
+START_TEST(test_restitution) {
+  const double e[] = {0.01, 0.1, 1};
+  for (int k = 0; k < 3; k++) {
+    drop c = {0.01, 2500, 1e8, e[k], 0.3, 0.5, NULL};
+    ck_near(restitution_of(c), e[k], 0.01 * e[k] + 1e-3);
+  }
+}
+END_TEST
+
+START_TEST(test_friction) {
+  /* none: the velocity along the floor stays. Ten: it sticks, and energy does not grow. */
+  drop c = {0.01, 2500, 1e8, 0.8, 0, 0.5, NULL};
+  for (int k = 0; k < 2; k++) {
+    c.friction = 10 * k;
+    rig *r = drop_make(c, 1);
+    double dt = contact_time(r, c.speed) / 200;
+    const dem_pace *pace = &r->data->pace[0];
+    for (int s = 0; s < 1000; s++)
+      ck_assert(dem_step(r->data, NULL, 0, 1, false, dt));
+    double spin = 0.01 * pace->spin.y, energy = tdm_dot(pace->velocity, pace->velocity) + 0.4 * spin * spin;
+    ck_assert_int_eq(r->data->ncontact, 0);
+    if (k == 0) {
+      ck_assert(pace->velocity.x == 0.25 && spin == 0);
+      ck_near(energy, 0.25 * 0.25 + 0.4 * 0.4, 2e-3);
+    } else {
+      ck_assert(spin > 0.05);
+      ck_assert(energy < 1.25 * 0.25);
+      /* angular momentum about the floor: v + 2/5 R w stays, as the force acts at the floor but for the overlap */
+      ck_near(pace->velocity.x + 0.4 * spin, 0.25, 0.005);
+    }
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_size_ratio) {
+  /* 1 to 100, each search: the small one bounces off the large one at rest with the given restitution; mass ratio 1e6
+   */
+  static const char *const searches[] = {"auto", "cells", "sweep", "grid", "all", "verlet-1967"};
+  tdm_vec3 v[6];
+  for (int k = 0; k < 6; k++) {
+    rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                                 "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0}],'gravity':[0,0,0],"
+                                 "'search':'%s','particles':["
+                                 "{'type':'list','material':'a','radius':1,'positions':[[0,0,0]]},"
+                                 "{'type':'list','material':'a','radius':0.01,'positions':[[0,0,1.012],[0,1.5,0],"
+                                 "[0,-1.2,0.9],[3,3,3]],'velocity':[0,0,-1]}]}",
+                                 searches[k]),
+                      2e-6, 0, NULL);
+    rig_steps(r, 2500);
+    v[k] = r->data->pace[1].velocity;
+    ck_near(v[k].z, 0.5, 0.005);
+    ck_assert(v[k].x == v[0].x && v[k].y == v[0].y && v[k].z == v[0].z);
+    ck_near(r->data->pace[0].velocity.z, -1.5e-6, 1e-7);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_one_and_none) {
+  rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                               "'particles':[{'type':'list','material':'a','radius':0.1,'positions':[[0,0,0]]}]}"),
+                    1e-3, 0, NULL);
+  rig_steps(r, 1000);
+  ck_near(r->data->sphere[0].position.z, -0.5 * 9.81, 1e-10);
+  rig_free(r);
+  r = rig_make(scene_json("{'materials':[],'particles':[]}"), 1e-3, 0, NULL);
+  rig_steps(r, 100);
+  ck_assert_int_eq(r->data->nparticle, 0);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_absurd_places) {
+  /* far apart, beyond what a cell's number holds: nothing touches, nothing is lost, and contacts far out still work */
+  static const char *const searches[] = {"cells", "sweep", "grid", "all"};
+  for (int k = 0; k < 4; k++) {
+    rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                                 "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.3}],'gravity':[0,0,0],"
+                                 "'search':'%s','particles':[{'type':'list','material':'a','radius':0.01,'positions':["
+                                 "[0,0,0],[1e300,-1e300,1e300],[1e15,0,0],[0,-1e9,0],[0,-1e9,0.0199]]}]}",
+                                 searches[k]),
+                      1e-5, 0, NULL);
+    ck_assert_int_eq(r->data->ncontact, 1);
+    rig_steps(r, 100);
+    tdm_error err = {0};
+    ck_assert_int_eq(dem_check_finite(r->data, 0, &err), TDM_OK);
+    ck_assert(r->data->sphere[1].position.x == 1e300);
+    ck_assert(r->data->pace[4].velocity.z > 0 && r->data->pace[3].velocity.z < 0);
+    rig_free(r);
+  }
+}
+END_TEST
+
+/* ---- refused at the start ---- */
+
+static tdm_error start_error(const char *positions, double z) {
+  rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                               "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.3}],"
+                               "'bodies':[{'name':'block','material':'a','shapes':[{'type':'box','side':'outside',"
+                               "'size':[1,1,1],'center':[0,0,%g]}]}],"
+                               "'particles':[{'type':'list','material':'a','radius':0.1,'positions':[%s]}]}",
+                               z, positions),
+                    1e-5, 0, NULL);
+  tdm_error err = {0};
+  int behind;
+  ck_assert_int_eq(dem_check_start(r->data, &behind, &err), TDM_ERR_SCENE);
+  ck_assert_str_eq(err.path, "dem.particles[0]");
+  rig_free(r);
+  return err;
+}
+
+START_TEST(test_inside) {
+  tdm_error err = start_error("[0,0,0],[0,0,0.01]", 10);
+  ck_assert_ptr_nonnull(strstr(err.message, "particle 1 overlaps particle 0"));
+  err = start_error("[0,0,0],[0,0,0]", 10); /* one in the place of the other */
+  ck_assert_ptr_nonnull(strstr(err.message, "particle 1 overlaps particle 0"));
+  err = start_error("[0,0,0]", 0); /* deep inside a solid */
+  ck_assert_ptr_nonnull(strstr(err.message, "in a wall of \"block\""));
+}
+END_TEST
+
+/* ---- the guard ---- */
+
+/* run until the guard stops it; its error, or TDM_OK after n steps */
+static tdm_error guarded(rig *r, long n, long *steps) {
+  tdm_error err = {0};
+  for (*steps = 0; *steps < n && !err.status; ++*steps) {
+    rig_steps(r, 1);
+    dem_guard(r->data, (double)r->data->nstep * r->model->dt, r->model->dt, &err);
+  }
+  return err;
+}
+
+START_TEST(test_through_a_wall) {
+  /* a wall 1 mm thick, a particle that goes 50 mm a step: said at once, with particle, place, time and step */
+  for (int stop = 0; stop < 2; stop++) {
+    rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                                 "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.3}],'gravity':[0,0,0],"
+                                 "'bodies':[{'name':'w','material':'a','shapes':[{'type':'box','side':'outside','size':"
+                                 "[1,1,0.001]}]}],'guard':{'action':'%s'},'particles':["
+                                 "{'type':'list','material':'a','radius':0.01,'positions':[[9,9,9]]},"
+                                 "{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0.125]],'velocity':"
+                                 "[0,0,-500]}]}",
+                                 stop ? "stop" : "warn"),
+                      1e-4, 0, NULL);
+    long steps;
+    tdm_error err = guarded(r, 100, &steps);
+    if (stop) {
+      ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
+      ck_assert_int_eq(steps, 1);
+      ck_assert_str_eq(err.path, "dem.particles[1]");
+      ck_assert_ptr_nonnull(strstr(err.message, "id 1"));
+      ck_assert_ptr_nonnull(strstr(err.message, "0.05 m in a step"));
+      ck_assert_ptr_nonnull(strstr(err.message, "step 1"));
+    } else {
+      ck_assert_int_eq(err.status, TDM_OK);
+      ck_assert_uint_gt(r->data->guard.told[DEM_GUARD_LEAP], 5);
+      ck_assert_uint_eq(r->data->guard.told[DEM_GUARD_OVERLAP], 0);
+    }
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_overlap) {
+  /* a soft sphere is squashed by half its radius */
+  drop c = {0.01, 2500, 1e4, 0.9, 0, 1, ",'guard':{'action':'stop','every':1,'overlap':0.2}"};
+  rig *r = drop_make(c, 1e-5);
+  long steps;
+  tdm_error err = guarded(r, 5000, &steps);
+  ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
+  double share = 1 - r->data->sphere[0].position.z / 0.01;
+  ck_assert(share > 0.2 && share < 0.202);
+  ck_assert_ptr_nonnull(strstr(err.message, "a wall of \"floor\""));
+  ck_assert_ptr_nonnull(strstr(err.message, "dem.guard.overlap"));
+  rig_free(r);
+  c.more = ",'guard':{'action':'stop','every':1,'overlap':2}"; /* as much as you like */
+  r = drop_make(c, 1e-5);
+  ck_assert_int_eq(guarded(r, 5000, &steps).status, TDM_OK);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_step_and_energy) {
+  /* A step beyond the stability limit: said by the step's guard; with it out of the way (every), the energy's. Within
+   * the limit neither says anything. */
+  static const char scene[] =
+      "{'materials':[{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.25}],'contact':{'tangential':"
+      "'%s'},'pairs':[{'materials':['a','a'],'restitution':%g,'friction':0.5}],'bodies':[{'name':'box','material':'a',"
+      "'shapes':[{'type':'box','side':'inside','size':[0.1,0.1,0.2]}]}],'guard':{'action':'stop','every':%d,"
+      "'overlap':10,'energy':%g},'particles':[{'type':'random','material':'a','count':60,'radius':0.01,'region':{'min':"
+      "["
+      "-0.05,-0.05,-0.1],'max':[0.05,0.05,0.1]}}]}";
+  static const struct {
+    double dt, e, energy;
+    int every;
+    const char *tangential, *says;
+  } cases[] = {{1e-5, 0.5, 0.5, 10, "mindlin", NULL},
+               {1e-5, 1, 0.05, 10, "none", NULL},
+               {1.2e-3, 0.5, 1e9, 1, "mindlin", "a step of"},
+               {1.2e-3, 1, 0.5, 10, "none", "rose by"}};
+  for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+    rig *r = rig_make(scene_json(scene, cases[k].tangential, cases[k].e, cases[k].every, cases[k].energy), cases[k].dt,
+                      0, NULL);
+    long steps;
+    tdm_error err = guarded(r, k < 2 ? 20000 : 3000, &steps);
+    if (!cases[k].says)
+      ck_assert_msg(err.status == TDM_OK, "%zu: %s", k, err.message);
+    else if (cases[k].says[0] == 'a')
+      ck_assert_msg(err.status && strstr(err.message, "a step of"), "%zu: %s", k, err.message);
+    else /* whichever sees it first */
+      ck_assert_msg(err.status && (strstr(err.message, "rose by") || strstr(err.message, "a step of")), "%zu: %s", k,
+                    err.message);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_limits_of_substeps) {
+  /* what multi-step takes four times in a step may have a step four times as long */
+  dem_limits limits[2];
+  for (int k = 0; k < 2; k++) {
+    drop c = {
+        0.01, 2500, 1e8, 0.6, 0.3, 1, k ? ",'integrator':'multi-step','multi_step':{'substeps':4,'mass':1}" : NULL};
+    rig *r = drop_make(c, 1e-6);
+    rig_steps(r, 20);
+    limits[k] = dem_limits_now(r->data);
+    rig_free(r);
+  }
+  ck_relative(limits[1].rayleigh, 4 * limits[0].rayleigh, 1e-12);
+  ck_relative(limits[1].contact, 4 * limits[0].contact, 1e-3);
+  ck_relative(limits[1].eigen, 4 * limits[0].eigen, 1e-3);
+}
+END_TEST
+
+START_TEST(test_energy_of_a_push) {
+  /* energy out of nothing, put in by hand: told with its amount */
+  rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                               "'guard':{'action':'stop','every':10},'particles':[{'type':'list','material':'a',"
+                               "'radius':0.1,'mass':2,'positions':[[0,0,0]],'velocity':[1,0,0]}]}"),
+                    1e-4, 0, NULL);
+  long steps;
+  ck_assert_int_eq(guarded(r, 105, &steps).status, TDM_OK);
+  r->data->pace[0].velocity.x = 3; /* 1 J becomes 9 J */
+  tdm_error err = guarded(r, 10, &steps);
+  ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
+  ck_assert_ptr_nonnull(strstr(err.message, "rose by 8 J"));
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_no_number) {
+  rig *r =
+      rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
+                          "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.3}],"
+                          "'guard':{'every':10},'particles':[{'type':'list','material':'a','radius':0.1,'positions':"
+                          "[[0,0,0],[0,0,0.2],[5,5,5]]}]}"),
+               1e-4, 0, NULL);
+  long steps;
+  ck_assert_int_eq(guarded(r, 15, &steps).status, TDM_OK);
+  r->data->pace[0].velocity.y = NAN;
+  tdm_error err = guarded(r, 10, &steps);
+  ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
+  ck_assert_int_eq(steps, 5); /* at step 20 */
+  ck_assert_ptr_nonnull(strstr(err.message, "no number at t = 0.002 s, step 20"));
+  ck_assert_ptr_nonnull(strstr(err.message, "id 0"));
+  rig_free(r);
+}
+END_TEST
+
+TEST_MAIN("dem extreme cases", 60, test_stiffness_and_density, test_restitution, test_friction, test_size_ratio,
+          test_one_and_none, test_absurd_places, test_inside, test_through_a_wall, test_overlap, test_step_and_energy,
+          test_limits_of_substeps, test_energy_of_a_push, test_no_number)

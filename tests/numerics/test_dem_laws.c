@@ -1,0 +1,636 @@
+/* Each contact law against its closed form: impacts, friction, rolling, adhesion; and sets of laws that are refused.
+ * Equations and sources: dem/README.md. */
+#include "test_dem_support.h"
+
+#include "dem/contact/restitution.h"
+#include "dem/contact/theory.h"
+#include "tests/test_main.h"
+
+/* ---- impacts of two free spheres ---- */
+
+/* radii and masses of two spheres that touch at the origin and approach along x */
+typedef struct {
+  double radius[2], mass[2], speed;
+} spheres;
+
+static const spheres usual = {{0.01, 0.015}, {0.01, 0.03}, 0.5};
+
+static rig *head_on(const spheres *s, const char *contact, const char *pair, double dt) {
+  return rig_make(scene_json("{'gravity':[0,0,0],'materials':[{'name':'a','density':2500,'young_modulus':1e7,"
+                             "'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],%s}],'contact':{%s},'particles':["
+                             "{'type':'list','material':'a','radius':%.17g,'mass':%.17g,'positions':[[%.17g,0,0]],"
+                             "'velocity':[%.17g,0,0]},"
+                             "{'type':'list','material':'a','radius':%.17g,'mass':%.17g,'positions':[[%.17g,0,0]]}]}",
+                             pair, contact, s->radius[0], s->mass[0], -s->radius[0], s->speed, s->radius[1], s->mass[1],
+                             s->radius[1]),
+                  dt, 0, NULL);
+}
+
+static dem_impact impact_of(const spheres *s) {
+  return (dem_impact){1 / (1 / s->mass[0] + 1 / s->mass[1]), 1 / (1 / s->radius[0] + 1 / s->radius[1]), s->speed};
+}
+
+typedef struct {
+  double time, overlap, restitution;
+  bool parted; /* within the steps that were given */
+} measured;
+
+static measured measure(rig *r, long most) {
+  measured out = {0};
+  const dem_data *d = r->data;
+  double v0 = d->pace[0].velocity.x - d->pace[1].velocity.x;
+  long k = 0;
+  do {
+    rig_steps(r, 1);
+    k++;
+    double gap = d->sphere[1].position.x - d->sphere[0].position.x - d->sphere[0].radius - d->sphere[1].radius;
+    out.overlap = fmax(out.overlap, -gap);
+    out.parted = gap > 0;
+  } while (!out.parted && k < most);
+  out.time = (double)k * r->model->dt;
+  out.restitution = (d->pace[1].velocity.x - d->pace[0].velocity.x) / v0;
+  return out;
+}
+
+START_TEST(test_glass_balls) {
+  /* [A07] Eq. 2.25-2.31 */
+  const spheres glass = {{0.0015, 0.002}, {0.0383e-3, 0.09e-3}, 0.05};
+  rig *r = head_on(&glass, "'normal':'hooke','tangential':'none'", "'stiffness':7.36,'damping':8.96e-4", 1e-6);
+  const dem_pair *pair = &r->model->pair[0];
+  dem_impact printed = {2.69e-5, 1e-3, 0.05};
+  double omega = sqrt(dem_normal_stiffness(r->model, pair, printed, 1e-6) / printed.mass);
+  ck_near(omega, 523.07, 0.01);
+  ck_near(dem_normal_contact_time(r->model, pair, printed), 0.00601, 5e-6);
+  ck_near(dem_normal_restitution(r->model, pair, printed), 0.905, 5e-4);
+  dem_impact exact = impact_of(&glass);
+  measured m = measure(r, 100000);
+  ck_relative(m.restitution, dem_normal_restitution(r->model, pair, exact), 1e-4);
+  ck_near(m.time, dem_normal_contact_time(r->model, pair, exact), 2e-6);
+  ck_relative(m.overlap, dem_normal_overlap(r->model, pair, exact), 1e-4);
+  rig_free(r);
+}
+END_TEST
+
+typedef struct {
+  const char *contact, *pair;
+  double restitution; /* 0: what theory.h says */
+  bool damped;        /* there is no closed form of time and overlap */
+} impact_case;
+
+static const impact_case impacts[] = {
+    {"'normal':'hooke'", "'stiffness':2e4,'restitution':0.5", 0.5, false},
+    {"'normal':'hooke'", "'stiffness':2e4,'restitution':0.95", 0.95, false},
+    {"'normal':'hooke'", "'contact_time':2e-3,'restitution':0.7", 0.7, false},
+    {"'normal':'hooke'", "'stiffness':2e4,'damping':5", 0, false},
+    {"'normal':'hertz'", "'restitution':1", 1, false},
+    {"'normal':'hertz'", "'restitution':0.6", 0.6, true},
+    {"'normal':'hertz','tail':'clip'", "'restitution':0.6", 0.6, true},
+    {"'normal':'hunt-crossley'", "'restitution':1", 1, false},
+    {"'normal':'hunt-crossley','exponent':1", "'stiffness':2e4,'restitution':1", 1, false},
+    {"'normal':'hunt-crossley','exponent':2.3", "'stiffness':2e8,'restitution':1", 1, false},
+    {"'normal':'hysteretic'", "'stiffness':2e4,'restitution':0.7", 0.7, false},
+    {"'normal':'hysteretic'", "'stiffness':2e4,'unloading_stiffness':5e4", 0.63245553203367587, false},
+};
+
+START_TEST(test_impacts) {
+  const impact_case *c = &impacts[_i];
+  char pair[256], contact[256];
+  snprintf(pair, sizeof pair, "%s,'friction':0.5", c->pair);
+  snprintf(contact, sizeof contact, "%s,'tangential':'none'", c->contact);
+  rig *r = head_on(&usual, contact, pair, 1e-7);
+  dem_impact impact = impact_of(&usual);
+  const dem_pair *p = &r->model->pair[0];
+  double e = dem_normal_restitution(r->model, p, impact);
+  if (c->restitution > 0)
+    ck_near(e, c->restitution, 1e-9);
+  bool plastic = r->model->law->normal == DEM_NORMAL_hysteretic;
+  const dem_data *d = r->data;
+  double deepest = 0, v0 = usual.speed, time = 0;
+  do { /* the plastic contact ends where its force does */
+    rig_steps(r, 1);
+    time += r->model->dt;
+    deepest =
+        fmax(deepest, d->sphere[0].radius + d->sphere[1].radius - d->sphere[1].position.x + d->sphere[0].position.x);
+  } while (d->ncontact > 0 && (!plastic || d->push[0].force.x < 0 || time < 1e-6));
+  ck_near((d->pace[1].velocity.x - d->pace[0].velocity.x) / v0, e, 2e-4);
+  if (!c->damped) {
+    ck_near(time, dem_normal_contact_time(r->model, p, impact), 4e-7);
+    /* first order: the damper's force begins inside a step */
+    ck_relative(deepest, dem_normal_overlap(r->model, p, impact), 5e-5);
+  }
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_contact_time_given) {
+  /* whatever the masses */
+  for (int k = 0; k < 2; k++) {
+    spheres s = usual;
+    s.mass[0] *= k ? 50 : 1;
+    for (int clip = 0; clip < 2; clip++) {
+      rig *r = head_on(
+          &s, clip ? "'normal':'hooke','tangential':'none','tail':'clip'" : "'normal':'hooke','tangential':'none'",
+          "'contact_time':3e-3,'restitution':0.6", 1e-7);
+      ck_relative(dem_normal_contact_time(r->model, &r->model->pair[0], impact_of(&s)), 3e-3, 1e-9);
+      ck_near(measure(r, 100000).restitution, 0.6, 2e-4);
+      rig_free(r);
+    }
+  }
+}
+END_TEST
+
+START_TEST(test_linear_clip) {
+  /* the damping is solved for e with the tail cut, beyond critical damping as well */
+  static const double es[] = {0.02, 0.1, 0.135335283, 0.3, 0.5, 0.9, 1};
+  for (int k = 0; k < 7; k++) {
+    char pair[128];
+    snprintf(pair, sizeof pair, "'stiffness':2e4,'restitution':%.17g", es[k]);
+    rig *r = head_on(&usual, "'normal':'hooke','tangential':'none','tail':'clip'", pair, 2e-7);
+    rig_steps(r, 60000);
+    ck_near((r->data->pace[1].velocity.x - r->data->pace[0].velocity.x) / usual.speed, es[k], 2e-4);
+    rig_free(r);
+  }
+  /* critical, [A07] Eq. 2.40: the bodies stay together when the tail is kept */
+  rig *r = head_on(&usual, "'normal':'hooke','tangential':'none'", "'stiffness':2e4,'damping':'critical'", 1e-7);
+  ck_relative(r->model->pair[0].normal_damping, 2.0, 1e-15);
+  ck_assert(isinf(dem_normal_contact_time(r->model, &r->model->pair[0], impact_of(&usual))));
+  measured m = measure(r, 100000);
+  ck_assert(!m.parted);
+  ck_near(m.restitution, 0, 1e-5);
+  ck_relative(m.overlap, dem_normal_overlap(r->model, &r->model->pair[0], impact_of(&usual)), 2e-4);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_hunt_crossley) {
+  /* X of e, exact; e of X as printed, 3/4 (1 - e^2), for any exponent and speed */
+  ck_near(dem_hunt_damping(0.8), 0.37315, 5e-6);
+  ck_near(dem_hunt_damping(0.5), 1.43275, 5e-6);
+  ck_near(dem_hunt_damping(0.2), 4.9192, 5e-5);
+  ck_near(dem_hunt_restitution(0.75 * (1 - 0.25)), 0.725, 5e-4);
+  ck_near(dem_hunt_restitution(0.75 * (1 - 0.04)), 0.672, 5e-4);
+  static const struct {
+    const char *contact, *pair;
+    double e;
+  } cases[] = {{"", "'restitution':0.5", 0.5},
+               {"'exponent':1,", "'restitution':0.5,'stiffness':2e4", 0.5},
+               {"'exponent':2,", "'restitution':0.2,'stiffness':2e7", 0.2},
+               {"'lambda':'printed',", "'restitution':0.5", 0.7249},
+               {"'lambda':'printed','exponent':1,", "'restitution':0.2,'stiffness':2e4", 0.6720}};
+  for (int k = 0; k < 5; k++)
+    for (int fast = 0; fast < 2; fast++) {
+      char contact[128];
+      snprintf(contact, sizeof contact, "%s'normal':'hunt-crossley','tangential':'none'", cases[k].contact);
+      spheres s = usual;
+      s.speed = fast ? 2 : 0.1;
+      rig *r = head_on(&s, contact, cases[k].pair, 2e-7);
+      measured m = measure(r, 1000000);
+      ck_near(m.restitution, cases[k].e, 4e-4);
+      ck_near(m.restitution, dem_normal_restitution(r->model, &r->model->pair[0], impact_of(&s)), 3e-4);
+      ck_relative(m.overlap, dem_normal_overlap(r->model, &r->model->pair[0], impact_of(&s)), 1e-4);
+      rig_free(r);
+    }
+}
+END_TEST
+
+START_TEST(test_hunt_crossley_floor) {
+  /* a contact that begins slowly is damped as one at the floor */
+  spheres s = usual;
+  s.speed = 0.05;
+  rig *r = head_on(&s, "'normal':'hunt-crossley','tangential':'none'", "'restitution':0.5,'speed_floor':0.1", 1e-6);
+  double e = measure(r, 1000000).restitution;
+  ck_near(e, dem_hunt_restitution(0.5 * dem_hunt_damping(0.5)), 3e-4);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_hysteretic_adhesion) {
+  static const double slopes[] = {0.1, 0.2}, es[] = {0.44173, 0.37796};
+  for (int k = 0; k < 2; k++) {
+    char pair[200];
+    snprintf(pair, sizeof pair, "'stiffness':1e4,'unloading_stiffness':4e4,'adhesion_stiffness':%g", slopes[k] * 1e4);
+    rig *r = head_on(&usual, "'normal':'hysteretic','tangential':'none'", pair, 2e-7);
+    ck_near(dem_normal_restitution(r->model, &r->model->pair[0], impact_of(&usual)), es[k], 1e-5);
+    ck_near(measure(r, 1000000).restitution, es[k], 1e-4);
+    rig_free(r);
+  }
+  rig *r = head_on(&usual, "'normal':'hysteretic','tangential':'none'",
+                   "'stiffness':1e4,'unloading_stiffness':4e4,'adhesion_stiffness':6e3", 1e-6);
+  ck_near(dem_normal_restitution(r->model, &r->model->pair[0], impact_of(&usual)), 0, 0);
+  ck_assert(!measure(r, 100000).parted);
+  rig_free(r);
+}
+END_TEST
+
+/* force between the spheres at an overlap, histories going on */
+static double force_at(rig *r, double overlap) {
+  r->data->sphere[0].position.x = -r->data->sphere[0].radius + overlap;
+  ck_assert(dem_forces_now(r->data, false));
+  return -r->data->push[0].force.x;
+}
+
+START_TEST(test_hysteretic_path) {
+  const double kl = 1e4, kun = 4e4, kad = 2e3, top = 1e-4, rest = 0.75 * top;
+  rig *r = head_on(&usual, "'normal':'hysteretic','tangential':'none'",
+                   "'stiffness':1e4,'unloading_stiffness':4e4,'adhesion_stiffness':2e3", 1e-6);
+  ck_relative(force_at(r, 0.5 * top), kl * 0.5 * top, 1e-9);
+  ck_relative(force_at(r, top), kl * top, 1e-9);
+  ck_relative(force_at(r, 0.9 * top), kun * (0.9 * top - rest), 1e-9); /* Eq. 2.41, 2.44 */
+  ck_relative(force_at(r, 0.95 * top), kun * (0.95 * top - rest), 1e-9);
+  ck_near(force_at(r, rest), 0, 1e-9);
+  double tip = 0.75 * kl / (kl + 0.25 * kad) * top; /* Eq. 2.49 */
+  ck_relative(force_at(r, 1.0001 * tip), kun * (1.0001 * tip - rest), 1e-6);
+  ck_relative(force_at(r, 0.8 * tip), -kad * 0.8 * tip, 1e-9);
+  double from = 0.5 * tip;
+  ck_relative(force_at(r, from), -kad * from, 1e-9);
+  /* reloading from there climbs on the steep slope up to the loading line, and on along that */
+  double up = 1e-6;
+  ck_relative(force_at(r, from + up), -kad * from + kun * up, 1e-9);
+  double zero = from * (1 + kad / kun), meets = zero / 0.75;
+  ck_relative(force_at(r, 0.999 * meets), kun * (0.999 * meets - zero), 1e-9);
+  ck_relative(force_at(r, 1.2 * meets), kl * 1.2 * meets, 1e-9);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_constant_viscosity) {
+  /* [G21] Eq. 3: eta sqrt(R* delta) delta' */
+  rig *r = head_on(&usual, "'tangential':'none'", "'viscosity':30", 1e-6);
+  double elastic, moving, overlap = 1e-4, R = impact_of(&usual).radius;
+  moving = force_at(r, overlap);
+  r->data->pace[0].velocity.x = 0;
+  elastic = force_at(r, overlap);
+  ck_relative(elastic, dem_normal_force(r->model, &r->model->pair[0], impact_of(&usual), overlap), 1e-9);
+  ck_relative(moving - elastic, 30 * sqrt(R * overlap) * usual.speed, 1e-9);
+  rig_free(r);
+}
+END_TEST
+
+/* ---- a sphere on a floor ---- */
+
+/* radius 10 mm, mass 0.01 kg; g along -z turned by `slope` about y */
+static rig *on_floor(const char *contact, const char *pair, double slope, double depth, const char *motion, double dt) {
+  return rig_make(scene_json("{'gravity':[%.17g,0,%.17g],'materials':[{'name':'a','density':2500,'young_modulus':1e8,"
+                             "'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],%s}],'contact':{%s},"
+                             "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+                             "'particles':[{'type':'list','material':'a','radius':0.01,'mass':0.01,"
+                             "'positions':[[0,0,%.17g]],%s}]}",
+                             10 * sin(slope), -10 * cos(slope), pair, contact, 0.01 - depth, motion),
+                  dt, 0, NULL);
+}
+
+START_TEST(test_rolling_from_sliding) {
+  /* v ends at 5/7 v0 and omega R as well, with every law of friction and normal law */
+  static const char *const laws[][2] = {
+      {"'normal':'hooke','tangential':'spring'", "'stiffness':1e5,'restitution':0.3,'friction':0.2"},
+      {"'normal':'hooke','tangential':'coulomb'", "'stiffness':1e5,'restitution':0.3,'friction':0.2"},
+      {"'normal':'hertz','tangential':'spring'", "'tangential_stiffness':3e4,'restitution':0.3,'friction':0.2"},
+      {"'normal':'hunt-crossley','tangential':'mindlin'", "'restitution':0.3,'friction':0.2"},
+      {"'normal':'hysteretic','tangential':'spring'", "'stiffness':1e5,'restitution':0.5,'friction':0.2"},
+      {"'normal':'hysteretic','tangential':'viscous'", "'stiffness':1e5,'restitution':0.5,'tangential_damping':2"}};
+  const char *const *law = laws[_i];
+  rig *r = on_floor(law[0], law[1], 0, 1e-6, "'velocity':[0.1,0,0]", 2e-6);
+  rig_steps(r, 30000);
+  ck_relative(r->data->pace[0].velocity.x, 0.1 * 5 / 7, 1e-3);
+  ck_relative(r->data->pace[0].spin.y * 0.01, 0.1 * 5 / 7, 2e-3);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_coulomb) {
+  /* dynamic only: mu F_n against the slip, none at none */
+  rig *r = on_floor("'normal':'hooke','tangential':'coulomb'", "'stiffness':1e4,'restitution':0.3,'friction':0.4", 0,
+                    1e-5, "'velocity':[0.03,0.04,0]", 1e-6);
+  const dem_push *push = &r->data->push[0];
+  ck_relative(push->force.x, -0.4 * 0.6 * push->force.z, 1e-12);
+  ck_relative(push->force.y, -0.4 * 0.8 * push->force.z, 1e-12);
+  r->data->pace[0].velocity = tdm_v3(0, 0, 0);
+  ck_assert(dem_forces_now(r->data, false));
+  ck_near(push->force.x, 0, 0);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_viscous) {
+  /* [A07] Eq. 2.56, without a limit */
+  rig *r = on_floor("'normal':'hooke','tangential':'viscous'",
+                    "'stiffness':1e4,'restitution':0.3,'tangential_damping':7", 0, 1e-7, "'velocity':[0.3,0,0]", 1e-6);
+  ck_relative(r->data->push[0].force.x, -7 * 0.3, 1e-12);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_static_friction) {
+  /* held in place and dragged: the spring grows to mu_s F_n, slides at mu_d F_n, sticks again when the drag turns */
+  static const char *const laws[][2] = {
+      {"'normal':'hooke','tangential':'spring'",
+       "'stiffness':1e4,'tangential_damping':0,'tangential_stiffness':1e3,'restitution':1"},
+      {"'normal':'hertz','tangential':'mindlin'", "'restitution':1"}};
+  for (int k = 0; k < 2; k++) {
+    char pair[300];
+    snprintf(pair, sizeof pair, "%s,'friction':{'static':0.6,'dynamic':0.4}", laws[k][1]);
+    rig *r = on_floor(laws[k][0], pair, 0, 1e-5, "'velocity':[0.02,0,0]", 1e-6);
+    const dem_push *push = &r->data->push[0];
+    double most = 0, press = push->force.z;
+    for (int step = 0; step < 6000; step++) {
+      dem_forces_again(r->data, false, 1e-6);
+      most = fmax(most, -push->force.x);
+      if (step > 4000)
+        ck_relative(push->force.x, -0.4 * press, 1e-12);
+    }
+    ck_relative(most, 0.6 * press, 0.02);
+    ck_assert_double_le(most, 0.6 * press * (1 + 1e-12));
+    r->data->pace[0].velocity.x = -0.02;
+    double least = 0;
+    for (int step = 0; step < 6000; step++) {
+      dem_forces_again(r->data, false, 1e-6);
+      least = fmax(least, push->force.x);
+    }
+    ck_relative(least, 0.6 * press, 0.02);
+    ck_relative(push->force.x, 0.4 * press, 1e-12);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_rolling_resistance) {
+  /* a ball that rolls: M = mu_r R F_n, so a = 5/7 mu_r g, and it stops after v0^2/(2a) */
+  static const char *const laws[] = {"constant-torque", "spring-dashpot"};
+  const double v0 = 0.05, a = 5.0 / 7 * 0.05 * 10;
+  for (int k = 0; k < 2; k++) {
+    char contact[200];
+    snprintf(contact, sizeof contact, "'normal':'hooke','tangential':'spring','rolling':'%s'", laws[k]);
+    rig *r = on_floor(contact,
+                      k ? "'stiffness':1e5,'restitution':0.3,'friction':0.5,'rolling_friction':0.05,'rolling_damping':0"
+                        : "'stiffness':1e5,'restitution':0.3,'friction':0.5,'rolling_friction':0.05",
+                      0, 1e-6, "'velocity':[0.05,0,0],'spin':[0,5,0]", 2e-6);
+    rig_steps(r, (long)(1.5 * v0 / a / 2e-6));
+    ck_relative(r->data->sphere[0].position.x, v0 * v0 / (2 * a), 5e-3);
+    if (k == 0) /* the spring without damping rolls it to and fro */
+      ck_near(r->data->pace[0].velocity.x, 0, 1e-7);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_rolling_on_incline) {
+  /* spring-dashpot holds a ball below tan = mu_r; above it rolls with 5/7 (g sin - mu_r g cos) */
+  for (int k = 0; k < 2; k++) {
+    double slope = atan(k ? 0.15 : 0.09);
+    rig *r = on_floor("'normal':'hooke','tangential':'spring','rolling':'spring-dashpot'",
+                      "'stiffness':1e4,'restitution':0.3,'friction':0.8,'rolling_friction':0.1", slope, 1e-5,
+                      "'velocity':[0,0,0]", 5e-6);
+    rig_steps(r, 100000);
+    double x = r->data->sphere[0].position.x, v = r->data->pace[0].velocity.x;
+    rig_steps(r, 20000);
+    if (k) {
+      ck_relative((r->data->pace[0].velocity.x - v) / 0.1, 50.0 / 7 * (sin(slope) - 0.1 * cos(slope)), 5e-3);
+    } else {
+      ck_near(r->data->sphere[0].position.x, x, 1e-9);
+      ck_near(v, 0, 1e-7);
+    }
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_twisting) {
+  /* a ball that spins on its spot: M = mu_t R F_n, so it stops after 2/5 R w/(mu_t g) */
+  rig *r = on_floor("'normal':'hooke','tangential':'spring','twisting':'constant-torque'",
+                    "'stiffness':1e4,'restitution':0.3,'friction':0.5,'twisting_friction':0.02", 0, 1e-5,
+                    "'spin':[0,0,10]", 5e-6);
+  double end = 0.4 * 0.01 * 10 / (0.02 * 10);
+  rig_steps(r, (long)(0.5 * end / 5e-6));
+  ck_relative(r->data->pace[0].spin.z, 5.0, 5e-3);
+  rig_steps(r, (long)(0.6 * end / 5e-6));
+  ck_near(r->data->pace[0].spin.z, 0, 1e-2);
+  rig_free(r);
+}
+END_TEST
+
+/* ---- cohesion ---- */
+
+/* force on the sphere at an overlap with the floor, without damping */
+static double lift(rig *r, double overlap) {
+  r->data->sphere[0].position.z = 0.01 - overlap;
+  ck_assert(dem_forces_now(r->data, false));
+  return r->data->push[0].force.z;
+}
+
+START_TEST(test_jkr) {
+  const double w = 5, R = 0.01;
+  rig *r = on_floor("'tangential':'none','cohesion':'jkr'", "'restitution':1,'adhesion_energy':5", 0, 0,
+                    "'velocity':[0,0,0]", 1e-6);
+  double young = r->model->pair[0].young, unit = M_PI * w * R, length = cbrt(M_PI * w * R * R / young);
+  double depth = length * length / R, reach = dem_jkr_reach(R, young, w);
+  ck_relative(reach, 0.75 * depth, 1e-12);
+  ck_relative(r->model->reach, reach, 1e-12);
+  ck_near(lift(r, -0.2 * depth), 0, 0);                      /* nothing before they touch */
+  ck_relative(lift(r, 1e-9 * depth), -4.0 / 3 * unit, 1e-6); /* snap-in */
+  /* out: largest pull 3/2 pi w R, the work of all of it 1.0524 pi w L^2, the end at the reach */
+  const int n = 20000;
+  double most = 0, work = 0, last = lift(r, 0);
+  for (int k = 1; k < n; k++) {
+    double now = lift(r, -reach * k / n);
+    work -= 0.5 * (last + now) * reach / n;
+    most = fmax(most, -now);
+    last = now;
+  }
+  ck_relative(most, dem_jkr_pull(R, w), 1e-6);
+  ck_relative(last, -5.0 / 6 * unit, 2e-2);
+  double s = pow(2, 1.0 / 6), whole = 1.0 / 60 - 1.0 / 6 + 0.25 + 0.6 * M_SQRT2 * s;
+  ck_relative(work, whole * unit * depth, 1e-4);
+  ck_near(lift(r, -1.001 * reach), 0, 0);
+  ck_near(lift(r, -0.9 * reach), 0, 0); /* open, until it touches again */
+  /* far inside: Hertz */
+  ck_relative(lift(r, 1e-3), 4.0 / 3 * young * sqrt(R) * pow(1e-3, 1.5), 0.1);
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_jkr_impact) {
+  /* e = 1: what an impact loses is the work of pulling off; too slow, it sticks */
+  const double w = 5, R = 0.01, m = 0.01;
+  double young = 1e8 / (2 * (1 - 0.09)), length = cbrt(M_PI * w * R * R / young);
+  double lost = (1.0 / 60 - 1.0 / 6 + 0.25 + 0.6 * M_SQRT2 * pow(2, 1.0 / 6)) * M_PI * w * length * length;
+  double escape = sqrt(2 * lost / m);
+  for (int k = 0; k < 2; k++) {
+    double v = (k ? 1.2 : 0.95) * escape;
+    char motion[100];
+    snprintf(motion, sizeof motion, "'velocity':[0,0,%.17g]", -v);
+    rig *r =
+        on_floor("'tangential':'none','cohesion':'jkr'", "'restitution':1,'adhesion_energy':5", 0, 0, motion, 1e-7);
+    r->model->gravity = tdm_v3(0, 0, 0);
+    rig_steps(r, 1);
+    ck_assert_int_eq(r->data->ncontact, 1);
+    long steps = 0;
+    while (r->data->ncontact > 0 && steps++ < 100000)
+      rig_steps(r, 1);
+    ck_assert_int_eq(r->data->ncontact, k ? 0 : 1);
+    if (k)
+      ck_relative(r->data->pace[0].velocity.z, sqrt(v * v - escape * escape), 2e-3);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_sjkr) {
+  rig *r = on_floor("'normal':'hooke','tangential':'coulomb','cohesion':'sjkr'",
+                    "'stiffness':1e4,'restitution':1,'friction':0.5,'cohesion_density':2e4", 0, 1e-5,
+                    "'velocity':[0.1,0,0]", 1e-6);
+  double area = 2 * M_PI * 0.01 * 1e-5;
+  ck_relative(r->data->push[0].force.z, 1e4 * 1e-5 - 2e4 * area, 1e-9);
+  ck_relative(r->data->push[0].force.x, -0.5 * 1e4 * 1e-5, 1e-9);
+  rig_free(r);
+}
+END_TEST
+
+/* ---- settling, and walls that move ---- */
+
+START_TEST(test_settle_overrides) {
+  /* restitution and friction of dem.settle, for each normal law */
+  static const struct {
+    const char *contact, *pair;
+    double e;
+  } cases[] = {{"'normal':'hooke'", "'stiffness':1e4,'damping':3,'friction':0.5", 0.4},
+               {"'normal':'hertz'", "'restitution':0.9,'friction':0.5", 0.4},
+               {"'normal':'hunt-crossley'", "'restitution':0.9,'friction':0.5", 0.4},
+               {"'normal':'hysteretic'", "'stiffness':1e4,'unloading_stiffness':2e4,'friction':0.5", 0.4}};
+  for (int k = 0; k < 4; k++) {
+    rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.3}],"
+                                 "'contact':{%s},'pairs':[{'materials':['a','a'],%s}],"
+                                 "'settle':{'restitution':0.4,'friction':{'static':0.3,'dynamic':0.2}}}",
+                                 cases[k].contact, cases[k].pair),
+                      1e-5, 0, NULL);
+    const dem_pair *pair = &r->model->settle_pair[0];
+    ck_near(dem_normal_restitution(r->model, pair, impact_of(&usual)), cases[k].e, 1e-9);
+    ck_near(pair->friction, 0.2, 0);
+    ck_near(pair->static_friction, 0.3, 0);
+    ck_near(r->model->pair[0].friction, 0.5, 0);
+    ck_assert_int_ge(r->model->columns.sliding, 0);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(test_wall_work) {
+  /* a floor that rises at 0.2 m/s hits a ball at rest without loss: 1/2 m (2 v)^2 is the work of the wall */
+  const double dt = 1e-6;
+  tdm_assigned_body body = {.name = "floor", .mass = 1e9, .state = state_at(0, 0, 0)};
+  body.state.twist.velocity = tdm_v3(0, 0, 0.2);
+  rig *r =
+      rig_make(scene_json("{'gravity':[0,0,0],'energy':true,'materials':[{'name':'a','density':2500}],"
+                          "'pairs':[{'materials':['a','a'],'stiffness':1e4,'restitution':1}],"
+                          "'contact':{'normal':'hooke','tangential':'none'},"
+                          "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+                          "'particles':[{'type':'list','material':'a','radius':0.01,'mass':0.01,"
+                          "'positions':[[0,0,0.01]]}]}"),
+               dt, 1, &body);
+  tdm_state now = body.state;
+  for (int k = 0; k < 6000; k++) {
+    tdm_state next = now;
+    next.pose.position.z += dt * 0.2;
+    dem_motion path = dem_motion_make(&now, &next, dt, TDM_LINEAR);
+    ck_assert(dem_step(r->data, &path, 1, 1, false, dt));
+    now = next;
+  }
+  ck_assert_int_eq(r->data->ncontact, 0);
+  ck_relative(r->data->pace[0].velocity.z, 0.4, 1e-5);
+  ck_relative(r->data->energy.wall_work, 0.5 * 0.01 * 0.16, 1e-5);
+  for (int k = 0; k < DEM_ENERGIES; k++)
+    ck_near(r->data->energy.dissipated[k], 0, 1e-8);
+  rig_free(r);
+}
+END_TEST
+
+/* ---- scenes ---- */
+
+static const struct {
+  const char *contact, *pair, *path, *says;
+} refused[] = {
+    {"'normal':'hooke','tangential':'mindlin'", "'stiffness':1,'restitution':1,'friction':0", "dem.contact.tangential",
+     "contact circle"},
+    {"'normal':'hysteretic','tangential':'mindlin'", "'stiffness':1", "dem.contact.tangential", "\"spring\""},
+    {"'normal':'hunt-crossley','exponent':2", "'stiffness':1", "dem.contact.tangential", "exponent"},
+    {"'normal':'hunt-crossley'", "'stiffness':1,'restitution':1,'friction':0", "dem.pairs[0].stiffness", "spring"},
+    {"'normal':'hooke','cohesion':'jkr'", "'stiffness':1", "dem.contact.cohesion", "hertz"},
+    {"'cohesion':'jkr','tail':'clip'", "'restitution':1", "dem.contact.tail", "jkr"},
+    {"'normal':'hysteretic','tail':'clip'", "'stiffness':1", "dem.contact.tail", "adhesion_stiffness"},
+    {"'exponent':2", "'restitution':1,'friction':0", "dem.contact.exponent", "unknown"},
+    {"'normal':'hooke'", "'restitution':1,'friction':0", "dem.pairs[0].stiffness", "normal \"hooke\" needs it"},
+    {"'normal':'hooke'", "'stiffness':1,'friction':0", "dem.pairs[0].restitution", "missing"},
+    {"'normal':'hooke'", "'stiffness':1,'contact_time':1,'restitution':1", "dem.pairs[0].contact_time", "excludes"},
+    {"'normal':'hooke'", "'stiffness':1,'damping':1,'restitution':1", "dem.pairs[0].damping", "excludes"},
+    {"'normal':'hooke'", "'contact_time':1,'damping':1,'friction':0", "dem.pairs[0].damping", "contact_time"},
+    {"'normal':'hysteretic'", "'stiffness':2,'unloading_stiffness':1,'friction':0", "dem.pairs[0].unloading_stiffness",
+     "at least"},
+    {"'tangential':'spring'", "'restitution':1,'friction':0", "dem.pairs[0].tangential_stiffness", "spring"},
+    {"'tangential':'viscous'", "'restitution':1", "dem.pairs[0].tangential_damping", "viscous"},
+    {"'rolling':'spring-dashpot'", "'restitution':1,'friction':0", "dem.pairs[0].rolling_friction", "spring-dashpot"},
+    {"'cohesion':'sjkr'", "'restitution':1,'friction':0", "dem.pairs[0].cohesion_density", "sjkr"},
+    {"", "'restitution':1,'friction':0,'stiffness':5", "dem.pairs[0].stiffness", "none of the scene's laws"},
+    {"", "'restitution':1,'friction':{'static':0.1,'dynamic':0.2}", "dem.pairs[0].friction.static", "at least"},
+    {"'tangential':'coulomb'", "'restitution':1,'friction':{'static':0.3,'dynamic':0.2}",
+     "dem.pairs[0].friction.static", "never sticks"},
+    {"'rolling':'epsd'", "'restitution':1,'friction':0", "dem.contact.rolling", "spring-dashpot"},
+};
+
+START_TEST(test_refused) {
+  json_t *json = scene_json("{'materials':[{'name':'a','density':1,'young_modulus':1e6,'poisson_ratio':0}],"
+                            "'contact':{%s},'pairs':[{'materials':['a','a'],%s}]}",
+                            refused[_i].contact, refused[_i].pair);
+  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1};
+  dem_model *model = NULL;
+  tdm_error err = {0};
+  ck_assert_int_eq(dem_model_load(&model, &a, &err), TDM_ERR_SCENE);
+  ck_assert_str_eq(err.path, refused[_i].path);
+  ck_assert_msg(strstr(err.message, refused[_i].says) != NULL, "%s: %s", err.path, err.message);
+  dem_model_destroy(&model);
+  json_decref(json);
+}
+END_TEST
+
+START_TEST(test_no_elastic_constants) {
+  /* linear laws do without Young's modulus; all contact limits of the step are theirs */
+  json_t *json = scene_json("{'materials':[{'name':'a','density':1000}],'contact':{'normal':'hooke'},"
+                            "'pairs':[{'materials':['a','a'],'stiffness':100,'restitution':0.5,'friction':0.1}],"
+                            "'particles':[{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0]]}]}");
+  rig *r = rig_make(json, 1e-4, 0, NULL);
+  ck_assert_int_eq(r->model->law->tangential, DEM_TANGENTIAL_spring);
+  ck_relative(r->model->pair[0].tangential_stiffness, 200.0 / 7, 1e-12);
+  rig_free(r);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("dem laws");
+  TCase *all = tcase_create("laws");
+  tcase_set_timeout(all, 120);
+  tcase_add_test(all, test_glass_balls);
+  tcase_add_loop_test(all, test_impacts, 0, sizeof impacts / sizeof impacts[0]);
+  const TTest *const tests[] = {test_contact_time_given,
+                                test_linear_clip,
+                                test_hunt_crossley,
+                                test_hunt_crossley_floor,
+                                test_hysteretic_adhesion,
+                                test_hysteretic_path,
+                                test_constant_viscosity,
+                                test_coulomb,
+                                test_viscous,
+                                test_static_friction,
+                                test_rolling_resistance,
+                                test_rolling_on_incline,
+                                test_twisting,
+                                test_jkr,
+                                test_jkr_impact,
+                                test_sjkr,
+                                test_settle_overrides,
+                                test_wall_work,
+                                test_no_elastic_constants};
+  for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++)
+    tcase_add_test(all, tests[k]);
+  tcase_add_loop_test(all, test_rolling_from_sliding, 0, 6);
+  tcase_add_loop_test(all, test_refused, 0, sizeof refused / sizeof refused[0]);
+  suite_add_tcase(suite, all);
+  return run_suite(suite);
+}
