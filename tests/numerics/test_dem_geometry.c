@@ -400,15 +400,15 @@ static rig *on_moving(const char *shape, const char *motion, double x, double z)
 /* A sphere put on a belt slides until its lowest point has the belt's speed: 2/7 of that for the centre, but that the
  * overlap shortens the arm. A plane that moves as a whole does the same; the part along the normal does nothing. */
 START_TEST(test_belt) {
-  static const char *const shapes[] = {
+  static const char *const belts[] = {
       "{'type':'plane','normal':[0,0,1],'surface_velocity':[0.5,0.25,7]}",
       "{'type':'box','side':'outside','size':[4,4,1],'center':[0,0,-0.5],'surface_velocity':[0.5,0.25,0]}"};
-  rig *belt = on_moving(shapes[_i], "", 0, 0.01);
+  rig *belt = on_moving(belts[_i], "", 0, 0.01);
   rig *whole = on_moving("{'type':'plane','normal':[0,0,1]}", ",'motion':{'velocity':[0.5,0.25,0]}", 0, 0.01);
   const dem_data *d = belt->data;
   double arm = d->sphere[0].position.z / 0.01, share = 1 / (1 + 2.5 * arm * arm), turn = 2.5 * arm * share;
   ck_vector(d->pace[0].velocity, tdm_v3(0.5 * share, 0.25 * share, 0), 1e-4);
-  ck_vector(tdm_scale(0.01, d->pace[0].spin), tdm_v3(-0.25 * turn, 0.5 * turn, 0), 1e-4);
+  ck_vector(tdm_scale(0.01, d->pace[0].spin), tdm_v3(0.25 * turn, -0.5 * turn, 0), 1e-4);
   ck_vector(d->sphere[0].position, whole->data->sphere[0].position, 1e-12);
   ck_vector(d->pace[0].velocity, whole->data->pace[0].velocity, 1e-12);
   ck_vector(d->pace[0].spin, whole->data->pace[0].spin, 1e-10);
