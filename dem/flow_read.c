@@ -98,6 +98,8 @@ static void read_source(dem_model *m, tdm_object *o) {
   s->mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
   read_place(o, s);
   s->velocity = tdm_get_vec3(o, "velocity", &(tdm_vec3){0, 0, 0});
+  if (m->flat >= 0 && (&s->velocity.x)[m->flat] != 0)
+    tdm_object_fail(o, "velocity", "moves out of the plane of dem.plane; with dem.dimension 2 give one in it");
   read_relative(m, o, s);
   s->start = tdm_get_number(o, "start", m->time_start, TDM_ANY);
   s->end = tdm_get_number(o, "end", INFINITY, TDM_ANY);

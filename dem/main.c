@@ -69,8 +69,6 @@ static tdm_status command_check(const arguments *a, tdm_error *err) {
   return find_scene(a, "check", scene, &options, err) != TDM_OK ? err->status : dem_run_check(&options, err);
 }
 
-#include <string.h>
-
 int main(int argc, char **argv) {
   const struct {
     const char *name;

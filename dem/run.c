@@ -1,5 +1,7 @@
 #include "dem/run.h"
 
+#include "dem/check.h"
+#include "dem/geometry/walls.h"
 #include "dem/output/repose.h"
 #include "dem/output/vtp.h"
 #include "dem/solver.h"
@@ -320,6 +322,26 @@ static void close_channels(run_state *run, tdm_error *err) {
   run->channels = NULL;
 }
 
+/* what makes the results doubtful and is in the log alone otherwise */
+static void doubt(const run_state *run) {
+  const dem_data *d = dem_solver_data(run->solver);
+  uint64_t told = 0;
+  for (int k = 0; k < DEM_GUARD_KINDS; k++)
+    told += d->guard.told[k];
+  long lost = dem_count_lost(d);
+  if (told > 0)
+    fprintf(stderr,
+            "tandem-dem: warning: the guard saw %llu doubtful states; %s/dem.log says which. With dem.guard.action "
+            "\"stop\" a run ends at the first\n",
+            (unsigned long long)told, run->results.dir);
+  if (lost > 0)
+    fprintf(
+        stderr,
+        "tandem-dem: warning: %ld particles are behind a plane at the end (particles.lost); reduce time.dt or their "
+        "speed if they went through it\n",
+        lost);
+}
+
 /* the files of the end: plots, summary.json, the last line of the log */
 static void conclude(run_state *run, double begin, tdm_error *err) {
   char quoted[TDM_MESSAGE_MAX];
@@ -333,6 +355,8 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
     dem_pictures_row(&run->pictures, &run->picture_notice);
   if (run->picture_notice.status != TDM_OK)
     fprintf(stderr, "tandem-dem: notice: %s\n", run->picture_notice.message);
+  if (run->nstep > 0)
+    doubt(run);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
   tdm_results_json(&run->results, "summary.json", json, err);

@@ -31,7 +31,8 @@ typedef struct {
 } tdm_scene;
 
 /* Read a scene file. Refuses what is not JSON, duplicate keys, and a root that is not an object; the message starts
- * with file:line:column. The caller destroys *scene (also after an error). */
+ * with file:line:column. Relative names that keys "file" give, of meshes for example, start at the folder of the scene
+ * and become absolute. The caller destroys *scene (also after an error). */
 tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err);
 
 /* Apply one "path=value" ("coupling.n=25", "dem.materials[0].density=1000"): the value is JSON if it parses, else a

@@ -42,6 +42,36 @@ static char *read_file(const char *file, size_t *size, tdm_error *err) {
   return text;
 }
 
+/* Relative names of the key "file" start at the folder of the scene: make them absolute, also in what is below. */
+static bool anchor(json_t *json, const char *folder) {
+  bool good = true;
+  const char *key;
+  json_t *value;
+  size_t k;
+  if (json_is_array(json))
+    json_array_foreach(json, k, value) good = anchor(value, folder) && good;
+  else
+    json_object_foreach(json, key, value) {
+      const char *name = strcmp(key, "file") == 0 ? json_string_value(value) : NULL;
+      if (!name)
+        good = anchor(value, folder) && good;
+      else if (*name && *name != '/')
+        good = json_object_set_new(json, key, json_sprintf("%s/%s", folder, name)) == 0 && good;
+    }
+  return good;
+}
+
+static tdm_status anchor_files(tdm_scene *scene, tdm_error *err) {
+  char *folder = realpath(scene->file, NULL), *last = folder ? strrchr(folder, '/') : NULL;
+  if (last)
+    *last = 0;
+  bool good = !folder || anchor(scene->root, folder); /* no folder: a pipe */
+  free(folder);
+  return good ? TDM_OK
+              : tdm_fail(err, TDM_ERR_MEMORY, NULL, "%s: its folder cannot be put before the files it names",
+                         scene->file);
+}
+
 tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err) {
   *scene = (tdm_scene){.file = strdup(file)};
   size_t size = 0;
@@ -56,7 +86,7 @@ tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err) {
   if (!json_is_object(scene->root))
     return tdm_fail(err, TDM_ERR_SCENE, NULL,
                     "%s:1:1: a scene is an object {…} with the sections time, coupling, mbd, dem", file);
-  return TDM_OK;
+  return anchor_files(scene, err);
 }
 
 void tdm_scene_destroy(tdm_scene *scene) {

@@ -19,12 +19,15 @@
 typedef void normal_law(dem_contact *, vd *history);
 typedef dem_tangential tangential_law(dem_contact *, vd *history);
 
+typedef struct batch batch;
+
 /* one row: all of it constant in a loop, but `ncolumn` and `column` with `more` */
 typedef struct {
   normal_law *normal;
   tangential_law *tangential;
   int ncolumn, column; /* of history; first of the normal law */
   bool more;
+  void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
 } row;
 
 /* what comes out of a law */
@@ -304,13 +307,13 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
 enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM, SX, SY, SZ, PER_INERTIA, WALL_NUMBERS };
 
 /* contacts of walls, gathered until there are DEM_W; columns */
-typedef struct {
+struct batch {
   double number[WALL_NUMBERS][DEM_W];
   double history[DEM_HISTORY_MAX][DEM_W];
   int entry[DEM_W], body[DEM_W], index[DEM_W];
   tdm_vec3 lever[DEM_W], velocity[DEM_W]; /* of the contact point from the body's centre; of the wall there */
   int count;
-} batch;
+};
 
 /* couples of wall contacts, on the particle and on the body, and the power of the wall */
 DEM_KERNEL void push_wall_more(dem_loop_task *task, const batch *b, int l, tdm_vec3 force, tdm_vec3 couple) {
@@ -392,7 +395,7 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
   tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->pose[body].position);
   tdm_twist now = d->twist[body];
   tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
-  if (m->wall[w].moves) { /* along itself */
+  if (m->wall[w].moves && !task->settling) { /* along itself */
     tdm_vec3 belt = dem_wall_surface(&m->wall[w], &d->wall[w], point);
     wall_v = tdm_add(wall_v, tdm_axpy(-tdm_dot(belt, n), n, belt));
   }
@@ -417,7 +420,7 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
   b->index[l] = d->kind[i] * m->nmaterial + m->body[body].material;
   b->lever[l] = lever;
   if (b->count == DEM_W)
-    wall_batch(task, b, r);
+    r.flush(task, b);
 }
 
 /* ---- walls with one contact ---- */
@@ -603,7 +606,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
       simple_wall(task, &b, rest, next, r);
     }
     if (b.count > 0) /* so that sums are in the order of the list */
-      wall_batch(task, &b, r);
+      r.flush(task, &b);
   }
 }
 
@@ -613,24 +616,34 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
 #define JOIN(a, b) JOIN_(a, b)
 #define ROWS JOIN(DEM_LAWS_, DEM_LAW)
 
-#define X(n, t)                                                                                                    \
-  static void pairs_##t(dem_loop_task *task) {                                                                     \
-    pair_loop(task, (row){dem_normal_##n, dem_tangential_##t, DEM_NORMAL_COLUMNS_##n + DEM_TANGENTIAL_COLUMNS_##t, \
-                          DEM_TANGENTIAL_COLUMNS_##t, false});                                                     \
-  }                                                                                                                \
-  static void walls_##t(dem_loop_task *task) {                                                                     \
-    wall_loop(task, (row){dem_normal_##n, dem_tangential_##t, DEM_NORMAL_COLUMNS_##n + DEM_TANGENTIAL_COLUMNS_##t, \
-                          DEM_TANGENTIAL_COLUMNS_##t, false});                                                     \
+#define ROW(n, t)                                                                                 \
+  ((row){dem_normal_##n, dem_tangential_##t, DEM_NORMAL_COLUMNS_##n + DEM_TANGENTIAL_COLUMNS_##t, \
+         DEM_TANGENTIAL_COLUMNS_##t, false, batch_##t})
+#define X(n, t)                                                                    \
+  static __attribute__((noinline)) void batch_##t(dem_loop_task *task, batch *b) { \
+    wall_batch(task, b, ROW(n, t));                                                \
+  }                                                                                \
+  static void pairs_##t(dem_loop_task *task) {                                     \
+    pair_loop(task, ROW(n, t));                                                    \
+  }                                                                                \
+  static void walls_##t(dem_loop_task *task) {                                     \
+    wall_loop(task, ROW(n, t));                                                    \
   }
 ROWS(X)
 #undef X
 
+#define ROW_MORE ((row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true, batch_more})
+
+static __attribute__((noinline)) void batch_more(dem_loop_task *task, batch *b) {
+  wall_batch(task, b, row_of(task->model, ROW_MORE));
+}
+
 static void pairs_more(dem_loop_task *task) {
-  pair_loop(task, (row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true});
+  pair_loop(task, ROW_MORE);
 }
 
 static void walls_more(dem_loop_task *task) {
-  wall_loop(task, (row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true});
+  wall_loop(task, ROW_MORE);
 }
 
 const dem_law DEM_ISA(JOIN(dem_laws_, DEM_LAW))[] = {

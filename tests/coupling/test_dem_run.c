@@ -347,7 +347,8 @@ START_TEST(the_scenes_load) {
   } scenes[] = {{"hopper", "particles", "1911", "--set dem.settle.max_time=1e-3"},
                 {"mixer", "particles", "1567", "--set dem.settle.max_time=1e-3"},
                 {"zigzag", "sources", "1", "--strict"},
-                {"repose", "sources", "1", "--strict"}};
+                {"repose", "sources", "1", "--strict"},
+                {"conveyor", "meshes[0].triangles", "40", "--strict"}};
   for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
     char line[64];
     ck_assert_msg(command("tandem-dem check %s %s", scenes[i].name, scenes[i].options) == 0, "%s: %s", scenes[i].name,
@@ -359,6 +360,42 @@ START_TEST(the_scenes_load) {
 }
 END_TEST
 
+/* The name of a mesh starts at the folder of the scene, not where the command runs; out/scene.json can be run again. */
+START_TEST(meshes_are_beside_the_scene) {
+  setup();
+  write_file(dir, "part.stl",
+             "solid s\nfacet normal 0 0 1\nouter loop\nvertex -200 -200 0\nvertex 200 -200 0\nvertex 0 200 0\n"
+             "endloop\nendfacet\nendsolid s\n");
+  char text[4096];
+  const char *from = strstr(scene, "{\"type\": \"box\", \"side\": \"outside\""), *to = strstr(scene, "}]}]");
+  ck_assert(from && to);
+  snprintf(text, sizeof text, "%.*s{\"type\": \"mesh\", \"file\": \"part.stl\", \"scale\": 0.001%s",
+           (int)(from - scene), scene, to);
+  write_file(dir, "scene.json", text);
+  run("out", "");
+  int status = command("tandem-dem check %s/out/scene.json", dir);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+  ck_assert_int_eq(command("rm %s/part.stl", dir), 0);
+  ck_assert_int_eq(command("tandem-dem check %s/scene.json", dir), 1);
+  expect_output("dem.bodies[0].shapes[1].file");
+  expect_output("part.stl\" cannot be opened");
+  directory_remove(dir);
+}
+END_TEST
+
+/* What the guard logs and particles behind walls are said on the terminal too. */
+START_TEST(doubts_are_told) {
+  setup();
+  run("out", "--set dem.particles[0].velocity=[0,0,-4000]");
+  expect_output("doubtful states");
+  expect_output("7 particles are behind a plane");
+  run("calm", "");
+  ck_assert_msg(strstr(command_output, "warning") == NULL, "%s", command_output);
+  directory_remove(dir);
+}
+END_TEST
+
 TEST_MAIN("dem_run", 120, a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
           without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
-          an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load)
+          an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
+          meshes_are_beside_the_scene, doubts_are_told)

@@ -384,6 +384,53 @@ START_TEST(test_rolling) {
 }
 END_TEST
 
+static rig *on_moving(const char *shape, const char *motion, double x, double z) {
+  char text[2048];
+  snprintf(text, sizeof text,
+           "{'materials':[{'name':'m','density':2500,'young_modulus':2e6,'poisson_ratio':0.25}],"
+           "'pairs':[{'materials':['m','m'],'restitution':0.5,'friction':0.5}],"
+           "'bodies':[{'name':'b','material':'m','shapes':[%s]%s}],"
+           "'particles':[{'type':'list','material':'m','radius':0.01,'positions':[[%g,0,%g]]}]}",
+           shape, motion, x, z);
+  rig *r = rig_make(scene_json("%s", text), 1e-4, 0, NULL);
+  rig_steps(r, 10000);
+  return r;
+}
+
+/* A sphere put on a belt slides until its lowest point has the belt's speed: 2/7 of that for the centre, but that the
+ * overlap shortens the arm. A plane that moves as a whole does the same; the part along the normal does nothing. */
+START_TEST(test_belt) {
+  static const char *const belts[] = {
+      "{'type':'plane','normal':[0,0,1],'surface_velocity':[0.5,0.25,7]}",
+      "{'type':'box','side':'outside','size':[4,4,1],'center':[0,0,-0.5],'surface_velocity':[0.5,0.25,0]}"};
+  rig *belt = on_moving(belts[_i], "", 0, 0.01);
+  rig *whole = on_moving("{'type':'plane','normal':[0,0,1]}", ",'motion':{'velocity':[0.5,0.25,0]}", 0, 0.01);
+  const dem_data *d = belt->data;
+  double arm = d->sphere[0].position.z / 0.01, share = 1 / (1 + 2.5 * arm * arm), turn = 2.5 * arm * share;
+  ck_vector(d->pace[0].velocity, tdm_v3(0.5 * share, 0.25 * share, 0), 1e-4);
+  ck_vector(tdm_scale(0.01, d->pace[0].spin), tdm_v3(0.25 * turn, -0.5 * turn, 0), 1e-4);
+  ck_vector(d->sphere[0].position, whole->data->sphere[0].position, 1e-12);
+  ck_vector(d->pace[0].velocity, whole->data->pace[0].velocity, 1e-12);
+  ck_vector(d->pace[0].spin, whole->data->pace[0].spin, 1e-10);
+  rig_free(belt);
+  rig_free(whole);
+}
+END_TEST
+
+/* A drum whose surface spins does what a drum that turns does. */
+START_TEST(test_spinning_surface) {
+  rig *spin =
+      on_moving("{'type':'cylinder','side':'inside','axis':[0,1,0],'radius':0.2,'surface_spin':3}", "", 0, -0.19);
+  rig *turn = on_moving("{'type':'cylinder','side':'inside','axis':[0,1,0],'radius':0.2}",
+                        ",'motion':{'angular_velocity':[0,3,0]}", 0, -0.19);
+  ck_assert_double_gt(tdm_norm(turn->data->pace[0].spin), 1);
+  ck_vector(spin->data->sphere[0].position, turn->data->sphere[0].position, 1e-9);
+  ck_vector(spin->data->pace[0].spin, turn->data->pace[0].spin, 1e-6);
+  rig_free(spin);
+  rig_free(turn);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("dem_geometry");
   TCase *tests = tcase_create("dem_geometry");
@@ -392,6 +439,8 @@ int main(void) {
   tcase_add_loop_test(tests, test_solid, 0, 5);
   tcase_add_test(tests, test_round_exact);
   tcase_add_test(tests, test_driven);
+  tcase_add_loop_test(tests, test_belt, 0, 2);
+  tcase_add_test(tests, test_spinning_surface);
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_read);
   tcase_add_test(tests, test_read_mesh);
