@@ -50,6 +50,7 @@ static const long steps = 4000;   /* a contact */
 typedef struct {
   material of;
   double radius, e, mu;
+  bool clip;                   /* the attractive end of the force is cut */
   double normal, across, spin; /* approach speed, speed across [m/s], angular velocity (rolling: -across/R) [rad/s] */
 } impact_case;
 
@@ -82,15 +83,15 @@ static tdm_status run_plane(cpl_verify *v, const impact_case *c, scn_impact *imp
   scn_rig rig;
   double young = materials[c->of].young, nu = materials[c->of].poisson;
   if (scn_rig_open(&rig, v, time_of(c) / (double)steps, err,
-                   "{'gravity':[0,0,0],'materials':["
+                   "{'gravity':[0,0,0],'contact':{'tail':'%s'},'materials':["
                    "{'name':'a','density':%.17g,'young_modulus':%.17g,'poisson_ratio':%.17g},"
                    "{'name':'w','density':1000,'young_modulus':%.17g,'poisson_ratio':%.17g}],"
                    "'pairs':[{'materials':['a','w'],'restitution':%.17g,'friction':%.17g}],"
                    "'bodies':[{'name':'wall','material':'w','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
                    "'particles':[{'type':'list','material':'a','radius':%.17g,'positions':[[0,0,%.17g]],"
                    "'velocity':[%.17g,0,%.17g],'spin':[0,%.17g,0]}]}",
-                   materials[c->of].density, young, nu, rigid * young, nu, c->e, c->mu, c->radius, c->radius, c->across,
-                   -c->normal, -c->spin) == TDM_OK)
+                   c->clip ? "clip" : "keep", materials[c->of].density, young, nu, rigid * young, nu, c->e, c->mu,
+                   c->radius, c->radius, c->across, -c->normal, -c->spin) == TDM_OK)
     scn_rig_impact(&rig, 20 * steps, impact, watch, context, err);
   scn_rig_close(&rig);
   return err->status;
@@ -106,13 +107,30 @@ static tdm_status simulate(cpl_verify *v, const impact_case *c, rebound *out, td
   return err->status;
 }
 
-static rebound solve(const impact_case *c, scn_spring spring) {
+static scn_law law_of(const impact_case *c) {
   double nu = materials[c->of].poisson, shear = materials[c->of].young / (2 * (1 + nu)) / (2 - nu);
-  scn_law law = scn_law_hertz(sphere_mass(c->of, c->radius), c->radius, plate_modulus(c->of), shear,
-                              c->e < 1 ? scn_beta(c->e) : 0, c->mu);
-  law.spring = spring;
-  scn_outcome o = scn_solve_impact(&law, c->normal, c->across, c->radius * c->spin);
+  double beta = c->clip ? scn_beta_clipped(c->e) : scn_beta(c->e);
+  scn_law law = scn_law_hertz(sphere_mass(c->of, c->radius), c->radius, plate_modulus(c->of), shear, beta, c->mu);
+  law.clip = c->clip;
+  return law;
+}
+
+static rebound solve_with(const impact_case *c, const scn_law *law) {
+  scn_outcome o = scn_solve_impact(law, c->normal, c->across, c->radius * c->spin);
   return (rebound){o.normal, o.v, o.w / c->radius, o.v + o.w};
+}
+
+/* what the engine should do */
+static rebound solve(const impact_case *c) {
+  scn_law law = law_of(c);
+  return solve_with(c, &law);
+}
+
+/* with another form of the spring, as the computed table of published.h has it: no damping across, arm R */
+static rebound solve_form(const impact_case *c, scn_spring spring) {
+  scn_law law = law_of(c);
+  law.spring = spring, law.full_arm = true, law.d = 0;
+  return solve_with(c, &law);
 }
 
 static void worst(double *most, double difference) {
@@ -291,7 +309,7 @@ static const double agree_from = 30;
 static tdm_status test_4_computed(cpl_verify *v, int k, tdm_error *err) {
   const material of = k ? AL_ALLOY : OXIDE;
   char name[64];
-  double own_e = 0, own_spin = 0, table_e = 0, table_spin = 0, forms = 0;
+  double own_e = 0, own_spin = 0, table_e = 0, form_e = 0, form_spin = 0;
   snprintf(name, sizeof name, "test4_%s.csv", k ? "alloy" : "oxide");
   FILE *f = scn_curve(v, name, err);
   if (!f)
@@ -300,7 +318,7 @@ static tdm_status test_4_computed(cpl_verify *v, int k, tdm_error *err) {
   for (int i = 0; i < SCN_OBLIQUE_ROWS && err->status == TDM_OK; i++) {
     const scn_oblique_row *row = &scn_oblique_computed[i];
     const impact_case c = oblique(of, row->angle);
-    rebound r, own = solve(&c, SCN_SPRING_RESCALED);
+    rebound r, own = solve(&c);
     if (simulate(v, &c, &r, err) != TDM_OK)
       break;
     double e = restitution_across(&c, &r);
@@ -308,22 +326,21 @@ static tdm_status test_4_computed(cpl_verify *v, int k, tdm_error *err) {
     worst(&own_e, e - restitution_across(&c, &own));
     worst(&own_spin, r.spin - own.spin);
     for (int form = 0; form < 2; form++) {
-      rebound other = solve(&c, form ? SCN_SPRING_TOTAL : SCN_SPRING_INCREMENTAL);
-      worst(&forms, restitution_across(&c, &other) - row->outcome[k][form].restitution);
-      if (row->angle >= agree_from) {
+      rebound other = solve_form(&c, form ? SCN_SPRING_TOTAL : SCN_SPRING_INCREMENTAL);
+      worst(&form_e, restitution_across(&c, &other) - row->outcome[k][form].restitution);
+      worst(&form_spin, other.spin - row->outcome[k][form].spin);
+      if (row->angle >= agree_from)
         worst(&table_e, e - row->outcome[k][form].restitution);
-        worst(&table_spin, r.spin - row->outcome[k][form].spin);
-      }
     }
   }
   fclose(f);
   snprintf(name, sizeof name, "4 %s", materials[of].name);
-  cpl_verify_measure(v, "law_e_t_error", name, own_e, CPL_AT_MOST, 1e-3);
-  cpl_verify_measure(v, "law_spin_error_rad/s", name, own_spin, CPL_AT_MOST, 1);
-  cpl_verify_measure(v, "reference_e_t_error", name, forms, CPL_AT_MOST, 1e-3);
+  cpl_verify_measure(v, "law_e_t_error", name, own_e, CPL_AT_MOST, 1e-4);
+  cpl_verify_measure(v, "law_spin_error_rad/s", name, own_spin, CPL_AT_MOST, 0.1);
+  cpl_verify_measure(v, "reference_e_t_error", name, form_e, CPL_AT_MOST, 1e-4);
+  cpl_verify_measure(v, "reference_spin_er_rad/s", name, form_spin, CPL_AT_MOST, 0.1);
   snprintf(name, sizeof name, "4 %s >=30deg", materials[of].name);
   cpl_verify_measure(v, "computed_e_t_error", name, table_e, CPL_AT_MOST, 1e-3);
-  cpl_verify_measure(v, "computed_spin_err_rad/s", name, table_spin, CPL_AT_MOST, 1);
   return err->status;
 }
 
@@ -415,7 +432,7 @@ static tdm_status test_5_computed(cpl_verify *v, material of, tdm_error *err) {
   fputs("V_t/(mu V_n),slip/(mu V_n),R omega/(mu V_n)\n", f);
   for (size_t i = 0; i < sizeof xs / sizeof xs[0] && err->status == TDM_OK; i++) {
     const impact_case c = normalised(of, xs[i]);
-    rebound r, law = solve(&c, SCN_SPRING_RESCALED);
+    rebound r, law = solve(&c);
     if (simulate(v, &c, &r, err) != TDM_OK)
       break;
     fprintf(f, "%g,%.9g,%.9g\n", xs[i], normalised_slip(&c, &r), normalised_spin(&c, &r));
@@ -428,14 +445,14 @@ static tdm_status test_5_computed(cpl_verify *v, material of, tdm_error *err) {
   }
   fclose(f);
   snprintf(name, sizeof name, "5 %s", materials[of].name);
-  cpl_verify_measure(v, "law_error", name, own, CPL_AT_MOST, 5e-3);
+  cpl_verify_measure(v, "law_error", name, own, CPL_AT_MOST, 1e-4);
   snprintf(name, sizeof name, "5 %s x>=7", materials[of].name);
-  cpl_verify_measure(v, "sliding_across_error", name, slip, CPL_AT_MOST, 1e-3);
-  cpl_verify_measure(v, "sliding_spin_error", name, spin, CPL_AT_MOST, 1e-3);
+  cpl_verify_measure(v, "sliding_across_error", name, slip, CPL_AT_MOST, 1e-6);
+  cpl_verify_measure(v, "sliding_spin_error", name, spin, CPL_AT_MOST, 1e-6);
   return err->status;
 }
 
-/* the engine at the points of a published curve; from x = 6 contacts slide and the limit holds */
+/* the engine at the points of a published curve; from x = 6 contacts slide and the limit (0: none) holds */
 static tdm_status test_5_published(cpl_verify *v, material of, scn_series_name series, outcome_of *value,
                                    const char *what, double limit, tdm_error *err) {
   const scn_series *s = &scn_published[series];
@@ -449,7 +466,7 @@ static tdm_status test_5_published(cpl_verify *v, material of, scn_series_name s
     worst(&off[s->xy[i][0] > 5.9], value(&c, &r) - s->xy[i][1]);
   }
   snprintf(name, sizeof name, "5 %s x>=6", materials[of].name);
-  cpl_verify_measure(v, what, name, off[1], CPL_AT_MOST, limit);
+  cpl_verify_measure(v, what, name, off[1], limit > 0 ? CPL_AT_MOST : CPL_NO_LIMIT, limit);
   snprintf(name, sizeof name, "5 %s x<6", materials[of].name);
   cpl_verify_measure(v, what, name, off[0], CPL_NO_LIMIT, 0);
   return write_series(v, series, err);
@@ -475,10 +492,10 @@ static void plot_5(cpl_verify *v) {
 
 static tdm_status test_5(cpl_verify *v, tdm_error *err) {
   if (test_5_computed(v, STEEL, err) == TDM_OK && test_5_computed(v, POLYETHYLENE, err) == TDM_OK &&
-      test_5_published(v, STEEL, SCN_T5_STEEL_PSI, normalised_slip, "published_slip", 0.05, err) == TDM_OK &&
-      test_5_published(v, STEEL, SCN_T5_STEEL_W, normalised_spin, "published_spin", 0.05, err) == TDM_OK &&
-      test_5_published(v, POLYETHYLENE, SCN_T5_PE_PSI, normalised_slip, "published_slip", 0.05, err) == TDM_OK &&
-      test_5_published(v, POLYETHYLENE, SCN_T5_PE_W, normalised_spin, "published_spin", 0.05, err) == TDM_OK &&
+      test_5_published(v, STEEL, SCN_T5_STEEL_PSI, normalised_slip, "published_slip", 0.06, err) == TDM_OK &&
+      test_5_published(v, STEEL, SCN_T5_STEEL_W, normalised_spin, "published_spin", 0.06, err) == TDM_OK &&
+      test_5_published(v, POLYETHYLENE, SCN_T5_PE_PSI, normalised_slip, "published_slip", 0, err) == TDM_OK &&
+      test_5_published(v, POLYETHYLENE, SCN_T5_PE_W, normalised_spin, "published_spin", 0, err) == TDM_OK &&
       write_series(v, SCN_T5_FEM_PSI, err) == TDM_OK && write_series(v, SCN_T5_FEM_W, err) == TDM_OK)
     plot_5(v);
   return err->status;
@@ -490,7 +507,7 @@ static const double spins[] = {0.175, 0.35, 0.7, 1.4, 2.8, 5.7, 11.4, 22.86}; /*
 enum { NSPIN = sizeof spins / sizeof spins[0] };
 
 static impact_case spinning(material k, double spin) {
-  return (impact_case){.of = k, .radius = 0.1, .e = 0.5, .mu = 0.4, .normal = 0.2, .spin = spin};
+  return (impact_case){.of = k, .radius = 0.1, .e = 0.5, .mu = 0.4, .clip = true, .normal = 0.2, .spin = spin};
 }
 
 /* speeds are given as shares of what sliding throughout changes: mu (1 + e) V_n */
@@ -505,7 +522,7 @@ static tdm_status test_6(cpl_verify *v, tdm_error *err) {
     char name[64];
     for (int i = 0; i < NSPIN; i++) {
       const impact_case c = spinning(of[k], spins[i]);
-      rebound r, law = solve(&c, SCN_SPRING_RESCALED);
+      rebound r, law = solve(&c);
       if (simulate(v, &c, &r, err) != TDM_OK)
         return err->status;
       double scale = scale_of(&c);
@@ -517,7 +534,7 @@ static tdm_status test_6(cpl_verify *v, tdm_error *err) {
       worst(&sliding, c.radius * (r.spin - spins[i]) / (2.5 * scale) + 1);
     }
     snprintf(name, sizeof name, "6 %s", materials[of[k]].name);
-    cpl_verify_measure(v, "law_error", name, own, CPL_AT_MOST, 1e-3);
+    cpl_verify_measure(v, "law_error", name, own, CPL_AT_MOST, 1e-4);
     cpl_verify_measure(v, "sliding_error", name, sliding, CPL_AT_MOST, 1e-3);
   }
   return TDM_OK;
@@ -530,7 +547,7 @@ static tdm_status spheres(cpl_verify *v, material k, double radius2, double stif
   double young = materials[k].young, nu = materials[k].poisson;
   double dt = time_of(&(impact_case){.of = k, .radius = 0.1, .normal = 0.2}) / (double)steps;
   if (scn_rig_open(&rig, v, dt, err,
-                   "{'gravity':[0,0,0],'materials':["
+                   "{'gravity':[0,0,0],'contact':{'tail':'clip'},'materials':["
                    "{'name':'a','density':%.17g,'young_modulus':%.17g,'poisson_ratio':%.17g},"
                    "{'name':'b','density':%.17g,'young_modulus':%.17g,'poisson_ratio':%.17g}],"
                    "'pairs':[{'materials':['a','b'],'restitution':0.5,'friction':0.4}],'particles':["
@@ -581,7 +598,7 @@ static tdm_status test_8(cpl_verify *v, tdm_error *err) {
     worst(&off, (impact.velocity[0].x - r.across) / scale_of(&c));
     worst(&off, c.radius * (-impact.spin[0].y - r.spin) / scale_of(&c));
   }
-  cpl_verify_measure(v, "from_test_6", "8 aluminium alloy", off, CPL_AT_MOST, 5e-3);
+  cpl_verify_measure(v, "from_test_6", "8 aluminium alloy", off, CPL_AT_MOST, 2e-3);
   return TDM_OK;
 }
 

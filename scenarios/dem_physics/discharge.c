@@ -23,7 +23,7 @@ enum { NOUTLET = sizeof outlets / sizeof outlets[0] };
 /* bottom: a flat ring (a cone that rises by a hair); gate: a disc under the outlet that drops away when the run begins
  */
 static tdm_status open_bin(scn_rig *rig, cpl_verify *v, double outlet, tdm_error *err) {
-  double half = 0.5 * side * d, r = 0.5 * d, top = 1.6 * height * d;
+  double half = 0.5 * side * d, r = 0.5 * d, top = 1.8 * height * d;
   return scn_rig_open(rig, v, dt, err,
                       "{'gravity':[0,0,%.17g],"
                       "'materials':[{'name':'a','density':2500,'young_modulus':5e6,'poisson_ratio':0.25}],"

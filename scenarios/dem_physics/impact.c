@@ -43,7 +43,7 @@ static void slope(const scn_law *law, const double *y, double *out) {
   out[V] = out[W] = out[F] = 0;
   if (law->mu == 0)
     return;
-  double arm = 1 - x / law->radius, slip = y[V] + arm * y[W], stiffness = law->s * sqrt(x),
+  double arm = law->full_arm ? 1 : 1 - x / law->radius, slip = y[V] + arm * y[W], stiffness = law->s * sqrt(x),
          limit = law->mu * fmax(normal, 0);
   double spring = law->spring == SCN_SPRING_TOTAL ? -stiffness * y[F] : y[F];
   double force = clip(clip(spring, limit) - law->d * power(x, 0.25) * slip, limit);
@@ -101,4 +101,15 @@ scn_outcome scn_solve_impact(const scn_law *law, double u_n, double v, double w)
   }
   out.normal = -y[RATE], out.v = y[V], out.w = y[W];
   return out;
+}
+
+double scn_beta_clipped(double e) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 40; i++) {
+    double beta = 0.5 * (low + high);
+    scn_law law = scn_law_hertz(1, 1, 1, 0, beta, 0); /* whatever its size */
+    law.clip = true;
+    *(scn_solve_impact(&law, 1, 0, 0).normal > e ? &low : &high) = beta;
+  }
+  return low;
 }

@@ -20,6 +20,7 @@ typedef struct {
   bool clip;         /* ends when F_n is 0 */
   double mu, s, d;   /* across: friction, spring, damping */
   scn_spring spring;
+  bool full_arm; /* the force across acts at the arm R, not R - delta */
   double radius; /* [m] */
 } scn_law;
 
@@ -37,5 +38,8 @@ scn_law scn_law_hertz(double mass, double radius, double young, double shear, do
 
 /* -ln e/sqrt(pi^2 + ln^2 e) */
 double scn_beta(double restitution);
+
+/* The same for a Hertz contact that ends when its force is 0, by bisection of impacts. */
+double scn_beta_clipped(double restitution);
 
 #endif

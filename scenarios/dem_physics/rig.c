@@ -57,6 +57,7 @@ tdm_status scn_rig_steps(scn_rig *rig, long n, tdm_error *err) {
   for (long k = 0; k < n; k++) {
     if (!dem_step(d, NULL, 0, 1, false, rig->dt) || (flows && !dem_flow(d, (double)d->nstep * rig->dt, rig->dt)))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    rig->time += rig->dt;
     if (tdm_interrupted)
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted");
   }
@@ -65,7 +66,7 @@ tdm_status scn_rig_steps(scn_rig *rig, long n, tdm_error *err) {
 
 void scn_rig_close(scn_rig *rig) {
   if (rig->data)
-    cpl_verify_alone(rig->verify, (double)rig->data->nstep * rig->dt, tdm_clock() - rig->begin);
+    cpl_verify_alone(rig->verify, rig->time, tdm_clock() - rig->begin);
   dem_data_destroy(&rig->data);
   dem_model_destroy(&rig->model);
   json_decref(rig->scene);

@@ -10,7 +10,8 @@ typedef struct {
   json_t *scene;      /* the section dem */
   dem_model *model;
   dem_data *data;
-  double dt;    /* [s] */
+  double dt;    /* of the next steps [s] */
+  double time;  /* stepped so far [s] */
   double begin; /* wall clock [s] */
 } scn_rig;
 

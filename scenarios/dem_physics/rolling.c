@@ -39,9 +39,9 @@ static tdm_status sliding_to_rolling(cpl_verify *v, tdm_error *err) {
   }
   scn_rig_close(&rig);
   cpl_verify_measure(v, "speed_half_way_error", "sliding to rolling", half / (v0 - 0.5 * mu * g * t) - 1, CPL_AT_MOST,
-                     1e-3);
+                     1e-6);
   cpl_verify_measure(v, "distance_error", "sliding to rolling", x / (12 * v0 * v0 / (49 * mu * g)) - 1, CPL_AT_MOST,
-                     1e-3);
+                     1e-6);
   cpl_verify_measure(v, "speed_error", "sliding to rolling", end / (5.0 / 7 * v0) - 1, CPL_AT_MOST, 1e-4);
   cpl_verify_measure(v, "spin_error", "sliding to rolling", spin * radius / (5.0 / 7 * v0) - 1, CPL_AT_MOST, 1e-4);
   return err->status;
@@ -63,39 +63,45 @@ static tdm_status slope(cpl_verify *v, double tangent, tdm_error *err) {
   scn_rig_close(&rig);
   double theory = tangent <= 3.5 * mu ? 5.0 / 7 * g * sin(a) : g * (sin(a) - mu * cos(a));
   snprintf(name, sizeof name, "slope %g, %s", tangent, tangent <= 3.5 * mu ? "rolls" : "slides");
-  cpl_verify_measure(v, "acceleration_error", name, (end - begin) / t / theory - 1, CPL_AT_MOST, 1e-3);
+  cpl_verify_measure(v, "acceleration_error", name, (end - begin) / t / theory - 1, CPL_AT_MOST, 1e-4);
   return err->status;
 }
 
-/* ---- bouncing ball: rebound k reaches e^(2k) h0 ---- */
+/* ---- bouncing ball: rebound k reaches e^(2k) h0 at sqrt(2 h0/g) (1 + 2 e + ... + 2 e^(k-1) + e^k) ---- */
 
+/* The step is long in free flight, where velocity Verlet is exact, and short near the floor. */
 static tdm_status bouncing(cpl_verify *v, double e, tdm_error *err) {
   enum { BOUNCES = 5 };
-  const double h0 = 0.1;
-  double most = 0, top = 0, before = 0;
+  const double h0 = 0.1, flight = 2e-5, contact = 2e-8;
+  double height = 0, time = 0, sum = 1, before = 0;
   int bounces = 0;
   char name[64];
   scn_rig rig;
-  scn_rig_open(&rig, v, 2e-7, err,
-               "{'gravity':[0,0,%.17g],'materials':[{'name':'a','density':2500,'young_modulus':1e10,"
+  scn_rig_open(&rig, v, flight, err,
+               "{'gravity':[0,0,%.17g],'materials':[{'name':'a','density':2500,'young_modulus':1e13,"
                "'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],'restitution':%.17g,'friction':0}],"
                "'contact':{'tangential':'none'},"
                "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
                "'particles':[{'type':'list','material':'a','radius':%.17g,'positions':[[0,0,%.17g]]}]}",
                -g, e, radius, radius + h0);
-  while (err->status == TDM_OK && bounces <= BOUNCES && scn_rig_steps(&rig, 1, err) == TDM_OK) {
+  while (err->status == TDM_OK && bounces < BOUNCES + 1 && scn_rig_steps(&rig, 1, err) == TDM_OK) {
     double w = rig.data->pace[0].velocity.z, z = rig.data->sphere[0].position.z - radius;
-    if (before > 0 && w <= 0 && z > 0) {
-      double height = z / (h0 * pow(e, 2.0 * bounces)) - 1;
-      most = fabs(height) > most ? fabs(height) : most;
-      top = z;
+    if (w > 0 && before <= 0) { /* turned in the contact */
+      bounces++;
+      sum += pow(e, bounces) + (bounces > 1 ? pow(e, bounces - 1) : 0);
+    } else if (w <= 0 && before > 0) { /* the top was w/g ago */
+      height = fmax(height, fabs((z + 0.5 * w * w / g) / (h0 * pow(e, 2.0 * bounces)) - 1));
+      time = fmax(time, fabs((rig.time + w / g) / (sqrt(2 * h0 / g) * sum) - 1));
+      if (bounces == BOUNCES)
+        break;
     }
-    bounces += before <= 0 && w > 0;
     before = w;
+    rig.dt = z > 2 * flight * (fabs(w) + g * flight) ? flight : contact;
   }
   scn_rig_close(&rig);
   snprintf(name, sizeof name, "%d bounces, e=%g", BOUNCES, e);
-  cpl_verify_measure(v, "height_error", name, top > 0 ? most : NAN, CPL_AT_MOST, 1e-3);
+  cpl_verify_measure(v, "height_error", name, bounces == BOUNCES ? height : NAN, CPL_AT_MOST, 2e-3);
+  cpl_verify_measure(v, "time_error", name, bounces == BOUNCES ? time : NAN, CPL_AT_MOST, 2e-3);
   return err->status;
 }
 
@@ -121,22 +127,24 @@ static tdm_status os_hertz(cpl_verify *v, tdm_error *err) {
       z = rig.data->sphere[0].position.z, speed = rig.data->pace[0].velocity.z;
     scn_rig_close(&rig);
     const char *name = fine > 1 ? "OSHertz dt=5e-9" : "OSHertz dt=5e-7";
-    cpl_verify_measure(v, "published_z_error", name, z / 0.00100724021886788 - 1, CPL_AT_MOST, 1e-4);
-    cpl_verify_measure(v, "published_speed_error", name, speed / 0.40107538074925 - 1, CPL_AT_MOST, 5e-3);
-    if (fine > 1)
+    if (fine == 1) {
+      cpl_verify_measure(v, "published_z_error", name, z / 0.00100724021886788 - 1, CPL_AT_MOST, 1e-4);
+      cpl_verify_measure(v, "published_speed_error", name, speed / 0.40107538074925 - 1, CPL_AT_MOST, 2e-3);
+    } else {
       cpl_verify_measure(v, "exact_speed_error", name, speed / 0.4 - 1, CPL_AT_MOST, 1e-4);
+    }
   }
   return err->status;
 }
 
 /* R 1 mm, g = (5, 0, -5), mu = 0.2: slides, v = 4 t, omega = 2500 t; state at 5.0005 ms. Only friction matters. */
 static tdm_status os_mindlin(cpl_verify *v, tdm_error *err) {
-  const double dt = 5e-7, t = 5.0005e-3, e_star = 1e9, mass = 4.0 / 3 * M_PI * 1e-9 * 7850;
+  const double dt = 5e-7, t = 5.0005e-3, e_star = 1e12, mass = 4.0 / 3 * M_PI * 1e-9 * 7850;
   double overlap = pow(5 * mass / (4.0 / 3 * e_star * sqrt(1e-3)), 2.0 / 3), speed = NAN, spin = NAN;
   scn_rig rig;
   if (scn_rig_open(&rig, v, dt, err,
                    "{'gravity':[5,0,-5],'materials':["
-                   "{'name':'a','density':7850,'young_modulus':1e9,'poisson_ratio':0},"
+                   "{'name':'a','density':7850,'young_modulus':1e12,'poisson_ratio':0},"
                    "{'name':'w','density':2500,'young_modulus':1e22,'poisson_ratio':0}],"
                    "'pairs':[{'materials':['a','w'],'restitution':0.4,'friction':0.2}],"
                    "'bodies':[{'name':'floor','material':'w','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
