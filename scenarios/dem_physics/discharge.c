@@ -11,13 +11,13 @@
 #include <stdio.h>
 
 static const double d = 0.005, spread = 0.1; /* mean diameter [m]; uniform radii, +- share */
-static const double side = 18, height = 15;  /* of the bin and of the bed, in d */
-static const double gravity = 9.81, dt = 6e-5;
-static const double begin = 0.15, longest = 0.7; /* where the flow is measured [s] */
-static const double emptied = 0.35;              /* share of the bed that may flow out */
-static const int count = 5500;
+static const double side = 16, height = 13;  /* of the bin and of the bed, in d */
+static const double gravity = 9.81, dt = 8e-5;
+static const double begin = 0.12, longest = 0.6; /* where the flow is measured [s] */
+static const double emptied = 0.3;               /* share of the bed that may flow out */
+static const int count = 3800;
 
-static const double outlets[] = {5, 6, 7, 8, 9, 10}; /* D/d */
+static const double outlets[] = {5, 6, 7, 8, 9}; /* D/d */
 enum { NOUTLET = sizeof outlets / sizeof outlets[0] };
 
 /* bottom: a flat ring (a cone that rises by a hair); gate: a disc under the outlet that drops away when the run begins
@@ -26,7 +26,7 @@ static tdm_status open_bin(scn_rig *rig, cpl_verify *v, double outlet, tdm_error
   double half = 0.5 * side * d, r = 0.5 * d, top = 1.8 * height * d;
   return scn_rig_open(rig, v, dt, err,
                       "{'gravity':[0,0,%.17g],"
-                      "'materials':[{'name':'a','density':2500,'young_modulus':5e6,'poisson_ratio':0.25}],"
+                      "'materials':[{'name':'a','density':2500,'young_modulus':2.5e6,'poisson_ratio':0.25}],"
                       "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.5}],"
                       "'bodies':[{'name':'bin','material':'a','shapes':["
                       "{'type':'box','side':'inside','size':[%.17g,%.17g,1],'open':['-z','+z']},"
