@@ -133,11 +133,6 @@ static rebound solve_form(const impact_case *c, scn_spring spring) {
   return solve_with(c, &law);
 }
 
-static void worst(double *most, double difference) {
-  if (!(fabs(difference) <= *most)) /* NaN stays */
-    *most = fabs(difference);
-}
-
 static tdm_status write_series(cpl_verify *v, scn_series_name which, tdm_error *err) {
   const scn_series *s = &scn_published[which];
   char name[96];
@@ -177,7 +172,7 @@ static void follow(force_watch *w, int which, scn_series_name name, double x0, d
   const scn_series *s = &scn_published[name];
   for (; w->next[which] < s->n && s->xy[w->next[which]][0] <= x1 && x1 > x0; w->next[which]++) {
     const double *point = s->xy[w->next[which]];
-    worst(&w->off[which], f0 + (f1 - f0) * (point[0] - x0) / (x1 - x0) - point[1]);
+    scn_worst(&w->off[which], f0 + (f1 - f0) * (point[0] - x0) / (x1 - x0) - point[1]);
   }
 }
 
@@ -270,7 +265,7 @@ static tdm_status test_3(cpl_verify *v, tdm_error *err) {
       rebound r;
       if (simulate(v, &c, &r, err) != TDM_OK)
         return err->status;
-      worst(&most, r.normal / c.normal - c.e);
+      scn_worst(&most, r.normal / c.normal - c.e);
     }
     snprintf(name, sizeof name, "3 %s e=0.2...1", materials[of[k]].name);
     cpl_verify_measure(v, "restitution_error", name, most, CPL_AT_MOST, 2e-4);
@@ -323,14 +318,14 @@ static tdm_status test_4_computed(cpl_verify *v, int k, tdm_error *err) {
       break;
     double e = restitution_across(&c, &r);
     fprintf(f, "%g,%.9g,%.9g,%.9g\n", row->angle, e, r.spin, rebound_angle(&c, &r));
-    worst(&own_e, e - restitution_across(&c, &own));
-    worst(&own_spin, r.spin - own.spin);
+    scn_worst(&own_e, e - restitution_across(&c, &own));
+    scn_worst(&own_spin, r.spin - own.spin);
     for (int form = 0; form < 2; form++) {
       rebound other = solve_form(&c, form ? SCN_SPRING_TOTAL : SCN_SPRING_INCREMENTAL);
-      worst(&form_e, restitution_across(&c, &other) - row->outcome[k][form].restitution);
-      worst(&form_spin, other.spin - row->outcome[k][form].spin);
+      scn_worst(&form_e, restitution_across(&c, &other) - row->outcome[k][form].restitution);
+      scn_worst(&form_spin, other.spin - row->outcome[k][form].spin);
       if (row->angle >= agree_from)
-        worst(&table_e, e - row->outcome[k][form].restitution);
+        scn_worst(&table_e, e - row->outcome[k][form].restitution);
     }
   }
   fclose(f);
@@ -357,8 +352,8 @@ static tdm_status test_4_published(cpl_verify *v, material of, scn_series_name s
     rebound r, other = solve_form(&c, SCN_SPRING_TOTAL);
     if (simulate(v, &c, &r, err) != TDM_OK)
       return err->status;
-    worst(point[0] >= agree_from - 0.2 ? &above : &below, value(&c, &r) - point[1]);
-    worst(&total, value(&c, &other) - point[1]);
+    scn_worst(point[0] >= agree_from - 0.2 ? &above : &below, value(&c, &r) - point[1]);
+    scn_worst(&total, value(&c, &other) - point[1]);
   }
   snprintf(name, sizeof name, "4 %s >=30deg", materials[of].name);
   cpl_verify_measure(v, what, name, above, CPL_AT_MOST, limit);
@@ -441,12 +436,12 @@ static tdm_status test_5_computed(cpl_verify *v, material of, tdm_error *err) {
     if (simulate(v, &c, &r, err) != TDM_OK)
       break;
     fprintf(f, "%g,%.9g,%.9g\n", xs[i], normalised_slip(&c, &r), normalised_spin(&c, &r));
-    worst(&own, normalised_slip(&c, &r) - normalised_slip(&c, &law));
-    worst(&own, normalised_spin(&c, &r) - normalised_spin(&c, &law));
+    scn_worst(&own, normalised_slip(&c, &r) - normalised_slip(&c, &law));
+    scn_worst(&own, normalised_spin(&c, &r) - normalised_spin(&c, &law));
     if (xs[i] < 7)
       continue;
-    worst(&slip, r.across / (c.mu * c.normal) - (xs[i] - 2)); /* V_t' = V_t - 2 mu V_n */
-    worst(&spin, normalised_spin(&c, &r) - sliding_spin(&c));
+    scn_worst(&slip, r.across / (c.mu * c.normal) - (xs[i] - 2)); /* V_t' = V_t - 2 mu V_n */
+    scn_worst(&spin, normalised_spin(&c, &r) - sliding_spin(&c));
   }
   fclose(f);
   snprintf(name, sizeof name, "5 %s", materials[of].name);
@@ -468,7 +463,7 @@ static tdm_status test_5_published(cpl_verify *v, material of, scn_series_name s
     const impact_case c = normalised(of, s->xy[i][0]);
     if (simulate(v, &c, &r, err) != TDM_OK)
       return err->status;
-    worst(&off[s->xy[i][0] > 5.9], value(&c, &r) - s->xy[i][1]);
+    scn_worst(&off[s->xy[i][0] > 5.9], value(&c, &r) - s->xy[i][1]);
   }
   snprintf(name, sizeof name, "5 %s x>=6", materials[of].name);
   cpl_verify_measure(v, what, name, off[1], limit > 0 ? CPL_AT_MOST : CPL_NO_LIMIT, limit);
@@ -533,12 +528,12 @@ static tdm_status test_6(cpl_verify *v, tdm_error *err) {
       if (simulate(v, &c, &r, err) != TDM_OK)
         return err->status;
       double scale = scale_of(&c);
-      worst(&own, (r.across - expected.across) / scale);
-      worst(&own, c.radius * (r.spin - expected.spin) / scale);
+      scn_worst(&own, (r.across - expected.across) / scale);
+      scn_worst(&own, c.radius * (r.spin - expected.spin) / scale);
       if (c.radius * spins[i] < 7 * c.mu * c.normal)
         continue;
-      worst(&sliding, r.across / scale + 1);
-      worst(&sliding, c.radius * (r.spin - spins[i]) / (2.5 * scale) + 1);
+      scn_worst(&sliding, r.across / scale + 1);
+      scn_worst(&sliding, c.radius * (r.spin - spins[i]) / (2.5 * scale) + 1);
     }
     snprintf(name, sizeof name, "6 %s", materials[of[k]].name);
     cpl_verify_measure(v, "law_error", name, own, CPL_AT_MOST, 1e-4);
@@ -580,9 +575,9 @@ static tdm_status test_7(cpl_verify *v, tdm_error *err) {
       if (spheres(v, of[k], 0.1, 1, spins[i], 0.2, spins[i], &impact, err) != TDM_OK)
         return err->status;
       for (int p = 0; p < 2; p++) {
-        worst(&across, impact.velocity[p].x / 0.2);
-        worst(&spin, fabs(impact.spin[p].y) / spins[i] - 1);
-        worst(&normal, fabs(impact.velocity[p].z) / 0.2 - 0.5);
+        scn_worst(&across, impact.velocity[p].x / 0.2);
+        scn_worst(&spin, fabs(impact.spin[p].y) / spins[i] - 1);
+        scn_worst(&normal, fabs(impact.velocity[p].z) / 0.2 - 0.5);
       }
     }
     snprintf(name, sizeof name, "7 %s", materials[of[k]].name);
@@ -602,8 +597,8 @@ static tdm_status test_8(cpl_verify *v, tdm_error *err) {
     rebound r;
     if (simulate(v, &c, &r, err) != TDM_OK || spheres(v, AL_ALLOY, 0.5, 1000, 0, 0, spins[i], &impact, err) != TDM_OK)
       return err->status;
-    worst(&off, (impact.velocity[0].x - r.across) / scale_of(&c));
-    worst(&off, c.radius * (-impact.spin[0].y - r.spin) / scale_of(&c));
+    scn_worst(&off, (impact.velocity[0].x - r.across) / scale_of(&c));
+    scn_worst(&off, c.radius * (-impact.spin[0].y - r.spin) / scale_of(&c));
   }
   cpl_verify_measure(v, "from_test_6", "8 aluminium alloy", off, CPL_AT_MOST, 2e-3);
   return TDM_OK;

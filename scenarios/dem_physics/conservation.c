@@ -46,7 +46,7 @@ static tdm_status energy(cpl_verify *v, const char *name, const char *normal, co
     before = now;
     if (now > 0 || k % 50)
       continue;
-    worst = fmax(worst, fabs(scn_rig_kinetic(&rig) / start - 1));
+    scn_worst(&worst, scn_rig_kinetic(&rig) / start - 1);
     instants++;
   }
   scn_rig_close(&rig);

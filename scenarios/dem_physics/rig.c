@@ -133,6 +133,13 @@ tdm_status scn_rig_impact(scn_rig *rig, long most, scn_impact *impact, scn_impac
   return TDM_OK;
 }
 
+/* ---- results ---- */
+
+void scn_worst(double *most, double difference) {
+  if (!(fabs(difference) <= *most))
+    *most = isnan(*most) ? NAN : fabs(difference);
+}
+
 FILE *scn_curve(cpl_verify *v, const char *name, tdm_error *err) {
   char file[4352];
   if (tdm_make_directory(cpl_verify_dir(v), err) != TDM_OK)

@@ -46,6 +46,9 @@ typedef void scn_impact_watch(void *context, double time, double overlap, double
 tdm_status scn_rig_impact(scn_rig *rig, long most, scn_impact *impact, scn_impact_watch *watch, void *context,
                           tdm_error *err);
 
+/* Keep the largest size in *most (0 at first); NaN stays. */
+void scn_worst(double *most, double difference);
+
 /* dir/name of the scenario's results, for writing; NULL and an error. */
 FILE *scn_curve(cpl_verify *v, const char *name, tdm_error *err);
 

@@ -90,8 +90,8 @@ static tdm_status bouncing(cpl_verify *v, double e, tdm_error *err) {
       bounces++;
       sum += pow(e, bounces) + (bounces > 1 ? pow(e, bounces - 1) : 0);
     } else if (w <= 0 && before > 0) { /* the top was w/g ago */
-      height = fmax(height, fabs((z + 0.5 * w * w / g) / (h0 * pow(e, 2.0 * bounces)) - 1));
-      time = fmax(time, fabs((rig.time + w / g) / (sqrt(2 * h0 / g) * sum) - 1));
+      scn_worst(&height, (z + 0.5 * w * w / g) / (h0 * pow(e, 2.0 * bounces)) - 1);
+      scn_worst(&time, (rig.time + w / g) / (sqrt(2 * h0 / g) * sum) - 1);
       if (bounces == BOUNCES)
         break;
     }

@@ -61,7 +61,7 @@ START_TEST(rolling) {
 END_TEST
 
 START_TEST(convergence) {
-  check("convergence", 28);
+  check("convergence", 12);
 }
 END_TEST
 
