@@ -4,41 +4,58 @@
  *
  * C and k from a straight line through W^(2/5) over D; the exponent from log W over log(D - 1.4 d).
  */
+#include "dem/step.h"
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static const double d = 0.005, spread = 0.1; /* mean diameter [m]; uniform radii, +- share */
 static const double side = 16, height = 13;  /* of the bin and of the bed, in d */
 static const double gravity = 9.81, dt = 8e-5;
-static const double begin = 0.12, longest = 0.5; /* where the flow is measured [s] */
+static const double begin = 0.12, longest = 0.6; /* where the flow is measured [s] */
 static const double emptied = 0.3;               /* share of the bed that may flow out */
 static const int count = 3800;
 
 static const double outlets[] = {5, 6, 7, 8, 9}; /* D/d */
 enum { NOUTLET = sizeof outlets / sizeof outlets[0] };
 
-/* bottom: a flat ring (a cone that rises by a hair); gate: a disc under the outlet that drops away when the run begins
- */
+/* The bin with an outlet in its bottom, a flat ring (a cone that rises by a hair); outlet 0: closed, and settled. */
 static tdm_status open_bin(scn_rig *rig, cpl_verify *v, double outlet, tdm_error *err) {
   double half = 0.5 * side * d, r = 0.5 * d, top = 1.8 * height * d;
+  char bottom[256];
+  snprintf(bottom, sizeof bottom,
+           outlet > 0 ? "{'type':'cone','side':'inside','radii':[%.17g,%.17g],'length':1e-6}"
+                      : "{'type':'plane','normal':[0,0,1]}",
+           0.5 * outlet * d, 1.5 * half);
   return scn_rig_open(rig, v, dt, err,
                       "{'gravity':[0,0,%.17g],"
                       "'materials':[{'name':'a','density':2500,'young_modulus':2.5e6,'poisson_ratio':0.25}],"
                       "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.5}],"
-                      "'bodies':[{'name':'bin','material':'a','shapes':["
-                      "{'type':'box','side':'inside','size':[%.17g,%.17g,1],'open':['-z','+z']},"
-                      "{'type':'cone','side':'inside','radii':[%.17g,%.17g],'length':1e-6}]},"
-                      "{'name':'gate','material':'a','shapes':[{'type':'cylinder','side':'outside','point':[0,0,-0.01],"
-                      "'radius':%.17g,'length':0.00999}],'motion':{'velocity':[0,0,-5],'end':0.2}}],"
+                      "'bodies':[{'name':'bin','material':'a','shapes':[%s,"
+                      "{'type':'box','side':'inside','size':[%.17g,%.17g,1],'open':['-z','+z']}]}],"
                       "'particles':[{'type':'random','material':'a','count':%d,'radius':[%.17g,%.17g],"
                       "'region':{'min':[%.17g,%.17g,0.0001],'max':[%.17g,%.17g,%.17g]}}],"
-                      "'sinks':[{'name':'out','type':'plane','point':[0,0,%.17g],'normal':[0,0,1]}],"
-                      "'settle':{'speed':0.02,'max_time':1}}",
-                      -gravity, 2 * half, 2 * half, 0.5 * outlet * d, 1.5 * half, 0.5 * outlet * d + r, count,
-                      (1 - spread) * r, (1 + spread) * r, -half, -half, half, half, top, -2 * d);
+                      "'sinks':[{'name':'out','type':'plane','point':[0,0,%.17g],'normal':[0,0,1]}]%s}",
+                      -gravity, bottom, 2 * half, 2 * half, count, (1 - spread) * r, (1 + spread) * r, -half, -half,
+                      half, half, top, -2 * d, outlet > 0 ? "" : ",'settle':{'speed':0.02,'max_time':1}");
+}
+
+/* Put the particles of a bin where they lie in another one, at rest; both were filled alike. */
+static tdm_status put_bed(scn_rig *rig, const scn_rig *bed, tdm_error *err) {
+  dem_data *to = rig->data;
+  const dem_data *from = bed->data;
+  tdm_vec3 *place = malloc((size_t)count * sizeof *place); /* by id */
+  for (int i = 0; place && i < from->nparticle; i++)
+    place[from->id[i]] = from->sphere[i].position;
+  for (int i = 0; place && i < to->nparticle; i++)
+    to->sphere[i].position = place[to->id[i]];
+  if (!place || !dem_forces_now(to, false))
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", count);
+  free(place);
+  return err->status;
 }
 
 /* of the bed at rest, away from walls, bottom and surface [kg/m3] */
@@ -71,12 +88,12 @@ static double line_zero(const line *l) {
   return (s * l->x - l->y) / (s * l->n);
 }
 
-/* Mass rate through one outlet [kg/s] */
-static tdm_status discharge(cpl_verify *v, double outlet, double *rate, double *density, FILE *curves, tdm_error *err) {
+/* Mass rate through one outlet [kg/s], which opens at the start */
+static tdm_status discharge(cpl_verify *v, const scn_rig *bed, double outlet, double *rate, FILE *curves,
+                            tdm_error *err) {
   scn_rig rig;
   line flow = {0};
-  if (open_bin(&rig, v, outlet, err) == TDM_OK) {
-    *density = bulk_density(rig.data);
+  if (open_bin(&rig, v, outlet, err) == TDM_OK && put_bed(&rig, bed, err) == TDM_OK) {
     const dem_sink_state *sink = &rig.data->sink[0];
     for (double t = 0; t < longest && (double)sink->removed < emptied * count; t += 20 * dt) {
       if (scn_rig_steps(&rig, 20, err) != TDM_OK)
@@ -132,20 +149,22 @@ static tdm_status compare(cpl_verify *v, const double *rate, double density, tdm
 }
 
 tdm_status scn_discharge(cpl_verify *v, tdm_error *err) {
-  double rate[NOUTLET], density = 0;
+  double rate[NOUTLET], density = NAN;
+  scn_rig bed = {0};
   FILE *curves = scn_curve(v, "mass.csv", err);
   if (!curves)
     return err->status;
   fputs("time [s],mass [kg],D/d\n", curves);
+  if (open_bin(&bed, v, 0, err) == TDM_OK)
+    density = bulk_density(bed.data);
   for (int i = 0; i < NOUTLET && err->status == TDM_OK; i++) {
     char name[32];
-    double own = 0;
-    if (discharge(v, outlets[i], &rate[i], &own, curves, err) != TDM_OK)
+    if (discharge(v, &bed, outlets[i], &rate[i], curves, err) != TDM_OK)
       break;
-    density += own / NOUTLET;
     snprintf(name, sizeof name, "D=%gd", outlets[i]);
     cpl_verify_measure(v, "rate_kg/s", name, rate[i], CPL_NO_LIMIT, 0);
   }
+  scn_rig_close(&bed);
   fclose(curves);
   return err->status == TDM_OK ? compare(v, rate, density, err) : err->status;
 }
