@@ -10,14 +10,13 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 static const double d = 0.005, spread = 0.1; /* mean diameter [m]; uniform radii, +- share */
 static const double side = 16, height = 13;  /* of the bin and of the bed, in d */
 static const double gravity = 9.81, dt = 8e-5;
 static const double begin = 0.12, longest = 0.6; /* where the flow is measured [s] */
 static const double emptied = 0.3;               /* share of the bed that may flow out */
-static const int count = 3800;
+enum { count = 3800 };
 
 static const double outlets[] = {5, 6, 7, 8, 9}; /* D/d */
 enum { NOUTLET = sizeof outlets / sizeof outlets[0] };
@@ -43,21 +42,6 @@ static tdm_status open_bin(scn_rig *rig, cpl_verify *v, double outlet, tdm_error
                       half, half, top, -2 * d, outlet > 0 ? "" : ",'settle':{'speed':0.02,'max_time':1}");
 }
 
-/* Put the particles of a bin where they lie in another one, at rest; both were filled alike. */
-static tdm_status put_bed(scn_rig *rig, const scn_rig *bed, tdm_error *err) {
-  dem_data *to = rig->data;
-  const dem_data *from = bed->data;
-  tdm_vec3 *place = malloc((size_t)count * sizeof *place); /* by id */
-  for (int i = 0; place && i < from->nparticle; i++)
-    place[from->id[i]] = from->sphere[i].position;
-  for (int i = 0; place && i < to->nparticle; i++)
-    to->sphere[i].position = place[to->id[i]];
-  if (!place || !dem_forces_now(to, false))
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", count);
-  free(place);
-  return err->status;
-}
-
 /* of the bed at rest, away from walls, bottom and surface [kg/m3] */
 static double bulk_density(const dem_data *data) {
   const double half = 0.5 * (side - 6) * d, low = 3 * d, high = (height - 4) * d;
@@ -68,6 +52,28 @@ static double bulk_density(const dem_data *data) {
       mass += data->mass[i];
   }
   return mass / (4 * half * half * (high - low));
+}
+
+/* Settle a bed: its density, and where its particles lie, by id (count). */
+static tdm_status settle(cpl_verify *v, tdm_vec3 *place, double *density, tdm_error *err) {
+  scn_rig rig;
+  if (open_bin(&rig, v, 0, err) == TDM_OK) {
+    *density = bulk_density(rig.data);
+    for (int i = 0; i < rig.data->nparticle; i++)
+      place[rig.data->id[i]] = rig.data->sphere[i].position;
+  }
+  scn_rig_close(&rig);
+  return err->status;
+}
+
+/* Put the particles of a bin, filled as the bed was, where those of the bed lie; all are at rest. */
+static tdm_status put_bed(scn_rig *rig, const tdm_vec3 *place, tdm_error *err) {
+  dem_data *to = rig->data;
+  for (int i = 0; i < to->nparticle; i++)
+    to->sphere[i].position = place[to->id[i]];
+  if (!dem_forces_now(to, false))
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", count);
+  return err->status;
 }
 
 /* slope of a straight line through points given one by one */
@@ -89,7 +95,7 @@ static double line_zero(const line *l) {
 }
 
 /* Mass rate through one outlet [kg/s], which opens at the start */
-static tdm_status discharge(cpl_verify *v, const scn_rig *bed, double outlet, double *rate, FILE *curves,
+static tdm_status discharge(cpl_verify *v, const tdm_vec3 *bed, double outlet, double *rate, FILE *curves,
                             tdm_error *err) {
   scn_rig rig;
   line flow = {0};
@@ -150,21 +156,19 @@ static tdm_status compare(cpl_verify *v, const double *rate, double density, tdm
 
 tdm_status scn_discharge(cpl_verify *v, tdm_error *err) {
   double rate[NOUTLET], density = NAN;
-  scn_rig bed = {0};
+  static tdm_vec3 bed[count];
   FILE *curves = scn_curve(v, "mass.csv", err);
   if (!curves)
     return err->status;
   fputs("time [s],mass [kg],D/d\n", curves);
-  if (open_bin(&bed, v, 0, err) == TDM_OK)
-    density = bulk_density(bed.data);
+  settle(v, bed, &density, err);
   for (int i = 0; i < NOUTLET && err->status == TDM_OK; i++) {
     char name[32];
-    if (discharge(v, &bed, outlets[i], &rate[i], curves, err) != TDM_OK)
+    if (discharge(v, bed, outlets[i], &rate[i], curves, err) != TDM_OK)
       break;
     snprintf(name, sizeof name, "D=%gd", outlets[i]);
     cpl_verify_measure(v, "rate_kg/s", name, rate[i], CPL_NO_LIMIT, 0);
   }
-  scn_rig_close(&bed);
   fclose(curves);
   return err->status == TDM_OK ? compare(v, rate, density, err) : err->status;
 }
