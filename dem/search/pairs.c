@@ -194,7 +194,7 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
     for (int c = 0; c < d->nchunk; c++)
       if (carry)
         find_histories(d, chunk, old, c);
-      else
+      else if (count > 0) /* else there may be no list yet */
         memset(list->sink + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->sink);
     if (!carry_pairs(d, chunk, before))
       return false;
