@@ -49,6 +49,18 @@ static void case_dir(const cpl_verify *v, const char *case_name, char *out, size
       out[i] = '_';
 }
 
+/* the last run into the scenario's total */
+static void count_last(cpl_verify *v) {
+  cpl_run_result *total = &v->now->total;
+  total->windows += v->last.windows;
+  total->simulated += v->last.simulated;
+  total->wall += v->last.wall;
+  total->setup += v->last.setup;
+  total->loop += v->last.loop;
+  for (int r = 0; r < CPL_NROLE; r++)
+    total->step[r] += v->last.step[r];
+}
+
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err) {
   char scene[4096];
@@ -61,15 +73,14 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
   if (isatty(2))
     fprintf(stderr, "\r\033[K%s %s", v->now->scenario->name, case_name);
   cpl_run(&run, &v->last, err);
-  cpl_run_result *total = &v->now->total;
-  total->windows += v->last.windows;
-  total->simulated += v->last.simulated;
-  total->wall += v->last.wall;
-  total->setup += v->last.setup;
-  total->loop += v->last.loop;
-  for (int r = 0; r < CPL_NROLE; r++)
-    total->step[r] += v->last.step[r];
+  count_last(v);
   return err->status;
+}
+
+void cpl_verify_alone(cpl_verify *v, double simulated, double wall) {
+  v->last = (cpl_run_result){.simulated = simulated, .wall = wall, .loop = wall};
+  v->last.step[CPL_DEM] = wall;
+  count_last(v);
 }
 
 /* What goes wrong with a plot is a notice, once. */

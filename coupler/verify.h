@@ -37,6 +37,9 @@ typedef enum {
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err);
 
+/* Say that this scenario ran something without the coupler: `simulated` [s] of particles alone in `wall` [s]. */
+void cpl_verify_alone(cpl_verify *v, double simulated, double wall);
+
 /* Compare a run of this scenario with its reference; writes comparison.csv and its plot into the run's directory. */
 tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c, tdm_error *err);
 
