@@ -131,7 +131,8 @@ bool dem_crossings_reserve(dem_data *d, int count) {
 bool dem_data_reserve(dem_data *d, int n) {
   if (n > d->capacity) {
     dem_data grown = *d;
-    grown.capacity = d->particle_block ? n + n / 2 + 64 : n;
+    int more = d->capacity + d->capacity / 2 + 64;
+    grown.capacity = d->particle_block && more > n ? more : n;
     grown.particle_block = zeroed(layout_particles(&grown, NULL));
     if (!grown.particle_block)
       return false;

@@ -33,8 +33,15 @@ static void add_energy(dem_data *d, double dt) {
   dem_energy_step(&d->energy, &sum, dt);
 }
 
-/* add up the forces of a share of the contacts on particles (zeroed before) and bodies */
-static void evaluate(dem_data *d, dem_share share, bool settling, double dt) {
+static void end_step(dem_data *d, const dem_integrator *integrator, double dt) {
+  EACH_CHUNK
+  for (int c = 0; c < d->nchunk; c++)
+    integrator->end(d, c, dt);
+}
+
+/* Add up the forces of a share of the contacts on particles (zeroed before) and bodies; then, with an integrator, end
+ * its step. One thread ends each chunk at once, while it is in the cache: what other chunks add to it came before. */
+static void evaluate(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {
   const dem_model *m = d->model;
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1) reduction(+ : touching)
@@ -46,7 +53,11 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt) {
     m->law->walls(&task);
     touching += task.touching;
     d->chunk_flux[c] = task.flux;
+    if (integrator && d->nthread == 1)
+      integrator->end(d, c, dt);
   }
+  if (integrator && d->nthread > 1)
+    end_step(d, integrator, dt);
   d->ncontact = touching;
   if (m->energy)
     add_energy(d, dt);
@@ -58,12 +69,6 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt) {
     }
     d->body_load[b] = sum;
   }
-}
-
-static void end_step(dem_data *d, const dem_integrator *integrator, double dt) {
-  EACH_CHUNK
-  for (int c = 0; c < d->nchunk; c++)
-    integrator->end(d, c, dt);
 }
 
 /* between drift and forces; false: no memory */
@@ -103,7 +108,7 @@ static void add_fast_loads(dem_data *d, double share, const tdm_wrench *from, td
 
 static void evaluate_slow(dem_data *d, bool settling, double dt) {
   long fast = d->ncontact;
-  evaluate(d, DEM_SLOW, settling, dt);
+  evaluate(d, DEM_SLOW, settling, dt, NULL);
   d->ncontact += fast;
   add_fast_loads(d, 1, d->fast_load, d->body_load);
 }
@@ -112,7 +117,7 @@ static void evaluate_slow(dem_data *d, bool settling, double dt) {
 static void evaluate_both(dem_data *d, bool settling, double dt) {
   memset(d->spare_push, 0, (size_t)d->nparticle * sizeof *d->push);
   swap_forces(d);
-  evaluate(d, DEM_FAST, settling, dt);
+  evaluate(d, DEM_FAST, settling, dt, NULL);
   end_step(d, d->model->integrator, 0);
   swap_forces(d);
   memcpy(d->fast_load, d->body_load, (size_t)d->model->nbody * sizeof *d->body_load);
@@ -135,7 +140,7 @@ static bool multi_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64
     double moved2 = begin_step(d, m->integrator, h, (double)j * h - 0.5 * dt);
     if (!find_contacts(d, moved2, h))
       return false;
-    evaluate(d, DEM_FAST, false, h);
+    evaluate(d, DEM_FAST, false, h, NULL);
     end_step(d, m->integrator, h);
     swap_forces(d);
     add_fast_loads(d, 1 / (double)many, d->body_load, d->fast_load);
@@ -160,8 +165,7 @@ static bool single_step(dem_data *d, const dem_motion *motion, uint64_t k, uint6
   double moved2 = begin_step(d, integrator, dt, 0);
   if (!find_contacts(d, moved2, dt))
     return false;
-  evaluate(d, DEM_ALL, settling, dt);
-  end_step(d, integrator, dt);
+  evaluate(d, DEM_ALL, settling, dt, integrator);
   return true;
 }
 
@@ -197,7 +201,7 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
   if (d->model->integrator->kick && !settling)
     evaluate_both(d, settling, dt);
   else
-    evaluate(d, DEM_ALL, settling, dt);
+    evaluate(d, DEM_ALL, settling, dt, NULL);
   end_step(d, d->model->settler, 0);
   d->restart = true;
 }
