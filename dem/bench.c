@@ -247,7 +247,7 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   bool good = e->data && dem_data_reserve(e->data, b->n);
   if (good && !(o->skin > 0)) {
     e->model->mean_radius = b->mean;
-    e->data->skin = 0.1 * b->mean;
+    e->data->skin = 0.05 * b->mean;
   }
   rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {

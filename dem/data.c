@@ -91,13 +91,16 @@ void dem_data_end(dem_data *d) {
   d->rotor[d->nparticle] = (dem_rotor){0};
 }
 
-/* room for `capacity` sums */
-static bool grow_push(const dem_data *d, dem_push **push, int capacity) {
-  dem_push *grown = zeroed((size_t)capacity * sizeof *grown);
+/* forces of the particles there are, zeros for the one that is none and `more`; the rest is not touched, so it costs no
+ * memory until it is used */
+static bool grow_push(const dem_data *d, dem_push **push, int capacity, int more) {
+  dem_push *grown = aligned_alloc(64, (size_t)capacity * sizeof *grown);
   if (!grown)
     return false;
+  size_t used = (size_t)d->nparticle;
   if (*push)
-    memcpy(grown, *push, (size_t)d->nparticle * sizeof *grown);
+    memcpy(grown, *push, used * sizeof *grown);
+  memset(*push ? grown + used : grown, 0, ((*push ? 0 : used) + 1 + (size_t)more) * sizeof *grown);
   free(*push);
   *push = grown;
   return true;
@@ -106,9 +109,9 @@ static bool grow_push(const dem_data *d, dem_push **push, int capacity) {
 bool dem_crossings_reserve(dem_data *d, int count) {
   int need = d->nparticle + 1 + count;
   if (need > d->push_capacity) {
-    int capacity = need + need / 8 + 64;
+    int capacity = need + (need > DEM_CHUNK ? need / 2 : 64); /* about what the crossings take */
     bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
-    if (!grow_push(d, &d->push, capacity) || (two && !grow_push(d, &d->spare_push, capacity)))
+    if (!grow_push(d, &d->push, capacity, count) || (two && !grow_push(d, &d->spare_push, capacity, count)))
       return false;
     d->push_capacity = capacity;
   }
@@ -160,7 +163,7 @@ static bool grow(void *array, size_t n, size_t keep, size_t size) {
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
   if (count <= list->capacity && list->one) /* arrays also for no entries */
     return true;
-  size_t before = list->capacity, capacity = (count + count / 8 + 64) & ~(size_t)7;
+  size_t before = list->capacity, capacity = (count + count / 16 + 64) & ~(size_t)7;
   if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
       !grow(&list->sink, capacity, 0, sizeof(int)) ||
       (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
@@ -208,7 +211,7 @@ static void begin(dem_data *d) {
   dem_domain_begin(d);
   d->ledger.created = (uint64_t)d->nparticle;
   d->since_sort = DEM_SORT_STEPS;
-  d->skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
+  d->skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
   for (int b = 0; b < m->nbody; b++) {
     d->pose[b] = m->body[b].start.pose;
     d->twist[b] = m->body[b].start.twist;

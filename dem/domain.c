@@ -46,7 +46,7 @@ static void check_planes(const dem_model *m, int axis, tdm_error *err) {
 
 void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err) {
   const dem_domain_def *box = &m->domain;
-  double skin = m->skin > 0 ? m->skin : 0.1 * m->mean_radius;
+  double skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
   double least = 2 * (2 * largest_radius + skin), t = fmax(0, m->time_end - m->time_start);
   for (int a = 0; a < 3 && !err->status; a++) {
     if (!box->periodic[a])

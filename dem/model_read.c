@@ -65,7 +65,6 @@ static void read_integrator(dem_model *m, tdm_object *section) {
   tdm_object o = tdm_get_object(section, "multi_step", true);
   m->multi_step.substeps = tdm_get_integer(&o, "substeps", TDM_REQUIRED_INT, 1);
   m->multi_step.mass = tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
-  m->law = dem_law_find(m->simd, m->law->normal, m->law->tangential, true); /* which can leave contacts out */
   tdm_object_close(&o);
 }
 

@@ -502,7 +502,8 @@ void dem_contact_finish(dem_model *m) {
   sliding = sliding && dem_tangentials[m->law->tangential].ncolumn > 0;
   viscous = viscous && m->law->normal == DEM_NORMAL_hertz;
   m->couples = m->rolling != DEM_ROLLING_none || m->twisting != DEM_TWISTING_none;
-  bool more = m->couples || m->cohesion != DEM_COHESION_none || m->energy || sliding || viscous;
+  bool shared = m->multi_step.substeps > 0; /* an evaluation may leave contacts out */
+  bool more = m->couples || m->cohesion != DEM_COHESION_none || m->energy || sliding || viscous || shared;
   m->law = dem_law_find(m->simd, m->law->normal, m->law->tangential, more);
   m->columns = dem_columns_of(m->law, m->rolling, m->cohesion, sliding);
   m->reach = law_reach(m);

@@ -153,6 +153,8 @@ static bool place_crossings(dem_data *d) {
     x->chunk[c] = x->chunk[c + 1];
   x->chunk[d->nchunk] = count;
   memset(d->push + d->nparticle, 0, (size_t)(count + 1) * sizeof *d->push);
+  if (d->spare_push)
+    memset(d->spare_push + d->nparticle, 0, (size_t)(count + 1) * sizeof *d->push);
   return true;
 }
 
