@@ -239,7 +239,7 @@ dem_data *dem_data_create(const dem_model *model) {
   d->model = model;
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
-  d->nthread = 1;
+  d->nthread = model->threads > 0 ? model->threads : 1;
   if (d->block)
     layout(d, d->block);
   if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {

@@ -180,6 +180,7 @@ typedef struct dem_model {
     long substeps;
     double mass; /* contacts of a smaller effective mass are the fast ones [kg] */
   } multi_step;
+  int threads;        /* that work at the same time; results do not depend on it */
   const char *search; /* of dem_search_names, NULL: chosen for the spheres */
   int flat;           /* axis along which particles do not move (dem.dimension 2), -1: none */
   double flat_at;     /* their coordinate along it [m] */
