@@ -397,6 +397,28 @@ static rig *on_moving(const char *shape, const char *motion, double x, double z)
   return r;
 }
 
+/* A sphere in a groove of four triangles comes to rest on both sides of it, as between two planes. */
+START_TEST(test_groove) {
+  char file[256], shape[512];
+  snprintf(file, sizeof file, "%s/groove_%d.stl", TANDEM_TEST_DIR, (int)getpid());
+  tdm_vec3 corner[] = {{-1, -1, 1}, {0, -1, 0}, {0, 1, 0}, {-1, -1, 1}, {0, 1, 0}, {-1, 1, 1},
+                       {0, -1, 0},  {1, -1, 1}, {1, 1, 1}, {0, -1, 0},  {1, 1, 1}, {0, 1, 0}};
+  dem_stl stl = {4, corner};
+  tdm_error err = {0};
+  ck_assert(!dem_stl_write(&stl, file, &err));
+  snprintf(shape, sizeof shape, "{'type':'mesh','file':'%s'}", file);
+  rig *mesh = on_moving(shape, "", 0.003, 0.02);
+  rig *planes = on_moving("{'type':'plane','normal':[1,0,1]},{'type':'plane','normal':[-1,0,1]}", "", 0.003, 0.02);
+  ck_assert_int_eq(mesh->data->ncontact, 2);
+  ck_assert_int_eq(planes->data->ncontact, 2);
+  ck_vector(mesh->data->sphere[0].position, planes->data->sphere[0].position, 1e-9);
+  ck_assert_double_lt(tdm_norm(mesh->data->pace[0].velocity), 1e-6);
+  rig_free(mesh);
+  rig_free(planes);
+  unlink(file);
+}
+END_TEST
+
 /* A sphere put on a belt slides until its lowest point has the belt's speed: 2/7 of that for the centre, but that the
  * overlap shortens the arm. A plane that moves as a whole does the same; the part along the normal does nothing. */
 START_TEST(test_belt) {
@@ -445,6 +467,7 @@ int main(void) {
   tcase_add_test(tests, test_read);
   tcase_add_test(tests, test_read_mesh);
   tcase_add_test(tests, test_rolling);
+  tcase_add_test(tests, test_groove);
   suite_add_tcase(suite, tests);
   return run_suite(suite);
 }
