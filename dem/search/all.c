@@ -1,15 +1,15 @@
 /* Every pair is looked at: the reference that the other searches are tested against. */
 #include "dem/search/method.h"
 
-bool dem_find_all(void *state, const dem_search_input *input, dem_pairs *found) {
+bool dem_find_all(void *state, const dem_search_input *input, dem_found *found) {
   (void)state;
   dem_near near = dem_near_make(input);
   for (int i = 0; i < input->n; i++)
     for (int j = i + 1; j < input->n; j++)
       if (dem_spheres_near(&near, &input->sphere[i], &input->sphere[j])) {
-        if (!dem_pairs_reserve(found, 1))
+        if (!dem_found_reserve(found, 1))
           return false;
-        found->pair[found->count++] = (dem_pair){i, j};
+        found->pair[found->count++] = (dem_found_pair){i, j};
       }
   return true;
 }

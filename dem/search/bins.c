@@ -319,7 +319,7 @@ static inline uint64_t all_but(int skip) {
 }
 
 DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own,
-                            bool later, const dem_near *near, bool periodic, dem_pairs *found) {
+                            bool later, const dem_near *near, bool periodic, dem_found *found) {
   batch with;
   int k = 0, at = nrun > 0 ? run[0].begin : 0;
   for (int passed = 0; k < nrun; passed += with.n) {
@@ -332,15 +332,15 @@ DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, 
         at = run[k].begin;
     }
     for (int p = own.begin; p < own.end; p++) {
-      if (!dem_pairs_reserve(found, BATCH))
+      if (!dem_found_reserve(found, BATCH))
         return;
       uint64_t hits = compare(&with, from, p, near, periodic);
       if (later)
         hits &= all_but(p + 1 - own.begin - passed);
       int index = from->index[p];
-      dem_pair *pair = found->pair + found->count;
+      dem_found_pair *pair = found->pair + found->count;
       for (; hits; hits &= hits - 1)
-        *pair++ = (dem_pair){index, with.index[__builtin_ctzll(hits)]};
+        *pair++ = (dem_found_pair){index, with.index[__builtin_ctzll(hits)]};
       found->count = (size_t)(pair - found->pair);
     }
   }
@@ -349,7 +349,7 @@ DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, 
 /* the instructions differ, the numbers do not: sums and products are the same, and none are fused */
 __attribute__((target_clones("avx512f", "avx2", "default"))) void
 dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own, bool later,
-              const dem_near *near, dem_pairs *found) {
+              const dem_near *near, dem_found *found) {
   if (near->periodic)
     scan(bins, run, nrun, from, own, later, near, true, found);
   else
@@ -359,7 +359,7 @@ dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins
 /* A few cells that follow each other in x are taken together: copying their candidates is shared. */
 enum { TOGETHER_CELLS = 4, TOGETHER_SPHERES = 3 };
 
-void dem_bins_pairs(const dem_bins *bins, const dem_near *near, int t, int nthread, dem_pairs *found) {
+void dem_bins_pairs(const dem_bins *bins, const dem_near *near, int t, int nthread, dem_found *found) {
   const int *first = bins->first, nx = bins->count[0], end = part_cell(bins, t + 1, nthread);
   for (int c = part_cell(bins, t, nthread), next; c < end; c = next) {
     next = c + 1;

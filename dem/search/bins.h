@@ -45,9 +45,9 @@ int dem_bins_runs(const dem_bins *bins, dem_run x, int y, int z, int from, dem_r
 /* Append the near pairs of the spheres `own` of bins `from` with the spheres of the runs of `bins`. `later`: the first
  * run is `own` itself, in which each sphere is paired with later ones only. */
 void dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own, bool later,
-                   const dem_near *near, dem_pairs *found);
+                   const dem_near *near, dem_found *found);
 
 /* Append the near pairs among the spheres of the bins that part t of nthread finds. */
-void dem_bins_pairs(const dem_bins *bins, const dem_near *near, int t, int nthread, dem_pairs *found);
+void dem_bins_pairs(const dem_bins *bins, const dem_near *near, int t, int nthread, dem_found *found);
 
 #endif

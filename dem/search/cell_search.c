@@ -13,7 +13,7 @@ typedef struct {
   const dem_bins *bins;
   dem_near near;
   int nthread;
-  dem_pairs *found;
+  dem_found *found;
 } finding;
 
 static void find_part(void *context, int t) {
@@ -21,7 +21,7 @@ static void find_part(void *context, int t) {
   dem_bins_pairs(f->bins, &f->near, t, f->nthread, &f->found[t]);
 }
 
-static bool find(void *state, const dem_search_input *input, dem_pairs *found) {
+static bool find(void *state, const dem_search_input *input, dem_found *found) {
   dem_bins *bins = state;
   if (input->n < 2)
     return true;

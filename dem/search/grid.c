@@ -24,7 +24,7 @@ typedef struct {
   const grid_state *grid;
   dem_near near;
   int nthread;
-  dem_pairs *found;
+  dem_found *found;
 } finding;
 
 static int class_of(double radius, double smallest) {
@@ -48,7 +48,7 @@ static double smallest_radius(const dem_search_input *input) {
 /* near pairs of spheres begin ... end - 1 of `fine` with all spheres of `coarse`; those that follow each other are
  * mostly in one cell of it */
 static void pairs_across(const dem_bins *fine, const dem_bins *coarse, const dem_near *near, int begin, int end,
-                         dem_pairs *found) {
+                         dem_found *found) {
   int cell[3], next[3];
   for (int p = begin, q; p < end; p = q) {
     dem_bins_cell(coarse, (double[]){fine->x[p], fine->y[p], fine->z[p]}, cell);
@@ -121,7 +121,7 @@ static bool fill_levels(grid_state *grid, const dem_search_input *input) {
   return true;
 }
 
-static bool find(void *state, const dem_search_input *input, dem_pairs *found) {
+static bool find(void *state, const dem_search_input *input, dem_found *found) {
   grid_state *grid = state;
   if (input->n < 2)
     return true;

@@ -14,18 +14,18 @@
 
 typedef struct {
   int a, b;
-} dem_pair;
+} dem_found_pair;
 
 typedef struct {
-  dem_pair *pair; /* (capacity) */
+  dem_found_pair *pair; /* (capacity) */
   size_t count, capacity;
   bool failed; /* there was no memory */
-} dem_pairs;
+} dem_found;
 
 /* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. */
 typedef struct {
   size_t state_size;
-  bool (*find)(void *state, const dem_search_input *input, dem_pairs *found); /* false: no memory for the state */
+  bool (*find)(void *state, const dem_search_input *input, dem_found *found); /* false: no memory for the state */
   void (*release)(void *state);                                               /* may be NULL: nothing to free */
   double skin_radii; /* the search's own skin in largest radii; 0: the one that is asked for */
   int interval;      /* steps; 0: as the skin needs */
@@ -35,7 +35,7 @@ extern const dem_search_method dem_search_cells, dem_search_sweep, dem_search_gr
     dem_search_all;
 
 /* Every pair checked: the search of "all" and "verlet-1967". */
-bool dem_find_all(void *state, const dem_search_input *input, dem_pairs *found);
+bool dem_find_all(void *state, const dem_search_input *input, dem_found *found);
 
 /* Is one grid of cells right for n spheres, of this largest radius and this sum of radii cubed, where a radius is that
  * with half the skin? In a packing a sphere has about 15 n r_max^3 / sum r^3 candidates in cells of the largest
@@ -43,10 +43,10 @@ bool dem_find_all(void *state, const dem_search_input *input, dem_pairs *found);
 bool dem_cells_fit(int n, double largest, double cubes);
 
 /* Room for `more` pairs beyond the count. False: no memory, which the list remembers for dem_search_run. */
-bool dem_pairs_grow(dem_pairs *pairs, size_t more);
+bool dem_found_grow(dem_found *pairs, size_t more);
 
-static inline bool dem_pairs_reserve(dem_pairs *pairs, size_t more) {
-  return pairs->capacity - pairs->count >= more || dem_pairs_grow(pairs, more);
+static inline bool dem_found_reserve(dem_found *pairs, size_t more) {
+  return pairs->capacity - pairs->count >= more || dem_found_grow(pairs, more);
 }
 
 /* Call work(context, t) for t = 0 ... nthread - 1, side by side where OpenMP is there. */

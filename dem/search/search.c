@@ -26,7 +26,7 @@ static const dem_search_method *const methods[] = {SEARCHES(X)};
 struct dem_search {
   const dem_search_method *method;
   void *state;
-  dem_pairs *found; /* (nfound), one a thread */
+  dem_found *found; /* (nfound), one a thread */
   int nfound;
 };
 
@@ -70,9 +70,9 @@ double dem_search_skin(const dem_search *search, double asked, double largest_ra
   return own > 0 ? own : asked;
 }
 
-bool dem_pairs_grow(dem_pairs *pairs, size_t more) {
+bool dem_found_grow(dem_found *pairs, size_t more) {
   size_t capacity = (pairs->count + more) + (pairs->count + more) / 4 + 64;
-  dem_pair *pair = realloc(pairs->pair, capacity * sizeof *pair);
+  dem_found_pair *pair = realloc(pairs->pair, capacity * sizeof *pair);
   if (!pair) {
     pairs->failed = true;
     return false;
@@ -121,16 +121,16 @@ void dem_search_parallel(int nthread, void (*work)(void *context, int t), void *
 }
 
 typedef struct {
-  const dem_pairs *found;
+  const dem_found *found;
   dem_rows *rows;
   int n, nthread;
 } sorting;
 
-static inline int lesser(dem_pair p) {
+static inline int lesser(dem_found_pair p) {
   return p.a < p.b ? p.a : p.b;
 }
 
-static inline int greater(dem_pair p) {
+static inline int greater(dem_found_pair p) {
   return p.a < p.b ? p.b : p.a;
 }
 
@@ -174,7 +174,7 @@ static void fill_rows(void *context, int t) {
   int *at = s->rows->first + 1, *other = s->rows->other, start = begin < end ? at[begin] : 0;
   for (int f = 0; f < s->nthread; f++)
     for (size_t k = 0; k < s->found[f].count; k++) {
-      dem_pair p = s->found[f].pair[k];
+      dem_found_pair p = s->found[f].pair[k];
       int i = lesser(p);
       if (i >= begin && i < end)
         other[at[i]++] = greater(p);
@@ -187,7 +187,7 @@ static void fill_rows(void *context, int t) {
 }
 
 /* counting sort of the pairs by their lesser particle, then each row by itself */
-static bool make_rows(const dem_pairs *found, int n, int nthread, dem_rows *rows) {
+static bool make_rows(const dem_found *found, int n, int nthread, dem_rows *rows) {
   size_t count = 0;
   for (int t = 0; t < nthread; t++) {
     if (found[t].failed)
@@ -214,7 +214,7 @@ static bool make_rows(const dem_pairs *found, int n, int nthread, dem_rows *rows
 /* one list of pairs a thread, empty */
 static bool prepare_lists(dem_search *search, int nthread) {
   if (search->nfound < nthread) {
-    dem_pairs *found = realloc(search->found, (size_t)nthread * sizeof *found);
+    dem_found *found = realloc(search->found, (size_t)nthread * sizeof *found);
     if (!found)
       return false;
     memset(found + search->nfound, 0, (size_t)(nthread - search->nfound) * sizeof *found);

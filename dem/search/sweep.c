@@ -275,7 +275,7 @@ void dem_sweep_free(dem_sweep *s) {
   *s = (dem_sweep){0};
 }
 
-static bool find(void *state, const dem_search_input *input, dem_pairs *found) {
+static bool find(void *state, const dem_search_input *input, dem_found *found) {
   dem_sweep *s = state;
   if (!dem_sweep_update(s, input))
     return false;
@@ -283,9 +283,9 @@ static bool find(void *state, const dem_search_input *input, dem_pairs *found) {
   for (int i = 0; i < s->n; i++)
     for (int l = s->head[i]; l >= 0; l = s->link[l].next)
       if (dem_spheres_near(&near, &input->sphere[i], &input->sphere[s->link[l].other])) {
-        if (!dem_pairs_reserve(found, 1))
+        if (!dem_found_reserve(found, 1))
           return false;
-        found->pair[found->count++] = (dem_pair){i, s->link[l].other};
+        found->pair[found->count++] = (dem_found_pair){i, s->link[l].other};
       }
   return true;
 }
