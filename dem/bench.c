@@ -362,7 +362,7 @@ static tdm_status make_bed(bed *b, char name[PATH_MAX], const options *o, tdm_er
 static tdm_status run_steps(dem_data *d, const options *o, long n, tdm_error *err) {
   for (long k = 0; k < n; k++) {
     if (o->frozen)
-      dem_forces_again(d, false, o->dt);
+      dem_forces_frozen(d, o->dt);
     else if (!dem_step(d, NULL, 0, 1, false, o->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   }

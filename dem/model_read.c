@@ -273,7 +273,8 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   read_search(m, &o);
   m->threads = (int)tdm_get_integer(&o, "threads", 1, 1);
   if (m->threads > 1024)
-    tdm_object_fail(&o, "threads", "is %d but must be at most 1024; as many as the machine has cores are enough", m->threads);
+    tdm_object_fail(&o, "threads", "is %d but must be at most 1024; as many as the machine has cores are enough",
+                    m->threads);
   dem_domain_read(m, &o);
   if (!err->status)
     dem_domain_check(m, dem_largest_radius(m), err);

@@ -116,6 +116,25 @@ DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
   vd_transpose8(out);
 }
 
+DEM_INLINE vd vd_radii(const dem_sphere *s, const int *i) {
+  __m256i at = _mm256_slli_epi32(_mm256_loadu_si256((const __m256i *)i), 3); /* in doubles */
+  return _mm512_i32gather_pd(at, &s->radius, 8);
+}
+
+DEM_INLINE void vd_push_forces(dem_push *push, const int *i, const int *j, const vd f[3]) {
+  vd xy0 = _mm512_unpacklo_pd(f[0], f[1]), xy1 = _mm512_unpackhi_pd(f[0], f[1]);
+  vd z0 = _mm512_unpacklo_pd(f[2], vd_set(0)), z1 = _mm512_unpackhi_pd(f[2], vd_set(0));
+  const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  vd rows[4] = {_mm512_permutex2var_pd(xy0, low, z0), _mm512_permutex2var_pd(xy1, low, z1),
+                _mm512_permutex2var_pd(xy0, high, z0), _mm512_permutex2var_pd(xy1, high, z1)}; /* l and l + 4 */
+  for (int l = 0; l < 8; l++) {
+    __m256d r = l < 4 ? _mm512_castpd512_pd256(rows[l]) : _mm512_extractf64x4_pd(rows[l - 4], 1);
+    double *one = &push[i[l]].force.x, *other = &push[j[l]].force.x;
+    _mm256_storeu_pd(one, _mm256_add_pd(_mm256_loadu_pd(one), r));
+    _mm256_storeu_pd(other, _mm256_sub_pd(_mm256_loadu_pd(other), r));
+  }
+}
+
 DEM_INLINE void vd_push_walls(dem_push *push, const int *i, const vd f[3], const vd t[3], const vd m[3],
                               tdm_wrench *load) {
   vd r[8] = {f[0], f[1], f[2], vd_set(0), t[0], t[1], t[2], vd_set(0)};
@@ -249,6 +268,20 @@ DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
   vd_transpose4(out + 4);
 }
 
+DEM_INLINE vd vd_radii(const dem_sphere *s, const int *i) {
+  return _mm256_setr_pd(s[i[0]].radius, s[i[1]].radius, s[i[2]].radius, s[i[3]].radius);
+}
+
+DEM_INLINE void vd_push_forces(dem_push *push, const int *i, const int *j, const vd f[3]) {
+  vd a[4] = {f[0], f[1], f[2], vd_set(0)};
+  vd_transpose4(a);
+  for (int l = 0; l < 4; l++) {
+    double *one = &push[i[l]].force.x, *other = &push[j[l]].force.x;
+    vd_store(one, vd_load(one) + a[l]);
+    vd_store(other, vd_load(other) - a[l]);
+  }
+}
+
 DEM_INLINE void vd_push_walls(dem_push *push, const int *i, const vd f[3], const vd t[3], const vd m[3],
                               tdm_wrench *load) {
   vd a[4] = {f[0], f[1], f[2], vd_set(0)}, b[4] = {t[0], t[1], t[2], vd_set(0)}, c[4] = {m[0], m[1], m[2], vd_set(0)};
@@ -380,6 +413,20 @@ DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
   }
 }
 
+DEM_INLINE vd vd_radii(const dem_sphere *s, const int *i) {
+  vd a;
+  DEM_LANES(l) a[l] = s[i[l]].radius;
+  return a;
+}
+
+DEM_INLINE void vd_push_forces(dem_push *push, const int *i, const int *j, const vd f[3]) {
+  DEM_LANES(l) {
+    tdm_vec3 force = {f[0][l], f[1][l], f[2][l]};
+    push[i[l]].force = tdm_add(push[i[l]].force, force);
+    push[j[l]].force = tdm_sub(push[j[l]].force, force);
+  }
+}
+
 DEM_INLINE void vd_push_walls(dem_push *push, const int *i, const vd f[3], const vd t[3], const vd m[3],
                               tdm_wrench *load) {
   DEM_LANES(l) {
@@ -418,6 +465,8 @@ DEM_INLINE void vd_push_pairs(dem_push *push, const int *i, const int *j, const 
  * vd_sphere_difference  columns dx dy dz dr dvx dvy dvz (i less j) and the sum of the inverse masses
  * vd_rotor_sum          columns of the sums of the surface velocities and of the radii
  * vd_spheres            columns of the records of spheres: position, radius, velocity, 1/mass
+ * vd_radii              of the spheres
+ * vd_push_forces        as vd_push_pairs, without twist
  * vd_push_walls         particles i get force f and twist t, the wall's load -f and -m, lane after lane
  * vd_push_pairs         i gets force f and twist t, j gets -f and t, lane after lane
  * vd_ratio_single       a/b with the precision of a float, for small corrections

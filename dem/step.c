@@ -192,7 +192,13 @@ bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, boo
   return true;
 }
 
+void dem_forces_frozen(dem_data *d, double dt) {
+  memset(d->push, 0, (size_t)(d->nparticle + 1 + d->crossings.count) * sizeof *d->push);
+  evaluate(d, DEM_ALL, false, dt, NULL);
+}
+
 void dem_forces_again(dem_data *d, bool settling, double dt) {
+  memset(d->push + d->nparticle, 0, (size_t)(1 + d->crossings.count) * sizeof *d->push);
   for (int i = 0; i < d->nparticle; i++) {
     d->sphere[i].velocity = d->pace[i].velocity;
     d->rotor[i].surface = tdm_scale(d->sphere[i].radius, d->pace[i].spin);

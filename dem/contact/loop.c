@@ -27,6 +27,7 @@ typedef struct {
   tangential_law *tangential;
   int ncolumn, column; /* of history; first of the normal law */
   bool more;
+  bool rubs;                               /* there are tangential forces or more: spins matter */
   void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
 } row;
 
@@ -239,9 +240,12 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     const int *i = list->one + k, *j = list->other + k;
     if (many)
       fetch_ahead(d, j + 2 * DEM_W);
-    vd s[8], b[4];
+    vd s[8], b[4] = {vd_set(0), vd_set(0), vd_set(0), vd_set(0)};
     vd_sphere_difference(sphere, i, j, s);
-    vd_rotor_sum(rotor, i, j, b);
+    if (constants.rubs)
+      vd_rotor_sum(rotor, i, j, b);
+    else
+      b[3] = vd_radii(sphere, i) + vd_radii(sphere, j);
     if (repeats)
       nearest_image(d, s);
     vd3 x = {s[0], s[1], s[2]};
@@ -281,7 +285,9 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     vd share = r * per_sum;
     vd3 surface = {b[0], b[1], b[2]};
     c.turn = vd3_dot(surface, c.normal) * per_sum;
-    vd3 velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), (vd3){s[4], s[5], s[6]});
+    vd3 velocity = {s[4], s[5], s[6]};
+    if (constants.rubs)
+      velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), velocity);
     if (constants.more)
       pair_spins(d, i, j, &c);
     if (!constants.more)
@@ -293,9 +299,13 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     }
     if (constants.more) /* cohesion may have opened some */
       touching += __builtin_popcount(vm_bits(c.touching));
-    vd3 twist = vd3_scale(share, out.twist);
-    vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
-                  (vd[3]){twist.x, twist.y, twist.z});
+    if (constants.rubs) {
+      vd3 twist = vd3_scale(share, out.twist);
+      vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
+                    (vd[3]){twist.x, twist.y, twist.z});
+    } else {
+      vd_push_forces(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z});
+    }
     if (constants.more && m->couples)
       push_couples(d, i, j, list->sink + k, vm_bits(c.touching), out.couple);
   }
@@ -618,7 +628,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
 
 #define ROW(n, t)                                                                                 \
   ((row){dem_normal_##n, dem_tangential_##t, DEM_NORMAL_COLUMNS_##n + DEM_TANGENTIAL_COLUMNS_##t, \
-         DEM_TANGENTIAL_COLUMNS_##t, false, batch_##t})
+         DEM_TANGENTIAL_COLUMNS_##t, false, DEM_TANGENTIAL_##t != DEM_TANGENTIAL_none, batch_##t})
 #define X(n, t)                                                                    \
   static __attribute__((noinline)) void batch_##t(dem_loop_task *task, batch *b) { \
     wall_batch(task, b, ROW(n, t));                                                \
@@ -632,7 +642,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
 ROWS(X)
 #undef X
 
-#define ROW_MORE ((row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true, batch_more})
+#define ROW_MORE ((row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true, true, batch_more})
 
 static __attribute__((noinline)) void batch_more(dem_loop_task *task, batch *b) {
   wall_batch(task, b, row_of(task->model, ROW_MORE));

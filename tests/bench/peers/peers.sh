@@ -7,7 +7,7 @@
 # TANDEM_DEM: the executable. mono: r = 5 mm, dt = 8.6e-5 s; poly: 3-7 mm, dt = 5.2e-5 s. BED: lines "x y z r"; without
 # it tandem-dem settles one. rho = 2500 kg/m3, E = 1e7 Pa, nu = 0.3, e = 0.5, mu = 0.5; floor and four walls, open top.
 # LAMMPS runs twice: "granular" with Mindlin's force and gran/hertz/history, the fastest equivalent. STEPS and SKIN in
-# the environment override the number of steps and the skin [m] of all codes.
+# the environment override the number of steps and the skin [m] of the others (tandem chooses its own).
 set -eu
 here=$(dirname "$(readlink -f "$0")")
 tandem=$(readlink -f "$1"); kind=${2:-mono}; n=${3:-10000}; repeats=${4:-3}; bed=${5:-}
@@ -38,7 +38,7 @@ one() { # NAME COMMAND...: appends particle-steps a second to NAME.speed, peak m
 }
 vars=(-screen none -var bed bed.data -var dt "$dt" -var steps "$steps" -var warm "$((steps / 10))" -var skin "$skin" -var L "$L")
 for _ in $(seq "$repeats"); do
-  one tandem "$tandem" bench --bed "$bed" --box "$L" --dt "$dt" --steps "$steps" --skin "$skin"
+  one tandem "$tandem" bench --bed "$bed" --box "$L" --dt "$dt" --steps "$steps"
   one liggghts liggghts -in "$here/liggghts.in" -log liggghts.log "${vars[@]}"
   one lammps lmp -in "$here/lammps.in" -log lammps.log "${vars[@]}"
   one lammps_history lmp -in "$here/lammps_history.in" -log lammps_history.log "${vars[@]}"
