@@ -410,7 +410,8 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
     wall_v = tdm_add(wall_v, tdm_axpy(-tdm_dot(belt, n), n, belt));
   }
   double arm = gap / s->radius;
-  tdm_vec3 v = tdm_sub(tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity), wall_v);
+  tdm_vec3 v = r.rubs ? tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity) : s->velocity;
+  v = tdm_sub(v, wall_v);
   /* a held body is immovable; a coupled one has its own mass */
   double per_mass = s->inverse_mass + (task->settling ? 0 : d->body_inverse[body]);
   const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(now.angular, n),
@@ -495,12 +496,16 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
       close_history(history, list->capacity, r.ncolumn);
       continue;
     }
-    vd_rotor_sum(d->rotor, i, i, b);
-    vd3 surface = {vd_set(0.5) * b[0], vd_set(0.5) * b[1], vd_set(0.5) * b[2]};
+    vd3 velocity = {s[4], s[5], s[6]};
     vd3 lever = vd3_sub(vd3_axpy(-gap, c.normal, x), (vd3){vd_set(center.x), vd_set(center.y), vd_set(center.z)});
     vd3 of_wall = vd3_add(drift, vd3_cross(spin, lever));
     vd arm = gap / radius;
-    vd3 velocity = vd3_sub(vd3_axpy(-arm, vd3_cross(surface, c.normal), (vd3){s[4], s[5], s[6]}), of_wall);
+    if (r.rubs) {
+      vd_rotor_sum(d->rotor, i, i, b);
+      vd3 surface = {vd_set(0.5) * b[0], vd_set(0.5) * b[1], vd_set(0.5) * b[2]};
+      velocity = vd3_axpy(-arm, vd3_cross(surface, c.normal), velocity);
+    }
+    velocity = vd3_sub(velocity, of_wall);
     c.overlap = radius - gap;
     c.radius = radius;
     c.inverse_mass = s[7] + per_body;
