@@ -1,0 +1,149 @@
+/* The loop over pairs of particles. Only loop.c includes it. */
+#ifndef DEM_CONTACT_PAIR_LOOP_H
+#define DEM_CONTACT_PAIR_LOOP_H
+
+#include "dem/contact/law.h"
+
+/* relative spins and the rolling inertia of pairs; couples count with both of a pair only if one of them is asked for
+ */
+DEM_KERNEL void pair_spins(const dem_data *d, const int *i, const int *j, dem_contact *c) {
+  double spin[3][DEM_W], inertia[DEM_W];
+  for (int l = 0; l < DEM_W; l++) {
+    const dem_rotor *a = &d->rotor[i[l]], *b = &d->rotor[j[l]];
+    tdm_vec3 w = tdm_sub(tdm_scale(1 / a->radius, a->surface), tdm_scale(1 / b->radius, b->surface));
+    spin[0][l] = w.x, spin[1][l] = w.y, spin[2][l] = w.z;
+    inertia[l] = d->sphere[i[l]].inverse_mass / (1.4 * a->radius * a->radius) +
+                 d->sphere[j[l]].inverse_mass / (1.4 * b->radius * b->radius);
+  }
+  c->spin = (vd3){vd_load(spin[0]), vd_load(spin[1]), vd_load(spin[2])};
+  c->inverse_inertia = vd_load(inertia);
+}
+
+/* couples on the particles of pairs, lane after lane: the torque is -radius x twist */
+DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int *sink, unsigned touching, vd3 couple) {
+  double m[3][DEM_W];
+  vd_store(m[0], couple.x), vd_store(m[1], couple.y), vd_store(m[2], couple.z);
+  for (int l = 0; l < DEM_W; l++) {
+    if (!(touching >> l & 1))
+      continue;
+    tdm_vec3 one = {m[0][l], m[1][l], m[2][l]};
+    dem_push *a = &d->push[i[l]], *b = &d->push[sink[l]];
+    a->twist = tdm_axpy(-1 / d->rotor[i[l]].radius, one, a->twist);
+    b->twist = tdm_axpy(1 / d->rotor[j[l]].radius, one, b->twist);
+  }
+}
+
+/* fetch the partners to come; there is room behind the list */
+DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
+  for (int l = 0; l < DEM_W; l++) {
+    __builtin_prefetch(&d->sphere[j[l]]);
+    __builtin_prefetch(&d->rotor[j[l]]);
+    __builtin_prefetch(&d->push[j[l]], 1);
+  }
+}
+
+/* To the nearest image, which moves along when the box is strained; s: columns of vd_sphere_difference. */
+DEM_INLINE void nearest_image(const dem_data *d, vd s[8]) {
+  for (int a = 0; a < 3; a++) {
+    if (!d->domain.periodic[a])
+      continue;
+    vd boxes = vd_rint(s[a] * vd_set(1 / d->domain.length[a]));
+    s[a] = s[a] - boxes * vd_set(d->domain.length[a]);
+    s[4 + a] = s[4 + a] - boxes * vd_set(d->domain_rate[a]);
+  }
+}
+
+DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
+  const dem_model *m = task->model;
+  const row law_row = row_of(m, constants);
+  const int ncolumn = law_row.ncolumn;
+  dem_data *d = task->data;
+  const dem_pairs *list = &d->pairs;
+  const dem_sphere *sphere = d->sphere;
+  const dem_rotor *rotor = d->rotor;
+  dem_push *push = d->push;
+  dem_contact c = {.dt = task->dt, .model = m, .more = constants.more};
+  const vd reach = vd_set(constants.more ? m->reach : 0);
+  c.pair.table = task->settling ? m->settle_pair : m->pair;
+  c.pair.one = m->nmaterial == 1;
+  const bool repeats = m->domain.repeats, shared = constants.more && task->share != DEM_ALL;
+  const bool many = d->nparticle > 20000; /* more than a cache of the second level holds */
+  long touching = 0;
+
+  for (size_t k = list->chunk[task->chunk]; k < list->chunk[task->chunk + 1]; k += DEM_W) {
+    const int *i = list->one + k, *j = list->other + k;
+    if (many)
+      fetch_ahead(d, j + 2 * DEM_W);
+    vd s[8], b[4] = {vd_set(0), vd_set(0), vd_set(0), vd_set(0)};
+    vd_sphere_difference(sphere, i, j, s);
+    if (constants.rubs)
+      vd_rotor_sum(rotor, i, j, b);
+    else
+      b[3] = vd_radii(sphere, i) + vd_radii(sphere, j);
+    if (repeats)
+      nearest_image(d, s);
+    vd3 x = {s[0], s[1], s[2]};
+    vd r2 = vd3_dot(x, x), sum = b[3], far = sum;
+    if (constants.more)
+      far = far + reach;
+    c.touching = vm_less(r2, far * far);
+    vm own = c.touching;
+    vd kept[DEM_HISTORY_MAX];
+    if (shared) { /* the histories of the other contacts stay */
+      vm fast = vm_less(vd_set(1 / m->multi_step.mass), s[7]), all = vm_first(DEM_W);
+      own = task->share == DEM_FAST ? fast : vm_without(all, fast);
+      c.touching = vm_and(c.touching, own);
+      if (!vm_any(own))
+        continue;
+      for (int q = 0; q < ncolumn; q++)
+        kept[q] = vd_load(list->history + (size_t)q * list->capacity + k);
+    }
+    if (!shared && !vm_any(c.touching)) {
+      close_history(list->history + k, list->capacity, ncolumn);
+      continue;
+    }
+    /* one division for the three reciprocals of the distance, the sum of the radii and of the inverse masses */
+    vd r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
+    vd per_all = vd_set(1) / (both * s[7]), per_r = per_all * (sum * s[7]), per_sum = per_all * (r * s[7]);
+    c.normal = vd3_scale(per_r, x);
+    c.normal.z = vd_pick(vm_equal(r2, vd_set(0)), vd_set(1), c.normal.z); /* coincident centres: any direction */
+    c.overlap = sum - r;
+    c.radius = vd_set(0.25) * (sum * sum - s[3] * s[3]) * per_sum;
+    c.inverse_mass = s[7];
+    c.mass = per_all * both;
+    if (!c.pair.one)
+      for (int l = 0; l < DEM_W; l++)
+        c.pair.index[l] = d->kind[i[l]] * m->nmaterial + d->kind[j[l]];
+
+    /* the contact divides the distance of the centres as the radii: arms r_i r / (r_i + r_j) */
+    vd share = r * per_sum;
+    vd3 surface = {b[0], b[1], b[2]};
+    c.turn = vd3_dot(surface, c.normal) * per_sum;
+    vd3 velocity = {s[4], s[5], s[6]};
+    if (constants.rubs)
+      velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), velocity);
+    if (constants.more)
+      pair_spins(d, i, j, &c);
+    if (!constants.more)
+      touching += __builtin_popcount(vm_bits(c.touching));
+    outcome out = law(task, &c, velocity, list->history + k, list->capacity, law_row, 0);
+    for (int q = 0; shared && q < ncolumn; q++) {
+      double *history = list->history + (size_t)q * list->capacity + k;
+      vd_store(history, vd_pick(own, vd_load(history), kept[q]));
+    }
+    if (constants.more) /* cohesion may have opened some */
+      touching += __builtin_popcount(vm_bits(c.touching));
+    if (constants.rubs) {
+      vd3 twist = vd3_scale(share, out.twist);
+      vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
+                    (vd[3]){twist.x, twist.y, twist.z});
+    } else {
+      vd_push_forces(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z});
+    }
+    if (constants.more && m->couples)
+      push_couples(d, i, j, list->sink + k, vm_bits(c.touching), out.couple);
+  }
+  task->touching += touching;
+}
+
+#endif

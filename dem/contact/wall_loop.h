@@ -1,0 +1,321 @@
+/* The loop over particles and walls: planes DEM_W particles at a time, what other walls and meshes touch gathered until
+ * there are DEM_W contacts. Only loop.c includes it. */
+#ifndef DEM_CONTACT_WALL_LOOP_H
+#define DEM_CONTACT_WALL_LOOP_H
+
+#include "dem/contact/law.h"
+
+#include <stdlib.h>
+
+enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM, SX, SY, SZ, PER_INERTIA, WALL_NUMBERS };
+
+/* contacts of walls, gathered until there are DEM_W; columns */
+struct batch {
+  double number[WALL_NUMBERS][DEM_W];
+  double history[DEM_HISTORY_MAX][DEM_W];
+  int entry[DEM_W], body[DEM_W], index[DEM_W];
+  tdm_vec3 lever[DEM_W], velocity[DEM_W]; /* of the contact point from the body's centre; of the wall there */
+  int count;
+};
+
+/* couples of wall contacts, on the particle and on the body, and the power of the wall */
+DEM_KERNEL void push_wall_more(dem_loop_task *task, const batch *b, int l, tdm_vec3 force, tdm_vec3 couple) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  dem_push *push = &d->push[d->walls.entry[b->entry[l]].particle];
+  push->twist = tdm_axpy(-1 / b->number[RADIUS][l], couple, push->twist);
+  tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + b->body[l]];
+  load->moment = tdm_sub(load->moment, couple);
+  if (m->energy)
+    task->flux.wall_power += tdm_dot(force, b->velocity[l]) + tdm_dot(couple, d->twist[b->body[l]].angular);
+}
+
+DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  const int ncolumn = r.ncolumn;
+  dem_contact c = {.dt = task->dt, .touching = vm_first(b->count), .model = m, .more = r.more};
+  c.pair.table = task->settling ? m->settle_pair : m->pair;
+  c.pair.one = m->nmaterial == 1;
+  memcpy(c.pair.index, b->index, sizeof b->index);
+  double(*v)[DEM_W] = b->number;
+  c.normal = (vd3){vd_load(v[NX]), vd_load(v[NY]), vd_load(v[NZ])};
+  c.overlap = vd_load(v[OVERLAP]);
+  c.radius = vd_load(v[RADIUS]);
+  c.inverse_mass = vd_load(v[PER_MASS]);
+  c.mass = vd_set(1) / c.inverse_mass;
+  c.turn = vd_load(v[TURN]);
+  vd3 velocity = {vd_load(v[VX]), vd_load(v[VY]), vd_load(v[VZ])};
+  if (r.more) {
+    c.spin = (vd3){vd_load(v[SX]), vd_load(v[SY]), vd_load(v[SZ])};
+    c.inverse_inertia = vd_load(v[PER_INERTIA]);
+  }
+  outcome out = law(task, &c, velocity, b->history[0], DEM_W, r, DEM_ENERGY_WALL_NORMAL);
+
+  double f[6][DEM_W], couple[3][DEM_W];
+  if (r.more)
+    vd_store(couple[0], out.couple.x), vd_store(couple[1], out.couple.y), vd_store(couple[2], out.couple.z);
+  vd_store(f[0], out.force.x), vd_store(f[1], out.force.y), vd_store(f[2], out.force.z);
+  vd_store(f[3], out.twist.x), vd_store(f[4], out.twist.y), vd_store(f[5], out.twist.z);
+  for (int l = 0; l < b->count; l++) {
+    size_t k = (size_t)b->entry[l];
+    for (int q = 0; q < ncolumn; q++)
+      list->history[(size_t)q * list->capacity + k] = b->history[q][l];
+    dem_push *push = &d->push[list->entry[k].particle];
+    tdm_vec3 force = {f[0][l], f[1][l], f[2][l]}, twist = {f[3][l], f[4][l], f[5][l]};
+    push->force = tdm_add(push->force, force);
+    push->twist = tdm_axpy(v[ARM][l], twist, push->twist);
+    tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + b->body[l]];
+    load->force = tdm_sub(load->force, force);
+    load->moment = tdm_sub(load->moment, tdm_cross(b->lever[l], force));
+    if (r.more)
+      push_wall_more(task, b, l, force, (tdm_vec3){couple[0][l], couple[1][l], couple[2][l]});
+  }
+  task->touching += __builtin_popcount(vm_bits(c.touching));
+  b->count = 0;
+}
+
+DEM_INLINE void close_entry(const dem_wall_contacts *list, size_t k, const int ncolumn) {
+  for (int q = 0; q < ncolumn; q++)
+    list->history[(size_t)q * list->capacity + k] = 0;
+}
+
+/* does this evaluation leave the particle's contacts with a body out? */
+DEM_INLINE bool left_out(const dem_loop_task *task, const dem_sphere *s, int body) {
+  if (task->share != DEM_ALL && (task->share == DEM_FAST) != (s->inverse_mass * task->model->multi_step.mass > 1))
+    return true;
+  return s->inverse_mass == 0 && (task->settling || task->data->body_inverse[body] == 0); /* neither can move */
+}
+
+/* One contact of entry k, on the wall's surface at `gap` from the particle's centre, into the batch. */
+DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap, tdm_vec3 n, const row r) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  int i = list->entry[k].particle, w = list->entry[k].wall, body = m->wall[w].body, l = b->count++;
+  const dem_sphere *s = &d->sphere[i];
+  tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->pose[body].position);
+  tdm_twist now = d->twist[body];
+  tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
+  if (m->wall[w].moves && !task->settling) { /* along itself */
+    tdm_vec3 belt = dem_wall_surface(&m->wall[w], &d->wall[w], point);
+    wall_v = tdm_add(wall_v, tdm_axpy(-tdm_dot(belt, n), n, belt));
+  }
+  double arm = gap / s->radius;
+  tdm_vec3 v = r.rubs ? tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity) : s->velocity;
+  v = tdm_sub(v, wall_v);
+  /* a held body is immovable; a coupled one has its own mass */
+  double per_mass = s->inverse_mass + (task->settling ? 0 : d->body_inverse[body]);
+  const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(now.angular, n),
+                            s->radius, per_mass, arm};
+  for (int q = 0; q <= ARM; q++)
+    b->number[q][l] = numbers[q];
+  if (r.more) {
+    tdm_vec3 spin = tdm_axpy(1 / s->radius, d->rotor[i].surface, tdm_scale(-1, now.angular));
+    b->number[SX][l] = spin.x, b->number[SY][l] = spin.y, b->number[SZ][l] = spin.z;
+    b->number[PER_INERTIA][l] = s->inverse_mass / (1.4 * s->radius * s->radius);
+    b->velocity[l] = wall_v;
+  }
+  for (int q = 0; q < r.ncolumn; q++)
+    b->history[q][l] = list->history[(size_t)q * list->capacity + k];
+  b->entry[l] = (int)k;
+  b->body[l] = body;
+  b->index[l] = d->kind[i] * m->nmaterial + m->body[body].material;
+  b->lever[l] = lever;
+  if (b->count == DEM_W)
+    r.flush(task, b);
+}
+
+/* ---- walls with one contact ---- */
+
+DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  if (begin == end)
+    return;
+  const dem_wall *wall = &m->wall[list->entry[begin].wall];
+  const dem_wall_place *place = &d->wall[list->entry[begin].wall];
+  const double reach = r.more ? m->reach : 0;
+  const bool endless = dem_wall_endless(wall);
+  for (size_t k = begin; k < end; k++) {
+    const dem_sphere *s = &d->sphere[list->entry[k].particle];
+    if (left_out(task, s, wall->body))
+      continue;
+    tdm_vec3 n;
+    double gap = dem_wall_gap(wall, place, s->position, &n);
+    if (gap >= s->radius + reach || (endless && gap <= -s->radius))
+      close_entry(list, k, r.ncolumn);
+    else
+      add_to_batch(task, b, k, gap, n, r);
+  }
+}
+
+/* ---- planes, DEM_W particles at a time ---- */
+
+/* end - begin is a multiple of DEM_W; the same numbers, in the same order, as simple_wall */
+DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  if (begin == end)
+    return;
+  int w = list->entry[begin].wall, body = m->wall[w].body;
+  tdm_vec3 normal = d->wall[w].normal, on = d->wall[w].point, center = d->pose[body].position;
+  tdm_twist now = d->twist[body];
+  dem_contact c = {.dt = task->dt, .model = m};
+  c.pair.table = task->settling ? m->settle_pair : m->pair;
+  c.pair.one = m->nmaterial == 1;
+  c.normal = (vd3){vd_set(normal.x), vd_set(normal.y), vd_set(normal.z)};
+  c.turn = vd_set(tdm_dot(now.angular, normal));
+  const vd3 spin = {vd_set(now.angular.x), vd_set(now.angular.y), vd_set(now.angular.z)};
+  const vd3 drift = {vd_set(now.velocity.x), vd_set(now.velocity.y), vd_set(now.velocity.z)};
+  const vd per_body = vd_set(task->settling ? 0 : d->body_inverse[body]);
+  tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + body];
+
+  for (size_t k = begin; k < end; k += DEM_W) {
+    int i[DEM_W];
+    for (int l = 0; l < DEM_W; l++)
+      i[l] = list->entry[k + (size_t)l].particle;
+    vd s[8], b[4];
+    vd_spheres(d->sphere, i, s);
+    vd3 x = {s[0], s[1], s[2]};
+    vd3 above = {x.x - vd_set(on.x), x.y - vd_set(on.y), x.z - vd_set(on.z)};
+    vd gap = vd3_dot(above, c.normal), radius = s[3];
+    c.touching = vm_and(vm_less(gap, radius), vm_less(-radius, gap));
+    double *history = list->history + k;
+    if (!vm_any(c.touching)) {
+      close_history(history, list->capacity, r.ncolumn);
+      continue;
+    }
+    vd3 velocity = {s[4], s[5], s[6]};
+    vd3 lever = vd3_sub(vd3_axpy(-gap, c.normal, x), (vd3){vd_set(center.x), vd_set(center.y), vd_set(center.z)});
+    vd3 of_wall = vd3_add(drift, vd3_cross(spin, lever));
+    vd arm = gap / radius;
+    if (r.rubs) {
+      vd_rotor_sum(d->rotor, i, i, b);
+      vd3 surface = {vd_set(0.5) * b[0], vd_set(0.5) * b[1], vd_set(0.5) * b[2]};
+      velocity = vd3_axpy(-arm, vd3_cross(surface, c.normal), velocity);
+    }
+    velocity = vd3_sub(velocity, of_wall);
+    c.overlap = radius - gap;
+    c.radius = radius;
+    c.inverse_mass = s[7] + per_body;
+    c.mass = vd_set(1) / c.inverse_mass;
+    if (!c.pair.one)
+      for (int l = 0; l < DEM_W; l++)
+        c.pair.index[l] = d->kind[i[l]] * m->nmaterial + m->body[body].material;
+    outcome out = law(task, &c, velocity, history, list->capacity, r, 0);
+    vd3 twist = vd3_scale(vd_pick(c.touching, arm, vd_set(0)), out.twist);
+    vd3 moment = vd3_only(c.touching, vd3_cross(lever, out.force));
+    vd_push_walls(d->push, i, (vd[3]){out.force.x, out.force.y, out.force.z}, (vd[3]){twist.x, twist.y, twist.z},
+                  (vd[3]){moment.x, moment.y, moment.z}, load);
+    task->touching += __builtin_popcount(vm_bits(c.touching));
+  }
+}
+
+/* ---- meshes ---- */
+
+/* Hand the history of a contact that ended on a triangle to the one that begins on a neighbour. Entries begin ... end
+ * are those of one particle; holds[k - begin]: a contact is there now. */
+static void pass_histories(const dem_mesh *mesh, const dem_wall_contacts *list, size_t begin, size_t end,
+                           const bool *holds, int ncolumn) {
+  for (size_t to = begin; to < end; to++) {
+    bool fresh = holds[to - begin];
+    for (int q = 0; q < ncolumn && fresh; q++)
+      fresh = list->history[(size_t)q * list->capacity + to] == 0;
+    for (size_t from = begin; from < end && fresh; from++) {
+      bool kept = false;
+      for (int q = 0; q < ncolumn && !holds[from - begin]; q++)
+        kept = kept || list->history[(size_t)q * list->capacity + from] != 0;
+      if (!kept || !dem_mesh_passes(mesh, list->entry[from].part, list->entry[to].part))
+        continue;
+      for (int q = 0; q < ncolumn; q++) {
+        double *column = list->history + (size_t)q * list->capacity;
+        column[to] = column[from];
+        column[from] = 0;
+      }
+      fresh = false;
+    }
+  }
+}
+
+/* the contacts of one particle with a mesh: entries begin ... end */
+DEM_KERNEL void mesh_of_one(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->walls;
+  int i = list->entry[begin].particle, w = list->entry[begin].wall;
+  const dem_mesh *mesh = m->wall[w].mesh;
+  const dem_sphere *s = &d->sphere[i];
+  if (left_out(task, s, m->wall[w].body))
+    return;
+  size_t many = end - begin;
+  int small_near[256], *near = many <= 256 ? small_near : malloc(many * sizeof *near);
+  bool small_holds[256], *holds = many <= 256 ? small_holds : malloc(many * sizeof *holds);
+  memset(holds, 0, many * sizeof *holds);
+  size_t at[DEM_MESH_CONTACTS_MAX];
+  dem_mesh_contact found[DEM_MESH_CONTACTS_MAX];
+  for (size_t k = begin; k < end; k++)
+    near[k - begin] = list->entry[k].part;
+  int n = dem_mesh_contacts(mesh, near, (int)(end - begin), dem_wall_own(&d->wall[w], s->position),
+                            s->radius + (r.more ? m->reach : 0), found, DEM_MESH_CONTACTS_MAX);
+  size_t k = begin;
+  for (int c = 0; c < n; c++) { /* both ascend */
+    while (list->entry[k].part != found[c].triangle)
+      k++;
+    holds[k - begin] = true;
+    at[c] = k;
+  }
+  pass_histories(mesh, list, begin, end, holds, r.ncolumn);
+  for (k = begin; k < end; k++)
+    if (!holds[k - begin])
+      close_entry(list, k, r.ncolumn);
+  for (int c = 0; c < n; c++)
+    add_to_batch(task, b, at[c], found[c].gap, tdm_m3_mul(d->wall[w].axes, found[c].normal), r);
+  if (many > 256) {
+    free(near);
+    free(holds);
+  }
+}
+
+DEM_KERNEL void mesh_wall(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
+  const dem_wall_contacts *list = &task->data->walls;
+  for (size_t k = begin, next; k < end; k = next) {
+    next = k + 1;
+    while (next < end && list->entry[next].particle == list->entry[k].particle)
+      next++;
+    mesh_of_one(task, b, k, next, r);
+  }
+}
+
+/* ---- all walls ---- */
+
+DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
+  const dem_model *m = task->model;
+  const row r = row_of(m, constants);
+  const dem_wall_contacts *list = &task->data->walls;
+  batch b = {0};
+  for (int l = 0; l < DEM_W; l++) /* lanes that stay empty compute with harmless numbers */
+    b.number[RADIUS][l] = b.number[PER_MASS][l] = b.number[OVERLAP][l] = b.number[PER_INERTIA][l] = 1;
+
+  size_t last = list->chunk[task->chunk + 1];
+  for (size_t k = list->chunk[task->chunk], next; k < last; k = next) {
+    const dem_wall *wall = &m->wall[list->entry[k].wall];
+    for (next = k + 1; next < last && list->entry[next].wall == list->entry[k].wall;)
+      next++;
+    if (wall->primitive == DEM_MESH) {
+      mesh_wall(task, &b, k, next, r);
+    } else {
+      bool whole = !constants.more && wall->primitive == DEM_PLANE && !wall->moves && !m->driven;
+      size_t rest = whole ? next - (next - k) % DEM_W : k;
+      plane(task, k, rest, r);
+      simple_wall(task, &b, rest, next, r);
+    }
+    if (b.count > 0) /* so that sums are in the order of the list */
+      r.flush(task, &b);
+  }
+}
+
+#endif
