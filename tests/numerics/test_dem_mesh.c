@@ -4,7 +4,6 @@
 #include "tests/test_main.h"
 
 #include <stdint.h>
-#include <time.h>
 #include <unistd.h>
 
 /* ---- support ---- */
@@ -762,43 +761,7 @@ END_TEST
 
 /* ---- size ---- */
 
-/* A query looks at what is near: its time does not grow with the triangles. */
-START_TEST(test_scaling) {
-  double seconds[2];
-  for (int k = 0; k < 2; k++) {
-    dem_stl s = {0};
-    int n = k ? 256 : 16;
-    s.corner = malloc(6 * (size_t)n * (size_t)n * sizeof *s.corner);
-    for (int i = 0; i < n; i++)
-      for (int j = 0; j < n; j++) {
-        tdm_vec3 c[] = {tdm_v3(i, j, 0), tdm_v3(i + 1, j, 0), tdm_v3(i + 1, j + 1, 0), tdm_v3(i, j + 1, 0)};
-        tdm_vec3 *to = &s.corner[3 * s.count];
-        s.count += 2;
-        to[0] = to[3] = c[0];
-        to[1] = c[1];
-        to[2] = to[4] = c[2];
-        to[5] = c[3];
-      }
-    dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
-    int near[64];
-    long found = 0;
-    double best = INFINITY;
-    for (int repeat = 0; repeat < 5; repeat++) {
-      clock_t begin = clock();
-      state = 1;
-      for (int q = 0; q < 20000; q++)
-        found += dem_mesh_near(m, tdm_v3(between(1, n - 1), between(1, n - 1), 0.9), 1, near, 64);
-      best = fmin(best, (double)(clock() - begin) / CLOCKS_PER_SEC);
-    }
-    ck_assert_int_gt(found, 100000);
-    seconds[k] = best;
-    dem_mesh_destroy(&m);
-  }
-  ck_assert_msg(seconds[1] < 20 * seconds[0], "%g s with 512 triangles, %g s with 131072", seconds[0], seconds[1]);
-}
-END_TEST
-
 TEST_MAIN("dem_mesh", 60, test_text, test_binary, test_bad_files, test_report_closed, test_report_faults, test_near,
           test_plane, test_inclined_plane, test_rounded_plane, test_passes, test_convex, test_sharp_edge, test_fan,
           test_concave, test_candidates, test_rough, test_drum, test_drum_corner, test_tight_drum, test_drum_outside,
-          test_cracks, test_scaling)
+          test_cracks)
