@@ -27,6 +27,16 @@ typedef struct {
   double max_step;           /* [s], 0: no limit */
 } mbd_settings;
 
+/* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add
+ * up in the same rows. */
+typedef struct {
+  const mbd_joint *joint;   /* the joint, or the one that the driver drives */
+  const mbd_driver *driver; /* NULL: the joint's own rows */
+  int index;                /* 0, or 1 for the second pair of a joint that couples two */
+  int turn;                 /* the joint whose angle is counted over turns for it */
+  int body[2], row;
+} mbd_part;
+
 struct mbd_model {
   tdm_vec3 gravity; /* [m/s2] */
   int nbody;
@@ -37,8 +47,10 @@ struct mbd_model {
   mbd_driver *driver; /* (ndriver) */
   int nforce;
   mbd_force *force; /* (nforce) */
-  int njointrow;    /* constraint rows of all joints */
-  int nrow;         /* of all joints and drivers; those of the drivers come last */
+  int npart;
+  mbd_part *part; /* (npart) those of the joints first */
+  int njointrow;  /* constraint rows of all joints */
+  int nrow;       /* of all joints and drivers; those of the drivers come last */
   int ncoupled;
   int *coupled; /* (ncoupled) body index of each coupled body, in the order of the assignment */
   mbd_settings solver;
