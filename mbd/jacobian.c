@@ -101,7 +101,7 @@ static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, do
 
 /* ---- joints and drivers ---- */
 
-/* Rows of the constraints: G dq, and G dV + (V^T H) dq. */
+/* Rows of the constraints: G dq, and G dV + (V^T H) dq (index 2). */
 static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, mbd_sink *sink) {
   double twist[MBD_PAIR];
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
@@ -111,6 +111,8 @@ static void constraint_rows(const mbd_model *model, const mbd_data *data, const 
       for (int l = 0; l < MBD_PAIR; l++)
         c[l] += twist[i] * rows->H[k][i][l];
     add_pair_position(sink, data, mbd_index_mu(model, rows->first + k), rows->body, rows->G[k]);
+    if (model->solver.formulation == MBD_INDEX3)
+      continue;
     add_pair_twist(sink, mbd_index_lambda(model, rows->first + k), rows->body, rows->G[k]);
     add_pair_position(sink, data, mbd_index_lambda(model, rows->first + k), rows->body, c);
   }
@@ -209,6 +211,8 @@ void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, c
   }
   for (int i = 0; i < model->npart; i++)
     constraint_block(model, data, i, y, sink);
+  for (int i = 0; i < model->nrow && model->solver.formulation == MBD_INDEX3; i++)
+    mbd_jac_add(sink, mbd_index_lambda(model, i), mbd_index_mu(model, i), 1);
   for (int i = 0; i < model->nforce; i++)
     force_rows(model, data, i, sink);
   data->stats.jacobians++;

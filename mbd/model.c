@@ -1,5 +1,6 @@
 /* Reading a model from its scene section. README.md lists the keys. */
 #include "mbd/model.h"
+#include "mbd/integrator.h"
 
 #include <gsl/gsl_eigen.h>
 #include <stdio.h>
@@ -279,6 +280,13 @@ static void load_force(mbd_model *model, json_t *json, const char *path, tdm_err
 }
 
 static void load_solver(mbd_settings *s, tdm_object *section) {
+  const char *formulations[MBD_FORMULATIONS];
+  static const char *const correctors[] = {"original", "modified"};
+  for (int i = 0; i < MBD_FORMULATIONS; i++)
+    formulations[i] = mbd_formulation_table[i].name;
+  s->formulation = (mbd_formulation_id)tdm_get_choice(section, "formulation", formulations, MBD_FORMULATIONS, MBD_GGL);
+  s->modified = tdm_get_choice(section, "corrector", correctors, 2, s->formulation == MBD_INDEX3) == 1;
+  s->restart_each_window = tdm_get_bool(section, "restart_each_window", false);
   tdm_object o = tdm_get_object(section, "solver", false);
   s->relative_tolerance = tdm_get_number(&o, "relative_tolerance", 1e-8, TDM_POSITIVE);
   s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance", 0.01 * s->relative_tolerance, TDM_POSITIVE);
@@ -345,7 +353,8 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   m->njointrow = m->nrow;
   load_array(&o, "drivers", false, m, load_driver);
   load_array(&o, "forces", false, m, load_force);
-  list_parts(m);
+  if (!err->status)
+    list_parts(m);
   load_solver(&m->solver, &o);
   tdm_object_close(&o);
   return err->status;

@@ -19,8 +19,17 @@ typedef struct {
   tdm_state start;  /* as given in the scene, orientation normalised */
 } mbd_body;
 
-/* settings of the integrator, scene key "solver" */
+typedef enum {
+  MBD_GGL,    /* stabilised index 2: positions and velocities on the constraints */
+  MBD_INDEX3, /* positions alone */
+  MBD_FORMULATIONS
+} mbd_formulation_id;
+
+/* settings of the integrator, scene keys "formulation" ... and "solver" */
 typedef struct {
+  mbd_formulation_id formulation;
+  bool modified;             /* corrector: velocities are out of the error test and weigh little in Newton's */
+  bool restart_each_window;  /* forget the history at the start of each window */
   double relative_tolerance; /* of positions, Euler parameters and velocities */
   double absolute_tolerance; /* of the same [m, 1, m/s, rad/s] */
   int max_order;             /* of the BDF, 1 to 5 */

@@ -82,6 +82,8 @@ void mbd_residual(const mbd_model *model, mbd_data *data, double t, const double
   mbd_generalised_forces(model, data, t, data->wrench);
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
   constraints(model, data, y, out);
+  if (model->solver.formulation == MBD_INDEX3) /* no velocity constraints: their rows hold mu = 0 */
+    memcpy(out + mbd_index_lambda(model, 0), y + mbd_index_mu(model, 0), (size_t)model->nrow * sizeof(double));
   for (int b = 0; b < model->nbody; b++)
     body_residual(model, data, b, y, yp, out);
   data->stats.residuals++;
