@@ -200,7 +200,11 @@ START_TEST(outputs_do_not_change_the_run) {
   run("one", "");
   run("two", "--set output.interval=0.1 --set output.particles_interval=0.0166");
   char *a = read_all("one", "channels.csv"), *b = read_all("two", "channels.csv");
-  ck_assert_str_eq(strstr(a, "\n0.1,"), strstr(b, "\n0.1,"));
+  size_t n = 0; /* of the last row; the loads behind the particles' channels are means over the interval */
+  const char *row = strstr(a, "\n0.1,");
+  for (int comma = 0; comma < 12; n++)
+    comma += row[n] == ',';
+  ck_assert_mem_eq(row, strstr(b, "\n0.1,"), n);
   free(a);
   free(b);
   directory_remove(dir);
@@ -242,8 +246,19 @@ static const struct {
     {"--set demm.gravity=1", "demm", "did you mean \"dem\""},
     {"--set dem.particles[0].radius=0", "dem.particles[0].radius", "greater than 0"},
     {"--set dem.pairs=[]", "dem.pairs", "can touch"},
-    {"--set time.dt=5e-3 --set output.interval=0.01 --set dem.materials[0].young_modulus=5e11 --strict", "time.dt",
-     "strict"},
+    {"--set time.dt=5e-3 --set output.interval=0.01 --set dem.materials[0].young_modulus=5e11", "time.dt",
+     "half of the shortest contact"},
+    {"--set time.dt=5e-3 --set output.interval=0.01 --set dem.materials[0].young_modulus=5e11 --set "
+     "dem.guard.action=warn --strict",
+     "time.dt", "strict"},
+    {"--set time.dt=1 --set time.end=10 --set output.interval=1 --set output.particles_interval=1", "time.dt",
+     "use at most"},
+    {"--set dem.gravity=[0,0,1e308]", "dem.gravity", "too large"},
+    {"--set dem.particles[0].mass=1e-300", "dem.particles[0].mass", "1e-300 kg"},
+    {"--set dem.materials[0].density=1e-300", "dem.particles[0].radius", "gives a particle of"},
+    {"--set dem.particles[0].velocity=[1e200,0,0]", "dem.particles[0].velocity", "too large"},
+    {"--set dem.bodies[0].name=a,b", "dem.bodies[0].name", "column names"},
+    {"--set dem.triangle_forces=true", "dem.triangle_forces", "no mesh"},
 };
 
 START_TEST(values_of_the_scene) {
