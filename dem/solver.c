@@ -23,7 +23,7 @@
 
 /* One row an output channel: name, unit. channel_values fills them in this order; then come the energies if the scene
  * asks for them, two for each source, two for each sink and for each of its size classes, what left dem.domain if
- * there is one, the balance if particles can come or go, and loads (load_list). */
+ * there is one, the balance if particles can come or go, and loads (has_channels says which). */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -98,17 +98,20 @@ static bool has_channels(const dem_model *m, int l) {
   return l < m->nbody ? m->body[l].coupled < 0 && many > 0 : many > 1;
 }
 
-/* the means of the last sample into out; returns how many */
-static int load_values(const dem_data *d, double *out) {
-  const dem_model *m = d->model;
-  int n = 0;
-  for (int l = 0; l <= m->nload; l++) {
+/* how many it has */
+static int count_channels(const dem_model *m, int l) {
+  return !has_channels(m, l) ? 0 : l == m->nload ? NFORCE : NLOAD;
+}
+
+/* the means of the last sample into out */
+static void load_values(const dem_data *d, double *out) {
+  for (int l = 0; l <= d->model->nload; l++) {
     const tdm_wrench *w = &d->sample_mean[l];
     const double values[NLOAD] = {w->force.x, w->force.y, w->force.z, w->moment.x, w->moment.y, w->moment.z};
-    for (int k = 0; has_channels(m, l) && k < (l == m->nload ? NFORCE : NLOAD); k++)
-      out[n++] = values[k];
+    int n = count_channels(d->model, l);
+    memcpy(out, values, (size_t)n * sizeof *out);
+    out += n;
   }
-  return n;
 }
 
 static bool has_balance(const dem_model *m) {
@@ -178,7 +181,7 @@ static tdm_channel *name_load(tdm_channel *c, const dem_model *m, int l) {
     of = m->geometry[l - m->nbody].body;
     snprintf(shape, sizeof shape, "shape%d.", m->geometry[l - m->nbody].number);
   }
-  for (int k = 0; k < (l == m->nload ? NFORCE : NLOAD); k++, c++) {
+  for (int k = 0, n = count_channels(m, l); k < n; k++, c++) {
     char what[64];
     snprintf(what, sizeof what, "%s%s", shape, load_channels[k].name);
     if (l == m->nload)
@@ -199,7 +202,7 @@ static bool make_channels(dem_solver *s) {
   s->nchannel =
       NCHANNEL + (m->energy ? NENERGY : 0) + 2 * flows + (m->domain.wanted ? 1 : 0) + (has_balance(m) ? 2 : 0);
   for (int l = 0; l <= m->nload; l++)
-    s->nchannel += !has_channels(m, l) ? 0 : l == m->nload ? NFORCE : NLOAD;
+    s->nchannel += count_channels(m, l);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
   if (!s->channel || !s->initial)
@@ -232,8 +235,7 @@ static bool make_channels(dem_solver *s) {
     *c++ = (tdm_channel){"balance.mass", "kg"};
   }
   for (int l = 0; l <= m->nload; l++)
-    if (has_channels(m, l))
-      c = name_load(c, m, l);
+    c = name_load(c, m, l);
   return true;
 }
 

@@ -1,6 +1,7 @@
 /* Forces on the triangles of meshes: see traction.h. */
 #include "dem/geometry/traction.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,7 @@ tdm_vec3 *dem_traction_entries(dem_data *d) {
   dem_traction *t = &d->traction;
   if (!t->wanted)
     return NULL;
+  assert(t->capacity >= d->walls.count);
   memset(t->entry_force, 0, d->walls.count * sizeof *t->entry_force);
   return t->entry_force;
 }
