@@ -10,10 +10,7 @@ void dem_read_group_extras(dem_model *m, dem_group *group, tdm_object *o) {
   static const char *const keys[] = {"force", "acceleration", "velocity", "spin"};
   group->force = dem_read_vector(o, keys[0], &zero);
   group->acceleration = dem_read_vector(o, keys[1], &zero);
-  json_t *fixed = tdm_has(o, "fixed") ? json_object_get(o->json, "fixed") : json_false();
-  if (!json_is_boolean(fixed))
-    tdm_object_fail(o, "fixed", "must be true or false");
-  group->fixed = json_is_true(fixed);
+  group->fixed = tdm_get_bool(o, "fixed", false);
   for (int k = 0; group->fixed && k < 4; k++)
     if (tdm_norm(tdm_get_vec3(o, keys[k], &zero)) > 0)
       tdm_object_fail(o, keys[k], "moves particles that are fixed; remove it, or \"fixed\"");

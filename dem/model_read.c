@@ -52,14 +52,6 @@ void dem_check_mass(tdm_object *o, const char *key, double mass) {
                     mass);
 }
 
-/* true or false; false when missing */
-static bool read_flag(tdm_object *o, const char *key) {
-  json_t *value = tdm_has(o, key) ? json_object_get(o->json, key) : NULL;
-  if (value && !json_is_boolean(value))
-    tdm_object_fail(o, key, "must be true or false");
-  return json_is_true(value);
-}
-
 static const char *choose(tdm_object *o, const char *key, const char *const *names, int fallback) {
   int n = 0;
   while (names[n])
@@ -248,8 +240,8 @@ static void number_triangles(dem_model *m, tdm_object *section) {
 }
 
 static void read_loads(dem_model *m, tdm_object *section) {
-  m->geometry_loads = read_flag(section, "geometry_loads");
-  m->triangle_forces = read_flag(section, "triangle_forces");
+  m->geometry_loads = tdm_get_bool(section, "geometry_loads", false);
+  m->triangle_forces = tdm_get_bool(section, "triangle_forces", false);
   m->nload = m->nbody + (m->geometry_loads ? m->ngeometry : 0);
   if (m->triangle_forces)
     number_triangles(m, section);
@@ -302,7 +294,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   tdm_object o = tdm_object_open(assignment->scene, "dem", err);
   m->gravity = dem_read_vector(&o, "gravity", &(tdm_vec3){0, 0, -9.81});
   dem_contact_read(m, &o);
-  m->energy = read_flag(&o, "energy");
+  m->energy = tdm_get_bool(&o, "energy", false);
   dem_materials_read(m, tdm_get_array(&o, "materials", true), err);
   dem_read_dimension(m, &o);
   json_t *pairs = tdm_get_array(&o, "pairs", false);

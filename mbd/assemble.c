@@ -55,7 +55,7 @@ typedef enum { POSITION, VELOCITY, ACCELERATION } level;
 
 /* Rows of one joint or driver into the matrix, and -g, -G V - g_t or -V^T H V - g_tt into kkt->g. */
 static void constraint_block(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, int index, level of) {
-  const mbd_rows *rows = mbd_constraint_at(model, data, index, of == ACCELERATION);
+  const mbd_rows *rows = mbd_part_at(model, data, index, of == ACCELERATION);
   double twist[MBD_PAIR];
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < rows->n; k++) {
@@ -67,11 +67,12 @@ static void constraint_block(mbd_kkt *kkt, const mbd_model *model, mbd_data *dat
         rate += rows->H[k][i][l] * twist[l];
       sum += twist[i] * (of == VELOCITY ? rows->G[k][i] : rate);
     }
-    kkt->g[rows->first + k] = -sum;
+    kkt->g[rows->first + k] -= sum;
     for (int side = 0; side < 2; side++)
       for (int i = 0; i < 6 && rows->body[side] != MBD_GROUND; i++) {
         int col = 6 * rows->body[side] + i;
-        kkt->matrix[row * kkt->n + col] = kkt->matrix[col * kkt->n + row] = rows->G[k][6 * side + i];
+        kkt->matrix[row * kkt->n + col] += rows->G[k][6 * side + i];
+        kkt->matrix[col * kkt->n + row] = kkt->matrix[row * kkt->n + col];
       }
   }
 }
@@ -79,6 +80,7 @@ static void constraint_block(mbd_kkt *kkt, const mbd_model *model, mbd_data *dat
 /* Fill the matrix at data->kin and kkt->g. */
 static void fill(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, level of) {
   memset(kkt->matrix, 0, (size_t)kkt->n * (size_t)kkt->n * sizeof(double));
+  memset(kkt->g, 0, (size_t)model->nrow * sizeof(double));
   for (int b = 0; b < model->nbody; b++) {
     tdm_mat3 J = mbd_inertia_world(&model->body[b], &data->kin[b + 1]);
     for (int i = 0; i < 3; i++) {
@@ -88,7 +90,7 @@ static void fill(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, level of)
         kkt->matrix[(row + 3) * kkt->n + 6 * b + 3 + k] = J.m[i][k];
     }
   }
-  for (int i = 0; i < mbd_nconstraint(model); i++)
+  for (int i = 0; i < model->npart; i++)
     constraint_block(kkt, model, data, i, of);
 }
 
@@ -257,7 +259,7 @@ static void compare(const mbd_model *model, const double *y, mbd_assembly *a) {
 static void compare_drivers(const mbd_model *model, mbd_data *data, const double *y, mbd_assembly *a) {
   mbd_kinematics(model, data, data->t, y);
   for (int i = 0; i < model->ndriver; i++) {
-    const mbd_rows *rows = mbd_constraint_at(model, data, model->njoint + i, false);
+    const mbd_rows *rows = mbd_part_at(model, data, model->npart - model->ndriver + i, false);
     double twist[MBD_PAIR], given = 0, prescribed = -rows->g_t[0];
     mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
     for (int k = 0; k < MBD_PAIR; k++)

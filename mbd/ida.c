@@ -1,5 +1,6 @@
-#include "mbd/ida.h"
-
+/* SUNDIALS IDA (variable-order, fixed-leading-coefficient BDF), which keeps its history over windows. The only file
+ * that includes its headers. */
+#include "mbd/integrator.h"
 #include "mbd/jacobian.h"
 #include "mbd/residual.h"
 #include "protocol/log.h"
@@ -12,7 +13,7 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
-struct mbd_ida {
+typedef struct {
   const mbd_model *model; /* borrowed */
   mbd_data *data;         /* borrowed */
   mbd_kkt *kkt;           /* borrowed */
@@ -29,7 +30,7 @@ struct mbd_ida {
   double stop;       /* stop time that IDA knows [s] */
   mbd_stats before;  /* counters from before the last (re)start */
   char message[256]; /* IDA's last complaint */
-};
+} ida_solver;
 
 /* The multipliers converge with the velocities they act on: loose weights leave them out of the Newton test too. */
 static const double multiplier_tolerance = 1e10;
@@ -40,7 +41,7 @@ static const double newton_coefficient = 0.003;
 /* ---- callbacks ---- */
 
 static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user) {
-  mbd_ida *ida = user;
+  ida_solver *ida = user;
   mbd_residual(ida->model, ida->data, t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), N_VGetArrayPointer(r));
   return 0;
 }
@@ -48,7 +49,7 @@ static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user)
 static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *user,
                     N_Vector w1, N_Vector w2, N_Vector w3) {
   (void)r, (void)w1, (void)w2, (void)w3; /* IDA hands the matrix over zeroed */
-  mbd_ida *ida = user;
+  ida_solver *ida = user;
   mbd_sink sink = {SUNDenseMatrix_Data(matrix), mbd_nunknown(ida->model)};
   mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), &sink);
   return 0;
@@ -60,7 +61,7 @@ static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r
 static int converged(SUNNonlinearSolver newton, N_Vector y, N_Vector correction, realtype tolerance, N_Vector weight,
                      void *user) {
   (void)y;
-  mbd_ida *ida = user;
+  ida_solver *ida = user;
   int iteration = 0;
   double norm = N_VWrmsNorm(correction, weight);
   SUNNonlinSolGetCurIter(newton, &iteration);
@@ -76,7 +77,7 @@ static int converged(SUNNonlinearSolver newton, N_Vector y, N_Vector correction,
 
 static void complain(int code, const char *module, const char *function, char *text, void *user) {
   (void)code, (void)module, (void)function;
-  mbd_ida *ida = user;
+  ida_solver *ida = user;
   snprintf(ida->message, sizeof ida->message, "%s", text);
   for (char *c = ida->message; *c; c++)
     if (*c == '\n' || *c == '\r')
@@ -85,7 +86,7 @@ static void complain(int code, const char *module, const char *function, char *t
 
 /* ---- life ---- */
 
-static void weights(mbd_ida *ida) {
+static void weights(ida_solver *ida) {
   const mbd_model *m = ida->model;
   double *id = N_VGetArrayPointer(ida->id), *atol = N_VGetArrayPointer(ida->atol);
   for (int i = 0; i < mbd_nunknown(m); i++) {
@@ -95,9 +96,9 @@ static void weights(mbd_ida *ida) {
   }
 }
 
-tdm_status mbd_ida_create(mbd_ida **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_stop_fn stop,
-                          void *context, tdm_error *err) {
-  mbd_ida *ida = *out = calloc(1, sizeof *ida);
+static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_stop_fn stop,
+                         void *context, tdm_error *err) {
+  ida_solver *ida = *out = calloc(1, sizeof *ida);
   if (!ida || SUNContext_Create(NULL, &ida->context))
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator");
   sunindextype n = mbd_nunknown(model);
@@ -123,8 +124,8 @@ tdm_status mbd_ida_create(mbd_ida **out, const mbd_model *model, mbd_data *data,
   return TDM_OK;
 }
 
-void mbd_ida_destroy(mbd_ida **out) {
-  mbd_ida *ida = out ? *out : NULL;
+static void destroy(void *self) {
+  ida_solver *ida = self;
   if (!ida)
     return;
   if (ida->mem)
@@ -142,13 +143,12 @@ void mbd_ida_destroy(mbd_ida **out) {
   if (ida->context)
     SUNContext_Free(&ida->context);
   free(ida);
-  *out = NULL;
 }
 
 /* ---- start ---- */
 
 /* The settings that IDA takes after IDAInit; 0 on success. */
-static int configure(mbd_ida *ida) {
+static int configure(ida_solver *ida) {
   const mbd_settings *s = &ida->model->solver;
   int bad = IDASetErrHandlerFn(ida->mem, complain, ida);
   bad |= IDASetUserData(ida->mem, ida);
@@ -168,13 +168,27 @@ static int configure(mbd_ida *ida) {
   return bad;
 }
 
+/* Bring data's counters up to IDA's. */
+static void count(ida_solver *ida) {
+  long steps = 0, residuals, setups, failures = 0, unconverged = 0;
+  int last, current;
+  realtype h0, hlast, hcur, tcur;
+  if (!ida->started)
+    return;
+  IDAGetIntegratorStats(ida->mem, &steps, &residuals, &setups, &failures, &last, &current, &h0, &hlast, &hcur, &tcur);
+  IDAGetNumStepSolveFails(ida->mem, &unconverged);
+  ida->data->stats.steps = ida->before.steps + steps;
+  ida->data->stats.error_failures = ida->before.error_failures + failures;
+  ida->data->stats.convergence_failures = ida->before.convergence_failures + unconverged;
+}
+
 /* Make ida->y consistent with the load at t and hand it to IDA. */
-static bool restart(mbd_ida *ida, double t) {
+static bool restart(ida_solver *ida, double t) {
   double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
   if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
     return false;
   if (ida->started) {
-    mbd_ida_stats(ida); /* IDAReInit clears IDA's counters */
+    count(ida); /* IDAReInit clears IDA's counters */
     ida->before = ida->data->stats;
     return IDAReInit(ida->mem, t, ida->y, ida->yp) == IDA_SUCCESS;
   }
@@ -182,7 +196,8 @@ static bool restart(mbd_ida *ida, double t) {
   return IDAInit(ida->mem, residual, t, ida->y, ida->yp) == IDA_SUCCESS && configure(ida) == 0;
 }
 
-tdm_status mbd_ida_start(mbd_ida *ida, double t, tdm_error *err) {
+static tdm_status start(void *self, double t, tdm_error *err) {
+  ida_solver *ida = self;
   size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
   memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
   if (!restart(ida, t))
@@ -197,7 +212,7 @@ tdm_status mbd_ida_start(mbd_ida *ida, double t, tdm_error *err) {
 
 /* Tell IDA where the next step must end at the latest: at t1, or half way when the step that IDA wants would leave a
  * rest smaller than itself, so that no window ends with a sliver that the next step has to grow out of. */
-static int set_stop(mbd_ida *ida, double t, double t1) {
+static int set_stop(ida_solver *ida, double t, double t1) {
   double h = 0, stop = t1;
   if (IDAGetCurrentStep(ida->mem, &h) == IDA_SUCCESS && h > 0 && h < 0.999 * (t1 - t) && 2 * h > t1 - t)
     stop = t + 0.5 * (t1 - t);
@@ -206,7 +221,7 @@ static int set_stop(mbd_ida *ida, double t, double t1) {
 }
 
 /* Start IDA again from the last good state, which IDA left in ida->y. */
-static tdm_status recover(mbd_ida *ida, double t, double t1, int flag, bool again, tdm_error *err) {
+static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool again, tdm_error *err) {
   tdm_log(TDM_LOG_WARNING, "integrator_failed", "time_s=%.9g flag=%d retry=%s", t, flag, again ? "no" : "yes");
   double *y = N_VGetArrayPointer(ida->y);
   if (!again && tdm_finite(y, mbd_nunknown(ida->model)) && mbd_project(ida->model, ida->data, ida->kkt, t, y) &&
@@ -223,7 +238,7 @@ static tdm_status recover(mbd_ida *ida, double t, double t1, int flag, bool agai
 }
 
 /* Hand out the samples up to t, which lie inside the last step. */
-static tdm_status samples(mbd_ida *ida, double t, int *next, int nsample, const double *time, mbd_sample_fn sample,
+static tdm_status samples(ida_solver *ida, double t, int *next, int nsample, const double *time, mbd_sample_fn sample,
                           void *context, tdm_error *err) {
   for (; *next < nsample && time[*next] <= t; ++*next) {
     bool here = time[*next] == t; /* the same numbers as the state at the end of the window */
@@ -235,8 +250,9 @@ static tdm_status samples(mbd_ida *ida, double t, int *next, int nsample, const 
   return TDM_OK;
 }
 
-tdm_status mbd_ida_advance(mbd_ida *ida, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
-                           void *context, tdm_error *err) {
+static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
+                          void *context, tdm_error *err) {
+  ida_solver *ida = self;
   mbd_data *data = ida->data;
   const double *y = N_VGetArrayPointer(ida->y);
   double t = data->t;
@@ -268,15 +284,8 @@ tdm_status mbd_ida_advance(mbd_ida *ida, double t1, int nsample, const double *s
   return TDM_OK;
 }
 
-void mbd_ida_stats(mbd_ida *ida) {
-  long steps = 0, residuals, setups, failures = 0, unconverged = 0;
-  int last, current;
-  realtype h0, hlast, hcur, tcur;
-  if (!ida || !ida->started)
-    return;
-  IDAGetIntegratorStats(ida->mem, &steps, &residuals, &setups, &failures, &last, &current, &h0, &hlast, &hcur, &tcur);
-  IDAGetNumStepSolveFails(ida->mem, &unconverged);
-  ida->data->stats.steps = ida->before.steps + steps;
-  ida->data->stats.error_failures = ida->before.error_failures + failures;
-  ida->data->stats.convergence_failures = ida->before.convergence_failures + unconverged;
+static void stats(void *self) {
+  count(self);
 }
+
+const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy};

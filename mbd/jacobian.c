@@ -101,7 +101,7 @@ static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, do
 
 /* ---- joints and drivers ---- */
 
-/* Rows of the constraints: G dq, and G dV + (V^T H) dq. */
+/* Rows of the constraints: G dq, and G dV + (V^T H) dq (index 2). */
 static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, mbd_sink *sink) {
   double twist[MBD_PAIR];
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
@@ -111,6 +111,8 @@ static void constraint_rows(const mbd_model *model, const mbd_data *data, const 
       for (int l = 0; l < MBD_PAIR; l++)
         c[l] += twist[i] * rows->H[k][i][l];
     add_pair_position(sink, data, mbd_index_mu(model, rows->first + k), rows->body, rows->G[k]);
+    if (model->solver.formulation == MBD_INDEX3)
+      continue;
     add_pair_twist(sink, mbd_index_lambda(model, rows->first + k), rows->body, rows->G[k]);
     add_pair_position(sink, data, mbd_index_lambda(model, rows->first + k), rows->body, c);
   }
@@ -147,7 +149,7 @@ static void multiplier_rows(const mbd_model *model, const mbd_data *data, const 
 }
 
 static void constraint_block(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sink *sink) {
-  const mbd_rows *rows = mbd_constraint_at(model, data, index, true);
+  const mbd_rows *rows = mbd_part_at(model, data, index, true);
   const double *lambda = y + mbd_index_lambda(model, rows->first), *mu = y + mbd_index_mu(model, rows->first);
   double L[MBD_PAIR][MBD_PAIR] = {{0}}, U[MBD_PAIR][MBD_PAIR] = {{0}}; /* d(G^T lambda)/dq, d(G^T mu)/dq */
   for (int k = 0; k < rows->n; k++)
@@ -188,8 +190,8 @@ static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_si
 /* G^T mu of all constraints, as in the residual. */
 static void shifts(const mbd_model *model, mbd_data *data, const double *y) {
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
-  for (int i = 0; i < mbd_nconstraint(model); i++) {
-    const mbd_rows *rows = mbd_constraint_at(model, data, i, false);
+  for (int i = 0; i < model->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(model, data, i, false);
     for (int side = 0; side < 2; side++)
       for (int c = 0; c < 6 && rows->body[side] != MBD_GROUND; c++)
         for (int k = 0; k < rows->n; k++)
@@ -207,8 +209,10 @@ void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, c
     kinematic_rows(model, data, b, cj, y, sink);
     dynamic_rows(model, data, b, cj, yp, sink);
   }
-  for (int i = 0; i < mbd_nconstraint(model); i++)
+  for (int i = 0; i < model->npart; i++)
     constraint_block(model, data, i, y, sink);
+  for (int i = 0; i < model->nrow && model->solver.formulation == MBD_INDEX3; i++)
+    mbd_jac_add(sink, mbd_index_lambda(model, i), mbd_index_mu(model, i), 1);
   for (int i = 0; i < model->nforce; i++)
     force_rows(model, data, i, sink);
   data->stats.jacobians++;

@@ -1,5 +1,6 @@
 /* Reading a model from its scene section. README.md lists the keys. */
 #include "mbd/model.h"
+#include "mbd/integrator.h"
 
 #include <gsl/gsl_eigen.h>
 #include <stdio.h>
@@ -279,6 +280,13 @@ static void load_force(mbd_model *model, json_t *json, const char *path, tdm_err
 }
 
 static void load_solver(mbd_settings *s, tdm_object *section) {
+  const char *formulations[MBD_FORMULATIONS];
+  static const char *const correctors[] = {"original", "modified"};
+  for (int i = 0; i < MBD_FORMULATIONS; i++)
+    formulations[i] = mbd_formulation_table[i].name;
+  s->formulation = (mbd_formulation_id)tdm_get_choice(section, "formulation", formulations, MBD_FORMULATIONS, MBD_GGL);
+  s->modified = tdm_get_choice(section, "corrector", correctors, 2, s->formulation == MBD_INDEX3) == 1;
+  s->restart_each_window = tdm_get_bool(section, "restart_each_window", false);
   tdm_object o = tdm_get_object(section, "solver", false);
   s->relative_tolerance = tdm_get_number(&o, "relative_tolerance", 1e-8, TDM_POSITIVE);
   s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance", 0.01 * s->relative_tolerance, TDM_POSITIVE);
@@ -307,6 +315,22 @@ static size_t array_room(json_t *json, const char *key) {
   return n > 0 ? n : 1;
 }
 
+/* List the pairs of bodies of all joints and drivers. */
+static void list_parts(mbd_model *m) {
+  for (int i = 0; i < m->njoint; i++) {
+    const mbd_joint *j = &m->joint[i];
+    for (int k = 0; k < (j->of[0] ? 2 : 1); k++) {
+      const mbd_joint *pair = j->of[0] ? j->of[k] : j;
+      m->part[m->npart++] = (mbd_part){j, NULL, k, (int)(pair - m->joint), {pair->body[0], pair->body[1]}, j->row};
+    }
+  }
+  for (int i = 0; i < m->ndriver; i++) {
+    const mbd_driver *d = &m->driver[i];
+    const mbd_joint *j = d->joint;
+    m->part[m->npart++] = (mbd_part){j, d, 0, (int)(j - m->joint), {j->body[0], j->body[1]}, d->row};
+  }
+}
+
 tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   mbd_model *m = *model = calloc(1, sizeof *m);
   if (!m)
@@ -315,7 +339,8 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   m->joint = calloc(array_room(json, "joints"), sizeof *m->joint);
   m->driver = calloc(array_room(json, "drivers"), sizeof *m->driver);
   m->force = calloc(array_room(json, "forces"), sizeof *m->force);
-  if (!m->body || !m->joint || !m->driver || !m->force)
+  m->part = calloc(2 * array_room(json, "joints") + array_room(json, "drivers"), sizeof *m->part);
+  if (!m->body || !m->joint || !m->driver || !m->force || !m->part)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
 
   const tdm_vec3 earth = {0, 0, -9.81};
@@ -328,6 +353,8 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   m->njointrow = m->nrow;
   load_array(&o, "drivers", false, m, load_driver);
   load_array(&o, "forces", false, m, load_force);
+  if (!err->status)
+    list_parts(m);
   load_solver(&m->solver, &o);
   tdm_object_close(&o);
   return err->status;
@@ -364,6 +391,7 @@ void mbd_model_destroy(mbd_model **model) {
   free((*model)->body);
   free((*model)->joint);
   free((*model)->driver);
+  free((*model)->part);
   free((*model)->force);
   free((*model)->coupled);
   free(*model);

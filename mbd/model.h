@@ -19,13 +19,32 @@ typedef struct {
   tdm_state start;  /* as given in the scene, orientation normalised */
 } mbd_body;
 
-/* settings of the integrator, scene key "solver" */
+typedef enum {
+  MBD_GGL,    /* stabilised index 2: positions and velocities on the constraints */
+  MBD_INDEX3, /* positions alone */
+  MBD_FORMULATIONS
+} mbd_formulation_id;
+
+/* settings of the integrator, scene keys "formulation" ... and "solver" */
 typedef struct {
+  mbd_formulation_id formulation;
+  bool modified;             /* corrector: velocities are out of the error test and weigh little in Newton's */
+  bool restart_each_window;  /* forget the history at the start of each window */
   double relative_tolerance; /* of positions, Euler parameters and velocities */
   double absolute_tolerance; /* of the same [m, 1, m/s, rad/s] */
   int max_order;             /* of the BDF, 1 to 5 */
   double max_step;           /* [s], 0: no limit */
 } mbd_settings;
+
+/* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add
+ * up in the same rows. */
+typedef struct {
+  const mbd_joint *joint;   /* the joint, or the one that the driver drives */
+  const mbd_driver *driver; /* NULL: the joint's own rows */
+  int index;                /* 0, or 1 for the second pair of a joint that couples two */
+  int turn;                 /* the joint whose angle is counted over turns for it */
+  int body[2], row;
+} mbd_part;
 
 struct mbd_model {
   tdm_vec3 gravity; /* [m/s2] */
@@ -37,8 +56,10 @@ struct mbd_model {
   mbd_driver *driver; /* (ndriver) */
   int nforce;
   mbd_force *force; /* (nforce) */
-  int njointrow;    /* constraint rows of all joints */
-  int nrow;         /* of all joints and drivers; those of the drivers come last */
+  int npart;
+  mbd_part *part; /* (npart) those of the joints first */
+  int njointrow;  /* constraint rows of all joints */
+  int nrow;       /* of all joints and drivers; those of the drivers come last */
   int ncoupled;
   int *coupled; /* (ncoupled) body index of each coupled body, in the order of the assignment */
   mbd_settings solver;

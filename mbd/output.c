@@ -3,6 +3,7 @@
 #include "mbd/energy.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static bool is_coupled(const mbd_model *model, int body) {
   for (int i = 0; i < model->ncoupled; i++)
@@ -52,24 +53,31 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
   name(c, "constraint", "", "drift", "m");
 }
 
-/* Force and moment on the second body at its joint point, world axes: -G^T lambda, its moment moved from the centre of
- * mass to the point. */
-static void reaction(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
-  const mbd_joint *j = &model->joint[index];
-  const mbd_rows *rows = mbd_constraint_at(model, data, index, false);
-  double wrench[6] = {0};
-  for (int k = 0; k < rows->n; k++)
-    for (int i = 0; i < 6; i++)
-      wrench[i] -= rows->G[k][MBD_RB + i] * lambda[rows->first + k];
-  tdm_vec3 force = mbd_get3(wrench), arm = mbd_joint_arm(j, 1, &data->kin[j->body[1] + 1]);
-  mbd_set3(out, force);
-  mbd_set3(out + 3, tdm_sub(mbd_get3(wrench + 3), tdm_cross(arm, force)));
+/* Force and moment of a joint on its second body at its joint point, world axes: -G^T lambda, its moment moved from the
+ * centre of mass to the point. Parts add up. */
+static void reactions(const mbd_model *model, mbd_data *data, const double *lambda, double *out) {
+  memset(out, 0, JOINT_CHANNELS * (size_t)model->njoint * sizeof(double));
+  for (int i = 0; i < model->npart - model->ndriver; i++) {
+    const mbd_rows *rows = mbd_part_at(model, data, i, false);
+    const mbd_joint *j = model->part[i].joint;
+    for (int side = 0; side < 2; side++) {
+      if (rows->body[side] != j->body[1])
+        continue;
+      double wrench[6] = {0}, *at = out + JOINT_CHANNELS * (j - model->joint);
+      for (int k = 0; k < rows->n; k++)
+        for (int c = 0; c < 6; c++)
+          wrench[c] -= rows->G[k][6 * side + c] * lambda[rows->first + k];
+      tdm_vec3 force = mbd_get3(wrench), arm = mbd_joint_arm(j, 1, &data->kin[j->body[1] + 1]);
+      mbd_put3(at, 1, force);
+      mbd_put3(at + 3, 1, tdm_sub(mbd_get3(wrench + 3), tdm_cross(arm, force)));
+    }
+  }
 }
 
 /* Effort on the second body, the coordinate where it is (not where it should be) and its rate. */
 static void drive(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
   const mbd_driver *d = &model->driver[index];
-  const mbd_rows *rows = mbd_constraint_at(model, data, model->njoint + index, false);
+  const mbd_rows *rows = mbd_part_at(model, data, model->npart - model->ndriver + index, false);
   double twist[MBD_PAIR], rate = 0;
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < MBD_PAIR; k++)
@@ -81,8 +89,8 @@ static void drive(const mbd_model *model, mbd_data *data, int index, const doubl
 
 bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out) {
   bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin and data->now */
-  for (int i = 0; i < model->njoint; i++, out += JOINT_CHANNELS)
-    reaction(model, data, i, data->lambda, out);
+  reactions(model, data, data->lambda, out);
+  out += JOINT_CHANNELS * model->njoint;
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
     drive(model, data, i, data->lambda, out);
   for (int i = 0; i < model->nforce; i++, out += FORCE_CHANNELS) {

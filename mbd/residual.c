@@ -31,8 +31,9 @@ void mbd_generalised_forces(const mbd_model *model, mbd_data *data, double t, do
 /* Rows of joints and drivers: g and G V + g_t into the residual, G^T lambda off the forces, G^T mu into the shift. */
 static void constraints(const mbd_model *model, mbd_data *data, const double *y, double *out) {
   const double *lambda = y + mbd_index_lambda(model, 0), *mu = y + mbd_index_mu(model, 0);
-  for (int i = 0; i < mbd_nconstraint(model); i++) {
-    const mbd_rows *rows = mbd_constraint_at(model, data, i, false);
+  memset(out + mbd_index_lambda(model, 0), 0, 2 * (size_t)model->nrow * sizeof(double));
+  for (int i = 0; i < model->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(model, data, i, false);
     double twist[MBD_PAIR], reaction[MBD_PAIR] = {0}, shift[MBD_PAIR] = {0};
     mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
     for (int k = 0; k < rows->n; k++) {
@@ -43,8 +44,8 @@ static void constraints(const mbd_model *model, mbd_data *data, const double *y,
         reaction[c] -= rows->G[k][c] * lambda[row];
         shift[c] += rows->G[k][c] * mu[row];
       }
-      out[mbd_index_lambda(model, row)] = rate;
-      out[mbd_index_mu(model, row)] = rows->g[k];
+      out[mbd_index_lambda(model, row)] += rate;
+      out[mbd_index_mu(model, row)] += rows->g[k];
     }
     scatter(data->wrench, rows->body, reaction);
     scatter(data->shift, rows->body, shift);
@@ -81,6 +82,8 @@ void mbd_residual(const mbd_model *model, mbd_data *data, double t, const double
   mbd_generalised_forces(model, data, t, data->wrench);
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
   constraints(model, data, y, out);
+  if (model->solver.formulation == MBD_INDEX3) /* no velocity constraints: their rows hold mu = 0 */
+    memcpy(out + mbd_index_lambda(model, 0), y + mbd_index_mu(model, 0), (size_t)model->nrow * sizeof(double));
   for (int b = 0; b < model->nbody; b++)
     body_residual(model, data, b, y, yp, out);
   data->stats.residuals++;

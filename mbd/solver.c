@@ -1,6 +1,6 @@
 #include "mbd/solver.h"
 
-#include "mbd/ida.h"
+#include "mbd/integrator.h"
 #include "mbd/output.h"
 #include "protocol/log.h"
 
@@ -14,7 +14,8 @@ typedef struct {
   mbd_model *model;
   mbd_data *data;
   mbd_kkt *kkt;
-  mbd_ida *ida;
+  const mbd_integrator_ops *integrator;
+  void *integration; /* the integrator's own */
   mbd_assembly assembly;
   bool started;
   tdm_assigned_body *body; /* (ncoupled) */
@@ -31,13 +32,14 @@ static void destroy(void *self) {
   if (!s)
     return;
   if (s->started) {
-    mbd_ida_stats(s->ida);
+    s->integrator->stats(s->integration);
     const mbd_stats *c = &s->data->stats;
     tdm_log(TDM_LOG_INFO, "integrator",
             "steps=%ld residuals=%ld jacobians=%ld error_failures=%ld convergence_failures=%ld restarts=%ld", c->steps,
             c->residuals, c->jacobians, c->error_failures, c->convergence_failures, c->restarts);
   }
-  mbd_ida_destroy(&s->ida);
+  if (s->integrator)
+    s->integrator->destroy(s->integration);
   mbd_kkt_destroy(&s->kkt);
   mbd_data_destroy(&s->data);
   mbd_model_destroy(&s->model);
@@ -137,13 +139,14 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   if (mbd_model_load(&s->model, assignment->scene, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
+  s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
   s->data = mbd_data_create(s->model);
   s->kkt = mbd_kkt_create(s->model);
   if (!s->data || !s->kkt)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for %d bodies", s->model->nbody);
   s->data->t = assignment->time_start;
   if (mbd_assemble(s->model, s->data, s->kkt, &s->assembly, err) || prepare(s, assignment->time_start, err) ||
-      mbd_ida_create(&s->ida, s->model, s->data, s->kkt, should_stop, s, err))
+      s->integrator->create(&s->integration, s->model, s->data, s->kkt, should_stop, s, err))
     return err->status;
   *ready = (tdm_ready){.body = s->body,
                        .nchannel = s->nchannel,
@@ -180,11 +183,11 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   if (mbd_data_set_load(s->data, m, in, err))
     return err->status;
   /* the consistent start waits for the first load */
-  if (!s->started && mbd_ida_start(s->ida, in->t0, err))
+  if ((!s->started || m->solver.restart_each_window) && s->integrator->start(s->integration, in->t0, err))
     return err->status;
   s->started = true;
   sample_target to = {s, result};
-  if (mbd_ida_advance(s->ida, in->t1, in->nsample, in->sample_time, sample, &to, err))
+  if (s->integrator->advance(s->integration, in->t1, in->nsample, in->sample_time, sample, &to, err))
     return err->status;
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);

@@ -17,6 +17,8 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->y = array(n);
   d->yp = array(n);
   d->angle = array(model->nforce);
+  d->turn = array(model->njoint);
+  d->g = array(model->nrow);
   d->acceleration = array(6 * model->nbody);
   d->lambda = array(model->nrow);
   d->wrench = array(6 * model->nbody);
@@ -24,8 +26,8 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->load = calloc((size_t)model->ncoupled * MBD_LOAD_MAX + 1, sizeof *d->load);
   d->kin = calloc(nbody + 1, sizeof *d->kin);
   d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
-  if (!d->y || !d->yp || !d->angle || !d->acceleration || !d->lambda || !d->wrench || !d->shift || !d->load ||
-      !d->kin || !d->quaternion) {
+  if (!d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->acceleration || !d->lambda || !d->wrench || !d->shift ||
+      !d->load || !d->kin || !d->quaternion) {
     mbd_data_destroy(&d);
     return NULL;
   }
@@ -42,6 +44,8 @@ void mbd_data_destroy(mbd_data **data) {
   free(d->y);
   free(d->yp);
   free(d->angle);
+  free(d->turn);
+  free(d->g);
   free(d->acceleration);
   free(d->lambda);
   free(d->wrench);
@@ -133,33 +137,46 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
   return value;
 }
 
-const mbd_rows *mbd_constraint_at(const mbd_model *model, mbd_data *data, int i, bool second) {
-  const mbd_driver *d = i < model->njoint ? NULL : &model->driver[i - model->njoint];
-  const mbd_joint *j = d ? d->joint : &model->joint[i];
-  const mbd_kin *a = &data->kin[j->body[0] + 1], *b = &data->kin[j->body[1] + 1];
+const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool second) {
+  const mbd_part *p = &model->part[i];
+  const mbd_kin *a = &data->kin[p->body[0] + 1], *b = &data->kin[p->body[1] + 1];
   mbd_rows *rows = &data->rows;
   rows->n = 0;
   rows->second = second;
-  memcpy(rows->body, j->body, sizeof rows->body);
-  rows->first = d ? d->row : j->row;
-  if (!d) {
-    j->ops->eval(j, a, b, rows);
+  rows->part = p->index;
+  rows->turn = data->turn[p->turn];
+  memcpy(rows->body, p->body, sizeof rows->body);
+  rows->first = p->row;
+  if (!p->driver) {
+    p->joint->ops->eval(p->joint, a, b, rows);
     return rows;
   }
-  mbd_motion_value x = mbd_motion_at(&d->motion, data->now);
-  d->ops->eval(d, x.value, a, b, rows);
+  mbd_motion_value x = mbd_motion_at(&p->driver->motion, data->now);
+  p->driver->ops->eval(p->driver, x.value, a, b, rows);
   rows->g_t[0] = -x.rate;
   rows->g_tt[0] = -x.acceleration;
   return rows;
+}
+
+/* Note the largest violation: rows of the same constraint add up over its parts. */
+static void note_drift(const mbd_model *model, mbd_data *data) {
+  memset(data->g, 0, (size_t)model->nrow * sizeof(double));
+  for (int i = 0; i < model->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(model, data, i, false);
+    for (int k = 0; k < rows->n; k++)
+      data->g[rows->first + k] += rows->g[k];
+  }
+  for (int i = 0; i < model->nrow; i++)
+    data->drift = fmax(data->drift, fabs(data->g[i]));
 }
 
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y) {
   mbd_kinematics(model, data, t, y);
   for (int i = 0; i < model->nforce; i++)
     data->angle[i] = mbd_force_at(model, data, i, false)->coordinate;
-  for (int i = 0; i < mbd_nconstraint(model); i++) {
-    const mbd_rows *rows = mbd_constraint_at(model, data, i, false);
-    for (int k = 0; k < rows->n; k++)
-      data->drift = fmax(data->drift, fabs(rows->g[k]));
+  for (int i = 0; i < model->njoint; i++) {
+    const mbd_joint *j = &model->joint[i];
+    data->turn[i] = mbd_joint_angle(j, &data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], data->turn[i]);
   }
+  note_drift(model, data);
 }

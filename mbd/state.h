@@ -25,6 +25,7 @@ typedef struct {
   double *y;     /* (nunknown) at t */
   double *yp;    /* (nunknown) their time derivatives */
   double *angle; /* (nforce) continuous angle of torsional forces at t [rad] */
+  double *turn;  /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
   double drift;  /* largest constraint violation |g| over the steps since it was last read */
 
   /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
@@ -39,6 +40,7 @@ typedef struct {
   double now;                 /* time of the evaluation [s] */
   mbd_kin *kin;               /* (nbody + 1) ground first; body b is kin[b + 1] */
   double *wrench, *shift;     /* (6 nbody) generalised forces, G^T mu */
+  double *g;                  /* (nrow) constraint violations */
   double (*quaternion)[3][4]; /* (nbody) dtheta = T dp */
   mbd_rows rows;              /* of one joint or driver */
   mbd_force_value force;      /* of one force */
@@ -93,13 +95,9 @@ static inline tdm_mat3 mbd_inertia_world(const mbd_body *body, const mbd_kin *k)
 /* Evaluate force i at data->kin into data->force (with derivatives if second). */
 const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int i, bool second);
 
-/* Joints and drivers in one count: constraint i is joint i, those after the joints are the drivers. */
-static inline int mbd_nconstraint(const mbd_model *m) {
-  return m->njoint + m->ndriver;
-}
-
-/* Evaluate constraint i at data->kin and data->now into data->rows (with H if second). */
-const mbd_rows *mbd_constraint_at(const mbd_model *model, mbd_data *data, int i, bool second);
+/* Evaluate part i of the constraints (model->part) at data->kin and data->now into data->rows (with H if second). What
+ * parts give for the same row adds up. */
+const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool second);
 
 /* After an accepted step to y at time t: count angles on and note the drift. */
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y);

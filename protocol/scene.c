@@ -153,6 +153,13 @@ long tdm_get_integer(tdm_object *o, const char *key, long fallback, long least) 
   return (long)x;
 }
 
+bool tdm_get_bool(tdm_object *o, const char *key, bool fallback) {
+  json_t *value = ask(o, key);
+  if (value && !json_is_boolean(value))
+    wrong_type(o, key, "true or false", value);
+  return value ? json_is_true(value) : fallback;
+}
+
 const char *tdm_get_string(tdm_object *o, const char *key, const char *fallback) {
   json_t *value = ask(o, key);
   if (value && json_is_string(value))

@@ -92,6 +92,9 @@ long tdm_get_integer(tdm_object *o, const char *key, long fallback, long least);
 /* A string that lives as long as the JSON; `fallback` when missing (NULL: an error, and "" is returned). */
 const char *tdm_get_string(tdm_object *o, const char *key, const char *fallback);
 
+/* true or false, `fallback` when it is missing. */
+bool tdm_get_bool(tdm_object *o, const char *key, bool fallback);
+
 /* The index of a string among `choices`; -1 after an error. `fallback` when missing (-1: an error). */
 int tdm_get_choice(tdm_object *o, const char *key, const char *const *choices, int nchoice, int fallback);
 

@@ -149,12 +149,9 @@ static void read_round(tdm_object *o, dem_wall wall, bool endless, dem_wall_list
   wall.turn = turn_to(axis);
   wall.surface_spin = tdm_get_number(o, "surface_spin", 0, TDM_ANY);
   wall.inside = tdm_get_choice(o, "side", sides, 2, -1) == 0;
-  bool ends = false;
+  bool ends = tdm_get_bool(o, "ends", false);
   if (tdm_has(o, "ends")) {
-    ends = json_is_true(json_object_get(o->json, "ends"));
-    if (!json_is_boolean(json_object_get(o->json, "ends")))
-      tdm_object_fail(o, "ends", "must be true or false");
-    else if (!wall.inside)
+    if (!wall.inside)
       tdm_object_fail(o, "ends", "only \"side\": \"inside\" asks for ends: a solid has them; remove the key");
     else if (ends && endless)
       tdm_object_fail(o, "ends", "are where the length ends; give \"length\" too, or remove the key");

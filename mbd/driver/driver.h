@@ -1,7 +1,7 @@
 /* Drivers: a coordinate of a joint follows a motion law.
  *
  * A driver is one constraint row g = coordinate(q) - x(t), handled like a joint's rows; only its time derivatives are
- * its own (mbd_constraint_at sets them from the law). Its multiplier is the force or torque that it takes. A new driver
+ * its own (mbd_part_at sets them from the law). Its multiplier is the force or torque that it takes. A new driver
  * is one file that composes the row (../joint/rows.h) and one row in table.c.
  */
 #ifndef MBD_DRIVER_H

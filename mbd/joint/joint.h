@@ -19,17 +19,19 @@ typedef struct {
   const char *const *equation; /* (nrow) what each row holds, for messages */
   /* Read the joint's own keys (after name, type and bodies, which are set) and fill the geometry. */
   void (*load)(mbd_joint *joint, tdm_object *o, const mbd_model *model);
-  /* Append nrow rows; a and b are the joint's first and second body. */
+  /* Append nrow rows; a and b are the joint's first and second body. A joint that couples two others is asked once for
+   * each of them (rows->part), with that one's bodies; the rows add up. */
   void (*eval)(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows);
 } mbd_joint_ops;
 
 struct mbd_joint {
   char name[40];
   const mbd_joint_ops *ops;
-  int body[2];      /* MBD_GROUND: the fixed world */
-  int row;          /* its first row among those of all joints */
-  tdm_vec3 arm[2];  /* joint point from each centre of mass, body axes [m] */
-  tdm_mat3 axes[2]; /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
+  int body[2];            /* MBD_GROUND: the fixed world */
+  int row;                /* its first row among those of all joints */
+  const mbd_joint *of[2]; /* the joints whose coordinates it couples, borrowed from the model; NULL: its own bodies */
+  tdm_vec3 arm[2];        /* joint point from each centre of mass, body axes [m] */
+  tdm_mat3 axes[2];       /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
 };
 
 enum { MBD_JOINT_TYPES_MAX = 32 };
@@ -38,6 +40,10 @@ extern const int mbd_joint_ntype;
 
 /* Read "point" (or "points") and, if asked, "axis" (or "axes") into arm and axes. */
 void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis);
+
+/* Angle of the second body against the first about the joint axis since the start configuration, within half a turn of
+ * `near` [rad]. */
+double mbd_joint_angle(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, double near);
 
 /* A right-handed triad whose e3 is along `axis` (unit); columns e1, e2, e3. */
 tdm_mat3 mbd_triad(tdm_vec3 axis);

@@ -12,11 +12,14 @@
 
 enum { MBD_ROWS_MAX = 6 };
 
-/* Zero n and set `second` before use; the rows are cleared as they are appended.
+/* What one pair of bodies adds to the rows of a constraint. Set n (to 0), `second`, `part` and `turn` before use; the
+ * rows are cleared as they are appended.
  * With them gdot = G V + g_t and gddot = G Vdot + V^T H V + g_tt: no row has a G that depends on the time. */
 typedef struct {
   int n;
   bool second;                                /* fill H as well */
+  int part;                                   /* which of the constraint's pairs of bodies is asked for, see mbd_part */
+  double turn;                                /* the pair's joint angle a moment ago, counted over turns [rad] */
   int body[2];                                /* the pair; MBD_GROUND: the fixed world */
   int first;                                  /* place of row 0 among all rows of the model */
   double g[MBD_ROWS_MAX];                     /* violation [m], [1] or [rad] */

@@ -21,6 +21,13 @@ tdm_mat3 mbd_triad(tdm_vec3 axis) {
   return (tdm_mat3){{{e1.x, e2.x, axis.x}, {e1.y, e2.y, axis.y}, {e1.z, e2.z, axis.z}}};
 }
 
+double mbd_joint_angle(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, double near) {
+  tdm_vec3 a1 = mbd_joint_axis(joint, 0, 0, a), a2 = mbd_joint_axis(joint, 0, 1, a);
+  tdm_vec3 b1 = mbd_joint_axis(joint, 1, 0, b), b2 = mbd_joint_axis(joint, 1, 1, b);
+  double angle = atan2(tdm_dot(a2, b1) - tdm_dot(a1, b2), tdm_dot(a1, b1) + tdm_dot(a2, b2));
+  return angle + 2 * M_PI * round((near - angle) / (2 * M_PI));
+}
+
 /* The smallest rotation that turns the unit vector `from` into `to`. */
 static tdm_mat3 turn(tdm_vec3 from, tdm_vec3 to) {
   tdm_vec3 n = tdm_cross(from, to);
