@@ -19,10 +19,12 @@ typedef struct {
 typedef struct {
   dem_found_pair *pair; /* (capacity) */
   size_t count, capacity;
-  bool failed; /* there was no memory */
+  dem_found_pair *own; /* the pairs, where they did not fit in the scratch memory; else NULL */
+  bool failed;         /* there was no memory */
 } dem_found;
 
-/* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. */
+/* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. What is
+ * taken of input->scratch (there always is one) is given back by dem_search_run. */
 typedef struct {
   size_t state_size;
   bool (*find)(void *state, const dem_search_input *input, dem_found *found); /* false: no memory for the state */

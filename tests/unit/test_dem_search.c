@@ -119,8 +119,6 @@ static void finish(bench *b) {
     dem_search_destroy(&b->search[k]);
   dem_search_destroy(&b->all);
   ck_assert_ptr_null(b->all);
-  dem_rows_free(&b->rows);
-  dem_rows_free(&b->wanted);
 }
 
 static void check_all(bench *b, const char *what, const dem_search_input *input) {
@@ -236,7 +234,6 @@ START_TEST(test_lattice) {
       in.skin = 0; /* no longer near */
       ck_assert(dem_search_run(search, &in, &rows));
       ck_assert_uint_eq(rows.count, 0);
-      dem_rows_free(&rows);
       dem_search_destroy(&search);
     }
 }
@@ -296,7 +293,6 @@ START_TEST(test_far_in_large_bed) {
     ck_assert(dem_search_run(search, &(dem_search_input){.sphere = s, .n = N, .skin = 0.01, .nthread = 1}, &rows));
   ck_assert_uint_gt(rows.count, 2 * N - 3 * SIDE);
   dem_search_destroy(&search);
-  dem_rows_free(&rows);
   free(s);
 }
 END_TEST
