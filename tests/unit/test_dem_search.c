@@ -297,6 +297,42 @@ START_TEST(test_far_in_large_bed) {
 }
 END_TEST
 
+/* The rows do not depend on where they lie: in a block that is large enough, too small, or not there at all. What does
+ * not fit is taken elsewhere, and nothing is written behind the block. */
+START_TEST(test_scratch) {
+  enum { N = 1500, LARGE = 1 << 20, SMALL = 20000, GUARD = 64 };
+  cloud c = {"scratch", N, 0.8, 1, {15, 15, 15}, {false}, 0.1};
+  random_state = 5;
+  for (int i = 0; i < N; i++)
+    place(&c, &sphere[i]);
+  dem_search_input in = input_of(&c, 2);
+  bench b;
+  start(&b);
+  check_all(&b, c.what, &in);
+  char *block = aligned_alloc(64, LARGE + GUARD);
+  for (size_t size = SMALL; size <= LARGE; size += LARGE - SMALL) {
+    memset(block, 7, LARGE + GUARD);
+    dem_scratch scratch = {.block = block, .size = size};
+    in.scratch = &scratch;
+    dem_rows rows;
+    for (int call = 0; call < 2; call++) {
+      dem_scratch_back(&scratch, (dem_scratch_mark){0});
+      ck_assert(dem_search_run(b.search[0], &in, &rows));
+      compare(c.what, fast[0], N, &rows, &b.wanted);
+    }
+    ck_assert_int_eq(size == LARGE, scratch.heap == NULL);
+    ck_assert_uint_le(scratch.most, size);
+    for (int k = 0; k < GUARD; k++)
+      ck_assert_int_eq(block[size + (size_t)k], 7);
+    dem_scratch_back(&scratch, (dem_scratch_mark){0});
+    ck_assert_ptr_null(scratch.heap);
+    ck_assert_uint_eq(scratch.used, 0);
+  }
+  free(block);
+  finish(&b);
+}
+END_TEST
+
 START_TEST(test_table) {
   ck_assert_ptr_null(dem_search_create("auto"));
   ck_assert_ptr_null(dem_search_create("cels"));
@@ -416,6 +452,7 @@ int main(void) {
   tcase_add_test(tests, test_coincident);
   tcase_add_test(tests, test_far);
   tcase_add_test(tests, test_far_in_large_bed);
+  tcase_add_test(tests, test_scratch);
   tcase_add_test(tests, test_table);
   tcase_add_test(tests, test_choose);
   tcase_add_test(tests, test_table_2_2);
