@@ -224,17 +224,6 @@ static void begin(dem_data *d) {
   dem_lids_away(d);
 }
 
-/* for all that will be there after settling */
-static const char *choose_search(dem_data *d) {
-  const dem_model *m = d->model;
-  for (int i = d->nparticle; i < m->nparticle; i++) /* places of those still to be poured */
-    d->sphere[i].radius = m->radius[i];
-  dem_search_input spheres = {.sphere = d->sphere, .n = m->nparticle, .skin = 0.1 * m->mean_radius};
-  const char *name = dem_search_choose(&spheres);
-  dem_data_end(d);
-  return name;
-}
-
 dem_data *dem_data_create(const dem_model *model) {
   dem_data *d = calloc(1, sizeof *d);
   if (!d)
@@ -250,8 +239,7 @@ dem_data *dem_data_create(const dem_model *model) {
     return NULL;
   }
   begin(d);
-  d->search = dem_search_create(model->search ? model->search : choose_search(d));
-  if (!d->search || !dem_forces_now(d, false)) {
+  if (!dem_forces_now(d, false)) {
     dem_data_destroy(&d);
     return NULL;
   }

@@ -181,7 +181,7 @@ typedef struct dem_data {
   size_t *chunk_spare;           /* (nchunk + 1) */
   dem_scratch scratch;           /* at a rebuild; the memory of push */
   dem_rows rows;                 /* likewise: what the search found */
-  dem_search *search;            /* owned */
+  dem_search *search;            /* owned; NULL until the first list */
   tdm_wrench *fast_load;         /* (nbody) multi-step: body_load of the fast contacts */
   int *number;                   /* (nparticle) scratch, where particles can leave; else none */
   int push_capacity, nthread;

@@ -79,11 +79,12 @@ typedef struct {
 
 /* The level of each class, counted from the largest spheres; returns the number of levels and what they hold. */
 static int choose_levels(const sizes class[CLASSES], int level_of[CLASSES], sizes level[CLASSES]) {
+  const double worth = 10; /* measured with bench_search */
   int nlevel = 0;
   for (int c = CLASSES - 1; c >= 0; c--) {
     if (class[c].count > 0) {
       sizes *last = nlevel > 0 ? &level[nlevel - 1] : NULL;
-      if (last && dem_cells_fit(last->count + class[c].count, last->largest, last->cubes + class[c].cubes)) {
+      if (last && dem_cells_fit(last->count + class[c].count, last->largest, last->cubes + class[c].cubes, worth)) {
         last->count += class[c].count;
         last->cubes += class[c].cubes;
       } else {

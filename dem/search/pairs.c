@@ -360,6 +360,21 @@ static void note_positions(dem_data *d) {
   }
 }
 
+/* The search that the scene asks for; else the one for the particles there are now, whenever some came. False: no
+ * memory. */
+static bool choose_search(dem_data *d) {
+  if (d->search && (d->model->search || (d->list_valid && !d->list_stale)))
+    return true;
+  const char *name = d->model->search;
+  if (!name)
+    name = dem_search_choose(&(dem_search_input){.sphere = d->sphere, .n = d->nparticle, .skin = d->skin});
+  if (d->search && strcmp(name, dem_search_name(d->search)) == 0)
+    return true;
+  dem_search_destroy(&d->search);
+  d->search = dem_search_create(name);
+  return d->search != NULL;
+}
+
 /* Choose the skin, when the scene does not: with lists that held for T steps under a skin s something moves by about
  * s/2T a step. A list costs about four steps, a skin s about 1.3 s/r of one for the pairs that do not touch: the sum is
  * least at sqrt(3 r s/T). Half way there each time. */
@@ -390,6 +405,8 @@ static const int *sort_particles(dem_data *d, bool carry) {
 }
 
 bool dem_lists_build(dem_data *d) {
+  if (!choose_search(d))
+    return false;
   bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
   if (d->list_valid)
     adapt_skin(d, sort);

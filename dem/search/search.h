@@ -46,12 +46,14 @@ typedef struct dem_search dem_search;
  * "auto" is not among them. */
 extern const char *const dem_search_names[];
 
-/* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. */
+/* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. Much cheaper than a
+ * search. */
 const char *dem_search_choose(const dem_search_input *input);
 
 /* NULL: no memory, or no such search. */
 dem_search *dem_search_create(const char *name);
 void dem_search_destroy(dem_search **search);
+const char *dem_search_name(const dem_search *search);
 
 /* The rows, which lie in the scratch memory until it is given back; in the search's own until its next call. False: no
  * memory. */

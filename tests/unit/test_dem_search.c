@@ -339,6 +339,7 @@ START_TEST(test_table) {
   for (const char *const *name = dem_search_names; *name; name++) {
     dem_search *search = dem_search_create(*name);
     ck_assert_ptr_nonnull(search);
+    ck_assert_str_eq(dem_search_name(search), *name);
     bool verlet = !strcmp(*name, "verlet-1967");
     ck_assert_double_eq(dem_search_skin(search, 0.2, 2), verlet ? 6 : 0.2); /* r_v = 5 r_max = 2 r_max + skin */
     ck_assert_int_eq(dem_search_interval(search), verlet ? 20 : 0);
@@ -353,6 +354,13 @@ START_TEST(test_choose) {
   dem_search_input in = {.sphere = sphere, .n = 1000, .skin = 0.1, .nthread = 1};
   ck_assert_str_eq(dem_search_choose(&in), "cells");
   sphere[500].radius = 30;
+  ck_assert_str_eq(dem_search_choose(&in), "grid");
+  for (int i = 0; i < 1000; i++) /* equal ones and one of volume v: 1000 v / (999 + v) */
+    sphere[i].radius = 1;
+  in.skin = 0;
+  sphere[7].radius = cbrt(30.5);
+  ck_assert_str_eq(dem_search_choose(&in), "cells");
+  sphere[7].radius = cbrt(31.5);
   ck_assert_str_eq(dem_search_choose(&in), "grid");
   in.n = 0;
   ck_assert_str_eq(dem_search_choose(&in), "cells");
