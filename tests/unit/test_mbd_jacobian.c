@@ -48,6 +48,12 @@ static const char *const scenes[] = {
     DRIVER("rotational_motor", "['ground','b']", "'axis':[1,2,-1]", "'type':'constant_rate','rate':-7,'start':'step'"),
     DRIVER("rotational_motor", "['b','ground']", "'axes':[[1,2,-1],[0,1,-1]]",
            "'type':'constant_rate','rate':20,'start':'step'"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'constant','value':0.3"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'polynomial','coefficients':[0.3,2,-4]"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'harmonic','amplitude':2,'frequency':1"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'step','to':2,'rise':0.7"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
+           "'type':'table','times':[0,0.2,0.4,1],'values':[0,0.1,0.3,-0.2]"),
     "{" BODIES ",'joints':[{'name':'j','type':'cylindrical','bodies':['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]}],"
     "'drivers':[{'name':'d','type':'linear_motor','joint':'j','motion':{'type':'constant_rate','rate':2,'start':'step'}"
     "},"
