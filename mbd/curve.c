@@ -14,8 +14,7 @@ struct mbd_curve {
 
 enum { POINTS_MIN = 3 };
 
-/* Numbers of a JSON array; NULL after an error at `path`. */
-static double *numbers(json_t *array, const char *path, int *n, tdm_error *err) {
+double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err) {
   *n = (int)json_array_size(array);
   double *out = calloc((size_t)*n + 1, sizeof *out);
   if (!out)
@@ -36,7 +35,7 @@ double *mbd_load_numbers(tdm_object *o, const char *key, int *n) {
   json_t *array = tdm_get_array(o, key, true);
   char path[TDM_PATH_MAX];
   *n = 0;
-  return o->err->status ? NULL : numbers(array, tdm_path(path, o, key, -1), n, o->err);
+  return o->err->status ? NULL : mbd_numbers(array, tdm_path(path, o, key, -1), n, o->err);
 }
 
 static bool check(const double *x, const double *y, int n, bool periodic, const char *path, tdm_error *err) {
@@ -57,29 +56,35 @@ static mbd_curve_value inside(const mbd_curve *c, double x) {
                            gsl_spline_eval_deriv2(c->spline, x, NULL)};
 }
 
-void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
-  static const char *const names[] = {"cspline", "steffen", "periodic"};
-  const gsl_interp_type *const types[] = {gsl_interp_cspline, gsl_interp_steffen, gsl_interp_cspline_periodic};
-  int kind = tdm_get_choice(o, "interpolation", names, 3, 0);
-  if (o->err->status || !check(x, y, n, kind == 2, path, o->err))
+static void make(mbd_curve **curve, const gsl_interp_type *type, const double *x, const double *y, int n,
+                 const char *path, tdm_error *err) {
+  bool periodic = type == gsl_interp_cspline_periodic;
+  if (err->status || !check(x, y, n, periodic, path, err))
     return;
   mbd_curve *c = *curve = calloc(1, sizeof *c);
   if (c)
-    c->spline = gsl_spline_alloc(types[kind], (size_t)n);
+    c->spline = gsl_spline_alloc(type, (size_t)n);
   if (!c || !c->spline) {
-    tdm_fail(o->err, TDM_ERR_MEMORY, path, "no memory for %d points", n);
+    tdm_fail(err, TDM_ERR_MEMORY, path, "no memory for %d points", n);
     return;
   }
   gsl_spline_init(c->spline, x, y, (size_t)n);
   c->n = n;
-  c->periodic = kind == 2;
+  c->periodic = periodic;
   c->end[0] = inside(c, x[0]);
   c->end[1] = inside(c, x[n - 1]);
-  c->to_zero = 0;
   c->to_zero = mbd_curve_integral(c, 0);
 }
 
-void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key) {
+void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
+  static const char *const names[] = {"cspline", "steffen", "periodic"};
+  const gsl_interp_type *const types[] = {gsl_interp_cspline, gsl_interp_steffen, gsl_interp_cspline_periodic};
+  int kind = tdm_get_choice(o, "interpolation", names, 3, 0);
+  if (!o->err->status)
+    make(curve, types[kind], x, y, n, path, o->err);
+}
+
+void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen) {
   json_t *array = tdm_get_array(o, key, true);
   char path[TDM_PATH_MAX];
   if (o->err->status)
@@ -91,9 +96,9 @@ void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key) {
     return;
   }
   int n;
-  double *xs = numbers(x, path, &n, o->err), *ys = xs ? numbers(y, path, &n, o->err) : NULL;
+  double *xs = mbd_numbers(x, path, &n, o->err), *ys = xs ? mbd_numbers(y, path, &n, o->err) : NULL;
   if (ys)
-    mbd_curve_load(curve, o, xs, ys, n, path);
+    make(curve, steffen ? gsl_interp_steffen : gsl_interp_cspline, xs, ys, n, path, o->err);
   free(xs);
   free(ys);
 }

@@ -19,8 +19,8 @@ typedef struct {
  * "periodic" a cubic spline whose ends fit. The caller destroys *curve. */
 void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path);
 
-/* Read a table `key`: [[x...], [y...]]. */
-void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key);
+/* Read a table `key`: [[x...], [y...]], with "cspline" or "steffen" between its points. */
+void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen);
 
 mbd_curve_value mbd_curve_at(const mbd_curve *curve, double x);
 
@@ -38,5 +38,8 @@ void mbd_curve_destroy(mbd_curve **curve);
 
 /* All numbers of the array `key` into a new array (NULL after an error) that the caller frees. */
 double *mbd_load_numbers(tdm_object *o, const char *key, int *n);
+
+/* The numbers of a JSON array, as above; errors are at `path`. */
+double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err);
 
 #endif

@@ -97,7 +97,7 @@ static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_er
       tdm_object_fail(&o, "name", "a second driver is called \"%s\"; give every driver its own name", d->name);
     else if (other->joint == d->joint && other->ops->coordinate == d->ops->coordinate)
       tdm_object_fail(&o, "joint", "the %s of joint \"%s\" is driven by \"%s\" already; remove one of the two drivers",
-                      mbd_driver_words_of[d->ops->coordinate].name, d->joint->name, other->name);
+                      mbd_coordinate_table[d->ops->coordinate].name, d->joint->name, other->name);
   }
   model->nrow++;
 }
@@ -233,9 +233,14 @@ tdm_status mbd_model_check_times(const mbd_model *model, double t0, double t1, t
   for (int i = 0; i < model->ndriver; i++) {
     snprintf(path, sizeof path, "mbd.drivers[%d].motion", i);
     if (mbd_motion_check(&model->driver[i].motion, t0, t1, path, model->driver[i].name, err))
-      break;
+      return err->status;
   }
-  return err->status;
+  for (int i = 0; i < model->nforce; i++) {
+    snprintf(path, sizeof path, "mbd.forces[%d].factor", i);
+    if (mbd_motion_check(&model->force[i].factor, t0, t1, path, model->force[i].name, err))
+      return err->status;
+  }
+  return TDM_OK;
 }
 
 void mbd_model_destroy(mbd_model **model) {
@@ -249,6 +254,8 @@ void mbd_model_destroy(mbd_model **model) {
     mbd_motion_clear(&(*model)->driver[i].motion);
   free((*model)->driver);
   free((*model)->part);
+  for (int i = 0; i < (*model)->nforce; i++)
+    mbd_force_clear(&(*model)->force[i]);
   free((*model)->force);
   free((*model)->coupled);
   free(*model);

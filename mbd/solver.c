@@ -75,7 +75,7 @@ static void warn_about_assembly(solver *s) {
   }
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
-    const char *unit = mbd_driver_words_of[d->ops->coordinate].rate_unit;
+    const char *unit = mbd_coordinate_table[d->ops->coordinate].rate_unit;
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
     snprintf(
