@@ -13,6 +13,11 @@
 #define DRIVER(rest) DRIVERS("{'name':'motor'," rest "}")
 #define MOTOR(rest) DRIVER("'type':'rotational_motor','joint':'hinge','motion':{" rest "}")
 
+#define MARKED(rest)                                                                                              \
+  "{'bodies':[" BODY("box", ",'markers':[{'name':'tip'}]") "],'joints':[{'name':'j','type':'revolute','bodies':[" \
+                                                           "'ground','box']," rest "}]}"
+#define ON_HINGE(type, rest) "{" BOX ",'joints':[" HINGE(type) "],'forces':[{'name':'f','joint':'hinge'," rest "}]}"
+
 typedef struct {
   const char *scene, *coupled;
   tdm_status status;
@@ -213,6 +218,83 @@ static const bad_case cases[] = {
          "revolute") ",{'name':'h','type':'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},"
                      "{'name':'g','type':'gear','joints':['hinge','h'],'ratio':0}]}",
      "", TDM_ERR_SCENE, "mbd.joints[2].ratio", "zero"},
+    {"{'bodies':[{'name':'dot','mass':1,'inertia':[0,0,0],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].inertia", "body \"dot\" would be a point"},
+    {"{'bodies':[{'name':'air','mass':0,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].mass", "body \"air\""},
+    {"{'bodies':[{'name':'a','shape':{'type':'bal','radius':1},'mass':1,'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].shape.type", ""},
+    {"{'bodies':[{'name':'a','shape':{'type':'sphere','radius':1},'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].mass", "density"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1,'density':5},'position':[0,0,0]}]}", "",
+     TDM_ERR_SCENE, "mbd.bodies[0].mass", "keep one"},
+    {"{'bodies':[" BODY("a", ",'shape':{'type':'sphere','radius':1}") "]}", "", TDM_ERR_SCENE, "mbd.bodies[0].inertia",
+     "keep one"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':0},'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].shape.radius", "greater than 0"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'box','size':[1,1,0]},'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].shape.size", "positive"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'tube','radius':1,'inner_radius':1,'length':1},'position':"
+     "[0,0,0]}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].shape.inner_radius", "below"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1}}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].position", ""},
+    {"{'bodies':[{'name':'a','shape':{'type':'mesh','file':'/nowhere/part.stl','density':1}}]}", "", TDM_ERR_FILE,
+     "mbd.bodies[0].shape.file", "opened"},
+    {"{'bodies':[" BODY("a", ",'markers':[{'name':'tip'},{'name':'tip'}]") "]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].markers[1].name", "each its own name"},
+    {"{'bodies':[" BODY("a", ",'markers':[{'name':'tip','frame':'world'}]") "]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].markers[0].point", ""},
+    {MARKED("'point':'box.tipp'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"tip\""},
+    {MARKED("'point':'bxo.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"box\""},
+    {MARKED("'point':'tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "\"body.marker\""},
+    {MARKED("'point':'box.tip.z'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "names no point"},
+    {MARKED("'point':'box.tip','axis':'box.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].axis", "body.marker.z"},
+    {MARKED("'point':'box.tip','axis':'box.tip.w'"), "", TDM_ERR_SCENE, "mbd.joints[0].axis", "names no direction"},
+    {MARKED("'points':['box.tip','box.top']"), "", TDM_ERR_SCENE, "mbd.joints[0].points[1]", "no marker \"top\""},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness_table':[[0,1],[1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].stiffness_table", "same length"},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness_table':"
+           "[[0,1,2],[0,1,2]],'stiffness':1"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].stiffness", ""},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1,'damping_table':"
+           "[[-1,0,1],[1,0,1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].damping_table", "sign of the rate"},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1,'damping_table':"
+           "[[-1,1,2],[-1,1,1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].damping_table", "(0, 0)"},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[1,1,1]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", ""},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[1,1,1,1,-1,1]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", "negative eigenvalue"},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[[1,1,0,0,0,0],[0,1,0,0,0,0],"
+           "[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[0,0,0,0,0,1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].stiffness", "not symmetric"},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[[1,1],[1,1]]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", "6 rows"},
+    {FORCE("'type':'cable','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1,'smoothing':0"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].smoothing", "greater than 0"},
+    {FORCE("'type':'friction','joint':'j','limit':1,'velocity_scale':1"), "", TDM_ERR_SCENE, "mbd.forces[0].joint",
+     "no joint"},
+    {ON_HINGE("cylindrical", "'type':'friction','limit':1,'velocity_scale':1"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].coordinate", ""},
+    {ON_HINGE("revolute", "'type':'friction','coordinate':'translation','limit':1,'velocity_scale':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].coordinate", "has no translation"},
+    {ON_HINGE("revolute", "'type':'friction','limit':1,'coefficient':1,'velocity_scale':1"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].limit", "keep one"},
+    {ON_HINGE("revolute", "'type':'stop','stiffness':1"), "", TDM_ERR_SCENE, "mbd.forces[0].upper", "both"},
+    {ON_HINGE("revolute", "'type':'stop','stiffness':1,'lower':1,'upper':0"), "", TDM_ERR_SCENE, "mbd.forces[0].upper",
+     "not above"},
+    {ON_HINGE("revolute", "'type':'stop','stiffness':1,'upper':0,'exponent':0.5"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].exponent", "Hertz"},
+    {FORCE("'type':'bump','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'radii':[0,0],'stiffness':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].radii", "positive"},
+    {FORCE("'type':'wrench','body':'box'"), "", TDM_ERR_SCENE, "mbd.forces[0].force", "zero"},
+    {FORCE("'type':'wrench','body':'ground','force':[1,0,0]"), "", TDM_ERR_SCENE, "mbd.forces[0].body", "moves"},
+    {FORCE("'type':'wrench','body':'bx','force':[1,0,0]"), "", TDM_ERR_SCENE, "mbd.forces[0].body", "box"},
+    {FORCE(
+         "'type':'wrench','body':'box','force':[1,0,0],'factor':{'type':'table','times':[0,0.1,0.2],'values':[0,1,2]}"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].factor", "ends at"},
     {"{" BOX ",'drivers':{}}", "", TDM_ERR_SCENE, "mbd.drivers", ""},
     {"{" BOX ",'solver':{'max_order':6}}", "", TDM_ERR_SCENE, "mbd.solver.max_order", "1 to 5"},
     {"{" BOX ",'solver':{'relative_tolerance':0}}", "", TDM_ERR_SCENE, "mbd.solver.relative_tolerance", ""},
