@@ -208,6 +208,26 @@ START_TEST(test_bushing_energy) {
 }
 END_TEST
 
+/* A bushing of 1e9 N/m beside a spring of 1 N/m: the slow swing is that of both masses on the spring, the stiff one is
+ * damped and follows */
+START_TEST(test_stiff_bushing) {
+  run r;
+  run_open_good(&r,
+                "{'gravity':[0,0,0],'bodies':[{'name':'a','mass':2,'inertia':[1,1,1],'position':[0,0,0]},{'name':'b',"
+                "'mass':1,'inertia':[1,1,1],'position':[1,0,0]}],'forces':[{'name':'k','type':'bushing','bodies':"
+                "['a','b'],'point':[1,0,0],'stiffness':[1e9,1e9,1e9,1e9,1e9,1e9],'damping':[1e5,1e5,1e5,1e5,1e5,1e5]},"
+                "{'name':'s','type':'spring_damper','bodies':['ground','a'],'points':[[-3,0,0],[0,0,0]],'stiffness':1,"
+                "'free_length':2.5}]}",
+                "");
+  for (int k = 1; k <= 40; k++) {
+    run_to(&r, 0.25 * k);
+    CLOSE(run_value(&r, "body.a.x"), 0.5 * cos(r.t / sqrt(3)) - 0.5, 1e-6);
+    CLOSE(run_value(&r, "body.b.x") - run_value(&r, "body.a.x"), 1, 1e-8);
+  }
+  run_close(&r);
+}
+END_TEST
+
 /* Spheres at rest: on a plane after (m g/k)^(2/3), and in a row between two stops; free fall before */
 START_TEST(test_bump) {
   run r;
@@ -314,4 +334,5 @@ START_TEST(test_tilting_coil) {
 END_TEST
 
 TEST_MAIN("mbd forces", 120, test_cable, test_damped_cable, test_stop, test_friction, test_friction_holds,
-          test_bushing_static, test_bushing_energy, test_bump, test_wrench, test_tables, test_tilting_coil)
+          test_bushing_static, test_bushing_energy, test_stiff_bushing, test_bump, test_wrench, test_tables,
+          test_tilting_coil)
