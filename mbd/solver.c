@@ -58,11 +58,11 @@ static void warn_about_assembly(solver *s) {
   if (a->translation > 1e-6 || a->rotation > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
-    snprintf(
-        w->message, sizeof w->message,
-        "the joints do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g rad); correct the "
-        "position, the orientation or the joints",
-        s->model->body[a->body].name, a->translation, a->rotation);
+    snprintf(w->message, sizeof w->message,
+             "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
+             "rad); correct the "
+             "position, the orientation, the joints or the drivers' laws at the start",
+             s->model->body[a->body].name, a->translation, a->rotation);
   }
   if (a->velocity > 1e-6 || a->angular > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];

@@ -74,6 +74,31 @@ START_TEST(test_gear) {
 }
 END_TEST
 
+/* A rotor at 1e4 rpm geared to a wheel, also with so loose a tolerance that IDA takes its longest steps: no turn is
+ * lost in long windows */
+START_TEST(test_fast_gear) {
+  static const char *const tolerance[] = {"1e-8", "0.05"};
+  char scene[2048];
+  snprintf(scene, sizeof scene,
+           "{'gravity':[0,0,0],'bodies':[{'name':'a','mass':1,'inertia':[0.3,0.3,0.2],'position':[0,0,0]},"
+           "{'name':'b','mass':1,'inertia':[2,2,3],'position':[1,0,0]}],"
+           "'joints':[{'name':'ja','type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]},"
+           "{'name':'jb','type':'revolute','bodies':['ground','b'],'point':[1,0,0],'axis':[0,0,1]},"
+           "{'name':'mesh','type':'gear','joints':['ja','jb'],'ratio':0.37}],"
+           "'drivers':[{'name':'m','type':'rotational_motor','joint':'ja','motion':{'type':'constant_rate','rate':"
+           "1047.1975511965977,'start':'step'}}],'solver':{'relative_tolerance':%s}}",
+           tolerance[_i]);
+  run r;
+  run_open_good(&r, scene, "");
+  run_on(&r, 0.3, 0.1);
+  const double angle = 1047.1975511965977 * 0.3, tol = _i ? 2 : 1e-6;
+  CLOSE(run_value(&r, "joint.ja.angle"), angle, tol);
+  CLOSE(run_value(&r, "joint.ja.angle") + 0.37 * run_value(&r, "joint.jb.angle"), 0, tol);
+  CLOSE(run_value(&r, "joint.jb.rate"), -1047.1975511965977 / 0.37, 1e-3 * (_i ? 1e3 : 1));
+  run_close(&r);
+}
+END_TEST
+
 /* A planet that rolls about a fixed sun, driven by its carrier: it turns by (1 + sun/planet) of the carrier's angle */
 START_TEST(test_planet) {
   run r;
@@ -280,6 +305,27 @@ START_TEST(test_prescribed_pose) {
 }
 END_TEST
 
+/* A law that is not zero at the start: the assembly puts the body there and says so, and the run goes on from there */
+START_TEST(test_offset_law) {
+  run r;
+  run_open_good(&r,
+                "{'gravity':[0,0,0],'bodies':[{'name':'b','mass':2,'inertia':[1,1,0.3],'position':[1,0,0]}],'joints':"
+                "[{'name':'c','type':'cylindrical','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]}],'drivers':"
+                "[{'name':'turn','type':'rotational_motor','joint':'c','motion':{'type':'harmonic','amplitude':2.5,"
+                "'frequency':1,'phase':1.5707963267948966}},{'name':'push','type':'linear_motor','joint':'c','motion':"
+                "{'type':'constant','value':-0.7}}]," TIGHT "}",
+                "b");
+  ck_assert_int_eq(r.ready.nwarning, 1);
+  ck_assert_ptr_nonnull(strstr(r.ready.warning[0].message, "drivers"));
+  CLOSE(r.state[0].pose.position.x, cos(2.5), 1e-10);
+  CLOSE(r.state[0].pose.position.z, -0.7, 1e-10);
+  run_on(&r, 0.3, 0.05);
+  CLOSE(r.state[0].pose.position.y, sin(2.5 * cos(0.6 * M_PI)), 1e-8);
+  CLOSE(run_value(&r, "joint.c.angle"), 2.5 * cos(0.6 * M_PI), 1e-8);
+  run_close(&r);
+}
+END_TEST
+
 /* A table that ends before the run does is refused when the run reaches its end */
 START_TEST(test_table_ends) {
   run r;
@@ -302,6 +348,7 @@ int main(void) {
   tcase_set_timeout(tcase, 120);
   tcase_add_test(tcase, test_screw);
   tcase_add_loop_test(tcase, test_gear, 0, 2);
+  tcase_add_loop_test(tcase, test_fast_gear, 0, 2);
   tcase_add_test(tcase, test_planet);
   tcase_add_test(tcase, test_rack);
   tcase_add_test(tcase, test_conical_pendulum);
@@ -310,6 +357,7 @@ int main(void) {
   tcase_add_test(tcase, test_slopes);
   tcase_add_test(tcase, test_two_drivers);
   tcase_add_test(tcase, test_prescribed_pose);
+  tcase_add_test(tcase, test_offset_law);
   tcase_add_test(tcase, test_table_ends);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);
