@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Principal moments must be positive and fulfil the triangle inequality: no rigid body violates them. */
-static void check_inertia(tdm_object *o, const char *name, const tdm_mat3 *inertia) {
+static void check_inertia(tdm_object *o, const char *key, const char *name, const tdm_mat3 *inertia) {
   double a[9], e[3];
   memcpy(a, inertia->m, sizeof a);
   gsl_matrix_view matrix = gsl_matrix_view_array(a, 3, 3);
@@ -18,19 +18,20 @@ static void check_inertia(tdm_object *o, const char *name, const tdm_mat3 *inert
   gsl_eigen_symm_free(work);
   double least = fmin(e[0], fmin(e[1], e[2])), most = fmax(e[0], fmax(e[1], e[2])), sum = e[0] + e[1] + e[2];
   if (least == 0 && most == 0)
-    tdm_object_fail(o, "inertia",
-                    "is zero: body \"%s\" would be a point, whose rotation has no equation; give it the inertia of a "
-                    "small sphere, 2/5 m r^2, or a \"shape\"",
-                    name);
+    tdm_object_fail(
+        o, key,
+        "gives no inertia: body \"%s\" would be a point, whose rotation has no equation; give it the inertia of a "
+        "small sphere, 2/5 m r^2, or a \"shape\"",
+        name);
   else if (!(least > 0))
     tdm_object_fail(
-        o, "inertia",
+        o, key,
         "the principal moments of inertia of body \"%s\" are %g, %g, %g kg m2: they must all be positive (a "
         "thin rod needs a small value about its axis)",
         name, e[0], e[1], e[2]);
   else if (2 * most > sum * (1 + 1e-9))
     tdm_object_fail(
-        o, "inertia",
+        o, key,
         "the principal moments of inertia of body \"%s\" are %g, %g, %g kg m2: no rigid body has one larger "
         "than the sum of the other two; check the values and their units",
         name, e[0], e[1], e[2]);
@@ -55,7 +56,7 @@ static void load_inertia(tdm_object *o, mbd_body *b) {
   tdm_get_numbers(o, "inertia", i, full ? 6 : 3, true);
   b->inertia = (tdm_mat3){{{i[0], i[3], i[4]}, {i[3], i[1], i[5]}, {i[4], i[5], i[2]}}};
   if (!o->err->status)
-    check_inertia(o, b->name, &b->inertia);
+    check_inertia(o, "inertia", b->name, &b->inertia);
 }
 
 /* Mass and inertia of a shape; leaves its centre in its own axes. */
@@ -74,6 +75,11 @@ static tdm_vec3 load_shape(tdm_object *o, mbd_body *b, bool *mesh) {
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)
       b->inertia.m[i][k] = b->mass * shape.gyration.m[i][k];
+  if (!o->err->status && !(isfinite(b->mass) && tdm_finite(b->inertia.m[0], 9)))
+    tdm_object_fail(o, "shape", "gives body \"%s\" the mass %g kg and no finite inertia; check its size and density",
+                    b->name, b->mass);
+  if (!o->err->status)
+    check_inertia(o, "shape", b->name, &b->inertia);
   return shape.centre;
 }
 

@@ -237,6 +237,10 @@ static const bad_case cases[] = {
     {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'tube','radius':1,'inner_radius':1,'length':1},'position':"
      "[0,0,0]}]}",
      "", TDM_ERR_SCENE, "mbd.bodies[0].shape.inner_radius", "below"},
+    {"{'bodies':[{'name':'a','shape':{'type':'sphere','radius':1e200,'density':1},'position':[0,0,0]}]}", "",
+     TDM_ERR_SCENE, "mbd.bodies[0].shape", "no finite"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1e-300},'position':[0,0,0]}]}", "",
+     TDM_ERR_SCENE, "mbd.bodies[0].shape", "would be a point"},
     {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1}}]}", "", TDM_ERR_SCENE,
      "mbd.bodies[0].position", ""},
     {"{'bodies':[{'name':'a','shape':{'type':'mesh','file':'/nowhere/part.stl','density':1}}]}", "", TDM_ERR_FILE,
