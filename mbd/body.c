@@ -129,6 +129,8 @@ void mbd_body_load(mbd_model *model, json_t *json, const char *path, tdm_error *
     centre = load_shape(&o, b, &mesh);
   else
     load_inertia(&o, b);
+  if (!err->status)
+    b->inverse_inertia = tdm_m3_inverse(b->inertia);
   b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
   centre = tdm_quat_rotate(b->start.pose.orientation, centre); /* a mesh stands where its coordinates put it */
   b->start.pose.position = tdm_get_vec3(&o, "position", mesh ? &centre : NULL);
