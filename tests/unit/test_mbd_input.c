@@ -139,7 +139,7 @@ static const bad_case cases[] = {
      "{'name':'h2','type':'revolute','bodies':['ground','c2'],'point':[2,0,0.2],'axis':[0,0,1]}],"
      "'drivers':[{'name':'m1','type':'rotational_motor','joint':'h1'," STEP "},"
      "{'name':'m2','type':'rotational_motor','joint':'h2'," STEP "}]}",
-     "", TDM_ERR_SCENE, "mbd.drivers[1]", "remove the driver"},
+     "", TDM_ERR_SCENE, "mbd.drivers[1]", "and the driver \"m1\" fix"},
     {MOTOR(""), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.type", ""},
     {MOTOR("'type':'constant_speed'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.type", "constant_rate"},
     {MOTOR("'type':'constant_rate','start':'step'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rate", ""},
@@ -189,7 +189,7 @@ static const bad_case cases[] = {
     {"{" BOX ",'drivers':[{'name':'m','type':'point_motion','bodies':['ground','box'],'point':[0,0,0],'direction':"
      "[0,0,1]," STEP "},{'name':'n','type':'point_motion','bodies':['ground','box'],'point':[0,0,1],'direction':"
      "[0,0,1]," STEP "}]}",
-     "", TDM_ERR_SCENE, "mbd.drivers[1]", "redundant"},
+     "", TDM_ERR_SCENE, "mbd.drivers[1]", "and the driver \"m\" fix"},
     {JOINT("'type':'universal','bodies':['ground','box'],'point':[0,0,0],'axes':[[0,0,1],[0,1,1]]"), "", TDM_ERR_SCENE,
      "mbd.joints[0].axes", "45 degrees"},
     {JOINT("'type':'universal','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
