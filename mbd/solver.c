@@ -58,11 +58,11 @@ static void warn_about_assembly(solver *s) {
   if (a->translation > 1e-6 || a->rotation > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
-    snprintf(
-        w->message, sizeof w->message,
-        "the joints do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g rad); correct the "
-        "position, the orientation or the joints",
-        s->model->body[a->body].name, a->translation, a->rotation);
+    snprintf(w->message, sizeof w->message,
+             "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
+             "rad); correct the "
+             "position, the orientation, the joints or the drivers' laws at the start",
+             s->model->body[a->body].name, a->translation, a->rotation);
   }
   if (a->velocity > 1e-6 || a->angular > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
@@ -75,13 +75,14 @@ static void warn_about_assembly(solver *s) {
   }
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
+    const char *unit = mbd_coordinate_table[d->ops->coordinate].rate_unit;
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
     snprintf(
         w->message, sizeof w->message,
-        "the given start velocities turn or move joint \"%s\" at %.6g %s, its driver \"%s\" starts at %.6g %s: the "
+        "the given start velocities move the coordinate of driver \"%s\" at %.6g %s, its law starts at %.6g %s: the "
         "driver holds; give velocities that fit it, or none",
-        d->joint->name, a->given, d->ops->rate_unit, d->name, a->prescribed, d->ops->rate_unit);
+        d->name, a->given, unit, a->prescribed, unit);
   }
 }
 
@@ -144,6 +145,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = p;
   if (mbd_model_load(&s->model, assignment->scene, err) ||
+      mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
   s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
@@ -187,7 +189,7 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
 static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
   solver *s = self;
   const mbd_model *m = s->model;
-  if (mbd_data_set_load(s->data, m, in, err))
+  if (mbd_model_check_times(m, in->t0, in->t1, err) || mbd_data_set_load(s->data, m, in, err))
     return err->status;
   /* the consistent start waits for the first load */
   if ((!s->started || m->solver.restart_each_window) && s->integrator->start(s->integration, in->t0, err))
