@@ -39,6 +39,6 @@ typedef struct {
 /* indexed by mbd_settings.formulation */
 extern const mbd_formulation mbd_formulation_table[];
 
-extern const mbd_integrator_ops mbd_ida;
+extern const mbd_integrator_ops mbd_ida, mbd_one_step;
 
 #endif
