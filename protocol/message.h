@@ -41,7 +41,8 @@ enum {
   TDM_FRAME_MAX = 64 * 1024 * 1024, /* larger frames are refused */
   TDM_STEP_BYTES = 48,              /* fixed blocks behind the header */
   TDM_RESULT_BYTES = 40,
-  TDM_COUNT_MAX = 1 << 20 /* of any count in STEP or RESULT */
+  TDM_COUNT_MAX = 1 << 20, /* of any count in STEP or RESULT */
+  TDM_FREE_MAX = 32        /* independent velocities of a reduced model */
 };
 
 typedef struct {
@@ -96,6 +97,22 @@ typedef struct {
   const tdm_wrench *load;    /* (nbody x nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
   const double *sample_time; /* (nsample) [s], ascending */
 } tdm_step;
+
+/* The reduced model of a mechanism at the end of a window, in its f independent velocities u' (PROTOCOL.md, section 6);
+ * k coupled bodies. Matrices row by row, SI units, world axes. */
+typedef struct {
+  int nbody;            /* k */
+  int nfree;            /* f; 0: no freedom, or more than TDM_FREE_MAX: then Y alone is there */
+  double *Y;            /* (6k x 6k) mobility: accelerations of the bodies by the loads on them */
+  double *velocity;     /* (f) u' */
+  double *acceleration; /* (f) u'' with the load at the end of the window */
+  double *J;            /* (6k x f) twists of the bodies by u' */
+  double *B;            /* (f x 6k) u'' by the loads */
+  double *stiffness;    /* (f x f) A_k: -du''/du */
+  double *damping;      /* (f x f) A_c: -du''/du' */
+  double *J_rate;       /* (6k x f) dJ/dt along the motion */
+  double *B_rate;       /* (f x 6k) dB/dt */
+} tdm_mobility;
 
 /* What a solver gives back: mbd states, dem loads. For a solver written with participant.h the arrays are there,
  * zeroed, with their sizes set. */
