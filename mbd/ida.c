@@ -288,4 +288,4 @@ static void stats(void *self) {
   count(self);
 }
 
-const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy};
+const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy, NULL, NULL, NULL};

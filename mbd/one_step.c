@@ -616,4 +616,44 @@ static void stats(void *self) {
   (void)self; /* counted as they happen */
 }
 
-const mbd_integrator_ops mbd_one_step = {create, start, advance, stats, destroy};
+/* ---- states in memory ---- */
+
+static bool copy_memory(const one_step *s, memory *to, const memory *from) {
+  const size_t nv = (size_t)s->nv * sizeof(double);
+  memcpy(to->vdot, from->vdot, nv);
+  memcpy(to->rise, from->rise, nv);
+  memcpy(to->lambda, from->lambda, (size_t)s->model->nrow * sizeof(double));
+  memcpy(to->load, from->load, 2 * (size_t)s->model->ncoupled * sizeof *to->load);
+  to->step_length = from->step_length;
+  to->mass_made = from->mass_made;
+  return mbd_lu_copy(to->step, from->step) && mbd_lu_copy(to->mass, from->mass);
+}
+
+static void release(void *kept) {
+  if (kept)
+    memory_free(kept);
+  free(kept);
+}
+
+static tdm_status save(const void *self, void **kept, tdm_error *err) {
+  const one_step *s = self;
+  if (!*kept) {
+    *kept = calloc(1, sizeof(memory));
+    if (*kept && !memory_create(*kept, s->model, s->nv)) {
+      release(*kept);
+      *kept = NULL;
+    }
+  }
+  if (!*kept || !copy_memory(s, *kept, &s->now))
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory to save the integrator's state");
+  return TDM_OK;
+}
+
+static tdm_status restore(void *self, const void *kept, tdm_error *err) {
+  one_step *s = self;
+  if (!copy_memory(s, &s->now, kept))
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory to restore the integrator's state");
+  return TDM_OK;
+}
+
+const mbd_integrator_ops mbd_one_step = {create, start, advance, stats, destroy, save, restore, release};

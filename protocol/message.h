@@ -11,6 +11,7 @@
 #include "status.h"
 
 #include <jansson.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -125,12 +126,23 @@ typedef struct {
   int nload;               /* loads a body: 1 = mean over the window; 0 (mbd) */
   int nsample;             /* as in the STEP */
   int nchannel;            /* further outputs a sample, as announced in READY */
+  int nacceleration;       /* nbody if ASSIGN asks for "acceleration", else 0 */
+  bool has_mobility;       /* ASSIGN asks for "mobility" */
   tdm_state *state;        /* (nstate) at t1 */
   tdm_wrench *load;        /* (nbody x nload) */
   tdm_state *sample_state; /* (nsample x nstate) at the sample times */
   tdm_wrench *sample_load; /* (nsample x nbody, only if nload > 0) mean since the sample time before */
   double *channel;         /* (nsample x nchannel) at the sample times */
+  double *acceleration;    /* (nacceleration x 6) of v and w at t1, with the load at the end of the window */
+  tdm_mobility mobility;   /* if has_mobility; to be sent: the solver's own arrays */
 } tdm_result;
+
+/* Numbers in a reduced model whose nbody and nfree are set, and its arrays pointed into a block of so many, in wire
+ * order. */
+size_t tdm_mobility_doubles(const tdm_mobility *mobility);
+void tdm_mobility_point(tdm_mobility *mobility, double *block);
+/* Copy all numbers of a reduced model to a block of so many. */
+void tdm_mobility_copy(double *block, const tdm_mobility *mobility);
 
 tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *step, tdm_error *err);
 
