@@ -350,7 +350,7 @@ START_TEST(test_differences) {
 }
 END_TEST
 
-/* the accelerations answer to a load by Y, and V = J u' + what drivers prescribe */
+/* the accelerations answer to a load by Y; twists and accelerations are those of u' where nothing drives */
 START_TEST(test_mobility) {
   mechanism q;
   const char *names[] = {"b", "a"};
@@ -360,6 +360,16 @@ START_TEST(test_mobility) {
   for (int c = 0; c < 12; c++)
     free[c] = q.data->acceleration[6 * q.model->coupled[c / 6] + c % 6];
   memcpy(u, q.m.acceleration, (size_t)q.m.nfree * sizeof(double));
+  for (int c = 0; c < 12 && q.model->ndriver == 0; c++) { /* V = J u', so its rate is J u'' + dJ/dt u' */
+    double v = q.data->kin[q.model->coupled[c / 6] + 1].v.x, V = 0, rate = 0;
+    for (int j = 0; j < q.m.nfree; j++) {
+      V += q.m.J[c * q.m.nfree + j] * q.m.velocity[j];
+      rate += q.m.J[c * q.m.nfree + j] * q.m.acceleration[j] + q.m.J_rate[c * q.m.nfree + j] * q.m.velocity[j];
+    }
+    if (c % 6 == 0)
+      CLOSE(V, v, 1e-11);
+    CLOSE(rate, free[c], 1e-10);
+  }
   for (int e = 0; e < 12; e++) {
     double load[12] = {0};
     tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = (tdm_wrench *)(void *)load};
