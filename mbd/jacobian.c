@@ -80,13 +80,13 @@ static void kinematic_rows(const mbd_model *model, const mbd_data *data, int b, 
 static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, double cj, const double *yp,
                          mbd_sink *sink) {
   const int at = MBD_BODY_UNKNOWNS * b;
-  mbd_spin_tangent s = mbd_spin_at(&model->body[b], &data->kin[b + 1], mbd_get3(yp + at + MBD_W));
+  mbd_spin_tangent s = mbd_spin_at(&model->body[b], &data->kin[b + 1], mbd_get3(yp + at + MBD_W), cj, 1);
   for (int i = 0; i < 3; i++) {
     double c[6] = {0};
     mbd_jac_add(sink, at + MBD_V + i, at + MBD_V + i, cj * model->body[b].mass);
     for (int j = 0; j < 3; j++) {
-      c[3 + j] = s.by_rotation.m[i][j];
-      mbd_jac_add(sink, at + MBD_W + i, at + MBD_W + j, cj * s.by_acceleration.m[i][j] + s.by_rate.m[i][j]);
+      c[3 + j] = s.rotation.m[i][j];
+      mbd_jac_add(sink, at + MBD_W + i, at + MBD_W + j, s.motion.m[i][j]);
     }
     add_position(sink, data, at + MBD_W + i, b, c);
   }

@@ -116,7 +116,7 @@ void mbd_lu_add(void *context, int row, int col, double value) {
 
 /* ---- dense ---- */
 
-/* Partial pivoting on rows that are scaled alike: those of constraints are much smaller than masses may be. */
+/* with partial pivoting */
 static bool factor_dense(mbd_lu *lu) {
   const int n = lu->n;
   double *A = lu->matrix;
@@ -152,13 +152,17 @@ static void solve_dense(const mbd_lu *lu, double *x) {
     x[lu->pivot[i]] = x[i];
     x[i] = swap;
   }
-  for (int i = 1; i < n; i++)
+  for (int i = 1; i < n; i++) {
+    double sum = x[i];
     for (int j = 0; j < i; j++)
-      x[i] -= A[i * n + j] * x[j];
+      sum -= A[i * n + j] * x[j];
+    x[i] = sum;
+  }
   for (int i = n - 1; i >= 0; i--) {
+    double sum = x[i];
     for (int j = i + 1; j < n; j++)
-      x[i] -= A[i * n + j] * x[j];
-    x[i] /= A[i * n + i];
+      sum -= A[i * n + j] * x[j];
+    x[i] = sum / A[i * n + i];
   }
 }
 

@@ -388,34 +388,29 @@ static double correct(one_step *s, double h) {
   return by_position * largest(s->dx, s->nv);
 }
 
-/* Positions [m, rad] at which Newton's iteration may stop: velocities are good to the scene's tolerances then, and
- * constraints hold. Not below what rounding leaves. */
-static double tolerance(const one_step *s, double h) {
-  const mbd_settings *set = &s->model->solver;
-  double speed = 0, place_ = 1;
-  for (int b = 0; b < s->model->nbody; b++) {
-    const double *u = s->y0 + MBD_BODY_UNKNOWNS * b;
-    place_ = fmax(place_, largest(u + MBD_R, 3));
-    speed = fmax(speed, largest(u + MBD_V, 6));
-  }
-  double wanted = fmin(1e-12, 0.5 * h * (set->absolute_tolerance + set->relative_tolerance * speed));
-  return fmax(4e-15 * place_, wanted);
+/* What rounding leaves of positions [m, rad]. Newton's iteration goes down to it: what it leaves would add up over the
+ * steps, and one iteration more costs little. */
+static double rounding(const one_step *s) {
+  double reach = 1;
+  for (int b = 0; b < s->model->nbody; b++)
+    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
+  return 4e-15 * reach;
 }
 
 /* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. */
 static bool newton(one_step *s, double t1, double h) {
-  double tol = tolerance(s, h), last = 0;
+  double least = rounding(s), last = 0;
   memcpy(s->vdot1, s->now.vdot, (size_t)s->nv * sizeof(double));
   memcpy(s->lambda1, s->now.lambda, (size_t)s->model->nrow * sizeof(double));
   place_end(s, h);
   for (int total = 0, i = 0; total < ITERATIONS_MAX; total++, i++) {
     evaluate(s, t1, s->y1);
-    if (s->now.step_length != h && !make_step(s, h))
+    if (fabs(s->now.step_length - h) > 1e-6 * h && !make_step(s, h)) /* windows differ by rounding */
       return false;
     double size = correct(s, h), rate = i > 0 ? size / last : 0;
     if (!(size < 1e3)) /* or not a number */
       return false;
-    if (size <= 0.01 * tol || (i > 0 && rate < 0.5 && rate / (1 - rate) * size <= tol) || (i > 1 && size <= tol)) {
+    if (size <= 0.01 * least || (i > 0 && (size <= least || (rate < 0.3 && rate * size <= 0.1 * least)))) {
       if (i > 2)
         s->now.step_length = 0; /* worn out: the next step makes its own */
       return true;

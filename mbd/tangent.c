@@ -1,7 +1,8 @@
 #include "mbd/tangent.h"
 
 /* d(J a) = (-[J a] + J [a]) dtheta; w x J w the same with a = w */
-mbd_spin_tangent mbd_spin_at(const mbd_body *body, const mbd_kin *kin, tdm_vec3 acceleration) {
+mbd_spin_tangent mbd_spin_at(const mbd_body *body, const mbd_kin *kin, tdm_vec3 acceleration, double by_acceleration,
+                             double by_rate) {
   tdm_mat3 J = mbd_inertia_world(body, kin), W = tdm_m3_skew(kin->w);
   tdm_mat3 J_acc = tdm_m3_mat(J, tdm_m3_skew(acceleration)), JW = tdm_m3_mat(J, W), WJ = tdm_m3_mat(W, J), inner;
   tdm_mat3 sJacc = tdm_m3_skew(tdm_m3_mul(J, acceleration)), sJw = tdm_m3_skew(tdm_m3_mul(J, kin->w));
@@ -9,11 +10,11 @@ mbd_spin_tangent mbd_spin_at(const mbd_body *body, const mbd_kin *kin, tdm_vec3 
     for (int j = 0; j < 3; j++)
       inner.m[i][j] = JW.m[i][j] - sJw.m[i][j];
   tdm_mat3 gyro = tdm_m3_mat(W, inner);
-  mbd_spin_tangent s = {.by_acceleration = J};
+  mbd_spin_tangent s;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
-      s.by_rate.m[i][j] = WJ.m[i][j] - sJw.m[i][j];
-      s.by_rotation.m[i][j] = J_acc.m[i][j] - sJacc.m[i][j] + gyro.m[i][j];
+      s.motion.m[i][j] = by_acceleration * J.m[i][j] + by_rate * WJ.m[i][j] - by_rate * sJw.m[i][j];
+      s.rotation.m[i][j] = J_acc.m[i][j] - sJacc.m[i][j] + gyro.m[i][j];
     }
   return s;
 }
@@ -21,12 +22,12 @@ mbd_spin_tangent mbd_spin_at(const mbd_body *body, const mbd_kin *kin, tdm_vec3 
 static void body_block(const mbd_model *model, const mbd_data *data, int b, const double *acceleration, mbd_weights w,
                        mbd_entry_fn add, void *context) {
   const int at = 6 * b;
-  mbd_spin_tangent s = mbd_spin_at(&model->body[b], &data->kin[b + 1], mbd_get3(acceleration + at + 3));
+  mbd_spin_tangent s =
+      mbd_spin_at(&model->body[b], &data->kin[b + 1], mbd_get3(acceleration + at + 3), w.mass, w.damping);
   for (int i = 0; i < 3; i++) {
     add(context, at + i, at + i, w.mass * model->body[b].mass);
     for (int j = 0; j < 3; j++)
-      add(context, at + 3 + i, at + 3 + j,
-          w.mass * s.by_acceleration.m[i][j] + w.damping * s.by_rate.m[i][j] + w.stiffness * s.by_rotation.m[i][j]);
+      add(context, at + 3 + i, at + 3 + j, s.motion.m[i][j] + w.stiffness * s.rotation.m[i][j]);
   }
 }
 

@@ -25,11 +25,13 @@ typedef struct {
 void mbd_tangent(const mbd_model *model, mbd_data *data, const double *acceleration, const double *lambda,
                  mbd_weights weights, mbd_entry_fn add, void *context);
 
-/* J wdot + w x J w of a body by wdot, w and the orientation. */
+/* The derivatives of J wdot + w x J w of a body: by wdot times `by_acceleration` plus by w times `by_rate`, and by the
+ * orientation. */
 typedef struct {
-  tdm_mat3 by_acceleration, by_rate, by_rotation;
+  tdm_mat3 motion, rotation;
 } mbd_spin_tangent;
 
-mbd_spin_tangent mbd_spin_at(const mbd_body *body, const mbd_kin *kin, tdm_vec3 acceleration);
+mbd_spin_tangent mbd_spin_at(const mbd_body *body, const mbd_kin *kin, tdm_vec3 acceleration, double by_acceleration,
+                             double by_rate);
 
 #endif

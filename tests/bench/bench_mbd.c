@@ -1,5 +1,5 @@
 /* Wall time a window of the multibody solver in each formulation: the spring-damper box on a prismatic joint, with a
- * smooth load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS]
+ * smooth load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS [FORMULATION]]
  */
 #include "mbd/integrator.h"
 #include "mbd/solver.h"
@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char scene_text[] =
     "{\"bodies\":[{\"name\":\"box\",\"mass\":100,\"inertia\":[10,10,10],\"position\":[0,0,0]}],"
@@ -52,7 +53,7 @@ int main(int argc, char **argv) {
   for (int i = 0; i < 4; i++)
     printf("  noise %4g N", size[i]);
   for (int f = 0; f < MBD_FORMULATIONS; f++)
-    for (int h = 0; h < 3; h++) {
+    for (int h = 0; h < 3 && (argc < 3 || strcmp(argv[2], mbd_formulation_table[f].name) == 0); h++) {
       printf("\n%-8s H = %6g s", mbd_formulation_table[f].name, H[h]);
       for (int i = 0; i < 4; i++) {
         printf(" %12.2f", measure(mbd_formulation_table[f].name, h == 0 ? windows : windows / 10, H[h], size[i]));
