@@ -411,7 +411,7 @@ static bool newton(one_step *s, double t1, double h) {
     if (!(size < 1e3)) /* or not a number */
       return false;
     if (size <= 0.01 * least || (i > 0 && (size <= least || (rate < 0.3 && rate * size <= 0.1 * least)))) {
-      if (i > 2)
+      if (i > 3)
         s->now.step_length = 0; /* worn out: the next step makes its own */
       return true;
     }

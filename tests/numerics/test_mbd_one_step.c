@@ -262,6 +262,51 @@ START_TEST(test_save) {
 }
 END_TEST
 
+/* a chain of links, long enough for the sparse linear solver */
+static char *chain_scene(int nlink, const char *settings) {
+  char *text = calloc(1, 400 * (size_t)nlink + 500), *at = text + sprintf(text, "{'bodies':[");
+  for (int i = 0; i < nlink; i++)
+    at += sprintf(at, "%s{'name':'b%d','mass':1,'inertia':[0.01,0.08,0.09],'position':[%.1f,0,0]}", i ? "," : "", i,
+                  i + 0.5);
+  at += sprintf(at, "],'joints':[");
+  for (int i = 0; i < nlink; i++) {
+    at += sprintf(at, "%s{'name':'j%d','type':'revolute','point':[%d,0,0],'axis':[0,1,%g],", i ? "," : "", i, i,
+                  i % 2 ? 0.2 : -0.1);
+    at += i ? sprintf(at, "'bodies':['b%d','b%d']}", i - 1, i) : sprintf(at, "'bodies':['ground','b0']}");
+  }
+  sprintf(at, "],%s}", settings);
+  return text;
+}
+
+START_TEST(test_chain) {
+  enum { NLINK = 12 };
+  char *one_step = chain_scene(NLINK, "'formulation':'one_step'");
+  char *ida = chain_scene(NLINK, "'solver':{'relative_tolerance':1e-9}");
+  run a, b;
+  run_open_good(&a, one_step, "b11");
+  run_open_good(&b, ida, "b11");
+  run_to(&b, 0.3);
+  tdm_state saved = {0};
+  for (int k = 0; k < 300; k++) {
+    if (k == 250)
+      ck_assert_int_eq(mbd_solver_ops.save(a.self, 2, &a.err), TDM_OK);
+    run_to(&a, 1e-3 * (k + 1));
+    ck_assert_double_lt(run_value(&a, "constraint.drift"), 1e-10);
+  }
+  ck_assert_double_lt(apart(a.state[0], b.state[0]), 1e-3);
+  saved = a.state[0];
+  ck_assert_int_eq(mbd_solver_ops.restore(a.self, 2, &a.err), TDM_OK);
+  a.t = 0.25;
+  for (int k = 250; k < 300; k++)
+    run_to(&a, 1e-3 * (k + 1));
+  ck_assert_mem_eq(&saved, &a.state[0], sizeof saved);
+  run_close(&a);
+  run_close(&b);
+  free(one_step);
+  free(ida);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("mbd_one_step");
   TCase *tcase = tcase_create("one_step");
@@ -273,6 +318,7 @@ int main(void) {
   tcase_add_test(tcase, test_white_noise);
   tcase_add_test(tcase, test_samples);
   tcase_add_test(tcase, test_max_step);
+  tcase_add_test(tcase, test_chain);
   tcase_add_loop_test(tcase, test_save, 0, 2);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);
