@@ -69,6 +69,8 @@ typedef struct {
   double *g, *g_t;         /* (nrow) */
   double *r, *x, *dx;      /* (n) */
   tdm_mat3 *inertia;       /* (nbody) world axes */
+  tdm_mat3 *turned;        /* (nbody) dtheta = T dD */
+  bool turns;              /* T is not 1 to speak of */
   part_rows *rows;         /* (npart) */
 } one_step;
 
@@ -125,8 +127,9 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   s->work = array(mbd_nunknown(model));
   s->line.load = calloc(2 * (size_t)model->ncoupled + 1, sizeof *s->line.load);
   s->inertia = calloc((size_t)model->nbody + 1, sizeof *s->inertia);
+  s->turned = calloc((size_t)model->nbody + 1, sizeof *s->turned);
   s->rows = calloc((size_t)model->npart + 1, sizeof *s->rows);
-  if (!good || !s->y0 || !s->y1 || !s->work || !s->line.load || !s->inertia || !s->rows)
+  if (!good || !s->y0 || !s->y1 || !s->work || !s->line.load || !s->inertia || !s->turned || !s->rows)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%d unknowns)", s->n);
   return TDM_OK;
 }
@@ -141,6 +144,7 @@ static void destroy(void *self) {
     free(arrays[i]);
   free(s->line.load);
   free(s->inertia);
+  free(s->turned);
   free(s->rows);
   free(s);
 }
@@ -190,15 +194,26 @@ static void multiply(const one_step *s, const double *in, double *out) {
   }
 }
 
-/* G and G^T into a matrix */
-static void add_rows(const one_step *s, mbd_lu *to) {
+/* An entry of a derivative by the poses into Newton's matrix, whose unknowns change D: dtheta = T dD. */
+static void add_turned(void *context, int row, int col, double value) {
+  one_step *s = context;
+  if (!s->turns || col % 6 < 3) {
+    mbd_lu_add(s->now.step, row, col, value);
+    return;
+  }
+  for (int j = 0; j < 3; j++)
+    mbd_lu_add(s->now.step, row, col - col % 6 + 3 + j, value * s->turned[col / 6].m[col % 6 - 3][j]);
+}
+
+/* G and G^T into a matrix; G by `add` */
+static void add_rows(one_step *s, mbd_lu *to, mbd_entry_fn add, void *context) {
   for (int i = 0; i < s->model->npart; i++) {
     const part_rows *p = &s->rows[i];
     for (int side = 0; side < 2; side++)
       for (int c = 0; c < 6 && p->body[side] != MBD_GROUND; c++)
         for (int k = 0; k < p->n; k++) {
           int row = s->nv + p->first + k, col = 6 * p->body[side] + c;
-          mbd_lu_add(to, row, col, p->G[k][6 * side + c]);
+          add(context, row, col, p->G[k][6 * side + c]);
           mbd_lu_add(to, col, row, p->G[k][6 * side + c]);
         }
   }
@@ -215,7 +230,7 @@ static double largest(const double *x, int n) {
 static bool make_mass(one_step *s) {
   mbd_lu_clear(s->now.mass);
   mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, (mbd_weights){.mass = 1}, mbd_lu_add, s->now.mass);
-  add_rows(s, s->now.mass);
+  add_rows(s, s->now.mass, mbd_lu_add, s->now.mass);
   s->data->stats.jacobians++;
   return s->now.mass_made = mbd_lu_factor(s->now.mass);
 }
@@ -357,13 +372,34 @@ static void place_end(one_step *s, double h) {
 
 /* ---- a step ---- */
 
+/* T of each body, T = 1 + (1 - cos a)/a^2 [D] + (a - sin a)/a^3 [D]^2, a = |D|, where it is far enough from 1 to slow
+ * Newton down. */
+static void turn_tangents(one_step *s) {
+  s->turns = false;
+  for (int b = 0; b < s->model->nbody; b++) {
+    tdm_vec3 D = mbd_get3(s->move + 6 * b + 3);
+    double a = tdm_norm(D), first = a > 1e-3 ? (1 - cos(a)) / (a * a) : 0.5;
+    double second = a > 1e-2 ? (a - sin(a)) / (a * a * a) : 1.0 / 6;
+    tdm_mat3 skew = tdm_m3_skew(D), square = mbd_skew2(D, D);
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        s->turned[b].m[i][j] = (i == j) + first * skew.m[i][j] + second * square.m[i][j];
+    s->turns = s->turns || a > 0.02;
+  }
+}
+
 /* Newton's matrix at the last evaluation. */
 static bool make_step(one_step *s, double h) {
   double b = h * (1 - s->af) / (1 - s->am);
+  turn_tangents(s);
+  mbd_weights all = {1, b * s->gamma, b * h * s->beta};
   mbd_lu_clear(s->now.step);
-  mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, (mbd_weights){1, b * s->gamma, b * h * s->beta}, mbd_lu_add,
-              s->now.step);
-  add_rows(s, s->now.step);
+  if (s->turns) {
+    mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, (mbd_weights){.stiffness = all.stiffness}, add_turned, s);
+    all.stiffness = 0;
+  }
+  mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, all, mbd_lu_add, s->now.step);
+  add_rows(s, s->now.step, add_turned, s);
   s->now.step_length = mbd_lu_factor(s->now.step) ? h : 0;
   s->data->stats.jacobians++;
   return s->now.step_length > 0;

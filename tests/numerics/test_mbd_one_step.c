@@ -117,9 +117,10 @@ static double noise(unsigned *seed) {
 
 /* A load that is another polynomial in each window: the impulse is exact, whatever the window. */
 START_TEST(test_impulse) {
+  static const double windows[] = {1e-2, 1e-5, 1e-7};
   run r;
   unsigned seed = 7;
-  double v = 0, x = 0, H = 0.01;
+  double v = 0, x = 0, H = windows[_i];
   run_open_good(&r, GUIDE("0", "0"), "box");
   for (int k = 0; k < 300; k++) {
     tdm_wrench load[4] = {{{0, 0, 0}, {0, 0, 0}}};
@@ -203,6 +204,40 @@ START_TEST(test_max_step) {
   run_open(&r, "{" DOUBLE ",'solver':{'spectral_radius':1.1}}", "b");
   ck_assert_int_eq(r.status, TDM_ERR_SCENE);
   ck_assert_str_eq(r.err.path, "mbd.solver.spectral_radius");
+  run_close(&r);
+}
+END_TEST
+
+/* 1e4 rpm, a hundredth of a radian and a radian a step: the second is too coarse to be right, but holds together */
+START_TEST(test_fast) {
+  for (int coarse = 0; coarse < 2; coarse++) {
+    run r;
+    double H = coarse ? 1e-3 : 1e-5, most = 0;
+    run_open_good(&r,
+                  "{'bodies':[{'name':'rotor','mass':2,'inertia':[0.3,0.2,0.4],'position':[0.1,0,0],'velocity':[0,0,"
+                  "-104.71975511965977],'angular_velocity':[0,1047.1975511965977,0]}],'joints':[{'name':'hinge','type':"
+                  "'revolute','bodies':['ground','rotor'],'point':[0,0,0],'axis':[0,1,0]}],'formulation':'one_step'}",
+                  "rotor");
+    for (int k = 0; k < 500; k++) {
+      run_to(&r, H * (k + 1));
+      most = fmax(most, run_value(&r, "constraint.drift"));
+    }
+    ck_assert_double_lt(most, 1e-10);
+    if (!coarse)
+      CLOSE(r.state[0].twist.angular.y, 1047.1975511965977, 0.01);
+    ck_assert_int_eq(run_close_steps(&r), 500); /* none was halved */
+  }
+}
+END_TEST
+
+/* a load without bounds ends the run with time and advice */
+START_TEST(test_bad_load) {
+  run r;
+  tdm_wrench load = {{0, 0, 1e300}, {0, 0, 0}};
+  run_open_good(&r, "{" PENDULUM ",'formulation':'one_step'}", "bob");
+  run_to(&r, 1e-3);
+  ck_assert_int_eq(run_step(&r, 2e-3, &load, 1, 0, NULL), TDM_ERR_NUMERIC);
+  ck_assert_ptr_nonnull(strstr(r.err.message, "t = 0.001 s"));
   run_close(&r);
 }
 END_TEST
@@ -314,11 +349,13 @@ int main(void) {
   tcase_add_loop_test(tcase, test_order, 0, 3);
   tcase_add_test(tcase, test_heavy_top);
   tcase_add_test(tcase, test_energy);
-  tcase_add_test(tcase, test_impulse);
+  tcase_add_loop_test(tcase, test_impulse, 0, 3);
   tcase_add_test(tcase, test_white_noise);
   tcase_add_test(tcase, test_samples);
   tcase_add_test(tcase, test_max_step);
   tcase_add_test(tcase, test_chain);
+  tcase_add_test(tcase, test_fast);
+  tcase_add_test(tcase, test_bad_load);
   tcase_add_loop_test(tcase, test_save, 0, 2);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);
