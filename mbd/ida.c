@@ -231,6 +231,7 @@ static void count(ida_solver *ida) {
 /* Make ida->y consistent with the load at t and hand it to IDA. */
 static bool restart(ida_solver *ida, double t) {
   double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
+  mbd_sparse_reset(ida->jacobian); /* so that nothing depends on what was before */
   if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
     return false;
   ida->failures = 0;
@@ -412,4 +413,4 @@ static void stats(void *self) {
   count(self);
 }
 
-const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy};
+const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy, NULL, NULL, NULL};

@@ -1,4 +1,5 @@
 #include "mbd/jacobian.h"
+#include "mbd/tangent.h"
 
 #include <string.h>
 
@@ -73,25 +74,17 @@ static void kinematic_rows(const mbd_model *model, const mbd_data *data, int b, 
   }
 }
 
-/* m vdot; J wdot + w x J w with d(J a) = (-[J a] + J [a]) dtheta */
+/* m vdot; J wdot + w x J w */
 static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, double cj, const double *yp,
                          mbd_sparse *matrix) {
   const int at = MBD_BODY_UNKNOWNS * b;
-  const mbd_kin *k = &data->kin[b + 1];
-  tdm_mat3 J = mbd_inertia_world(&model->body[b], k), W = tdm_m3_skew(k->w);
-  tdm_vec3 acc = mbd_get3(yp + at + MBD_W), Jacc = tdm_m3_mul(J, acc), Jw = tdm_m3_mul(J, k->w);
-  tdm_mat3 J_acc = tdm_m3_mat(J, tdm_m3_skew(acc)), JW = tdm_m3_mat(J, W), WJ = tdm_m3_mat(W, J);
-  tdm_mat3 sJacc = tdm_m3_skew(Jacc), sJw = tdm_m3_skew(Jw), inner;
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      inner.m[i][j] = JW.m[i][j] - sJw.m[i][j];
-  tdm_mat3 gyro = tdm_m3_mat(W, inner);
+  mbd_spin_tangent s = mbd_spin_at(&model->body[b], &data->kin[b + 1], mbd_get3(yp + at + MBD_W), cj, 1);
   for (int i = 0; i < 3; i++) {
     double c[6] = {0};
     mbd_sparse_add(matrix, at + MBD_V + i, at + MBD_V + i, cj * model->body[b].mass);
     for (int j = 0; j < 3; j++) {
-      c[3 + j] = J_acc.m[i][j] - sJacc.m[i][j] + gyro.m[i][j];
-      mbd_sparse_add(matrix, at + MBD_W + i, at + MBD_W + j, cj * J.m[i][j] + WJ.m[i][j] - sJw.m[i][j]);
+      c[3 + j] = s.rotation.m[i][j];
+      mbd_sparse_add(matrix, at + MBD_W + i, at + MBD_W + j, s.motion.m[i][j]);
     }
     add_position(matrix, data, at + MBD_W + i, b, c);
   }

@@ -134,9 +134,12 @@ static void load_solver(mbd_settings *s, tdm_object *section) {
   s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance", 0.01 * s->relative_tolerance, TDM_POSITIVE);
   s->max_order = (int)tdm_get_integer(&o, "max_order", 5, 1);
   s->max_step = tdm_get_number(&o, "max_step", 0, TDM_NOT_NEGATIVE);
+  s->spectral_radius = tdm_get_number(&o, "spectral_radius", 0.8, TDM_NOT_NEGATIVE);
   tdm_object_close(&o);
   if (!o.err->status && s->max_order > 5)
     tdm_object_fail(&o, "max_order", "must be 1 to 5: backward differentiation formulas above 5 are not stable enough");
+  if (!o.err->status && s->spectral_radius > 1)
+    tdm_object_fail(&o, "spectral_radius", "is %g; use 0 (most damping) to 1 (none)", s->spectral_radius);
   if (!o.err->status && (s->relative_tolerance < 1e-13 || s->relative_tolerance > 0.1))
     tdm_object_fail(&o, "relative_tolerance", "is %g; use 1e-13 to 0.1", s->relative_tolerance);
 }

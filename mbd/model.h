@@ -29,8 +29,9 @@ typedef struct {
 } mbd_body;
 
 typedef enum {
-  MBD_GGL,    /* stabilised index 2: positions and velocities on the constraints */
-  MBD_INDEX3, /* positions alone */
+  MBD_GGL,      /* stabilised index 2: positions and velocities on the constraints */
+  MBD_INDEX3,   /* positions alone */
+  MBD_ONE_STEP, /* generalised-alpha */
   MBD_FORMULATIONS
 } mbd_formulation_id;
 
@@ -43,6 +44,7 @@ typedef struct {
   double absolute_tolerance; /* of the same [m, 1, m/s, rad/s] */
   int max_order;             /* of the BDF, 1 to 5 */
   double max_step;           /* [s], 0: no limit */
+  double spectral_radius;    /* one_step: at infinite frequency, 0 to 1 */
 } mbd_settings;
 
 /* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add

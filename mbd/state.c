@@ -59,6 +59,22 @@ void mbd_data_destroy(mbd_data **data) {
   *data = NULL;
 }
 
+void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
+  const size_t size = sizeof(double), n = (size_t)mbd_nunknown(model), nbody = (size_t)model->nbody;
+  to->t = from->t;
+  to->drift = from->drift;
+  to->load_t0 = from->load_t0;
+  to->load_t1 = from->load_t1;
+  to->nload = from->nload;
+  memcpy(to->y, from->y, n * size);
+  memcpy(to->yp, from->yp, n * size);
+  memcpy(to->angle, from->angle, (size_t)model->nforce * size);
+  memcpy(to->turn, from->turn, (size_t)model->njoint * size);
+  memcpy(to->load, from->load, (size_t)model->ncoupled * MBD_LOAD_MAX * sizeof *to->load);
+  memcpy(to->acceleration, from->acceleration, 6 * nbody * size);
+  memcpy(to->lambda, from->lambda, (size_t)model->nrow * size);
+}
+
 tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err) {
   if (step->nload > MBD_LOAD_MAX)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "the load polynomial has %d coefficients; at most %d are supported",

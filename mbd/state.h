@@ -66,6 +66,9 @@ static inline int mbd_index_eta(const mbd_model *m, int body) {
 mbd_data *mbd_data_create(const mbd_model *model);
 void mbd_data_destroy(mbd_data **data);
 
+/* All that a run goes on from, into another data of the same model. The counters stay: they count what was done. */
+void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from);
+
 /* Copy a window's load. TDM_ERR_PROTOCOL when the polynomial has too many coefficients. */
 tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err);
 

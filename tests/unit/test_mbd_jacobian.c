@@ -3,6 +3,7 @@
  */
 #include "mbd/jacobian.h"
 #include "mbd/residual.h"
+#include "mbd/tangent.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -218,6 +219,96 @@ START_TEST(test_power) {
 }
 END_TEST
 
+/* ---- in twist coordinates ---- */
+
+/* M a - Q + G^T lambda at y (nv) */
+static void twist_residual(const mbd_model *m, mbd_data *d, const double *y, const double *a, const double *lambda,
+                           double *out) {
+  mbd_kinematics(m, d, 0.3, y);
+  mbd_generalised_forces(m, d, 0.3, out);
+  for (int b = 0; b < m->nbody; b++) {
+    tdm_vec3 torque = mbd_inertia_mul(&m->body[b], &d->kin[b + 1], mbd_get3(a + 6 * b + 3));
+    for (int i = 0; i < 3; i++)
+      out[6 * b + i] = m->body[b].mass * a[6 * b + i] - out[6 * b + i];
+    mbd_set3(out + 6 * b + 3, tdm_sub(torque, mbd_get3(out + 6 * b + 3)));
+  }
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(m, d, i, false);
+    for (int k = 0; k < rows->n; k++)
+      for (int c = 0; c < MBD_PAIR; c++)
+        if (rows->body[c / 6] != MBD_GROUND)
+          out[6 * rows->body[c / 6] + c % 6] += rows->G[k][c] * lambda[rows->first + k];
+  }
+}
+
+/* coordinate k of the twist `which` (0 acceleration, 1 velocity, 2 pose) changed by eps */
+static void nudge(double *y, double *a, int which, int k, double eps) {
+  double *u = y + MBD_BODY_UNKNOWNS * (k / 6);
+  if (which == 0)
+    a[k] += eps;
+  else if (which == 1)
+    u[MBD_V + k % 6] += eps;
+  else if (k % 6 < 3)
+    u[MBD_R + k % 6] += eps;
+  else {
+    tdm_state s = mbd_body_state(y, k / 6);
+    double turn[3] = {0};
+    turn[k % 6 - 3] = eps;
+    s.pose.orientation = tdm_quat_mul(tdm_quat_from_rotvec(mbd_get3(turn)), s.pose.orientation);
+    mbd_set_body_state(y, k / 6, &s);
+  }
+}
+
+enum { NV = 12 };
+
+static void add_entry(void *matrix, int row, int col, double value) {
+  ((double *)matrix)[row * NV + col] += value;
+}
+
+START_TEST(test_tangent) {
+  json_t *json = scene_json(scenes[_i]);
+  mbd_model *m = NULL;
+  tdm_error err = {0};
+  ck_assert_msg(mbd_model_load(&m, json, &err) == TDM_OK, "%s: %s", err.path, err.message);
+  mbd_data *d = mbd_data_create(m);
+  unsigned seed = 5;
+  const double eps = 1e-6;
+  double *y = calloc((size_t)mbd_nunknown(m), 8), *lambda = calloc((size_t)m->nrow + 1, 8), a[NV], up[NV], down[NV];
+  ck_assert_int_eq(6 * m->nbody, NV);
+  for (int i = 0; i < mbd_nunknown(m); i++)
+    y[i] = uniform(&seed);
+  for (int i = 0; i < m->nrow; i++)
+    lambda[i] = uniform(&seed);
+  for (int i = 0; i < NV; i++)
+    a[i] = uniform(&seed);
+  for (int which = 0; which < 3; which++) {
+    double matrix[NV * NV] = {0};
+    mbd_weights w = {which == 0, which == 1, which == 2};
+    mbd_kinematics(m, d, 0.3, y);
+    mbd_tangent(m, d, a, lambda, w, add_entry, matrix);
+    for (int k = 0; k < NV; k++) {
+      tdm_state before = mbd_body_state(y, k / 6);
+      for (int side = 1; side >= -1; side -= 2) {
+        nudge(y, a, which, k, side * eps);
+        twist_residual(m, d, y, a, lambda, side > 0 ? up : down);
+        mbd_set_body_state(y, k / 6, &before);
+        a[k] -= which == 0 ? side * eps : 0;
+      }
+      double size = 0; /* rounding of the residuals, over eps */
+      for (int i = 0; i < NV; i++)
+        size = fmax(size, fabs(up[i]));
+      for (int i = 0; i < NV; i++)
+        CLOSE(matrix[i * NV + k], (up[i] - down[i]) / (2 * eps), 2e-7 + 5e-10 * size + 1e-8 * fabs(matrix[i * NV + k]));
+    }
+  }
+  free(y);
+  free(lambda);
+  mbd_data_destroy(&d);
+  mbd_model_destroy(&m);
+  json_decref(json);
+}
+END_TEST
+
 /* every type of every table stands in a scene above */
 START_TEST(test_all_types) {
   const int nscene = sizeof scenes / sizeof scenes[0];
@@ -247,6 +338,7 @@ int main(void) {
   TCase *tcase = tcase_create("jacobian");
   tcase_add_loop_test(tcase, test_jacobian, 0, sizeof scenes / sizeof scenes[0]);
   tcase_add_loop_test(tcase, test_power, 0, sizeof scenes / sizeof scenes[0]);
+  tcase_add_loop_test(tcase, test_tangent, 0, sizeof scenes / sizeof scenes[0]);
   tcase_add_test(tcase, test_all_types);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);
