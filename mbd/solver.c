@@ -10,7 +10,7 @@
 enum { WARNINGS_MAX = 3 };
 
 typedef struct {
-  tdm_participant *participant; /* borrowed, NULL in tests without a server */
+  tdm_participant *participant; /* borrowed, NULL without a server */
   mbd_model *model;
   mbd_data *data;
   mbd_kkt *kkt;
@@ -124,10 +124,10 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
 }
 
-/* tells the server that the solver lives; true when the work is no longer wanted */
+/* tells the server, if there is one, that the solver lives; true when the work is no longer wanted */
 static bool should_stop(void *context) {
   solver *s = context;
-  return s->participant && tdm_participant_alive(s->participant) != TDM_OK;
+  return tdm_participant_alive(s->participant) != TDM_OK;
 }
 
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
@@ -192,6 +192,16 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
   return TDM_OK;
+}
+
+const mbd_model *mbd_solver_model(const void *self) {
+  return ((const solver *)self)->model;
+}
+
+const mbd_stats *mbd_solver_stats(void *self) {
+  solver *s = self;
+  s->integrator->stats(s->integration);
+  return &s->data->stats;
 }
 
 const tdm_solver_ops mbd_solver_ops = {
