@@ -75,13 +75,14 @@ static void warn_about_assembly(solver *s) {
   }
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
+    const char *unit = mbd_driver_words_of[d->ops->coordinate].rate_unit;
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
     snprintf(
         w->message, sizeof w->message,
-        "the given start velocities turn or move joint \"%s\" at %.6g %s, its driver \"%s\" starts at %.6g %s: the "
+        "the given start velocities move the coordinate of driver \"%s\" at %.6g %s, its law starts at %.6g %s: the "
         "driver holds; give velocities that fit it, or none",
-        d->joint->name, a->given, d->ops->rate_unit, d->name, a->prescribed, d->ops->rate_unit);
+        d->name, a->given, unit, a->prescribed, unit);
   }
 }
 

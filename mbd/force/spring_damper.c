@@ -5,12 +5,12 @@
  * Q = -P^T N with ddot = P V, P = [-1, [s_a], 1, -[s_b]].
  */
 #include "mbd/force/force.h"
-#include "mbd/model.h"
+#include "mbd/load.h"
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   tdm_vec3 point[2];
   mbd_load_bodies(o, model, f->body);
-  mbd_load_pair(o, NULL, "points", point);
+  mbd_load_points(o, model, NULL, "points", point);
   double length = tdm_norm(tdm_sub(point[1], point[0]));
   if (!o->err->status && !(length > 1e-9))
     tdm_object_fail(o, "points", "coincide, so that the spring has no direction; move one of them");

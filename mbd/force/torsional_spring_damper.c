@@ -4,13 +4,13 @@
  * the pointer of the second, and counted on over full turns. A positive torque turns the second body back.
  */
 #include "mbd/force/force.h"
-#include "mbd/model.h"
+#include "mbd/load.h"
 
 #include <string.h>
 
 /* Bodies and axis of the revolute joint that "joint" names. */
 static void load_joint(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  const mbd_joint *j = mbd_load_joint(o, model, "revolute", ", or give \"bodies\" and \"axis\"");
+  const mbd_joint *j = mbd_load_joint(o, "joint", model, MBD_HAS_ANGLE, ", or give \"bodies\" and \"axis\"");
   if (!j)
     return;
   memcpy(f->body, j->body, sizeof f->body);

@@ -107,7 +107,7 @@ static const bad_case cases[] = {
      "mbd.drivers[0].name", "letters"},
     {"{" BOX ",'joints':[" HINGE(
          "prismatic") "],'drivers':[{'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}",
-     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "name a revolute joint"},
+     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "name a revolute, "},
     {"{" BOX ",'drivers':[{'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}", "", TDM_ERR_SCENE,
      "mbd.drivers[0].joint", "no joint"},
     {DRIVERS("{'name':'m1','type':'rotational_motor','joint':'hinge'," STEP
@@ -190,7 +190,7 @@ START_TEST(test_good_scene) {
               "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
       "box");
   ck_assert_int_eq(r.ready.nwarning, 0);
-  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 13 + 3);
+  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 13 + 3);
   ck_assert_str_eq(r.ready.body[0].name, "box");
   CLOSE(r.ready.body[0].mass, 10, 0);
   CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);

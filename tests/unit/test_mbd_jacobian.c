@@ -10,6 +10,10 @@
   "'bodies':[{'name':'a','mass':2,'inertia':[1.1,1.4,1.9,0.1,-0.2,0.05],'position':[0.3,-0.2,0.5]," \
   "'orientation':[0.9,0.1,-0.3,0.2]},{'name':'b','mass':3,'inertia':[0.7,0.8,0.6],'position':[-1,0.4,0.2]}]"
 #define JOINT(type, rest) "{" BODIES ",'joints':[{'name':'j','type':'" type "','bodies':" rest "}]}"
+#define PAIR(first, second, type, rest)                                                                          \
+  "{" BODIES ",'joints':[{'name':'j','type':'" first "','bodies':['ground','a'],'point':[0.1,0.2,0.3],"          \
+  "'axis':[1,2,-1]},{'name':'k','type':'" second "','bodies':['a','b'],'point':[0.3,0.1,-0.3],'axis':[0,2,-1]}," \
+  "{'name':'p','type':'" type "','joints':['j','k']," rest "}]}"
 #define DRIVER(type, bodies, axes, motion)                                                                    \
   "{" BODIES ",'joints':[{'name':'j','type':'revolute','bodies':" bodies ",'point':[0.1,0.2,0.3]," axes "}]," \
   "'drivers':[{'name':'d','type':'" type "','joint':'j','motion':{" motion "}}]}"
@@ -26,11 +30,31 @@ static const char *const scenes[] = {
     JOINT("prismatic", "['ground','a'],'point':[0.1,0.2,0.3],'axis':[0,0,1]"),
     JOINT("prismatic", "['a','ground'],'point':[0.1,0.2,0.3],'axis':[0,0,1]"),
     JOINT("spherical", "['a','b'],'point':[0.1,0.2,0.3]"),
+    JOINT("cylindrical", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
+    JOINT("universal", "['a','b'],'point':[0.1,0.2,0.3],'axes':[[1,2,-1],[1,0,1]]"),
+    JOINT("universal", "['ground','b'],'point':[0.1,0.2,0.3],'axes':[[1,2,-1],[1,0,1]]"),
+    JOINT("planar", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
+    JOINT("planar", "['b','ground'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
+    JOINT("point_on_line", "['a','b'],'points':[[0.1,0.2,0.3],[0.3,0.3,0.3]],'axis':[1,2,-1]"),
+    JOINT("rod", "['a','b'],'points':[[0.1,0.2,0.3],[2,0.4,0.3]]"),
+    JOINT("rod", "['ground','b'],'points':[[0.1,0.2,0.3],[2,0.4,0.3]],'length':0.7"),
+    JOINT("screw", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1],'pitch':0.8"),
+    JOINT("screw", "['b','ground'],'point':[0.1,0.2,0.3],'axis':[1,2,-1],'pitch':-3"),
+    PAIR("revolute", "cylindrical", "gear", "'ratio':1.7"),
+    PAIR("cylindrical", "revolute", "gear", "'ratio':-2"),
+    PAIR("revolute", "prismatic", "rack_and_pinion", "'radius':0.3"),
     DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
            "'type':'constant_rate','rate':3,'start':'smooth','rise':0.5"),
     DRIVER("rotational_motor", "['ground','b']", "'axis':[1,2,-1]", "'type':'constant_rate','rate':-7,'start':'step'"),
     DRIVER("rotational_motor", "['b','ground']", "'axes':[[1,2,-1],[0,1,-1]]",
            "'type':'constant_rate','rate':20,'start':'step'"),
+    "{" BODIES ",'joints':[{'name':'j','type':'cylindrical','bodies':['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]}],"
+    "'drivers':[{'name':'d','type':'linear_motor','joint':'j','motion':{'type':'constant_rate','rate':2,'start':'step'}"
+    "},"
+    "{'name':'e','type':'point_motion','bodies':['a','b'],'point':[1,2,3],'direction':[1,0,1],'motion':{'type':"
+    "'constant_rate','rate':2,'start':'step'}},"
+    "{'name':'f','type':'orientation_motion','bodies':['b','ground'],'axis':[1,0,1],'motion':{'type':"
+    "'constant_rate','rate':2,'start':'step'}}]}",
     FORCE("spring_damper", "'bodies':['a','b'],'points':[[0.1,0.2,0.3],[1,0,2]],'free_length':0.7"),
     FORCE("spring_damper", "'bodies':['ground','b'],'points':[[0.1,0.2,0.3],[1,0,2]]"),
     FORCE("spring_damper", "'bodies':['a','ground'],'points':[[0.1,0.2,0.3],[1,0,2]]"),
