@@ -126,8 +126,8 @@ tdm_status scn_case_tightest(const scn_case *c, cpl_verify *v, scn_motion *m, do
   double end = cpl_table_column(&c->reference, "t", err)[c->reference.nrow - 1];
   for (*tolerance = 1e-13; *tolerance < 2e-8; *tolerance *= 10) {
     tdm_error failed = {0};
-    if (scn_motion_run(m, c->mbd, &scn_methods[0], *tolerance, end, c->reference.nrow - 1, c->of->budget, &failed) ==
-        TDM_OK) {
+    if (scn_motion_run(m, c->mbd, &scn_methods[0], *tolerance, c->of->absolute, end, c->reference.nrow - 1,
+                       c->of->budget, &failed) == TDM_OK) {
       cpl_verify_alone(v, CPL_MBD, end, m->wall);
       return TDM_OK;
     }
@@ -138,14 +138,14 @@ tdm_status scn_case_tightest(const scn_case *c, cpl_verify *v, scn_motion *m, do
   return TDM_OK;
 }
 
-tdm_status scn_case_time(const json_t *mbd, const scn_method *method, double tolerance, double end, double budget,
-                         scn_motion *m, double *wall, tdm_error *err) {
+tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tolerance, double end, scn_motion *m,
+                         double *wall, tdm_error *err) {
   enum { REPEATS = 3 };
   const double enough = 0.05; /* [s] long runs are not repeated */
   *wall = INFINITY;
   for (int k = 0; k < REPEATS && (k == 0 || *wall < enough); k++) {
     scn_motion_free(m);
-    if (scn_motion_run(m, mbd, method, tolerance, end, 1, budget, err) != TDM_OK)
+    if (scn_motion_run(m, c->mbd, method, tolerance, c->of->absolute, end, 1, c->of->budget, err) != TDM_OK)
       return err->status;
     *wall = fmin(*wall, m->wall);
   }
@@ -169,7 +169,7 @@ static int sweep(const scn_case *c, cpl_verify *v, const scn_method *method, con
     scn_motion m = {0};
     double wall, tolerance = pow(10, -k);
     tdm_error failed = {0};
-    if (scn_case_time(c->mbd, method, tolerance, c->of->at, c->of->budget, &m, &wall, &failed) == TDM_OK) {
+    if (scn_case_time(c, method, tolerance, c->of->at, &m, &wall, &failed) == TDM_OK) {
       fprintf(f, "%g,%.4g,%.4g,%ld,%ld,%ld,%.3g\n", tolerance, scn_case_error(c, &m, c->row, false), wall,
               m.stats.steps, m.stats.residuals, m.stats.jacobians, scn_motion_drift(&m));
       good++;

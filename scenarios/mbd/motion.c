@@ -1,6 +1,8 @@
 #include "scenarios/mbd/motion.h"
 
-#include "protocol/find.h"
+#include "mbd/integrator.h"
+#include "mbd/output.h"
+#include "protocol/command_line.h"
 #include "protocol/log.h"
 
 #include <math.h>
@@ -8,8 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { WINDOWS = 20 }; /* of a run: the wall time is looked at between them */
 
 json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err) {
   char file[4096];
@@ -22,7 +22,7 @@ json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err) {
 }
 
 /* a copy of the section with the method in it */
-static json_t *with_method(const json_t *mbd, const scn_method *method, double tolerance) {
+static json_t *with_method(const json_t *mbd, const scn_method *method, double tolerance, double absolute) {
   json_t *copy = json_deep_copy(mbd), *solver = json_object_get(copy, "solver");
   json_object_set_new(copy, "formulation", json_string(method->formulation));
   json_object_set_new(copy, "corrector", json_string(method->corrector));
@@ -31,58 +31,90 @@ static json_t *with_method(const json_t *mbd, const scn_method *method, double t
     json_object_set_new(copy, "solver", solver);
   }
   json_object_set_new(solver, "relative_tolerance", json_real(tolerance));
+  json_object_set_new(solver, "absolute_tolerance", json_real(absolute * tolerance));
   return copy;
 }
 
-static tdm_status allocate(scn_motion *m, const tdm_ready *ready, int nstep, tdm_error *err) {
-  m->nchannel = ready->nchannel;
+/* the solver's library at work on one scene */
+typedef struct {
+  scn_motion *motion;
+  mbd_model *model;
+  mbd_data *data;
+  mbd_kkt *kkt;
+  const mbd_integrator_ops *ops;
+  void *integrator;
+  double stop; /* wall clock [s] */
+} engine;
+
+static bool should_stop(void *context) {
+  return tdm_interrupted || tdm_clock() > ((engine *)context)->stop;
+}
+
+static tdm_status take_sample(void *context, int i, double t, const double *y, tdm_error *err) {
+  engine *e = context;
+  scn_motion *m = e->motion;
+  if (!mbd_output_values(e->model, e->data, e->kkt, t, y, m->value + (i + 1) * m->nchannel))
+    return tdm_fail(err, TDM_ERR_NUMERIC, NULL, "no joint reactions at t = %.9g s", t);
+  return TDM_OK;
+}
+
+static tdm_status load(engine *e, json_t *mbd, tdm_error *err) {
+  mbd_assembly assembly;
+  if (mbd_model_load(&e->model, mbd, err) != TDM_OK || mbd_model_couple(e->model, NULL, 0, err) != TDM_OK)
+    return err->status;
+  e->data = mbd_data_create(e->model);
+  e->kkt = mbd_kkt_create(e->model);
+  e->ops = mbd_formulation_table[e->model->solver.formulation].integrator;
+  if (!e->data || !e->kkt)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  if (mbd_assemble(e->model, e->data, e->kkt, &assembly, err) != TDM_OK)
+    return err->status;
+  e->motion->freedom = assembly.freedom;
+  return e->ops->create(&e->integrator, e->model, e->data, e->kkt, should_stop, e, err);
+}
+
+/* memory for the samples; the first is the start */
+static tdm_status prepare(engine *e, double end, int nstep, tdm_error *err) {
+  scn_motion *m = e->motion;
+  m->nchannel = mbd_output_count(e->model);
   m->nsample = nstep + 1;
   m->channel = calloc((size_t)m->nchannel, sizeof *m->channel);
   m->time = calloc((size_t)m->nsample, sizeof *m->time);
   m->value = calloc((size_t)m->nsample * (size_t)m->nchannel, sizeof *m->value);
   if (!m->channel || !m->time || !m->value)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  memcpy(m->channel, ready->channel, (size_t)m->nchannel * sizeof *m->channel);
-  memcpy(m->value, ready->initial, (size_t)m->nchannel * sizeof *m->value);
-  m->report = json_incref(ready->report);
-  return TDM_OK;
+  for (int i = 0; i <= nstep; i++)
+    m->time[i] = end * i / nstep;
+  mbd_output_names(e->model, m->channel);
+  return take_sample(e, -1, 0, e->data->y, err);
 }
 
-/* windows up to the end; samples are taken from dense output */
-static tdm_status integrate(scn_motion *m, void *solver, double budget, tdm_error *err) {
-  double end = m->time[m->nsample - 1], begin = tdm_clock();
-  int next = 1;
-  for (int w = 0; w < WINDOWS && err->status == TDM_OK; w++) {
-    tdm_step step = {.window = (uint64_t)w, .t0 = m->last, .t1 = end * (w + 1) / WINDOWS, .nstep = 1};
-    step.sample_time = m->time + next;
-    while (next + step.nsample < m->nsample && m->time[next + step.nsample] <= step.t1)
-      step.nsample++;
-    tdm_result result = {.nsample = step.nsample, .nchannel = m->nchannel, .channel = m->value + next * m->nchannel};
-    mbd_solver_ops.step(solver, &step, &result, err);
-    m->last = step.t1;
-    next += step.nsample;
-    if (err->status == TDM_OK && tdm_clock() - begin > budget)
-      tdm_fail(err, TDM_ERR_LIMIT, NULL, "stopped after %g s of wall time at t = %g s of %g s", budget, m->last, end);
-  }
+static tdm_status integrate(engine *e, double budget, tdm_error *err) {
+  scn_motion *m = e->motion;
+  double begin = tdm_clock();
+  e->stop = begin + budget;
+  if (e->ops->start(e->integrator, 0, err) == TDM_OK)
+    e->ops->advance(e->integrator, m->time[m->nsample - 1], m->nsample - 1, m->time + 1, take_sample, e, err);
   m->wall = tdm_clock() - begin;
-  m->stats = *mbd_solver_stats(solver);
+  if (err->status == TDM_ERR_INTERRUPTED && !tdm_interrupted) /* it was the budget */
+    err->status = TDM_ERR_LIMIT;
+  e->ops->stats(e->integrator);
+  m->stats = e->data->stats;
   return err->status;
 }
 
-tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double end,
-                          int nstep, double budget, tdm_error *err) {
+tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double absolute,
+                          double end, int nstep, double budget, tdm_error *err) {
   *m = (scn_motion){0};
-  json_t *scene = with_method(mbd, method, tolerance);
-  const tdm_assignment assignment = {.scene = scene, .time_end = end, .dt = end / nstep, .n = 1};
-  tdm_ready ready = {0};
-  void *solver = NULL;
-  if (mbd_solver_ops.create(&solver, &assignment, &ready, NULL, err) == TDM_OK &&
-      allocate(m, &ready, nstep, err) == TDM_OK) {
-    for (int i = 0; i <= nstep; i++)
-      m->time[i] = end * i / nstep;
-    integrate(m, solver, budget, err);
-  }
-  mbd_solver_ops.destroy(solver);
+  engine e = {.motion = m};
+  json_t *scene = with_method(mbd, method, tolerance, absolute);
+  if (load(&e, scene, err) == TDM_OK && prepare(&e, end, nstep, err) == TDM_OK)
+    integrate(&e, budget, err);
+  if (e.integrator)
+    e.ops->destroy(e.integrator);
+  mbd_kkt_destroy(&e.kkt);
+  mbd_data_destroy(&e.data);
+  mbd_model_destroy(&e.model);
   json_decref(scene);
   return err->status;
 }
@@ -91,7 +123,6 @@ void scn_motion_free(scn_motion *m) {
   free(m->channel);
   free(m->time);
   free(m->value);
-  json_decref(m->report);
   *m = (scn_motion){0};
 }
 

@@ -3,7 +3,7 @@
 #define SCN_MOTION_H
 
 #include "coupler/verify.h"
-#include "mbd/solver.h"
+#include "mbd/state.h"
 
 /* How a scene is solved; other settings are the scene's. */
 typedef struct {
@@ -17,19 +17,19 @@ typedef struct {
   tdm_channel *channel; /* (nchannel) */
   double *time;         /* (nsample) from 0 to the end [s] */
   double *value;        /* (nsample x nchannel) */
-  json_t *report;       /* the solver's */
+  int freedom;          /* degrees of freedom */
   mbd_stats stats;
   double wall; /* integration alone [s] */
-  double last; /* time that the integration reached [s] */
 } scn_motion;
 
 /* The section mbd of scenarios/mbd/NAME/scene.json (new reference); NULL and an error. */
 json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err);
 
-/* Solve the section `mbd` (borrowed, unchanged) from 0 to `end` with `nstep` equal steps between samples. Refuses to
- * spend more than `budget` [s] of wall time (TDM_ERR_LIMIT). */
-tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double end,
-                          int nstep, double budget, tdm_error *err);
+/* Solve the section `mbd` (borrowed, unchanged) from 0 to `end` with `nstep` equal steps between samples, at a relative
+ * tolerance; the absolute one is `absolute` times that. Refuses to spend more than `budget` [s] of wall time
+ * (TDM_ERR_LIMIT). */
+tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double absolute,
+                          double end, int nstep, double budget, tdm_error *err);
 void scn_motion_free(scn_motion *m);
 
 /* Samples of a channel: value[i * nchannel] for sample i. NULL: there is none of that name. */

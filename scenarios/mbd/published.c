@@ -23,6 +23,7 @@ static const double least_digits = 8, most_drift = 1e-9; /* [m] */
 static const scn_mechanism pendulum_a01 = {
     .name = "pendulum_a01",
     .at = 10,
+    .absolute = 0.01,
     .budget = 5,
     .coordinate = {CHANNEL("x", "body.mass.x"), CHANNEL("y", "body.mass.y")},
 };
@@ -30,6 +31,7 @@ static const scn_mechanism pendulum_a01 = {
 static const scn_mechanism double_pendulum = {
     .name = "double_pendulum",
     .at = 2,
+    .absolute = 0.01,
     .budget = 5,
     .coordinate = {{"phi1", SCN_ANGLE, "upper", NULL, M_PI / 2}, {"phi2", SCN_ANGLE, "lower", NULL, M_PI / 2}},
 };
@@ -37,6 +39,7 @@ static const scn_mechanism double_pendulum = {
 static const scn_mechanism slider_crank = {
     .name = "slider_crank",
     .at = 1,
+    .absolute = 0.01,
     .budget = 5,
     .coordinate = {{"theta", SCN_ANGLE, "crank", NULL, 0}, CHANNEL("x_slider", "body.slider.x")},
 };
@@ -44,6 +47,7 @@ static const scn_mechanism slider_crank = {
 static const scn_mechanism car_axis = {
     .name = "car_axis",
     .at = 3,
+    .absolute = 0.01,
     .budget = 10,
     .coordinate = {CHANNEL("xl", "body.left.x"), CHANNEL("yl", "body.left.y"), CHANNEL("xr", "body.right.x"),
                    CHANNEL("yr", "body.right.y")},
@@ -52,6 +56,7 @@ static const scn_mechanism car_axis = {
 static const scn_mechanism heavy_top = {
     .name = "heavy_top",
     .at = 2,
+    .absolute = 0.01,
     .budget = 10,
     .coordinate = {POINT("top"), ROTATION("top")},
     .body = "top",
@@ -62,6 +67,7 @@ static const scn_mechanism heavy_top = {
 static const scn_mechanism regular_precession = {
     .name = "regular_precession",
     .at = 4,
+    .absolute = 0.01,
     .budget = 10,
     .coordinate = {POINT("top"), ROTATION("top")},
     .body = "top",
@@ -72,6 +78,7 @@ static const scn_mechanism regular_precession = {
 static const scn_mechanism torque_free = {
     .name = "torque_free",
     .at = 20,
+    .absolute = 0.01,
     .budget = 10,
     .coordinate = {ROTATION("body")},
     .body = "body",
@@ -83,6 +90,7 @@ static const scn_mechanism torque_free = {
 static const scn_mechanism andrews = {
     .name = "andrews",
     .at = 0.03,
+    .absolute = 0.01,
     .budget = 20,
     .coordinate = {{"q_beta", SCN_ANGLE, "K1", NULL, 0},
                    {"q_theta", SCN_ANGLE, "K2", "K1", 0},
@@ -133,7 +141,8 @@ static tdm_status measure_turns(const scn_case *c, cpl_verify *v, double toleran
   scn_motion m = {0};
   char label[64];
   snprintf(label, sizeof label, "100 turns, rtol=%g", tolerance);
-  if (scn_motion_run(&m, c->mbd, &scn_methods[0], tolerance, c->of->turns, 1000, c->of->budget, err) == TDM_OK) {
+  if (scn_motion_run(&m, c->mbd, &scn_methods[0], tolerance, c->of->absolute, c->of->turns, 1000, c->of->budget, err) ==
+      TDM_OK) {
     cpl_verify_alone(v, CPL_MBD, c->of->turns, m.wall);
     cpl_verify_measure(v, "energy_drift", label, scn_motion_energy_drift(&m), CPL_AT_MOST, limit);
     cpl_verify_measure(v, "momentum_drift", label, momentum_drift(c, &m), CPL_AT_MOST, limit);
@@ -151,7 +160,7 @@ static tdm_status measure(const scn_case *c, cpl_verify *v, double digits, doubl
   double wall = NAN;
   if (scn_case_tightest(c, v, &m, tolerance, err) == TDM_OK) {
     snprintf(label, sizeof label, "rtol=%g", *tolerance);
-    if (scn_case_time(c->mbd, &scn_methods[0], *tolerance, c->of->at, c->of->budget, &end, &wall, err) == TDM_OK) {
+    if (scn_case_time(c, &scn_methods[0], *tolerance, c->of->at, &end, &wall, err) == TDM_OK) {
       cpl_verify_measure(v, "digits", label, scn_digits(scn_case_error(c, &end, c->row, false)), CPL_AT_LEAST, digits);
       cpl_verify_measure(v, "digits_path", label, scn_digits(scn_case_path_error(c, &m)), CPL_NO_LIMIT, 0);
       cpl_verify_measure(v, "constraint_drift_m", label, scn_motion_drift(&m), CPL_AT_MOST, most_drift);
