@@ -115,7 +115,7 @@ static bool wanted(const char *channel, const char *const *of) {
 }
 
 tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
-  enum { PANELS = 16, CURVES = 64 };
+  enum { PANELS = 16, CURVES = 24 };
   tdm_plot plot[PANELS] = {0};
   tdm_curve curve[PANELS][CURVES];
   char using[PANELS][CURVES][16];
