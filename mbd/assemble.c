@@ -189,7 +189,7 @@ static origin origin_of(const mbd_model *model, int row) {
   if (row >= model->njointrow) {
     const mbd_driver *d = &model->driver[row - model->njointrow]; /* one row each */
     snprintf(o.path, sizeof o.path, "mbd.drivers[%d]", (int)(d - model->driver));
-    o.kind = "driver", o.name = d->name, o.equation = mbd_driver_words_of[d->ops->coordinate].name;
+    o.kind = "driver", o.name = d->name, o.equation = mbd_coordinate_table[d->ops->coordinate].name;
     return o;
   }
   const mbd_joint *j = model->joint;

@@ -78,7 +78,7 @@ static void load_joint(mbd_model *model, json_t *json, const char *path, tdm_err
 
 static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
-  mbd_driver *d = &model->driver[model->ndriver];
+  mbd_driver *d = &model->driver[model->ndriver++];
   const char *names[MBD_DRIVER_TYPES_MAX];
   for (int i = 0; i < mbd_driver_ntype; i++)
     names[i] = mbd_driver_table[i]->name;
@@ -89,17 +89,16 @@ static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_er
   d->ops = mbd_driver_table[type];
   d->row = model->nrow;
   d->ops->load(d, &o, model);
-  mbd_motion_load(&d->motion, &o);
+  mbd_motion_load(&d->motion, &o, "motion");
   tdm_object_close(&o);
-  for (int i = 0; i < model->ndriver && !err->status; i++) {
+  for (int i = 0; i < model->ndriver - 1 && !err->status; i++) {
     const mbd_driver *other = &model->driver[i];
     if (strcmp(other->name, d->name) == 0)
       tdm_object_fail(&o, "name", "a second driver is called \"%s\"; give every driver its own name", d->name);
     else if (other->joint == d->joint && other->ops->coordinate == d->ops->coordinate)
       tdm_object_fail(&o, "joint", "the %s of joint \"%s\" is driven by \"%s\" already; remove one of the two drivers",
-                      mbd_driver_words_of[d->ops->coordinate].name, d->joint->name, other->name);
+                      mbd_coordinate_table[d->ops->coordinate].name, d->joint->name, other->name);
   }
-  model->ndriver++;
   model->nrow++;
 }
 
@@ -229,6 +228,21 @@ tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int
   return TDM_OK;
 }
 
+tdm_status mbd_model_check_times(const mbd_model *model, double t0, double t1, tdm_error *err) {
+  char path[TDM_PATH_MAX];
+  for (int i = 0; i < model->ndriver; i++) {
+    snprintf(path, sizeof path, "mbd.drivers[%d].motion", i);
+    if (mbd_motion_check(&model->driver[i].motion, t0, t1, path, model->driver[i].name, err))
+      return err->status;
+  }
+  for (int i = 0; i < model->nforce; i++) {
+    snprintf(path, sizeof path, "mbd.forces[%d].factor", i);
+    if (mbd_motion_check(&model->force[i].factor, t0, t1, path, model->force[i].name, err))
+      return err->status;
+  }
+  return TDM_OK;
+}
+
 void mbd_model_destroy(mbd_model **model) {
   if (!model || !*model)
     return;
@@ -236,8 +250,12 @@ void mbd_model_destroy(mbd_model **model) {
     mbd_body_clear(&(*model)->body[i]);
   free((*model)->body);
   free((*model)->joint);
+  for (int i = 0; i < (*model)->ndriver; i++)
+    mbd_motion_clear(&(*model)->driver[i].motion);
   free((*model)->driver);
   free((*model)->part);
+  for (int i = 0; i < (*model)->nforce; i++)
+    mbd_force_clear(&(*model)->force[i]);
   free((*model)->force);
   free((*model)->coupled);
   free(*model);

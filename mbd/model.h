@@ -80,6 +80,9 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err);
 /* Name the bodies that take a load from outside; errors are at "coupling.bodies[i].mbd". */
 tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int nbody, tdm_error *err);
 
+/* Refuse a motion law that has no value at some time of [t0, t1] [s]. */
+tdm_status mbd_model_check_times(const mbd_model *model, double t0, double t1, tdm_error *err);
+
 void mbd_model_destroy(mbd_model **model);
 
 /* The index of a body (MBD_GROUND for "ground"), -2 when there is none of that name. */

@@ -45,22 +45,23 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
       c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
   for (int i = 0; i < model->njoint; i++)
     for (int which = 0; which < 2; which++) {
-      const mbd_driver_words *w = &mbd_driver_words_of[which];
+      const mbd_coordinate_words *w = &mbd_coordinate_table[which];
       if (!(model->joint[i].ops->coordinates & (1u << which)))
         continue;
       c = name(c, "joint", model->joint[i].name, w->name, w->unit);
       c = name(c, "joint", model->joint[i].name, w->rate, w->rate_unit);
     }
   for (int i = 0; i < model->ndriver; i++) {
-    const mbd_driver_words *w = &mbd_driver_words_of[model->driver[i].ops->coordinate];
+    const mbd_coordinate_words *w = &mbd_coordinate_table[model->driver[i].ops->coordinate];
     c = name(c, "driver", model->driver[i].name, w->effort, w->effort_unit);
     c = name(c, "driver", model->driver[i].name, w->name, w->unit);
     c = name(c, "driver", model->driver[i].name, w->rate, w->rate_unit);
   }
   for (int i = 0; i < model->nforce; i++) {
-    const mbd_force_ops *ops = model->force[i].ops;
-    c = name(c, "force", model->force[i].name, "value", ops->value_unit);
-    c = name(c, "force", model->force[i].name, ops->coordinate_name, ops->coordinate_unit);
+    const mbd_force *f = &model->force[i];
+    const mbd_coordinate_words *w = f->ops->value_unit ? NULL : &mbd_coordinate_table[f->coordinate];
+    c = name(c, "force", f->name, "value", w ? w->effort_unit : f->ops->value_unit);
+    c = name(c, "force", f->name, w ? w->name : f->ops->coordinate_name, w ? w->unit : f->ops->coordinate_unit);
   }
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)

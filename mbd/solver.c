@@ -75,7 +75,7 @@ static void warn_about_assembly(solver *s) {
   }
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
-    const char *unit = mbd_driver_words_of[d->ops->coordinate].rate_unit;
+    const char *unit = mbd_coordinate_table[d->ops->coordinate].rate_unit;
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
     snprintf(
@@ -138,6 +138,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = p;
   if (mbd_model_load(&s->model, assignment->scene, err) ||
+      mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
   s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
@@ -181,7 +182,7 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
 static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
   solver *s = self;
   const mbd_model *m = s->model;
-  if (mbd_data_set_load(s->data, m, in, err))
+  if (mbd_model_check_times(m, in->t0, in->t1, err) || mbd_data_set_load(s->data, m, in, err))
     return err->status;
   /* the consistent start waits for the first load */
   if ((!s->started || m->solver.restart_each_window) && s->integrator->start(s->integration, in->t0, err))

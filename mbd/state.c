@@ -133,7 +133,12 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
     memset(value->C, 0, sizeof value->C);
   }
   value->second = second;
-  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], data->angle[i], value);
+  value->near = data->angle[i];
+  value->now = data->now;
+  value->value = value->coordinate = value->rate = value->potential = value->dissipated = value->supplied = 0;
+  value->rows.n = 0;
+  value->rows.second = second;
+  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], value);
   return value;
 }
 

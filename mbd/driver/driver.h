@@ -28,15 +28,6 @@ struct mbd_driver {
   mbd_motion motion;
 };
 
-/* names of a driver's outputs, by its coordinate */
-typedef struct {
-  const char *effort, *effort_unit; /* of the second body: "torque", "N m" */
-  const char *name, *unit;          /* "angle", "rad" */
-  const char *rate, *rate_unit;     /* "rate", "rad/s" */
-} mbd_driver_words;
-
-extern const mbd_driver_words mbd_driver_words_of[];
-
 enum { MBD_DRIVER_TYPES_MAX = 32 };
 extern const mbd_driver_ops *const mbd_driver_table[];
 extern const int mbd_driver_ntype;

@@ -9,8 +9,3 @@ extern const mbd_driver_ops mbd_driver_rotational_motor, mbd_driver_linear_motor
 const mbd_driver_ops *const mbd_driver_table[] = {&mbd_driver_rotational_motor, &mbd_driver_linear_motor,
                                                   &mbd_driver_point_motion, &mbd_driver_orientation_motion};
 const int mbd_driver_ntype = sizeof mbd_driver_table / sizeof mbd_driver_table[0];
-
-const mbd_driver_words mbd_driver_words_of[] = {
-    [MBD_ANGLE] = {"torque", "N m", "angle", "rad", "rate", "rad/s"},
-    [MBD_TRANSLATION] = {"force", "N", "translation", "m", "speed", "m/s"},
-};

@@ -16,6 +16,15 @@ typedef struct mbd_joint mbd_joint;
 /* Coordinates of the second body against the first that a joint may leave free, zero in the start configuration: the
  * angle about its axis [rad], counted over turns, and the way of its point along the axis [m]. */
 typedef enum { MBD_ANGLE, MBD_TRANSLATION } mbd_coordinate;
+/* what outputs and messages call them, with the effort on the second body that belongs to each */
+typedef struct {
+  const char *effort, *effort_unit; /* "torque", "N m" */
+  const char *name, *unit;          /* "angle", "rad" */
+  const char *rate, *rate_unit;     /* "rate", "rad/s" */
+} mbd_coordinate_words;
+
+extern const mbd_coordinate_words mbd_coordinate_table[]; /* indexed by mbd_coordinate */
+
 enum { MBD_HAS_ANGLE = 1 << MBD_ANGLE, MBD_HAS_TRANSLATION = 1 << MBD_TRANSLATION };
 
 typedef struct {

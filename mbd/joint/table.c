@@ -16,6 +16,11 @@ const mbd_joint_ops *const mbd_joint_table[] = {
 };
 const int mbd_joint_ntype = sizeof mbd_joint_table / sizeof mbd_joint_table[0];
 
+const mbd_coordinate_words mbd_coordinate_table[] = {
+    [MBD_ANGLE] = {"torque", "N m", "angle", "rad", "rate", "rad/s"},
+    [MBD_TRANSLATION] = {"force", "N", "translation", "m", "speed", "m/s"},
+};
+
 tdm_mat3 mbd_triad(tdm_vec3 axis) {
   /* e1 from the world axis that is least along e3 */
   tdm_vec3 size = {fabs(axis.x), fabs(axis.y), fabs(axis.z)};

@@ -153,6 +153,66 @@ static const bad_case cases[] = {
      "smooth"},
     {MOTOR("'type':'constant_rate','rate':1,'start':'step','ramp':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.ramp",
      ""},
+    {MOTOR("'type':'polynomial','coefficients':[]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.coefficients", "empty"},
+    {MOTOR("'type':'polynomial','coefficients':[1,'a']"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.coefficients",
+     "element 1"},
+    {MOTOR("'type':'harmonic','amplitude':1,'frequency':1,'omega':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.omega",
+     "keep one"},
+    {MOTOR("'type':'step','to':1,'rise':0"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rise", "greater than 0"},
+    {MOTOR("'type':'table','times':[0,1,1],'values':[0,1,2]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.times",
+     "ascending"},
+    {MOTOR("'type':'table','times':[0,1,2],'values':[0,1]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.values",
+     "one for each"},
+    {MOTOR("'type':'table','times':[0,1],'values':[0,1]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.times",
+     "at least 3"},
+    {MOTOR("'type':'table','file':'/nowhere/law.csv'"), "", TDM_ERR_FILE, "mbd.drivers[0].motion.file", "opened"},
+    {MOTOR("'type':'table','times':[0,1,2],'values':[0,1,2],'interpolation':'periodic'"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.times", "end where it begins"},
+    {MOTOR("'type':'table','times':[0,1,2],'values':[0,1,2],'after':'hold'"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.after", "at rest"},
+    {MOTOR("'type':'table','times':[0,0.2,0.5],'values':[0,1,2]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion",
+     "ends at t = 0.5 s"},
+    {"{" BOX
+     ",'joints':[" HINGE("cylindrical") "],'drivers':[{'name':'turn','type':'rotational_motor','joint':'hinge'," STEP
+                                        "},{'name':'push','type':'linear_motor','joint':'hinge'," STEP
+                                        "},{'name':'push_2','type':'linear_motor',"
+                                        "'joint':'hinge'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[2].joint", "driven by \"push\" already"},
+    {"{" BOX ",'joints':[" HINGE("revolute") "],'drivers':[{'name':'push','type':'linear_motor','joint':'hinge'," STEP
+                                             "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "is revolute"},
+    {"{" BOX ",'drivers':[{'name':'m','type':'point_motion','bodies':['ground','box'],'point':[0,0,0],'direction':"
+     "[0,0,0]," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[0].direction", "zero"},
+    {"{" BOX ",'drivers':[{'name':'m','type':'point_motion','bodies':['ground','box'],'point':[0,0,0],'direction':"
+     "[0,0,1]," STEP "},{'name':'n','type':'point_motion','bodies':['ground','box'],'point':[0,0,1],'direction':"
+     "[0,0,1]," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[1]", "redundant"},
+    {JOINT("'type':'universal','bodies':['ground','box'],'point':[0,0,0],'axes':[[0,0,1],[0,1,1]]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].axes", "45 degrees"},
+    {JOINT("'type':'universal','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].axis", "one for each body"},
+    {JOINT("'type':'rod','bodies':['ground','box'],'points':[[0,0,1],[0,0,1]]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].points", "coincide"},
+    {JOINT("'type':'rod','bodies':['ground','box'],'points':[[0,0,1],[0,0,2]],'length':0"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].length", "greater than 0"},
+    {JOINT("'type':'screw','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].pitch", ""},
+    {JOINT("'type':'gear','joints':['a','b'],'ratio':1"), "", TDM_ERR_SCENE, "mbd.joints[0].joints[0]",
+     "stands before this one"},
+    {JOINT("'type':'gear','bodies':['ground','box'],'ratio':1"), "", TDM_ERR_SCENE, "mbd.joints[0].joints", ""},
+    {"{" BOX ",'joints':[" HINGE("revolute") ",{'name':'g','type':'gear','joints':['hinge','hinge'],'ratio':1}]}", "",
+     TDM_ERR_SCENE, "mbd.joints[1].joints", "itself"},
+    {"{" BOX ",'joints':[" HINGE("revolute") ",{'name':'g','type':'gear','joints':['hinge','hynge'],'ratio':1}]}", "",
+     TDM_ERR_SCENE, "mbd.joints[1].joints[1]", "did you mean \"hinge\""},
+    {"{'bodies':[" BODY("box", "") "," BODY("b", "") "],'joints':[" HINGE(
+         "revolute") ",{'name':'h','type':'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},"
+                     "{'name':'g','type':'rack_and_pinion','joints':['hinge','h'],'radius':1}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[2].joints[1]", "is revolute"},
+    {"{'bodies':[" BODY("box", "") "," BODY("b", "") "],'joints':[" HINGE(
+         "revolute") ",{'name':'h','type':'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},"
+                     "{'name':'g','type':'gear','joints':['hinge','h'],'ratio':0}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[2].ratio", "zero"},
     {"{" BOX ",'drivers':{}}", "", TDM_ERR_SCENE, "mbd.drivers", ""},
     {"{" BOX ",'solver':{'max_order':6}}", "", TDM_ERR_SCENE, "mbd.solver.max_order", "1 to 5"},
     {"{" BOX ",'solver':{'relative_tolerance':0}}", "", TDM_ERR_SCENE, "mbd.solver.relative_tolerance", ""},

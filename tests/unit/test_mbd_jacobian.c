@@ -19,6 +19,10 @@
   "'drivers':[{'name':'d','type':'" type "','joint':'j','motion':{" motion "}}]}"
 #define FORCE(type, rest) \
   "{" BODIES ",'forces':[{'name':'f','type':'" type "','stiffness':40,'damping':3,'preload':5," rest "}]}"
+#define PLAIN(type, rest) "{" BODIES ",'forces':[{'name':'f','type':'" type "'," rest "}]}"
+#define ON_JOINT(type, rest)                                                                                           \
+  "{" BODIES ",'joints':[{'name':'j','type':'cylindrical','bodies':['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]}]," \
+  "'forces':[{'name':'f','type':'" type "','joint':'j'," rest "}]}"
 
 static const char *const scenes[] = {
     "{" BODIES "}",
@@ -48,6 +52,12 @@ static const char *const scenes[] = {
     DRIVER("rotational_motor", "['ground','b']", "'axis':[1,2,-1]", "'type':'constant_rate','rate':-7,'start':'step'"),
     DRIVER("rotational_motor", "['b','ground']", "'axes':[[1,2,-1],[0,1,-1]]",
            "'type':'constant_rate','rate':20,'start':'step'"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'constant','value':0.3"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'polynomial','coefficients':[0.3,2,-4]"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'harmonic','amplitude':2,'frequency':1"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'step','to':2,'rise':0.7"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
+           "'type':'table','times':[0,0.2,0.4,1],'values':[0,0.1,0.3,-0.2]"),
     "{" BODIES ",'joints':[{'name':'j','type':'cylindrical','bodies':['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]}],"
     "'drivers':[{'name':'d','type':'linear_motor','joint':'j','motion':{'type':'constant_rate','rate':2,'start':'step'}"
     "},"
@@ -61,6 +71,32 @@ static const char *const scenes[] = {
     FORCE("torsional_spring_damper", "'bodies':['a','b'],'axis':[1,1,0.5],'free_angle':0.4"),
     FORCE("torsional_spring_damper", "'bodies':['ground','b'],'axis':[0,1,0]"),
     FORCE("torsional_spring_damper", "'bodies':['b','ground'],'axis':[0,1,0]"),
+    PLAIN("spring_damper", "'bodies':['a','b'],'points':[[0.1,0.2,0.3],[1,0,2]],"
+                           "'stiffness_table':[[-2,-1,0,1,2],[-9,-2,0,1,4]],'damping_table':[[-4,-1,0,1,4],"
+                           "[-2,-1,0,3,5]]"),
+    PLAIN("torsional_spring_damper", "'bodies':['a','b'],'axis':[1,1,0.5],"
+                                     "'stiffness_table':[[-2,-1,0,1,2],[-9,-2,0,1,4]],'interpolation':'steffen'"),
+    PLAIN("cable", "'bodies':['a','b'],'points':[[0.1,0.2,0.3],[1,0,2]],'free_length':0.01,'stiffness':50,"
+                   "'damping':1"),
+    PLAIN("cable", "'bodies':['ground','b'],'points':[[0.1,0.2,0.3],[1,0,2]],'free_length':0.01,'stiffness':50,"
+                   "'damping':0.3,'smoothing':20"),
+    PLAIN("bushing", "'bodies':['a','b'],'points':[[0.1,0.2,0.3],[0.3,0.2,0.4]],'stiffness':[30,20,10,7,5,8],"
+                     "'damping':[3,2,1,0.7,0.5,0.8],'preload':[1,2,3,4,5,6]"),
+    PLAIN("bushing",
+          "'bodies':['ground','b'],'point':[0.1,0.2,0.3],'orientation':[1,0.3,0.2,0.1],'stiffness':"
+          "[[30,2,1,3,2,1],[2,20,4,1,2,3],[1,4,10,1,1,1],[3,1,1,9,2,1],[2,2,1,2,8,1],[1,3,1,1,1,7]],'damping':"
+          "[[3,1,0,0,1,0],[1,2,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[1,0,0,0,1,0],[0,0,0,0,0,1]]"),
+    PLAIN("bump", "'bodies':['a','b'],'point':[0.1,0.2,0.3],'radius':40,'plane_point':[1,0,2],'normal':[1,2,1],"
+                  "'stiffness':20,'exponent':1.5,'damping':0.01"),
+    PLAIN("bump", "'bodies':['ground','b'],'points':[[0.1,0.2,0.3],[1,1,1]],'radii':[10,30],'stiffness':20,"
+                  "'damping':0.01"),
+    PLAIN("wrench", "'body':'b','point':[0.1,0.2,0.3],'force':[1,2,3],'moment':[4,5,6],'axes':'body'"),
+    PLAIN("wrench", "'body':'a','point':[0.1,0.2,0.3],'force':[1,2,3],'moment':[4,5,6],"
+                    "'factor':{'type':'harmonic','amplitude':1,'frequency':1}"),
+    ON_JOINT("friction", "'coordinate':'angle','limit':5,'velocity_scale':2,'viscous':0.4"),
+    ON_JOINT("friction", "'coordinate':'translation','coefficient':0.3,'preload':10,'velocity_scale':2"),
+    ON_JOINT("stop", "'coordinate':'angle','upper':-50,'stiffness':20,'damping':0.01"),
+    ON_JOINT("stop", "'coordinate':'translation','lower':50,'stiffness':20,'damping':0.01,'exponent':1.5"),
 };
 
 static double uniform(unsigned *seed) {
