@@ -78,5 +78,9 @@ const cpl_scenario scn_table[] = {
      .group = "mbd",
      .summary = "a free body that turns about its middle axis",
      .verify = scn_torque_free},
+    {.name = "fourbar_a02",
+     .group = "mbd",
+     .summary = "1 to 100 four-bar windows through singular positions (IFToMM A02)",
+     .verify = scn_fourbar_a02},
     {0},
 };

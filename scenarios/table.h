@@ -37,6 +37,7 @@ tdm_status scn_slider_crank(cpl_verify *v, tdm_error *err);
 tdm_status scn_car_axis(cpl_verify *v, tdm_error *err);
 tdm_status scn_heavy_top(cpl_verify *v, tdm_error *err);
 tdm_status scn_regular_precession(cpl_verify *v, tdm_error *err);
+tdm_status scn_fourbar_a02(cpl_verify *v, tdm_error *err);
 tdm_status scn_torque_free(cpl_verify *v, tdm_error *err);
 
 #endif

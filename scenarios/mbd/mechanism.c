@@ -169,13 +169,16 @@ static int sweep(const scn_case *c, cpl_verify *v, const scn_method *method, con
     scn_motion m = {0};
     double wall, tolerance = pow(10, -k);
     tdm_error failed = {0};
-    if (scn_case_time(c, method, tolerance, c->of->at, &m, &wall, &failed) == TDM_OK) {
+    bool done = scn_case_time(c, method, tolerance, c->of->at, &m, &wall, &failed) == TDM_OK;
+    if (done) {
       fprintf(f, "%g,%.4g,%.4g,%ld,%ld,%ld,%.3g\n", tolerance, scn_case_error(c, &m, c->row, false), wall,
               m.stats.steps, m.stats.residuals, m.stats.jacobians, scn_motion_drift(&m));
       good++;
     } else if (failed.status == TDM_ERR_INTERRUPTED)
       *err = failed;
     scn_motion_free(&m);
+    if (!done && k >= 6) /* tighter ones do not run either */
+      break;
   }
   fclose(f);
   return good;
