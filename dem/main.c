@@ -2,9 +2,13 @@
 #include "dem/bench.h"
 #include "dem/run.h"
 
+#include <malloc.h>
 #include <string.h>
 
 int main(int argc, char **argv) {
+  /* Large arrays in pages of their own, also after some were freed: they grow without a copy, and what is freed goes.
+   */
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);
   if (argc > 1 && strcmp(argv[1], "bench") == 0)
     return dem_bench_main(argc - 2, argv + 2);
   return tdm_alone_main(&dem_program, argc, argv);

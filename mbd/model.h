@@ -22,7 +22,8 @@ typedef struct {
   char name[MBD_NAME_MAX];
   double mass;      /* [kg] */
   tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2] */
-  tdm_state start;  /* as given in the scene, orientation normalised */
+  tdm_mat3 inverse_inertia;
+  tdm_state start; /* as given in the scene, orientation normalised */
   int nmarker;
   mbd_marker *marker; /* (nmarker) */
 } mbd_body;

@@ -58,11 +58,11 @@ static void warn_about_assembly(solver *s) {
   if (a->translation > 1e-6 || a->rotation > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
-    snprintf(
-        w->message, sizeof w->message,
-        "the joints do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g rad); correct the "
-        "position, the orientation or the joints",
-        s->model->body[a->body].name, a->translation, a->rotation);
+    snprintf(w->message, sizeof w->message,
+             "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
+             "rad); correct the "
+             "position, the orientation, the joints or the drivers' laws at the start",
+             s->model->body[a->body].name, a->translation, a->rotation);
   }
   if (a->velocity > 1e-6 || a->angular > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
@@ -98,10 +98,17 @@ static json_t *make_report(const solver *s) {
     json_object_set_new(joints, m->joint[i].name, json_string(m->joint[i].ops->name));
   for (int i = 0; i < m->ndriver; i++)
     json_object_set_new(drivers, m->driver[i].name, json_string(m->driver[i].ops->name));
-  return json_pack("{s:i, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom", s->assembly.freedom,
-                   "mass", mass, "bodies", bodies, "joints", joints, "drivers", drivers, "forces", m->nforce,
-                   "assembly", "translation", s->assembly.translation, "rotation", s->assembly.rotation, "velocity",
-                   s->assembly.velocity, "angular_velocity", s->assembly.angular);
+  json_t *dependent = json_array();
+  for (int i = 0; i < m->nrow; i++)
+    if (s->data->dependent[i]) {
+      mbd_origin o = mbd_origin_of(m, i);
+      json_array_append_new(dependent, json_pack("{s:s, s:s}", o.kind, o.name, "equation", o.equation));
+    }
+  return json_pack("{s:i, s:o, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom",
+                   s->assembly.freedom, "redundant", dependent, "mass", mass, "bodies", bodies, "joints", joints,
+                   "drivers", drivers, "forces", m->nforce, "assembly", "translation", s->assembly.translation,
+                   "rotation", s->assembly.rotation, "velocity", s->assembly.velocity, "angular_velocity",
+                   s->assembly.angular);
 }
 
 /* What READY needs: coupled bodies, channels with their start values, report. */

@@ -44,6 +44,7 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
   mbd_scalar law = mbd_contact_law(f, -gap, -rate);
   law.f = -law.f;
   mbd_force_apply_scalar(out, a, b, gap, rate, &law);
+  out->value = -law.f;
 }
 
 extern const mbd_force_ops mbd_force_bump;

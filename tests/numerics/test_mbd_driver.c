@@ -56,6 +56,36 @@ START_TEST(test_laws) {
 }
 END_TEST
 
+/* a table from a file, with a line of names, comments and several separators, is that of the scene */
+START_TEST(test_law_file) {
+  const char *file = TANDEM_TEST_DIR "/test_mbd_law.csv";
+  FILE *f = fopen(file, "w");
+  ck_assert_ptr_nonnull(f);
+  fputs("time,angle\n# measured\n0, 0\n0.5;1e-1\n\n1 0.3\r\n2\t-0.2\n", f);
+  fclose(f);
+  mbd_motion a = motion_of("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
+  mbd_motion b = motion_of("{'motion':{'type':'table','times':[0,0.5,1,2],'values':[0,0.1,0.3,-0.2]}}");
+  for (double t = 0; t <= 2; t += 0.1)
+    CLOSE(mbd_motion_at(&a, t).value, mbd_motion_at(&b, t).value, 0);
+  CLOSE(mbd_motion_at(&a, 1).value, 0.3, 1e-15);
+  mbd_motion_clear(&a);
+  mbd_motion_clear(&b);
+
+  f = fopen(file, "w");
+  fputs("time,angle\n0,0\n0.5\n1,2\n", f);
+  fclose(f);
+  mbd_motion bad = {0};
+  tdm_error err = {0};
+  json_t *json = scene_json("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
+  tdm_object o = tdm_object_open(json, "", &err);
+  mbd_motion_load(&bad, &o, "motion");
+  ck_assert_int_eq(err.status, TDM_ERR_FILE);
+  ck_assert_msg(strstr(err.message, "line 3") != NULL, "%s", err.message);
+  mbd_motion_clear(&bad);
+  json_decref(json);
+}
+END_TEST
+
 /* the end of a smooth step, a table that repeats, one that holds */
 START_TEST(test_law_ends) {
   mbd_motion m = motion_of("{'motion':{'type':'step','from':1,'to':3,'start':0.3,'rise':1}}");
@@ -357,5 +387,5 @@ START_TEST(test_start_velocities) {
 }
 END_TEST
 
-TEST_MAIN("mbd driver", 240, test_law, test_laws, test_law_ends, test_step_start, test_smooth_start, test_long_windows,
-          test_load, test_rotors, test_work, test_start_velocities)
+TEST_MAIN("mbd driver", 240, test_law, test_laws, test_law_ends, test_law_file, test_step_start, test_smooth_start,
+          test_long_windows, test_load, test_rotors, test_work, test_start_velocities)

@@ -117,8 +117,14 @@ static double deviation(const mbd_model *m, mbd_data *d, unsigned seed) {
   }
   for (int b = 0; b < m->nbody; b++) /* away from the zero quaternion */
     y[MBD_BODY_UNKNOWNS * b + MBD_P] += 1.5;
-  mbd_sink sink = {J, n};
-  mbd_jacobian(m, d, 0.3, cj, y, yp, &sink);
+  mbd_sparse *matrix = mbd_sparse_create(n);
+  mbd_sparse_begin(matrix);
+  mbd_jacobian(m, d, 0.3, cj, y, yp, matrix);
+  ck_assert_int_eq(mbd_sparse_end(matrix), MBD_SPARSE_GREW);
+  for (int col = 0; col < n; col++)
+    for (int i = matrix->column[col]; i < matrix->column[col + 1]; i++)
+      J[col * n + matrix->row[i]] += matrix->value[i];
+  mbd_sparse_destroy(&matrix);
   for (int k = 0; k < n; k++) {
     double yk = y[k], ypk = yp[k];
     y[k] = yk + eps, yp[k] = ypk + cj * eps;
@@ -157,6 +163,61 @@ START_TEST(test_jacobian) {
 }
 END_TEST
 
+/* Sum of the forces' power Q.V, potential, and power dissipated and supplied at y. */
+static void powers(const mbd_model *m, mbd_data *d, const double *y, double out[4]) {
+  memset(out, 0, 4 * sizeof *out);
+  mbd_kinematics(m, d, 0.3, y);
+  for (int i = 0; i < m->nforce; i++) {
+    const mbd_force_value *f = mbd_force_at(m, d, i, false);
+    double twist[MBD_PAIR];
+    mbd_pair_twist(&d->kin[m->force[i].body[0] + 1], &d->kin[m->force[i].body[1] + 1], twist);
+    for (int k = 0; k < MBD_PAIR; k++)
+      out[0] += f->Q[k] * twist[k];
+    out[1] += f->potential;
+    out[2] += f->dissipated;
+    out[3] += f->supplied;
+  }
+}
+
+/* y moved on along its velocities by the time h */
+static void move_on(const mbd_model *m, double *y, double h) {
+  for (int b = 0; b < m->nbody; b++) {
+    tdm_state s = mbd_body_state(y, b);
+    s.pose.position = tdm_axpy(h, s.twist.velocity, s.pose.position);
+    s.pose.orientation = tdm_quat_mul(tdm_quat_from_rotvec(tdm_scale(h, s.twist.angular)), s.pose.orientation);
+    mbd_set_body_state(y, b, &s);
+  }
+}
+
+/* what forces do is what their potential loses, less heat, plus what comes from outside; heat is not negative */
+START_TEST(test_power) {
+  json_t *json = scene_json(scenes[_i]);
+  mbd_model *m = NULL;
+  tdm_error err = {0};
+  ck_assert_msg(mbd_model_load(&m, json, &err) == TDM_OK, "%s: %s", err.path, err.message);
+  mbd_data *d = mbd_data_create(m);
+  double *y = calloc((size_t)mbd_nunknown(m), 8), before[4], now[4], after[4];
+  for (unsigned s = 1; s <= 20; s++) {
+    unsigned seed = s;
+    for (int i = 0; i < MBD_BODY_UNKNOWNS * m->nbody; i++)
+      y[i] = uniform(&seed) + (i % MBD_BODY_UNKNOWNS == MBD_P ? 1.5 : 0);
+    powers(m, d, y, now);
+    move_on(m, y, -1e-6);
+    powers(m, d, y, before);
+    move_on(m, y, 2e-6);
+    powers(m, d, y, after);
+    double rate = (after[1] - before[1]) / 2e-6, size = 1 + fabs(now[0]) + fabs(now[1]);
+    ck_assert_msg(fabs(now[0] + rate + now[2] - now[3]) < 1e-8 * size, "scene %s, seed %u: %g of %g W missing",
+                  scenes[_i], s, now[0] + rate + now[2] - now[3], now[0]);
+    ck_assert_double_ge(now[2], 0);
+  }
+  free(y);
+  mbd_data_destroy(&d);
+  mbd_model_destroy(&m);
+  json_decref(json);
+}
+END_TEST
+
 /* every type of every table stands in a scene above */
 START_TEST(test_all_types) {
   const int nscene = sizeof scenes / sizeof scenes[0];
@@ -185,6 +246,7 @@ int main(void) {
   Suite *suite = suite_create("mbd_jacobian");
   TCase *tcase = tcase_create("jacobian");
   tcase_add_loop_test(tcase, test_jacobian, 0, sizeof scenes / sizeof scenes[0]);
+  tcase_add_loop_test(tcase, test_power, 0, sizeof scenes / sizeof scenes[0]);
   tcase_add_test(tcase, test_all_types);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);
