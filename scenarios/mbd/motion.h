@@ -9,6 +9,7 @@
 typedef struct {
   const char *name; /* in tables and plots: "index3 modified" */
   const char *formulation, *corrector;
+  bool steps; /* takes equal steps: a tolerance is their length over that of the run */
 } scn_method;
 
 /* Zero-initialise; free with scn_motion_free, also after an error. */
@@ -25,8 +26,8 @@ typedef struct {
 /* The section mbd of scenarios/mbd/NAME/scene.json (new reference); NULL and an error. */
 json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err);
 
-/* Solve the section `mbd` (borrowed, unchanged) from 0 to `end` with `nstep` equal steps between samples, at a relative
- * tolerance; the absolute one is `absolute` times that. Refuses to spend more than `budget` [s] of wall time
+/* Solve the section `mbd` (borrowed, unchanged) from 0 to `end` with `nstep` equal intervals between samples, at a
+ * relative tolerance; the absolute one is `absolute` times that. Refuses to spend more than `budget` [s] of wall time
  * (TDM_ERR_LIMIT). */
 tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double absolute,
                           double end, int nstep, double budget, tdm_error *err);

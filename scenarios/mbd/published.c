@@ -92,7 +92,7 @@ static const scn_mechanism andrews = {
     .name = "andrews",
     .at = 0.03,
     .absolute = 1,
-    .budget = 20,
+    .budget = 10,
     .coordinate = {{"q_beta", SCN_ANGLE, "K1", NULL, 0},
                    {"q_theta", SCN_ANGLE, "K2", "K1", 0},
                    {"q_gamma", SCN_ANGLE, "K3", NULL, 0},
