@@ -9,15 +9,11 @@
 #define DEM_RUN_H
 
 #include "dem/output/picture.h"
+#include "protocol/alone.h"
 #include "protocol/time_section.h"
 
-typedef struct {
-  const char *scene;      /* file */
-  const char *const *set; /* NULL-terminated "path=value" overrides, may be NULL */
-  const char *out;        /* result directory; not for a check */
-  bool force;             /* replace the results of an earlier run */
-  bool strict;            /* refuse a scene that the solver has doubts about */
-} dem_run_options;
+/* the command line of tandem-dem, but for bench */
+extern const tdm_alone_program dem_program;
 
 /* What a run reads besides the section dem. */
 typedef struct {
@@ -33,9 +29,9 @@ tdm_status dem_run_settings_read(dem_run_settings *settings, const tdm_scene *sc
 void dem_run_settings_free(dem_run_settings *settings);
 
 /* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
-tdm_status dem_run(const dem_run_options *options, tdm_error *err);
+tdm_status dem_run(const tdm_alone_options *options, tdm_error *err);
 
 /* Load and settle the scene, and print what would run. */
-tdm_status dem_run_check(const dem_run_options *options, tdm_error *err);
+tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err);
 
 #endif

@@ -12,7 +12,7 @@
 enum { WARNINGS_MAX = 3 };
 
 typedef struct {
-  tdm_participant *participant; /* borrowed, NULL in tests without a server */
+  tdm_participant *participant; /* borrowed, NULL without a server */
   mbd_model *model;
   mbd_data *data;
   mbd_kkt *kkt;
@@ -183,10 +183,10 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
 }
 
-/* tells the server that the solver lives; true when the work is no longer wanted */
+/* tells the server, if there is one, that the solver lives; true when the work is no longer wanted */
 static bool should_stop(void *context) {
   solver *s = context;
-  return s->participant && tdm_participant_alive(s->participant) != TDM_OK;
+  return tdm_participant_alive(s->participant) != TDM_OK;
 }
 
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
@@ -286,6 +286,16 @@ static tdm_status restore(void *self, int slot, tdm_error *err) {
   mbd_kkt_reset(s->kkt);
   s->started = s->slot[slot].started;
   return s->started ? s->integrator->restore(s->integration, s->slot[slot].integration, err) : TDM_OK;
+}
+
+const mbd_model *mbd_solver_model(const void *self) {
+  return ((const solver *)self)->model;
+}
+
+const mbd_stats *mbd_solver_stats(void *self) {
+  solver *s = self;
+  s->integrator->stats(s->integration);
+  return &s->data->stats;
 }
 
 static const char *const capabilities[] = {"restore", "acceleration", "mobility"};
