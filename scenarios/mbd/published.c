@@ -290,7 +290,7 @@ tdm_status scn_andrews(cpl_verify *v, tdm_error *err) {
       cpl_verify_measure(v, "digits", "published", scn_digits(scn_case_error(&c, &m, c.row, false)), CPL_AT_LEAST, 8);
     scn_motion_free(&m);
     swap_reference(&c, angle, err);
-    measure_best(&c, v, &scn_methods[1], 4);
+    measure_best(&c, v, &scn_methods[2], 4);
     measure_speed(&c, v, 0.384, 1e-8, 10);
     scn_work_precision(&c, v, err);
   }
