@@ -3,6 +3,7 @@
 
 #include "dem/domain.h"
 #include "dem/extras.h"
+#include "dem/geometry/traction.h"
 #include "dem/geometry/walls.h"
 #include "dem/integrate.h"
 #include "dem/search/pairs.h"
@@ -23,19 +24,19 @@ static void *place(char *block, size_t *used, size_t bytes) {
 
 /* Lay the arrays of fixed size out in one block; returns its size. */
 static size_t layout(dem_data *d, char *block) {
-  size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nc = (size_t)d->model->ncoupled, used = 0;
+  size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nl = (size_t)d->model->nload, used = 0;
   PLACE(pose, nb);
   PLACE(twist, nb);
-  PLACE(body_load, nb);
+  PLACE(body_load, nl);
   PLACE(body_inverse, nb);
   PLACE(pose_at_list, nb);
   PLACE(margin, nb);
   PLACE(reach, nb);
-  PLACE(fast_load, nb);
+  PLACE(fast_load, nl);
   PLACE(wall, nw);
   PLACE(lid, nw);
-  PLACE(sample_sum, nc);
-  PLACE(sample_mean, nc);
+  PLACE(sample_sum, nl + 1);
+  PLACE(sample_mean, nl + 1);
   PLACE(source, (size_t)d->model->nsource);
   PLACE(sink, (size_t)d->model->nsink);
   return used;
@@ -55,7 +56,7 @@ static size_t layout_particles(dem_data *d, char *block) {
   PLACE(spare_walls.chunk, nchunk + 1);
   PLACE(chunk_spare, nchunk + 1);
   PLACE(crossings.chunk, nchunk + 1);
-  PLACE(chunk_load, nchunk * (size_t)d->model->nbody);
+  PLACE(chunk_load, nchunk * (size_t)d->model->nload);
   PLACE(chunk_flux, nchunk);
   return used;
 }
@@ -240,6 +241,7 @@ dem_data *dem_data_create(const dem_model *model) {
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
   d->nthread = model->threads > 0 ? model->threads : 1;
+  d->traction.wanted = model->triangle_forces;
   if (d->block)
     layout(d, d->block);
   if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
@@ -336,6 +338,7 @@ void dem_data_destroy(dem_data **data) {
       d->crossings.order, d->push,          d->spare_push,        d->particle_block,      d->block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
+  dem_traction_free(d);
   dem_rows_free(&d->rows);
   dem_search_destroy(&d->search);
   free(d);

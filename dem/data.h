@@ -100,6 +100,14 @@ typedef struct {
   uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
 } dem_guard_state;
 
+/* Forces on the triangles of meshes at the last step or evaluation; all NULL unless model.triangle_forces. */
+typedef struct {
+  bool wanted;           /* of the evaluations to come */
+  tdm_vec3 *force;       /* (model.ntriangle) of the particles on each, world [N] */
+  tdm_vec3 *entry_force; /* (capacity) of each entry of the walls' list on its particle [N] */
+  size_t capacity;
+} dem_traction;
+
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
 
@@ -130,7 +138,7 @@ typedef struct dem_data {
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */
   tdm_twist *twist;       /* now */
-  tdm_wrench *body_load;  /* of the particles, about the centre of mass, world */
+  tdm_wrench *body_load;  /* (model.nload) of the particles, about the body's centre of mass, world */
   double *body_inverse;   /* 1/mass for the damping [1/kg]; 0: cannot be moved */
   tdm_pose *pose_at_list; /* when the lists were built */
   double *margin;         /* smallest gap - radius of a particle that is not listed with this body's walls [m] */
@@ -138,7 +146,7 @@ typedef struct dem_data {
   dem_wall_place *wall;   /* (nwall) where the walls are */
   double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
   uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
-  tdm_wrench *chunk_load; /* (nchunk x nbody) body_load by chunk */
+  tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
 
   dem_source_state *source; /* (nsource) */
@@ -169,7 +177,7 @@ typedef struct dem_data {
   long ncontact;     /* touching pairs and walls at the last evaluation */
   dem_energy energy; /* of the contacts, if the scene asks for it */
 
-  /* means over the output interval, (ncoupled) */
+  /* means over the output interval, (model.nload + 1): as body_load, then of the contacts on fixed particles */
   tdm_wrench *sample_sum;
   tdm_wrench *sample_mean; /* the last sample's */
   uint64_t sample_count;   /* steps in sample_sum */
@@ -181,8 +189,9 @@ typedef struct dem_data {
   size_t column_capacity;
   dem_rows rows;         /* what the search found */
   dem_search *search;    /* owned */
-  tdm_wrench *fast_load; /* (nbody) multi-step: body_load of the fast contacts */
+  tdm_wrench *fast_load; /* (model.nload) multi-step: body_load of the fast contacts */
   int *number;           /* (nparticle) scratch */
+  dem_traction traction; /* forces on the triangles of meshes (geometry/traction.h) */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */

@@ -16,6 +16,9 @@ void dem_put_in_plane(dem_model *model, tdm_error *err);
 /* Accelerations of their own, and infinite masses, of the particles by the groups that their ids belong to. */
 void dem_drive_particles(dem_data *data);
 
+/* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */
+tdm_vec3 dem_fixed_force(const dem_data *data);
+
 /* v with `at` for the component along which particles do not move. */
 static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {
   if (m->flat >= 0)

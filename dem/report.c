@@ -81,6 +81,21 @@ static void warn_start(dem_report *r, const dem_data *d, const dem_settled *sett
          dem_count_lost(d), settled->dt);
 }
 
+/* in two dimensions nothing falls out of the plane */
+static void warn_plane(dem_report *r, const dem_model *m) {
+  double across = m->flat >= 0 ? (&m->gravity.x)[m->flat] : 0;
+  if (across != 0)
+    warn(r, "dem.gravity",
+         "its %c component, %g m/s2, is across the plane of dem.dimension 2 and does nothing; set it to 0, or choose "
+         "another dem.plane",
+         "xyz"[m->flat], across);
+}
+
+static void warn_triangles(dem_report *r, const dem_model *m) {
+  if (m->triangle_forces && m->ncoupled > 0)
+    warn(r, "dem.triangle_forces", "is for tandem-dem run, which writes files for ParaView; remove it");
+}
+
 static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limits) {
   if (m->dt > limits->most)
     warn(r, "time.dt",
@@ -245,6 +260,8 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   warn_start(r, d, settled, nbehind);
   report_limits(r, m, &limits);
   warn_step(r, m, &limits);
+  warn_plane(r, m);
+  warn_triangles(r, m);
   report_ratios(r, d, fill.mass);
   report_lids(r, d);
   report_meshes(r, m);

@@ -79,6 +79,8 @@ static void stand_still(dem_data *d) {
 /* let the particles come to rest with the bodies held */
 static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   double quiet = choose_times(d, out);
+  if (d->model->settle.dt > 0 && dem_check_step(d, out->dt, "dem.settle.dt", err))
+    return err->status;
   hold_bodies(d);
   if (run(d, quiet, p, out, err))
     return err->status;

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <suitesparse/klu.h>
+#include <klu.h>
 
 /* above this size most entries are zero, and sparse wins (measured on chains of pendulums) */
 enum { DENSE_MAX = 60 };

@@ -189,6 +189,7 @@ static void load_body(mbd_model *model, json_t *json, const char *path, tdm_erro
   mbd_load_name(&o, b->name);
   b->mass = tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
   load_inertia(&o, &b->inertia);
+  b->inverse_inertia = tdm_m3_inverse(b->inertia);
   b->start.pose.position = tdm_get_vec3(&o, "position", NULL);
   b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
   b->start.twist.velocity = tdm_get_vec3(&o, "velocity", &zero);

@@ -16,7 +16,8 @@ typedef struct {
   char name[MBD_NAME_MAX];
   double mass;      /* [kg] */
   tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2] */
-  tdm_state start;  /* as given in the scene, orientation normalised */
+  tdm_mat3 inverse_inertia;
+  tdm_state start; /* as given in the scene, orientation normalised */
 } mbd_body;
 
 typedef enum {

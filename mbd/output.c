@@ -89,6 +89,8 @@ static void drive(const mbd_model *model, mbd_data *data, int index, const doubl
 
 bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out) {
   bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin and data->now */
+  if (good && data->ndependent > 0)
+    good = mbd_kkt_share(kkt, model, data, data->lambda);
   reactions(model, data, data->lambda, out);
   out += JOINT_CHANNELS * model->njoint;
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)

@@ -115,10 +115,16 @@ static json_t *make_report(const solver *s) {
     json_object_set_new(joints, m->joint[i].name, json_string(m->joint[i].ops->name));
   for (int i = 0; i < m->ndriver; i++)
     json_object_set_new(drivers, m->driver[i].name, json_string(m->driver[i].ops->name));
-  return json_pack("{s:i, s:s, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom",
-                   s->assembly.freedom, "formulation", mbd_formulation_table[m->solver.formulation].name, "mass", mass,
-                   "bodies", bodies, "joints", joints, "drivers", drivers, "forces", m->nforce, "assembly",
-                   "translation", s->assembly.translation, "rotation", s->assembly.rotation, "velocity",
+  json_t *dependent = json_array();
+  for (int i = 0; i < m->nrow; i++)
+    if (s->data->dependent[i]) {
+      mbd_origin o = mbd_origin_of(m, i);
+      json_array_append_new(dependent, json_pack("{s:s, s:s}", o.kind, o.name, "equation", o.equation));
+    }
+  return json_pack("{s:i, s:s, s:o, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom",
+                   s->assembly.freedom, "formulation", mbd_formulation_table[m->solver.formulation].name, "redundant",
+                   dependent, "mass", mass, "bodies", bodies, "joints", joints, "drivers", drivers, "forces", m->nforce,
+                   "assembly", "translation", s->assembly.translation, "rotation", s->assembly.rotation, "velocity",
                    s->assembly.velocity, "angular_velocity", s->assembly.angular);
 }
 
@@ -262,6 +268,7 @@ static tdm_status save(void *self, int slot, tdm_error *err) {
     return err->status;
   s->started = s->started && s->integrator->save; /* else it starts again, here and after RESTORE */
   s->slot[slot].started = s->started;
+  mbd_kkt_reset(s->kkt); /* here and in restore: what follows must not depend on what was before */
   return TDM_OK;
 }
 
@@ -271,6 +278,7 @@ static tdm_status restore(void *self, int slot, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
   mbd_data_copy(s->model, s->data, s->slot[slot].data);
   s->started = s->slot[slot].started;
+  mbd_kkt_reset(s->kkt);
   return s->started ? s->integrator->restore(s->integration, s->slot[slot].integration, err) : TDM_OK;
 }
 

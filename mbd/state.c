@@ -19,6 +19,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->angle = array(model->nforce);
   d->turn = array(model->njoint);
   d->g = array(model->nrow);
+  d->dependent = calloc((size_t)model->nrow + 1, sizeof *d->dependent);
   d->acceleration = array(6 * model->nbody);
   d->lambda = array(model->nrow);
   d->wrench = array(6 * model->nbody);
@@ -26,8 +27,8 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->load = calloc((size_t)model->ncoupled * MBD_LOAD_MAX + 1, sizeof *d->load);
   d->kin = calloc(nbody + 1, sizeof *d->kin);
   d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
-  if (!d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->acceleration || !d->lambda || !d->wrench || !d->shift ||
-      !d->load || !d->kin || !d->quaternion) {
+  if (!d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->dependent || !d->acceleration || !d->lambda ||
+      !d->wrench || !d->shift || !d->load || !d->kin || !d->quaternion) {
     mbd_data_destroy(&d);
     return NULL;
   }
@@ -46,6 +47,7 @@ void mbd_data_destroy(mbd_data **data) {
   free(d->angle);
   free(d->turn);
   free(d->g);
+  free(d->dependent);
   free(d->acceleration);
   free(d->lambda);
   free(d->wrench);
@@ -172,6 +174,19 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
   rows->g_t[0] = -x.rate;
   rows->g_tt[0] = -x.acceleration;
   return rows;
+}
+
+double mbd_row_mobility(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int k) {
+  double sum = 0;
+  for (int side = 0; side < 2; side++) {
+    if (rows->body[side] == MBD_GROUND)
+      continue;
+    const mbd_body *body = &model->body[rows->body[side]];
+    tdm_vec3 along = mbd_get3(rows->G[k] + 6 * side);
+    tdm_vec3 about = tdm_m3_tmul(data->kin[rows->body[side] + 1].A, mbd_get3(rows->G[k] + 6 * side + 3));
+    sum += tdm_dot(along, along) / body->mass + tdm_dot(about, tdm_m3_mul(body->inverse_inertia, about));
+  }
+  return sum;
 }
 
 /* Note the largest violation: rows of the same constraint add up over its parts. */

@@ -21,12 +21,14 @@ typedef struct {
 
 /* The mutable state of a run with its workspace. */
 typedef struct {
-  double t;      /* [s] */
-  double *y;     /* (nunknown) at t */
-  double *yp;    /* (nunknown) their time derivatives */
-  double *angle; /* (nforce) continuous angle of torsional forces at t [rad] */
-  double *turn;  /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
-  double drift;  /* largest constraint violation |g| over the steps since it was last read */
+  double t;        /* [s] */
+  double *y;       /* (nunknown) at t */
+  double *yp;      /* (nunknown) their time derivatives */
+  double *angle;   /* (nforce) continuous angle of torsional forces at t [rad] */
+  double *turn;    /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
+  int ndependent;  /* constraint rows that others imply; mbd_assemble finds them */
+  bool *dependent; /* (nrow) */
+  double drift;    /* largest constraint violation |g| over the steps since it was last read */
 
   /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
   double load_t0, load_t1; /* [s] */
@@ -101,6 +103,9 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
 /* Evaluate part i of the constraints (model->part) at data->kin and data->now into data->rows (with H if second). What
  * parts give for the same row adds up. */
 const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool second);
+
+/* (G M^-1 G^T)_ii of row k of a part. Two parts with a body in common count as if they had none. */
+double mbd_row_mobility(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int k);
 
 /* After an accepted step to y at time t: count angles on and note the drift. */
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y);

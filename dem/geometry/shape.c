@@ -221,7 +221,7 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
 
 /* ---- all ---- */
 
-void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err) {
+void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_wall_list *list, tdm_error *err) {
   static const char *const names[] = {
 #define X(name) #name,
       DEM_SHAPE_LIST(X)
@@ -240,6 +240,7 @@ void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *lis
   read[shape](&o, body, list);
   tdm_vec3 surface = tdm_get_vec3(&o, "surface_velocity", &(tdm_vec3){0, 0, 0});
   for (int w = first; w < list->count; w++) {
+    list->wall[w].geometry = geometry;
     list->wall[w].moves = list->wall[w].surface_spin != 0 || tdm_norm(surface) > 0;
     list->wall[w].surface = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(list->wall[w].turn)), surface);
   }

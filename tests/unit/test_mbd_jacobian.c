@@ -58,8 +58,14 @@ static double deviation(const mbd_model *m, mbd_data *d, unsigned seed) {
   }
   for (int b = 0; b < m->nbody; b++) /* away from the zero quaternion */
     y[MBD_BODY_UNKNOWNS * b + MBD_P] += 1.5;
-  mbd_sink sink = {J, n};
-  mbd_jacobian(m, d, 0.3, cj, y, yp, &sink);
+  mbd_sparse *matrix = mbd_sparse_create(n);
+  mbd_sparse_begin(matrix);
+  mbd_jacobian(m, d, 0.3, cj, y, yp, matrix);
+  ck_assert_int_eq(mbd_sparse_end(matrix), MBD_SPARSE_GREW);
+  for (int col = 0; col < n; col++)
+    for (int i = matrix->column[col]; i < matrix->column[col + 1]; i++)
+      J[col * n + matrix->row[i]] += matrix->value[i];
+  mbd_sparse_destroy(&matrix);
   for (int k = 0; k < n; k++) {
     double yk = y[k], ypk = yp[k];
     y[k] = yk + eps, yp[k] = ypk + cj * eps;
