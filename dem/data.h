@@ -11,6 +11,7 @@
 
 #include "dem/exact.h"
 #include "dem/model.h"
+#include "dem/scratch.h"
 #include "dem/search/search.h"
 
 #include <stdint.h>
@@ -129,7 +130,8 @@ typedef struct dem_data {
   dem_sphere *sphere;         /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
   dem_rotor *rotor;           /* likewise */
   dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
-  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings */
+  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings. Lists
+                               * are built when they are not needed, and use their memory (pairs.h) */
   dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
   dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
   dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
@@ -185,13 +187,12 @@ typedef struct dem_data {
   /* not part of the state */
   dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
   size_t *chunk_spare;           /* (nchunk + 1) */
-  double *column;                /* (column_capacity) a column of histories, at a rebuild */
-  size_t column_capacity;
-  dem_rows rows;         /* what the search found */
-  dem_search *search;    /* owned */
-  tdm_wrench *fast_load; /* (model.nload) multi-step: body_load of the fast contacts */
-  int *number;           /* (nparticle) scratch */
-  dem_traction traction; /* forces on the triangles of meshes (geometry/traction.h) */
+  dem_scratch scratch;           /* at a rebuild; the memory of push */
+  dem_rows rows;                 /* likewise: what the search found */
+  dem_search *search;            /* owned; NULL until the first list */
+  tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
+  dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
+  int *number;                   /* (nparticle) scratch, where particles can leave; else none */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
@@ -221,8 +222,8 @@ bool dem_data_add(dem_data *data, const dem_newcomer *newcomer);
  * histories. */
 void dem_data_remove(dem_data *data, const int *gone);
 
-/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers: they are to be
- * built next. False: no memory. */
+/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers, and push loses
+ * what it has: they are to be built next. False: no memory. */
 bool dem_data_permute(dem_data *data, const int *from);
 
 /* Put the particle that is none behind the last. */

@@ -5,6 +5,7 @@
 #include "protocol/command_line.h"
 #include "protocol/find.h"
 
+#include <malloc.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -70,6 +71,9 @@ static tdm_status command_check(const arguments *a, tdm_error *err) {
 }
 
 int main(int argc, char **argv) {
+  /* Large arrays in pages of their own, also after some were freed: they grow without a copy, and what is freed goes.
+   */
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);
   const struct {
     const char *name;
     tdm_status (*run)(const arguments *, tdm_error *);

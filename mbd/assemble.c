@@ -79,7 +79,7 @@ mbd_origin mbd_origin_of(const mbd_model *model, int row) {
   if (row >= model->njointrow) {
     const mbd_driver *d = &model->driver[row - model->njointrow]; /* one row each */
     snprintf(o.path, sizeof o.path, "mbd.drivers[%d]", (int)(d - model->driver));
-    o.kind = "driver", o.name = d->name, o.equation = d->ops->coordinate;
+    o.kind = "driver", o.name = d->name, o.equation = mbd_coordinate_table[d->ops->coordinate].name;
     return o;
   }
   const mbd_joint *j = model->joint;
@@ -187,6 +187,17 @@ static int singular_row(const mbd_model *model, mbd_data *data, mbd_kkt *kkt) {
   return row;
 }
 
+/* An earlier driver without which the driver of row `row` would not be redundant; NULL: there is none. */
+static const mbd_driver *opponent(const mbd_model *model, mbd_data *data, int row) {
+  bool *dependent = calloc((size_t)model->nrow + 1, sizeof *dependent);
+  const mbd_driver *found = NULL;
+  for (int i = model->njointrow, n; i < row && dependent && !found; i++)
+    if (mbd_rank_without(model, data, i, dependent, &n) && !dependent[row])
+      found = &model->driver[i - model->njointrow];
+  free(dependent);
+  return found;
+}
+
 /* Find the dependent rows. Refuses a dependent driver, and a start that is a singular position. */
 static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
   mbd_kinematics(model, data, data->t, data->y);
@@ -203,10 +214,12 @@ static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt
   for (int i = model->njointrow; i < model->nrow; i++)
     if (data->dependent[i]) {
       mbd_origin o = mbd_origin_of(model, i);
+      const mbd_driver *other = opponent(model, data, i);
       return tdm_fail(err, TDM_ERR_SCENE, o.path,
-                      "the driver \"%s\" is redundant: the joints and the drivers before it fix its coordinate (%s) "
-                      "already; remove the driver, or what fixes it",
-                      o.name, o.equation);
+                      "the driver \"%s\" is redundant: the joints %s%s%s fix its coordinate (%s) already; remove the "
+                      "driver, or what fixes it",
+                      o.name, other ? "and the driver \"" : "before it", other ? other->name : "", other ? "\"" : "",
+                      o.equation);
     }
   return TDM_OK;
 }

@@ -231,6 +231,7 @@ static void count(ida_solver *ida) {
 /* Make ida->y consistent with the load at t and hand it to IDA. */
 static bool restart(ida_solver *ida, double t) {
   double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
+  mbd_sparse_reset(ida->jacobian); /* so that nothing depends on what was before */
   if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
     return false;
   ida->failures = 0;

@@ -1,9 +1,9 @@
 #include "mbd/lu.h"
 
+#include <klu.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <klu.h>
 
 /* above this size most entries are zero, and sparse wins (measured on chains of pendulums) */
 enum { DENSE_MAX = 60 };

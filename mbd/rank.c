@@ -78,8 +78,8 @@ static int constraint_rows(const mbd_model *model, mbd_data *data, int part, dou
   return parts;
 }
 
-/* Sort the rows of all constraints into independent and dependent ones. */
-static bool eliminate(const mbd_model *model, mbd_data *data, elimination *e, double *w, bool *dependent) {
+/* Sort the rows of all constraints but `without` into independent and dependent ones. */
+static bool eliminate(const mbd_model *model, mbd_data *data, int without, elimination *e, double *w, bool *dependent) {
   for (int part = 0, nrow = 0; part < model->npart;) {
     int first = model->part[part].row;
     part += constraint_rows(model, data, part, w, e->nv, &nrow);
@@ -87,7 +87,7 @@ static bool eliminate(const mbd_model *model, mbd_data *data, elimination *e, do
       int pivot = 0;
       double *row = w + k * e->nv, before = largest_entry(row, e->nv, &pivot);
       reduce(e, row);
-      dependent[first + k] = !(largest_entry(row, e->nv, &pivot) > least_share * before);
+      dependent[first + k] = first + k == without || !(largest_entry(row, e->nv, &pivot) > least_share * before);
       if (!dependent[first + k] && !keep(e, row, pivot))
         return false;
     }
@@ -95,11 +95,11 @@ static bool eliminate(const mbd_model *model, mbd_data *data, elimination *e, do
   return true;
 }
 
-bool mbd_rank(const mbd_model *model, mbd_data *data, bool *dependent, int *number) {
+bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool *dependent, int *number) {
   elimination e = {.nv = 6 * model->nbody};
   double *w = malloc((MBD_ROWS_MAX * (size_t)e.nv + 1) * sizeof *w);
   e.row = calloc((size_t)model->nrow + 1, sizeof *e.row);
-  bool good = w && e.row && eliminate(model, data, &e, w, dependent);
+  bool good = w && e.row && eliminate(model, data, without, &e, w, dependent);
   *number = model->nrow - e.nindependent;
   for (int i = 0; i < e.nindependent && e.row; i++) {
     free(e.row[i].column);
@@ -108,4 +108,8 @@ bool mbd_rank(const mbd_model *model, mbd_data *data, bool *dependent, int *numb
   free(e.row);
   free(w);
   return good;
+}
+
+bool mbd_rank(const mbd_model *model, mbd_data *data, bool *dependent, int *number) {
+  return mbd_rank_without(model, data, -1, dependent, number);
 }

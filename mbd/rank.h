@@ -8,4 +8,7 @@
  * first in the scene's order, drivers last. *number is how many there are. false: out of memory. */
 bool mbd_rank(const mbd_model *model, mbd_data *data, bool *dependent, int *number);
 
+/* The same with the row `without` left out: it counts as dependent. */
+bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool *dependent, int *number);
+
 #endif

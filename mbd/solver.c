@@ -76,11 +76,11 @@ static void warn_about_assembly(solver *s) {
   if (a->translation > 1e-6 || a->rotation > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
-    snprintf(
-        w->message, sizeof w->message,
-        "the joints do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g rad); correct the "
-        "position, the orientation or the joints",
-        s->model->body[a->body].name, a->translation, a->rotation);
+    snprintf(w->message, sizeof w->message,
+             "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
+             "rad); correct the "
+             "position, the orientation, the joints or the drivers' laws at the start",
+             s->model->body[a->body].name, a->translation, a->rotation);
   }
   if (a->velocity > 1e-6 || a->angular > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
@@ -93,13 +93,14 @@ static void warn_about_assembly(solver *s) {
   }
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
+    const char *unit = mbd_coordinate_table[d->ops->coordinate].rate_unit;
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
     snprintf(
         w->message, sizeof w->message,
-        "the given start velocities turn or move joint \"%s\" at %.6g %s, its driver \"%s\" starts at %.6g %s: the "
+        "the given start velocities move the coordinate of driver \"%s\" at %.6g %s, its law starts at %.6g %s: the "
         "driver holds; give velocities that fit it, or none",
-        d->joint->name, a->given, d->ops->rate_unit, d->name, a->prescribed, d->ops->rate_unit);
+        d->name, a->given, unit, a->prescribed, unit);
   }
 }
 
@@ -121,11 +122,12 @@ static json_t *make_report(const solver *s) {
       mbd_origin o = mbd_origin_of(m, i);
       json_array_append_new(dependent, json_pack("{s:s, s:s}", o.kind, o.name, "equation", o.equation));
     }
-  return json_pack("{s:i, s:s, s:o, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom",
-                   s->assembly.freedom, "formulation", mbd_formulation_table[m->solver.formulation].name, "redundant",
-                   dependent, "mass", mass, "bodies", bodies, "joints", joints, "drivers", drivers, "forces", m->nforce,
-                   "assembly", "translation", s->assembly.translation, "rotation", s->assembly.rotation, "velocity",
-                   s->assembly.velocity, "angular_velocity", s->assembly.angular);
+  return json_pack("{s:i, s:o, s:s, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom",
+                   s->assembly.freedom, "redundant", dependent, "formulation",
+                   mbd_formulation_table[m->solver.formulation].name, "mass", mass, "bodies", bodies, "joints", joints,
+                   "drivers", drivers, "forces", m->nforce, "assembly", "translation", s->assembly.translation,
+                   "rotation", s->assembly.rotation, "velocity", s->assembly.velocity, "angular_velocity",
+                   s->assembly.angular);
 }
 
 /* Accelerations of the coupled bodies (6 ncoupled) and the reduced model at (t, data->y), as far as asked for. */
@@ -194,6 +196,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = p;
   if (mbd_model_load(&s->model, assignment->scene, err) ||
+      mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
   s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
@@ -240,11 +243,14 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
 static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
   solver *s = self;
   const mbd_model *m = s->model;
-  if (mbd_data_set_load(s->data, m, in, err))
+  if (mbd_model_check_times(m, in->t0, in->t1, err) || mbd_data_set_load(s->data, m, in, err))
     return err->status;
   /* the consistent start waits for the first load */
-  if ((!s->started || m->solver.restart_each_window) && s->integrator->start(s->integration, in->t0, err))
-    return err->status;
+  if (!s->started || m->solver.restart_each_window) {
+    mbd_kkt_reset(s->kkt); /* so that nothing depends on what was before */
+    if (s->integrator->start(s->integration, in->t0, err))
+      return err->status;
+  }
   s->started = true;
   sample_target to = {s, result};
   if (s->integrator->advance(s->integration, in->t1, in->nsample, in->sample_time, sample, &to, err))
@@ -268,7 +274,7 @@ static tdm_status save(void *self, int slot, tdm_error *err) {
     return err->status;
   s->started = s->started && s->integrator->save; /* else it starts again, here and after RESTORE */
   s->slot[slot].started = s->started;
-  mbd_kkt_reset(s->kkt); /* here and in restore: what follows must not depend on what was before */
+  mbd_kkt_reset(s->kkt); /* the run goes on with the bits of one that is restored */
   return TDM_OK;
 }
 
@@ -277,8 +283,8 @@ static tdm_status restore(void *self, int slot, tdm_error *err) {
   if (!s->slot[slot].data)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
   mbd_data_copy(s->model, s->data, s->slot[slot].data);
-  s->started = s->slot[slot].started;
   mbd_kkt_reset(s->kkt);
+  s->started = s->slot[slot].started;
   return s->started ? s->integrator->restore(s->integration, s->slot[slot].integration, err) : TDM_OK;
 }
 

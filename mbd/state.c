@@ -151,7 +151,12 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
     memset(value->C, 0, sizeof value->C);
   }
   value->second = second;
-  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], data->angle[i], value);
+  value->near = data->angle[i];
+  value->now = data->now;
+  value->value = value->coordinate = value->rate = value->potential = value->dissipated = value->supplied = 0;
+  value->rows.n = 0;
+  value->rows.second = second;
+  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], value);
   return value;
 }
 
@@ -162,7 +167,7 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
   rows->n = 0;
   rows->second = second;
   rows->part = p->index;
-  rows->turn = data->turn[p->turn];
+  rows->turn = p->turn < 0 ? 0 : data->turn[p->turn];
   memcpy(rows->body, p->body, sizeof rows->body);
   rows->first = p->row;
   if (!p->driver) {
@@ -170,7 +175,7 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
     return rows;
   }
   mbd_motion_value x = mbd_motion_at(&p->driver->motion, data->now);
-  p->driver->ops->eval(p->driver, x.value, a, b, rows);
+  mbd_driver_row(p->driver, x.value, a, b, rows);
   rows->g_t[0] = -x.rate;
   rows->g_tt[0] = -x.acceleration;
   return rows;

@@ -206,8 +206,8 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
   if (o->err->status)
     return;
   char path[TDM_PATH_MAX];
-  dem_stl stl;
-  if (dem_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK) {
+  tdm_stl stl;
+  if (tdm_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK) {
     for (size_t k = 0; k < 3 * (size_t)stl.count; k++)
       stl.corner[k] = tdm_add(position, tdm_quat_rotate(turn, stl.corner[k]));
     dem_mesh *mesh = dem_mesh_make(&stl, file, facet_angle, path, o->err);
@@ -216,7 +216,7 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
       append_mesh(list, mesh, o->err);
     }
   }
-  dem_stl_destroy(&stl);
+  tdm_stl_destroy(&stl);
 }
 
 /* ---- all ---- */

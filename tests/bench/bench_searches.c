@@ -90,7 +90,6 @@ static bool run(const char *name, double share, long steps) {
   }
   if (good)
     print(name, d, &t);
-  dem_rows_free(&rows);
   dem_search_destroy(&probe);
   dem_data_destroy(&d);
   dem_model_destroy(&model);

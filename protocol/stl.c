@@ -1,5 +1,5 @@
 /* STL files: see stl.h. */
-#include "dem/geometry/stl.h"
+#include "protocol/stl.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -23,7 +23,7 @@ typedef struct {
   size_t size;
   const char *at; /* text: the next byte */
   long line;
-  dem_stl *stl;
+  tdm_stl *stl;
   int capacity;
 } reader;
 
@@ -67,7 +67,7 @@ static bool usable(tdm_vec3 x) {
 }
 
 static bool append(reader *r, const tdm_vec3 corner[3]) {
-  dem_stl *s = r->stl;
+  tdm_stl *s = r->stl;
   if (s->count == r->capacity) {
     int capacity = r->capacity ? 2 * r->capacity : 64;
     tdm_vec3 *grown = s->count < TRIANGLES_MAX ? realloc(s->corner, 3 * (size_t)capacity * sizeof *grown) : NULL;
@@ -244,8 +244,8 @@ static void read_bytes(reader *r, double scale) {
     fail(r, TDM_ERR_FILE, "\"%s\" has no triangles; export the part again", r->file);
 }
 
-tdm_status dem_stl_read(dem_stl *stl, const char *file, double scale, const char *path, tdm_error *err) {
-  *stl = (dem_stl){0};
+tdm_status tdm_stl_read(tdm_stl *stl, const char *file, double scale, const char *path, tdm_error *err) {
+  *stl = (tdm_stl){0};
   reader r = {.file = file, .path = path, .err = err, .stl = stl};
   if (load(&r) == TDM_OK)
     read_bytes(&r, scale);
@@ -268,7 +268,7 @@ static void put_vector(unsigned char *b, tdm_vec3 v) {
   }
 }
 
-tdm_status dem_stl_write(const dem_stl *stl, const char *file, tdm_error *err) {
+tdm_status tdm_stl_write(const tdm_stl *stl, const char *file, tdm_error *err) {
   FILE *f = fopen(file, "wb");
   if (!f)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be written: %s", file, strerror(errno));
@@ -287,7 +287,7 @@ tdm_status dem_stl_write(const dem_stl *stl, const char *file, tdm_error *err) {
   return good ? TDM_OK : tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" could not be written: %s", file, strerror(errno));
 }
 
-void dem_stl_destroy(dem_stl *stl) {
+void tdm_stl_destroy(tdm_stl *stl) {
   free(stl->corner);
-  *stl = (dem_stl){0};
+  *stl = (tdm_stl){0};
 }
