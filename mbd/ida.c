@@ -251,6 +251,8 @@ static tdm_status start(void *self, double t, tdm_error *err) {
   ida_solver *ida = self;
   size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
   memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
+  mbd_sparse_reset(ida->jacobian); /* pivots depend on the pattern learnt: what follows must not depend on the past */
+  mbd_kkt_reset(ida->kkt);
   if (!restart(ida, t))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no consistent accelerations at the start, t = %g s %s; check joints and masses", t, ida->message);

@@ -164,8 +164,11 @@ static void evaluate(one_step *s, double t, const double *y) {
     const mbd_rows *rows = mbd_part_at(m, s->data, i, false);
     part_rows *p = &s->rows[i];
     *p = (part_rows){.body = {rows->body[0], rows->body[1]}, .first = rows->first, .n = rows->n};
-    memcpy(p->G, rows->G, (size_t)rows->n * sizeof rows->G[0]);
+    memset(p->G, 0, (size_t)rows->n * sizeof rows->G[0]);
     for (int k = 0; k < rows->n; k++) {
+      if (s->data->dependent[rows->first + k]) /* no equation: lambda stays 0 */
+        continue;
+      memcpy(p->G[k], rows->G[k], sizeof rows->G[k]);
       s->g[rows->first + k] += rows->g[k];
       s->g_t[rows->first + k] += rows->g_t[k];
     }
@@ -217,6 +220,9 @@ static void add_rows(one_step *s, mbd_lu *to, mbd_entry_fn add, void *context) {
           mbd_lu_add(to, col, row, p->G[k][6 * side + c]);
         }
   }
+  for (int i = 0; i < s->model->nrow; i++)
+    if (s->data->dependent[i])
+      mbd_lu_add(to, s->nv + i, s->nv + i, 1);
 }
 
 static double largest(const double *x, int n) {
@@ -616,6 +622,7 @@ static tdm_status start(void *self, double t, tdm_error *err) {
   const mbd_model *m = s->model;
   mbd_data *d = s->data;
   const double moment = d->load_t1 > t ? 1e-3 * (d->load_t1 - t) : 1e-6;
+  mbd_kkt_reset(s->kkt); /* the start must not depend on what was before */
   bool good = mbd_accelerations(m, d, s->kkt, t, d->y);
   memcpy(s->now.vdot, d->acceleration, (size_t)s->nv * sizeof(double));
   memcpy(s->now.lambda, d->lambda, (size_t)m->nrow * sizeof(double));
