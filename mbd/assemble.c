@@ -1,5 +1,6 @@
 #include "mbd/assemble.h"
 
+#include "mbd/energy.h"
 #include "mbd/rank.h"
 #include "mbd/residual.h"
 
@@ -301,6 +302,8 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
     return err->status;
   assembly->freedom = 6 * model->nbody - model->nrow + data->ndependent;
   mbd_accept(model, data, data->t, data->y);
+  mbd_energies e = mbd_energies_at(model, data);
+  data->energy_start = e.kinetic + e.potential + e.springs;
   return TDM_OK;
 }
 

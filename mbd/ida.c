@@ -1,5 +1,6 @@
 /* SUNDIALS IDA (variable-order, fixed-leading-coefficient BDF), which keeps its history over windows. The only file
  * that includes its headers. */
+#include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/jacobian.h"
 #include "mbd/residual.h"
@@ -34,6 +35,7 @@ typedef struct {
   SUNLinearSolver solver;
   SUNNonlinearSolver newton;
   double first_correction; /* weighted norm, of the current step */
+  bool over;               /* the last step went over a singular position */
   bool fresh;              /* the Jacobian belongs to the current step */
   bool started;
   double stop;       /* stop time that IDA knows [s] */
@@ -356,18 +358,35 @@ static double step_over(ida_solver *ida, double t, double t1) {
 
 /* ---- samples ---- */
 
-/* Hand out the samples up to t, which lie inside the last step, or in what was stepped over. */
-static tdm_status samples(ida_solver *ida, double t, bool over, int *next, int nsample, const double *time,
+/* The unknowns at time t inside the last step, or in what was stepped over. */
+static const double *unknowns_at(void *self, double t) {
+  ida_solver *ida = self;
+  if (ida->over)
+    extrapolate(ida, t, ida->sample);
+  else if (IDAGetDky(ida->mem, t, 0, ida->sample) != IDA_SUCCESS)
+    return NULL;
+  return N_VGetArrayPointer(ida->sample);
+}
+
+/* `work` and what is done from time `from` to `to` inside the last step. */
+static mbd_work work_until(ida_solver *ida, mbd_work work, double from, double to) {
+  mbd_work more = mbd_work_over(ida->model, ida->data, from, to, unknowns_at, ida);
+  return (mbd_work){work.supplied + more.supplied, work.dissipated + more.dissipated};
+}
+
+/* Hand out the samples in the last step, from time `from` to t. */
+static tdm_status samples(ida_solver *ida, double from, double t, int *next, int nsample, const double *time,
                           mbd_sample_fn sample, void *context, tdm_error *err) {
+  mbd_work before = ida->data->work, after = work_until(ida, before, from, t);
   for (; *next < nsample && time[*next] <= t; ++*next) {
     bool here = time[*next] == t; /* the same numbers as the state at the end of the window */
-    if (!here && over)
-      extrapolate(ida, time[*next], ida->sample);
-    else if (!here && IDAGetDky(ida->mem, time[*next], 0, ida->sample) != IDA_SUCCESS)
+    ida->data->work = here ? after : work_until(ida, before, from, time[*next]);
+    if (!here && !unknowns_at(ida, time[*next]))
       return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no dense output at t = %.9g s (%s)", time[*next], ida->message);
     if (sample(context, *next, time[*next], N_VGetArrayPointer(here ? ida->y : ida->sample), err))
       return err->status;
   }
+  ida->data->work = after;
   return TDM_OK;
 }
 
@@ -381,7 +400,7 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
   bool again = false;
   ida->message[0] = 0;
   while (t < t1) {
-    double reached = t;
+    double from = t, reached = t;
     int flag = set_stop(ida, t, t1);
     if (flag == IDA_SUCCESS)
       flag = IDASolve(ida->mem, t1, &reached, ida->y, ida->yp, IDA_ONE_STEP);
@@ -397,12 +416,13 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
     }
     t = over;
     ida->fresh = false;
-    if (!(over > reached))
+    ida->over = over > reached;
+    if (!ida->over)
       remember(ida, t);
     mbd_accept(ida->model, data, t, y);
     if (ida->stop_fn && ida->stop_fn(ida->stop_context))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
-    if (samples(ida, t, over > reached, &next, nsample, sample_time, sample, context, err))
+    if (samples(ida, from, t, &next, nsample, sample_time, sample, context, err))
       return err->status;
   }
   data->t = t1;

@@ -17,6 +17,7 @@
  *
  * a is kept as rise = (a - Vdot)/h, which is (am - af) d(Vdot)/dt and so does not depend on the step: steps may change.
  */
+#include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/lu.h"
 #include "mbd/residual.h"
@@ -63,6 +64,7 @@ typedef struct {
   polynomial line; /* the load of a step */
   /* workspace */
   double *y0, *y1, *work;  /* (nunknown) */
+  double from, to;         /* the step that was just accepted [s] */
   double *vdot1, *lambda1; /* (nv), (nrow) */
   double *move;            /* (nv) D */
   double *Q;               /* (nv) */
@@ -559,14 +561,31 @@ typedef struct {
   void *context;
 } samples;
 
+/* The unknowns at time t inside the step that was just accepted; reactions are those at its end. */
+static const double *unknowns_at(void *self, double t) {
+  one_step *s = self;
+  interpolate(s, (t - s->from) / (s->to - s->from), s->to - s->from);
+  memcpy(s->work + mbd_index_lambda(s->model, 0), s->lambda1, (size_t)s->model->nrow * sizeof(double));
+  return s->work;
+}
+
+/* `work` and what is done from the start of the step to time t. */
+static mbd_work work_until(one_step *s, mbd_work work, double t) {
+  mbd_work more = mbd_work_over(s->model, s->data, s->from, t, unknowns_at, s);
+  return (mbd_work){work.supplied + more.supplied, work.dissipated + more.dissipated};
+}
+
 static tdm_status give_samples(one_step *s, samples *to, double t, double t1, tdm_error *err) {
+  s->from = t, s->to = t1;
+  mbd_work before = s->data->work, after = work_until(s, before, t1);
   for (; to->next < to->n && to->time[to->next] <= t1; to->next++) {
     double now = to->time[to->next];
-    if (now < t1)
-      interpolate(s, (now - t) / (t1 - t), t1 - t);
-    if (to->sample(to->context, to->next, now, now < t1 ? s->work : s->y1, err))
+    bool here = now == t1;
+    s->data->work = here ? after : work_until(s, before, now);
+    if (to->sample(to->context, to->next, now, here ? s->y1 : unknowns_at(s, now), err))
       return err->status;
   }
+  s->data->work = after;
   return TDM_OK;
 }
 

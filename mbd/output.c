@@ -12,7 +12,7 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, OTHER_CHANNELS = 3 };
+enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, ENERGY_CHANNELS = 6 };
 
 /* one for each coordinate and rate that joints leave free */
 static int coordinate_channels(const mbd_model *model) {
@@ -25,7 +25,7 @@ static int coordinate_channels(const mbd_model *model) {
 
 int mbd_output_count(const mbd_model *model) {
   return JOINT_CHANNELS * model->njoint + DRIVER_CHANNELS * model->ndriver + FORCE_CHANNELS * model->nforce +
-         BODY_CHANNELS * (model->nbody - model->ncoupled) + OTHER_CHANNELS + coordinate_channels(model);
+         BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model);
 }
 
 static tdm_channel *name(tdm_channel *c, const char *group, const char *of, const char *what, const char *unit) {
@@ -66,8 +66,10 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
       c = name(c, "body", model->body[b].name, state[k][0], state[k][1]);
-  c = name(c, "energy", "", "kinetic", "J");
-  c = name(c, "energy", "", "potential", "J");
+  static const char *const energies[ENERGY_CHANNELS] = {"kinetic",  "potential",  "springs",
+                                                        "supplied", "dissipated", "balance"};
+  for (int k = 0; k < ENERGY_CHANNELS; k++)
+    c = name(c, "energy", "", energies[k], "J");
   name(c, "constraint", "", "drift", "m");
 }
 
@@ -153,9 +155,14 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
     mbd_set3(out + 10, s.twist.angular);
     out += BODY_CHANNELS;
   }
-  out[0] = mbd_kinetic_energy(model, data);
-  out[1] = mbd_potential_energy(model, data);
-  out[2] = data->drift;
+  mbd_energies e = mbd_energies_at(model, data);
+  out[0] = e.kinetic;
+  out[1] = e.potential;
+  out[2] = e.springs;
+  out[3] = data->work.supplied;
+  out[4] = data->work.dissipated;
+  out[5] = e.kinetic + e.potential + e.springs + data->work.dissipated - data->work.supplied - data->energy_start;
+  out[6] = data->drift;
   data->drift = 0;
   return good;
 }

@@ -63,6 +63,8 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   const size_t size = sizeof(double), n = (size_t)mbd_nunknown(model), nbody = (size_t)model->nbody;
   to->t = from->t;
   to->drift = from->drift;
+  to->energy_start = from->energy_start;
+  to->work = from->work;
   to->load_t0 = from->load_t0;
   to->load_t1 = from->load_t1;
   to->nload = from->nload;

@@ -19,16 +19,24 @@ typedef struct {
   long steps, residuals, jacobians, error_failures, convergence_failures, restarts;
 } mbd_stats;
 
+/* done on the mechanism since the start [J], or a power [W] */
+typedef struct {
+  double supplied;   /* by drivers, applied forces, loads on coupled bodies */
+  double dissipated; /* turned into heat */
+} mbd_work;
+
 /* The mutable state of a run with its workspace. */
 typedef struct {
-  double t;        /* [s] */
-  double *y;       /* (nunknown) at t */
-  double *yp;      /* (nunknown) their time derivatives */
-  double *angle;   /* (nforce) continuous angle of torsional forces at t [rad] */
-  double *turn;    /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
-  int ndependent;  /* constraint rows that others imply; mbd_assemble finds them */
-  bool *dependent; /* (nrow) */
-  double drift;    /* largest constraint violation |g| over the steps since it was last read */
+  double t;            /* [s] */
+  double *y;           /* (nunknown) at t */
+  double *yp;          /* (nunknown) their time derivatives */
+  double *angle;       /* (nforce) continuous angle of torsional forces at t [rad] */
+  double *turn;        /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
+  int ndependent;      /* constraint rows that others imply; mbd_assemble finds them */
+  bool *dependent;     /* (nrow) */
+  double energy_start; /* all energies at the start [J] */
+  mbd_work work;       /* up to t, or up to the sample that is being handed out */
+  double drift;        /* largest constraint violation |g| over the steps since it was last read */
 
   /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
   double load_t0, load_t1; /* [s] */

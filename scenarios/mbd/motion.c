@@ -153,12 +153,11 @@ bool scn_motion_angle(const scn_motion *m, const char *body, double *out) {
 
 double scn_motion_energy_drift(const scn_motion *m) {
   const double *kinetic = scn_motion_channel(m, "energy.kinetic");
-  const double *potential = scn_motion_channel(m, "energy.potential");
-  const double *supplied = scn_motion_channel(m, "energy.supplied"), none = 0;
-  double least = INFINITY, greatest = 0, worst = 0, E0 = kinetic[0] + potential[0];
+  const double *balance = scn_motion_channel(m, "energy.balance");
+  double least = INFINITY, greatest = 0, worst = 0;
   for (int i = 0; i < m->nsample; i++) {
     int at = i * m->nchannel;
-    worst = fmax(worst, fabs(kinetic[at] + potential[at] - E0 - (supplied ? supplied[at] - supplied[0] : none)));
+    worst = fmax(worst, fabs(balance[at] - balance[0]));
     least = fmin(least, kinetic[at]);
     greatest = fmax(greatest, kinetic[at]);
   }

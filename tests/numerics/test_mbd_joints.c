@@ -18,11 +18,11 @@ static double first(const run *r, const char *name) {
 }
 
 static double first_energy(const run *r) {
-  return first(r, "energy.kinetic") + first(r, "energy.potential");
+  return first(r, "energy.kinetic") + first(r, "energy.potential") + first(r, "energy.springs");
 }
 
 static double energy(const run *r) {
-  return run_value(r, "energy.kinetic") + run_value(r, "energy.potential");
+  return run_value(r, "energy.kinetic") + run_value(r, "energy.potential") + run_value(r, "energy.springs");
 }
 
 /* A nut falls along a screw: (m + I/p^2) a = -m g with p = pitch/2pi; 40 turns */
