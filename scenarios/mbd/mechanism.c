@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-const scn_method scn_methods[] = {{"ggl", "ggl", "original", false},
-                                  {"index3", "index3", "original", false},
-                                  {"index3 modified", "index3", "modified", false},
-                                  {"one_step", "one_step", "original", true},
+const scn_method scn_methods[] = {[SCN_GGL] = {"ggl", "ggl", "original", false},
+                                  [SCN_GGL_MODIFIED] = {"ggl modified", "ggl", "modified", false},
+                                  [SCN_INDEX3] = {"index3", "index3", "original", false},
+                                  [SCN_INDEX3_MODIFIED] = {"index3 modified", "index3", "modified", false},
+                                  [SCN_ONE_STEP] = {"one_step", "one_step", "original", true},
                                   {NULL, NULL, NULL, false}};
 
 /* ---- scene and reference ---- */
@@ -127,7 +128,7 @@ tdm_status scn_case_tightest(const scn_case *c, cpl_verify *v, scn_motion *m, do
   double end = cpl_table_column(&c->reference, "t", err)[c->reference.nrow - 1];
   for (*tolerance = 1e-13; *tolerance < 2e-8; *tolerance *= 10) {
     tdm_error failed = {0};
-    if (scn_motion_run(m, c->mbd, &scn_methods[0], *tolerance, c->of->absolute, end, c->reference.nrow - 1,
+    if (scn_motion_run(m, c->mbd, &scn_methods[SCN_GGL], *tolerance, c->of->absolute, end, c->reference.nrow - 1,
                        c->of->budget, &failed) == TDM_OK) {
       cpl_verify_alone(v, CPL_MBD, end, m->wall);
       return TDM_OK;

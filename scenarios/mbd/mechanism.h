@@ -72,6 +72,7 @@ tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tol
 /* Error over run time for every method and tolerance (scn_methods): CSV files, a plot in the scenario's directory. */
 tdm_status scn_work_precision(const scn_case *c, cpl_verify *v, tdm_error *err);
 
+enum { SCN_GGL, SCN_GGL_MODIFIED, SCN_INDEX3, SCN_INDEX3_MODIFIED, SCN_ONE_STEP };
 extern const scn_method scn_methods[]; /* ended by a NULL name; the default is the first */
 
 #endif

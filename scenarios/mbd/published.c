@@ -143,7 +143,7 @@ static tdm_status measure_turns(const scn_case *c, cpl_verify *v, double toleran
   scn_motion m = {0};
   char label[64];
   snprintf(label, sizeof label, "100 turns, rtol=%g", tolerance);
-  if (scn_motion_run(&m, c->mbd, &scn_methods[0], tolerance, absolute, c->of->turns, 1000, c->of->budget, err) ==
+  if (scn_motion_run(&m, c->mbd, &scn_methods[SCN_GGL], tolerance, absolute, c->of->turns, 1000, c->of->budget, err) ==
       TDM_OK) {
     cpl_verify_alone(v, CPL_MBD, c->of->turns, m.wall);
     cpl_verify_measure(v, "energy_drift", label, scn_motion_energy_drift(&m), CPL_AT_MOST, limit);
@@ -162,7 +162,7 @@ static tdm_status measure(const scn_case *c, cpl_verify *v, double digits, doubl
   double wall = NAN;
   if (scn_case_tightest(c, v, &m, tolerance, err) == TDM_OK) {
     snprintf(label, sizeof label, "rtol=%g", *tolerance);
-    if (scn_case_time(c, &scn_methods[0], *tolerance, c->of->at, &end, &wall, err) == TDM_OK) {
+    if (scn_case_time(c, &scn_methods[SCN_GGL], *tolerance, c->of->at, &end, &wall, err) == TDM_OK) {
       cpl_verify_measure(v, "digits", label, scn_digits(scn_case_error(c, &end, c->row, false)), CPL_AT_LEAST, digits);
       cpl_verify_measure(v, "digits_path", label, scn_digits(scn_case_path_error(c, &m)), CPL_NO_LIMIT, 0);
       cpl_verify_measure(v, "constraint_drift_m", label, scn_motion_drift(&m), CPL_AT_MOST, most_drift);
@@ -256,9 +256,9 @@ static void measure_best(const scn_case *c, cpl_verify *v, const scn_method *met
   cpl_verify_measure(v, "digits", method->name, best, CPL_AT_LEAST, least);
 }
 
-/* Run time to 0.05 s of the loosest run whose error there is at most 1e-8, against 0.384 s of OpenSim 3.2 at accuracy
- * 1e-8 (IFToMM benchmark library, Intel i5-4570). */
-static void measure_speed(const scn_case *c, cpl_verify *v, double published, double error, double least) {
+/* Run time to 0.05 s of the loosest run whose error there is at most `error`, against 0.384 s of OpenSim 3.2 at
+ * accuracy 1e-8 (IFToMM benchmark library, Intel i5-4570), whose error is not published. */
+static void measure_speed(const scn_case *c, cpl_verify *v, double published, double error) {
   const int row = c->reference.nrow - 1;
   const double last = 0.05;
   double wall = NAN;
@@ -266,7 +266,7 @@ static void measure_speed(const scn_case *c, cpl_verify *v, double published, do
   for (int k = 6; k <= 13; k++) {
     scn_motion m = {0};
     tdm_error failed = {0};
-    bool good = scn_case_time(c, &scn_methods[0], pow(10, -k), last, &m, &wall, &failed) == TDM_OK &&
+    bool good = scn_case_time(c, &scn_methods[SCN_GGL_MODIFIED], pow(10, -k), last, &m, &wall, &failed) == TDM_OK &&
                 scn_case_error(c, &m, row, false) <= error;
     scn_motion_free(&m);
     if (good)
@@ -276,7 +276,7 @@ static void measure_speed(const scn_case *c, cpl_verify *v, double published, do
   cpl_verify_alone(v, CPL_MBD, last, wall);
   snprintf(label, sizeof label, "error<=%g", error);
   cpl_verify_measure(v, "wall_s", label, wall, CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "times_faster", label, published / wall, CPL_AT_LEAST, least);
+  cpl_verify_measure(v, "times_faster", label, published / wall, CPL_NO_LIMIT, 0);
 }
 
 tdm_status scn_andrews(cpl_verify *v, tdm_error *err) {
@@ -286,13 +286,14 @@ tdm_status scn_andrews(cpl_verify *v, tdm_error *err) {
   if (scn_case_read(&c, v, &andrews, err) == TDM_OK && tdm_make_directory(cpl_verify_dir(v), err) == TDM_OK &&
       measure(&c, v, 9.5, &tolerance, err) == TDM_OK && swap_reference(&c, angle, err) == TDM_OK) {
     scn_motion m = {0};
-    if (scn_motion_run(&m, c.mbd, &scn_methods[0], tolerance, andrews.absolute, andrews.at, 1, andrews.budget, err) ==
-        TDM_OK)
+    if (scn_motion_run(&m, c.mbd, &scn_methods[SCN_GGL], tolerance, andrews.absolute, andrews.at, 1, andrews.budget,
+                       err) == TDM_OK)
       cpl_verify_measure(v, "digits", "published", scn_digits(scn_case_error(&c, &m, c.row, false)), CPL_AT_LEAST, 8);
     scn_motion_free(&m);
     swap_reference(&c, angle, err);
-    measure_best(&c, v, &scn_methods[2], 4);
-    measure_speed(&c, v, 0.384, 1e-8, 10);
+    measure_best(&c, v, &scn_methods[SCN_INDEX3_MODIFIED], 4);
+    measure_speed(&c, v, 0.384, 1e-6);
+    measure_speed(&c, v, 0.384, 1e-8);
     scn_work_precision(&c, v, err);
   }
   scn_case_free(&c);
