@@ -26,8 +26,8 @@ typedef struct {
   N_Vector y, yp, sample, id, atol;
   int npoint; /* ends of the last steps without trouble, oldest first */
   double point_t[POINTS_MAX], *point_y[POINTS_MAX], point_mu[POINTS_MAX]; /* largest |mu| there */
-  long failures;  /* convergence failures up to then */
-  double regular; /* spread of pivots at the start */
+  long failures;                                                          /* convergence failures up to then */
+  double regular;                                                         /* spread of pivots at the start */
   mbd_sparse *jacobian;
   SUNMatrix matrix; /* stands for it */
   SUNLinearSolver solver;

@@ -255,6 +255,13 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   sample_target to = {s, result};
   if (s->integrator->advance(s->integration, in->t1, in->nsample, in->sample_time, sample, &to, err))
     return err->status;
+  if (s->data->open_row >= 0) {
+    mbd_origin o = mbd_origin_of(m, s->data->open_row);
+    return tdm_fail(err, TDM_ERR_NUMERIC, o.path,
+                    "the equation \"%s\" of %s \"%s\" followed from the joints before it at the start and contradicts "
+                    "them at t = %.9g s: the mechanism is over-constrained; use joints with more freedom",
+                    o.equation, o.kind, o.name, in->t1);
+  }
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
   return linearise(s, in->t1, result->acceleration, &result->mobility, err);

@@ -35,6 +35,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   for (int b = 0; b < model->nbody; b++)
     mbd_set_body_state(d->y, b, &model->body[b].start);
   d->kin[0].A = tdm_m3_identity();
+  d->open_row = -1;
   return d;
 }
 
@@ -63,6 +64,7 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   const size_t size = sizeof(double), n = (size_t)mbd_nunknown(model), nbody = (size_t)model->nbody;
   to->t = from->t;
   to->drift = from->drift;
+  to->open_row = from->open_row;
   to->energy_start = from->energy_start;
   to->work = from->work;
   to->load_t0 = from->load_t0;
@@ -196,6 +198,9 @@ double mbd_row_mobility(const mbd_model *model, const mbd_data *data, const mbd_
   return sum;
 }
 
+/* [m] or [rad] */
+static const double open_limit = 1e-6;
+
 /* Note the largest violation: rows of the same constraint add up over its parts. */
 static void note_drift(const mbd_model *model, mbd_data *data) {
   memset(data->g, 0, (size_t)model->nrow * sizeof(double));
@@ -204,8 +209,11 @@ static void note_drift(const mbd_model *model, mbd_data *data) {
     for (int k = 0; k < rows->n; k++)
       data->g[rows->first + k] += rows->g[k];
   }
-  for (int i = 0; i < model->nrow; i++)
+  for (int i = 0; i < model->nrow; i++) {
     data->drift = fmax(data->drift, fabs(data->g[i]));
+    if (data->dependent[i] && fabs(data->g[i]) > open_limit)
+      data->open_row = i;
+  }
 }
 
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y) {

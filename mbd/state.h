@@ -34,6 +34,7 @@ typedef struct {
   double *turn;        /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
   int ndependent;      /* constraint rows that others imply; mbd_assemble finds them */
   bool *dependent;     /* (nrow) */
+  int open_row;        /* a dependent row that the motion has opened: the others do not imply it after all; -1: none */
   double energy_start; /* all energies at the start [J] */
   mbd_work work;       /* up to t, or up to the sample that is being handed out */
   double drift;        /* largest constraint violation |g| over the steps since it was last read */
