@@ -172,6 +172,22 @@ bool mbd_sparse_factor(mbd_sparse *m) {
   return m->numeric && m->common.status == KLU_OK;
 }
 
+bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from) {
+  const size_t n = (size_t)from->n, nnz = (size_t)from->nnz;
+  mbd_sparse_reset(to);
+  int *row = realloc(to->row, (nnz + 1) * sizeof *row);
+  to->row = row ? row : to->row;
+  double *value = realloc(to->value, (nnz + 1) * sizeof *value);
+  to->value = value ? value : to->value;
+  if (!row || !value)
+    return false;
+  to->nnz = from->nnz;
+  memcpy(to->column, from->column, (n + 1) * sizeof *to->column);
+  memcpy(to->row, from->row, nnz * sizeof *to->row);
+  memcpy(to->value, from->value, nnz * sizeof *to->value);
+  return mbd_sparse_factor(to);
+}
+
 bool mbd_sparse_solve(mbd_sparse *m, double *x) {
   if (!klu_solve(m->symbolic, m->numeric, m->n, 1, x, &m->common))
     return false;

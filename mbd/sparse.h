@@ -58,6 +58,9 @@ static inline void mbd_sparse_add(mbd_sparse *m, int row, int col, double value)
 /* Factor the matrix as it is; false: singular, not finite, or out of memory. */
 bool mbd_sparse_factor(mbd_sparse *matrix);
 
+/* *to, of the same size, gets the entries of from and is factored, without its knowledge of calls. */
+bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from);
+
 /* Solve in place, x (n), with the last factors. */
 bool mbd_sparse_solve(mbd_sparse *matrix, double *x);
 
