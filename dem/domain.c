@@ -1,6 +1,7 @@
 /* The box dem.domain: see domain.h. */
 #include "dem/domain.h"
 
+#include "dem/extras.h"
 #include "dem/integrate.h"
 
 static const char axes[3][2] = {"x", "y", "z"};
@@ -91,9 +92,17 @@ void dem_domain_strain(dem_data *d, double dt) {
   dem_domain_put(d);
 }
 
+/* what a box that repeats puts into particle i when it goes on at the other side: potential and kinetic energy */
+static double shift_energy(const dem_data *d, int i, int axis, double way, double speed) {
+  tdm_vec3 field = dem_field(d, i);
+  return d->mass[i] * (speed * ((&d->pace[i].velocity.x)[axis] + 0.5 * speed) - (&field.x)[axis] * way);
+}
+
 /* particle i, k boxes up along an axis */
 static void shift(dem_data *d, int i, int axis, double k) {
   double way = k * d->domain.length[axis], speed = k * d->domain_rate[axis];
+  if (d->model->energy)
+    d->energy.supplied += shift_energy(d, i, axis, way, speed);
   (&d->sphere[i].position.x)[axis] += way;
   (&d->sphere[i].velocity.x)[axis] += speed;
   (&d->pace[i].velocity.x)[axis] += speed;

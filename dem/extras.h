@@ -16,6 +16,11 @@ void dem_put_in_plane(dem_model *model, tdm_error *err);
 /* Accelerations of their own, and infinite masses, of the particles by the groups that their ids belong to. */
 void dem_drive_particles(dem_data *data);
 
+/* What accelerates particle i besides contacts [m/s2]. */
+static inline tdm_vec3 dem_field(const dem_data *d, int i) {
+  return d->model->driven ? tdm_add(d->model->gravity, d->drive[i].velocity) : d->model->gravity;
+}
+
 /* v with `at` for the component along which particles do not move. */
 static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {
   if (m->flat >= 0)

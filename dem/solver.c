@@ -7,6 +7,7 @@
 
 #include "dem/check.h"
 #include "dem/domain.h"
+#include "dem/extras.h"
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
 #include "dem/guard.h"
@@ -64,6 +65,7 @@ typedef struct {
 
 /* the energies' channels: what names them, and the values of the present state into out; returns how many */
 static const char *const energy_channels[] = {"energy.potential", "energy.elastic", "energy.wall_work",
+                                              "energy.supplied",
 #define X(mechanism, name) "energy.dissipated." name,
                                               DEM_ENERGY_LIST(X)
 #undef X
@@ -73,10 +75,11 @@ enum { NENERGY = sizeof energy_channels / sizeof energy_channels[0] };
 static int energy_values(const dem_data *d, double *out) {
   double potential = 0;
   for (int i = 0; i < d->nparticle; i++)
-    potential -= d->mass[i] * tdm_dot(d->model->gravity, d->sphere[i].position);
+    potential -= d->mass[i] * tdm_dot(dem_field(d, i), d->sphere[i].position);
   *out++ = potential;
   *out++ = dem_energy_elastic(&d->energy);
   *out++ = d->energy.wall_work;
+  *out++ = d->energy.supplied;
   memcpy(out, d->energy.dissipated, sizeof d->energy.dissipated);
   return NENERGY;
 }

@@ -26,11 +26,13 @@ static double begin_step(dem_data *d, const dem_integrator *integrator, double d
 }
 
 /* in the order of the chunks */
-static void add_energy(dem_data *d, double dt) {
+static void add_energy(dem_data *d, dem_share share, double dt) {
   dem_flux sum = {0};
+  if (share == DEM_ALL)
+    d->energy.fast = sum;
   for (int c = 0; c < d->nchunk; c++)
     dem_flux_add(&sum, &d->chunk_flux[c]);
-  dem_energy_step(&d->energy, &sum, dt);
+  dem_energy_step(&d->energy, share == DEM_FAST ? &d->energy.fast : &d->energy.now, &sum, dt);
 }
 
 static void end_step(dem_data *d, const dem_integrator *integrator, double dt) {
@@ -60,7 +62,7 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt, con
     end_step(d, integrator, dt);
   d->ncontact = touching;
   if (m->energy)
-    add_energy(d, dt);
+    add_energy(d, share, dt);
   for (int b = 0; b < m->nbody; b++) {
     tdm_wrench sum = {0};
     for (int c = 0; c < d->nchunk; c++) {

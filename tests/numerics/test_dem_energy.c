@@ -3,6 +3,7 @@
 #include "test_dem_support.h"
 
 #include "dem/search/search.h"
+#include "dem/state.h"
 #include "tests/test_main.h"
 
 /* ---- every set of laws ---- */
@@ -187,6 +188,71 @@ START_TEST(test_same_bits) {
 }
 END_TEST
 
+/* ---- lists ---- */
+
+/* A heap of 125 that roll and twist; `more`: how its lists are made. */
+static rig *heap(int set, const char *more) {
+  rig *r = rig_make(
+      scene_json("{'materials':[{'name':'a','density':2500,'young_modulus':2e6,'poisson_ratio':0.3}],'energy':true,"
+                 "'pairs':[{'materials':['a','a'],'restitution':0.7,'friction':0.4%s%s}],"
+                 "'contact':{'rolling':'%s','twisting':'%s'},'bodies':[{'name':'box','material':'a',"
+                 "'shapes':[{'type':'box','size':[0.0478,0.0478,0.0478],'side':'inside','center':[0.02,0.02,0.02]}]}],"
+                 "'particles':[{'type':'block','material':'a','radius':[0.0047,0.005],'count':[5,5,5],"
+                 "'corner':[0,0,0],'spacing':0.01}]%s}",
+                 set / 2 ? ",'rolling_friction':0.1" : "", set % 2 ? ",'twisting_friction':0.05" : "",
+                 dem_rollings[set / 2].name, dem_twistings[set % 2].name, more),
+      2e-5, 0, NULL);
+  for (int i = 0; i < r->data->nparticle; i++) {
+    double a = (double)(i * 7919 % 101) / 50 - 1, b = (double)(i * 6007 % 97) / 48 - 1;
+    r->data->pace[i].velocity = tdm_v3(0.3 * a, 0.3 * b, -0.3 * a * b);
+    r->data->pace[i].spin = tdm_v3(40 * b, -40 * a, 20 * a);
+  }
+  return r;
+}
+
+static void ck_same(const dem_data *a, const dem_data *b, int set, const char *what) {
+  size_t n = (size_t)a->nparticle;
+  ck_assert_msg(memcmp(a->sphere, b->sphere, n * sizeof *a->sphere) == 0 &&
+                    memcmp(a->pace, b->pace, n * sizeof *a->pace) == 0 &&
+                    memcmp(a->push, b->push, n * sizeof *a->push) == 0 &&
+                    memcmp(a->body_load, b->body_load, sizeof *a->body_load) == 0,
+                "%s/%s: %s", dem_rollings[set / 2].name, dem_twistings[set % 2].name, what);
+  ck_assert_msg(memcmp(&a->energy, &b->energy, sizeof a->energy) == 0, "%s/%s: energies, %s",
+                dem_rollings[set / 2].name, dem_twistings[set % 2].name, what);
+}
+
+/* Pairs share a batch as the lists have them: neither skin, search nor instruction set may be seen in the results. */
+START_TEST(test_lists_do_not_matter) {
+  static const char *const ways[] = {",'search':'sweep'",       ",'search':'grid'", ",'search':'all','skin':0.02",
+                                     ",'search':'verlet-1967'", ",'skin':0.004",    ",'skin':0.0001",
+                                     ",'simd':'plain'",         ",'simd':'avx2'",   ",'simd':'plain','skin':0.003"};
+  rig *plain = heap(_i, "");
+  rig_steps(plain, 400);
+  ck_assert_int_gt(plain->data->ncontact, 100);
+  for (size_t k = 0; k < sizeof ways / sizeof ways[0]; k++) {
+    if (strstr(ways[k], "avx2") && !dem_simd_here("avx2"))
+      continue;
+    rig *r = heap(_i, ways[k]);
+    rig_steps(r, 400);
+    ck_same(plain->data, r->data, _i, ways[k]);
+    rig_free(r);
+  }
+  rig *half = heap(_i, ""), *restored = heap(_i, "");
+  void *bytes;
+  size_t size;
+  tdm_error err = {0};
+  rig_steps(half, 203);
+  ck_assert(dem_state_save(half->data, &bytes, &size));
+  ck_assert_msg(!dem_state_load(restored->data, bytes, size, &err), "%s", err.message);
+  rig_steps(restored, 197);
+  ck_same(plain->data, restored->data, _i, "restored");
+  free(bytes);
+  rig_free(half);
+  rig_free(restored);
+  rig_free(plain);
+}
+END_TEST
+
 /* ---- histories ---- */
 
 START_TEST(test_histories_turn) {
@@ -245,6 +311,7 @@ int main(void) {
   tcase_add_loop_test(all, test_energy, 0, NROW);
   tcase_add_loop_test(all, test_momentum, 0, NROW);
   tcase_add_loop_test(all, test_same_bits, 0, NROW);
+  tcase_add_loop_test(all, test_lists_do_not_matter, 0, DEM_ROLLINGS * DEM_TWISTINGS);
   tcase_add_test(all, test_histories_turn);
   suite_add_tcase(suite, all);
   return run_suite(suite);
