@@ -74,22 +74,27 @@ static tdm_status open_results(run_state *run, tdm_error *err) {
   return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
 }
 
-/* The solver's doubts: printed, or refused when strict. */
-static tdm_status heed_warnings(run_state *run, tdm_error *err) {
+static tdm_status heed(run_state *run, const tdm_warning *w, tdm_error *err) {
   char quoted[TDM_MESSAGE_MAX];
-  for (int k = 0; k < run->ready.nwarning; k++) {
-    const tdm_warning *w = &run->ready.warning[k];
-    tdm_error place = {0};
-    tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
-    json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
-    tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
-            tdm_log_quote(quoted, sizeof quoted, place.message));
-    if (run->options->strict)
-      return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
-    tdm_scene_locate(&run->scene, &place);
-    fprintf(stderr, "tandem-dem: warning: %s\n", place.message);
-  }
+  tdm_error place = {0};
+  tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
+  json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
+  tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+          tdm_log_quote(quoted, sizeof quoted, place.message));
+  if (run->options->strict)
+    return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
+  tdm_scene_locate(&run->scene, &place);
+  fprintf(stderr, "tandem-dem: warning: %s\n", place.message);
   return TDM_OK;
+}
+
+/* Doubts about the settings, and the solver's: printed, or refused when strict. */
+static tdm_status heed_warnings(run_state *run, tdm_error *err) {
+  for (int k = 0; k < run->settings.nwarning && err->status == TDM_OK; k++)
+    heed(run, &run->settings.warning[k], err);
+  for (int k = 0; k < run->ready.nwarning && err->status == TDM_OK; k++)
+    heed(run, &run->ready.warning[k], err);
+  return err->status;
 }
 
 /* the solver loaded and settled, as a participant without a server and without coupled bodies */
@@ -131,8 +136,9 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status write_row(run_state *run, tdm_error *err) {
-  tdm_write_row(run->channels, (double)run->nrow++ * run->settings.interval, run->values, run->ready.nchannel);
+static tdm_status write_row(run_state *run, double time, tdm_error *err) {
+  tdm_write_row(run->channels, time, run->values, run->ready.nchannel);
+  run->nrow++;
   double now = tdm_clock();
   if (now - run->last_flush > flush_interval) {
     run->last_flush = now;
@@ -201,8 +207,11 @@ static uint64_t least(uint64_t a, uint64_t b) {
   return a < b ? a : b;
 }
 
+/* a row on the grid; and one of the last state, which need not lie on it */
 static tdm_status write_due(run_state *run, tdm_error *err) {
-  if (run->nstep >= row_step(run) && write_row(run, err) != TDM_OK)
+  double on_grid = (double)run->nrow * run->settings.interval, now = (double)run->nstep * run->settings.time.dt;
+  bool due = run->nstep >= row_step(run), last = run->nstep == tdm_total_steps(&run->settings.time);
+  if ((due || last) && write_row(run, due ? on_grid : now, err) != TDM_OK)
     return err->status;
   bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
   if (frame || picture || run->settings.pictures.ntime > 0)
@@ -224,7 +233,7 @@ static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   const tdm_step step = {.t0 = (double)run->nstep * dt,
                          .t1 = (double)end * dt,
                          .nstep = end - run->nstep,
-                         .nsample = end >= row_step(run) ? 1 : 0,
+                         .nsample = end >= row_step(run) || end == tdm_total_steps(&run->settings.time),
                          .sample_time = &sample};
   tdm_result result = {.nsample = step.nsample, .nchannel = run->ready.nchannel, .channel = run->values};
   double nparticle = d->nparticle;

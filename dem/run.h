@@ -9,6 +9,7 @@
 #define DEM_RUN_H
 
 #include "dem/output/picture.h"
+#include "protocol/participant.h"
 #include "protocol/time_section.h"
 
 typedef struct {
@@ -26,6 +27,8 @@ typedef struct {
   double particles_interval; /* of the .vtp files [s], 0: none */
   int repose_along;          /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
   dem_picture_settings pictures;
+  int nwarning;
+  tdm_warning warning[2]; /* doubts about these */
 } dem_run_settings;
 
 /* Read the sections time and output; refuse mbd and coupling. Freed with dem_run_settings_free, also after an error. */

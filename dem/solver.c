@@ -265,6 +265,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   if (!m->settle.wanted && !m->start && dem_lids_place(d) && !dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_energy_begin(&d->energy);
+  dem_guard_begin(d);
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->sample_mean[c] = d->body_load[m->coupled_body[c]];

@@ -55,8 +55,11 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt, con
     m->law->walls(&task);
     touching += task.touching;
     d->chunk_flux[c] = task.flux;
-    if (integrator && d->nthread == 1)
+    if (integrator && d->nthread == 1) {
+      dem_time_spent(d->times, DEM_PHASE_CONTACTS);
       integrator->end(d, c, dt);
+      dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
+    }
   }
   if (integrator && d->nthread > 1)
     end_step(d, integrator, dt);
@@ -165,8 +168,10 @@ static bool single_step(dem_data *d, const dem_motion *motion, uint64_t k, uint6
   if (m->domain.strained && !settling)
     dem_domain_strain(d, dt);
   double moved2 = begin_step(d, integrator, dt, 0);
+  dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
   if (!find_contacts(d, moved2, dt))
     return false;
+  dem_time_spent(d->times, DEM_PHASE_LIST);
   evaluate(d, DEM_ALL, settling, dt, integrator);
   return true;
 }
@@ -188,6 +193,7 @@ bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, boo
   if (d->model->domain.open)
     dem_domain_leave(d);
   d->restart = d->restart || settling;
+  dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
   d->nstep++;
   d->since_sort++;
   d->since_list++;

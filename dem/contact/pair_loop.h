@@ -53,7 +53,6 @@ DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
  * boxes up the image is. */
 DEM_INLINE void nearest_image(const dem_data *d, vd s[8], vd boxes[3]) {
   for (int a = 0; a < 3; a++) {
-    boxes[a] = vd_set(0);
     if (!d->domain.periodic[a])
       continue;
     boxes[a] = vd_rint(s[a] * vd_set(1 / d->domain.length[a]));
@@ -93,7 +92,8 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     const int *i = list->one + k, *j = list->other + k;
     if (many)
       fetch_ahead(d, j + 2 * DEM_W);
-    vd boxes[3], s[8], b[4] = {vd_set(0), vd_set(0), vd_set(0), vd_set(0)};
+    vd boxes[3] = {vd_set(0), vd_set(0), vd_set(0)};
+    vd s[8], b[4] = {vd_set(0), vd_set(0), vd_set(0), vd_set(0)};
     vd_sphere_difference(sphere, i, j, s);
     if (constants.rubs)
       vd_rotor_sum(rotor, i, j, b);
