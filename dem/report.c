@@ -152,11 +152,10 @@ static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limit
          m->dt, limits->contact / m->dt, limits->contact, limits->speed);
 }
 
-/* largest overlap of an impact of particle i with its like or with a wall, as a share of the radius */
-static double deepest_impact(const dem_data *d, int i, double speed) {
-  const dem_model *m = d->model;
-  const dem_pair *row = &m->pair[d->kind[i] * m->nmaterial];
-  double deepest = 0, radius = d->sphere[i].radius, mass = d->mass[i];
+/* largest overlap of an impact of a particle with its like or with a wall, as a share of the radius */
+static double deepest_impact(const dem_model *m, int kind, double radius, double mass, double speed) {
+  const dem_pair *row = &m->pair[kind * m->nmaterial];
+  double deepest = 0;
   for (int k = 0; k < m->nmaterial; k++) {
     if (!row[k].given)
       continue;
@@ -170,23 +169,30 @@ static double deepest_impact(const dem_data *d, int i, double speed) {
 /* impacts and motions that the guard would have to tell of */
 static void warn_speed(dem_report *r, const dem_data *d, double speed) {
   const dem_model *m = d->model;
-  double worst = 0, smallest = INFINITY;
-  int at = -1;
-  for (int i = 0; i < d->nparticle && m->guard.every > 0 && speed > 0; i++) {
-    smallest = fmin(smallest, d->sphere[i].radius);
-    if (i > 0 && d->mass[i] == d->mass[i - 1] && d->kind[i] == d->kind[i - 1])
+  double worst = 0, smallest = INFINITY, of = 0;
+  if (m->guard.every == 0 || !(speed > 0))
+    return;
+  for (int i = 0; i < d->nparticle + m->nsource; i++) {
+    const dem_source *s = i < d->nparticle ? NULL : &m->source[i - d->nparticle];
+    double radius = s ? s->sizes.max : d->sphere[i].radius;
+    int kind = s ? s->kind : d->kind[i];
+    double full = m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+    double mass = !s ? d->mass[i] : s->mass > 0 ? s->mass : full;
+    smallest = fmin(smallest, s ? s->sizes.min : radius);
+    if (i > 0 && !s && d->mass[i] == d->mass[i - 1] && kind == d->kind[i - 1])
       continue;
-    double share = deepest_impact(d, i, speed);
-    at = share > worst ? i : at;
+    double share = deepest_impact(m, kind, radius, mass, speed);
+    of = share > worst ? radius : of;
     worst = fmax(worst, share);
   }
   if (worst > m->guard.overlap)
     warn(
         r, "dem.guard.overlap",
-        "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it, and may pass through "
-        "walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the speed is lower",
-        m->guard.overlap, d->sphere[at].radius, speed, worst);
-  for (int b = 0; b < m->nbody && m->guard.every > 0; b++) {
+        "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it without damping, and may "
+        "pass through walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the "
+        "speed is lower",
+        m->guard.overlap, of, speed, worst);
+  for (int b = 0; b < m->nbody; b++) {
     double way = m->body[b].drive.given ? m->dt * dem_drive_speed(&m->body[b].drive, 0) : 0;
     if (way > smallest)
       warn(r, "dem.bodies",

@@ -62,11 +62,11 @@ DEM_INLINE void nearest_image(const dem_data *d, vd s[8], vd boxes[3]) {
 }
 
 /* power of the forces on moving images: what straining the box puts in */
-DEM_INLINE void add_box_power(dem_loop_task *task, const vd boxes[3], vd3 force) {
+DEM_INLINE void add_box_power(dem_loop_task *task, const vd boxes[3], vm touching, vd3 force) {
   const double *rate = task->data->domain_rate;
+  vd3 speed = {boxes[0] * vd_set(rate[0]), boxes[1] * vd_set(rate[1]), boxes[2] * vd_set(rate[2])};
   double power[DEM_W];
-  vd_store(power, boxes[0] * vd_set(rate[0]) * force.x + boxes[1] * vd_set(rate[1]) * force.y +
-                      boxes[2] * vd_set(rate[2]) * force.z);
+  vd_store(power, vd_only(touching, vd3_dot(speed, force)));
   for (int l = 0; l < DEM_W; l++)
     task->flux.box_power += power[l];
 }
@@ -153,7 +153,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     if (constants.more) /* cohesion may have opened some */
       touching += __builtin_popcount(vm_bits(c.touching));
     if (constants.more && m->energy && m->domain.strained)
-      add_box_power(task, boxes, out.force);
+      add_box_power(task, boxes, c.touching, out.force);
     if (constants.more && m->couples) {
       push_couples(d, i, j, list->sink + k, vm_bits(c.touching), out.force, vd3_scale(share, out.twist), out.couple);
     } else if (constants.rubs) {

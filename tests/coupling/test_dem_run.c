@@ -421,7 +421,41 @@ START_TEST(doubts_are_told) {
 }
 END_TEST
 
+/* The benchmark's options; the forces are those of a brute-force evaluation, bit by bit, with rolling too. */
+START_TEST(the_benchmark) {
+  setup();
+  static const struct {
+    const char *options, *says;
+  } wrong[] = {{"--particles 2.5", "\"--particles 2.5\" is not understood"},
+               {"--particles 0", "is not understood"},
+               {"--steps 1e3.5", "is not understood"},
+               {"--law hertz//none", "is not understood"},
+               {"--law hertz/mindlin/none/", "is not understood"},
+               {"--law hertz/mindlin/none/none/none", "is not understood"},
+               {"--law /mindlin", "is not understood"}};
+  for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+    ck_assert_int_eq(command("tandem-dem bench %s", wrong[i].options), 1);
+    expect_output(wrong[i].says);
+  }
+  static const char *const laws[] = {"hertz/mindlin", "hertz/none", "hertz/mindlin/spring-dashpot",
+                                     "hooke/spring/constant-torque/sjkr"};
+  for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
+    int status =
+        command("env XDG_CACHE_HOME=%s tandem-dem bench --particles 400 --box 0.06 --steps 200 --law %s", dir, laws[i]);
+    ck_assert_msg(status == 0, "%s: %s", laws[i], command_output);
+    expect_output("\"force_error\": 0.0");
+  }
+  int status = command("env XDG_CACHE_HOME=%s tandem-dem bench --particles 1 --steps 200", dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  expect_output("\"coordination\": 1.0"); /* the floor */
+  write_file(dir, "bed.txt", "# x y z r\n0.01 0.01 0.01 0.01\n0.05 0.01 0.01 0.01\n\n0.01 0.01 0.01 0.01\n");
+  ck_assert_int_eq(command("tandem-dem bench --bed %s/bed.txt --box 0.1 --steps 10", dir), 1);
+  expect_output("bed.txt\", lines 2 and 5");
+  directory_remove(dir);
+}
+END_TEST
+
 TEST_MAIN("dem_run", 120, a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
           without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
           an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
-          meshes_are_beside_the_scene, a_shorter_run, doubts_are_told)
+          meshes_are_beside_the_scene, a_shorter_run, doubts_are_told, the_benchmark)

@@ -251,7 +251,7 @@ START_TEST(test_doubts) {
        ","
        "'shapes':[{'type':'box','side':'outside','size':[1,0.5,0.1]}]}],'gravity':[0,0,0],'domain':{'min':[0,0,0],'max'"
        ":[1,1,1],"
-       "'x':'periodic'}",
+       "'x':'periodic'}," ONE("[0.5,0.5,0.8]"),
        "dem.bodies", "repeats in x"},
       {"'bodies':[{'name':'box','material':'grain','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
        "'expected_speed':60," ONE("[0,0,0.1]"),
