@@ -298,9 +298,9 @@ START_TEST(result_directories) {
   ck_assert(!is_there("out", "particles_000002.vtp")); /* of the run before */
 
   ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/scene.json/out", dir, dir), 1);
-  expect_output("scene.json: is a file, no directory");
+  expect_output("scene.json: cannot be the result directory, as it is a file");
   ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/scene.json", dir, dir), 1);
-  expect_output("scene.json: is a file, no directory");
+  expect_output("scene.json: cannot be the result directory, as it is a file");
   ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s", dir, dir), 1);
   expect_output("is the scene itself");
   char *text = read_all(".", "scene.json");
