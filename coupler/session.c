@@ -248,19 +248,27 @@ tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const 
   return err->status;
 }
 
+/* Whether the scheme needs a capability of a role. */
+static bool needs(const cpl_session *s, int role, const char *capability) {
+  const char *const *list = s->settings->scheme->needs[role];
+  while (list && *list && strcmp(*list, capability) != 0)
+    list++;
+  return list && *list;
+}
+
 static tdm_status check_capabilities(cpl_session *s, int role, tdm_error *err) {
-  const char *const *needs = s->settings->scheme->needs;
-  for (; needs && *needs; needs++) {
+  const char *const *need = s->settings->scheme->needs[role];
+  for (; need && *need; need++) {
     bool has = false;
     size_t i;
     json_t *entry;
     json_array_foreach(s->partner[role].capabilities, i,
-                       entry) if (json_string_value(entry) && strcmp(json_string_value(entry), *needs) == 0) has = true;
+                       entry) if (json_string_value(entry) && strcmp(json_string_value(entry), *need) == 0) has = true;
     if (!has)
       return tdm_fail(
           err, TDM_ERR_SCENE, "coupling.scheme",
           "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or solver",
-          s->settings->scheme->name, *needs, cpl_session_name(s, (cpl_role)role));
+          s->settings->scheme->name, *need, cpl_session_name(s, (cpl_role)role));
   }
   return TDM_OK;
 }
@@ -285,6 +293,14 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
       json_pack("{s:O, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", json_object_get(scene->root, cpl_role_names[role]),
                 "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
                 set->interpolation == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
+  if (message && role == CPL_MBD && (needs(s, role, "acceleration") || needs(s, role, "mobility"))) {
+    json_t *results = json_array();
+    if (needs(s, role, "acceleration"))
+      json_array_append_new(results, json_string("acceleration"));
+    if (needs(s, role, "mobility"))
+      json_array_append_new(results, json_string("mobility"));
+    json_object_set_new(message, "results", results);
+  }
   tdm_status status = tdm_control_write(&s->out, TDM_ASSIGN, 0, message, err);
   if (status == TDM_OK)
     status = send_to(s, role, err);
@@ -341,14 +357,43 @@ static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
   }
 }
 
+/* What the scheme asked of mbd for the start. */
+static void read_mobility(cpl_session *s, tdm_object *ready, tdm_error *err) {
+  const int nbody = s->settings->nbody;
+  if (needs(s, CPL_MBD, "acceleration")) {
+    s->acceleration = calloc(6 * (size_t)nbody + 1, sizeof *s->acceleration);
+    if (!s->acceleration)
+      tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+    else
+      tdm_get_numbers(ready, "acceleration", s->acceleration, 6 * nbody, true);
+  }
+  if (!needs(s, CPL_MBD, "mobility") || err->status)
+    return;
+  tdm_object o = tdm_get_object(ready, "mobility", true);
+  s->mobility = (tdm_mobility){.nbody = nbody, .nfree = (int)tdm_get_integer(&o, "nfree", TDM_REQUIRED_INT, 0)};
+  if (!err->status && s->mobility.nfree > TDM_FREE_MAX)
+    tdm_object_fail(&o, "nfree", "is more than %d", TDM_FREE_MAX);
+  if (err->status)
+    return;
+  size_t n = tdm_mobility_doubles(&s->mobility);
+  double *block = calloc(n + 1, sizeof *block);
+  if (!block) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
+  tdm_mobility_point(&s->mobility, block);
+  tdm_get_numbers(&o, "numbers", block, (int)n, true);
+}
+
 static tdm_status read_ready(cpl_session *s, int role, const tdm_header *header, tdm_error *err) {
   cpl_partner *p = &s->partner[role];
   json_t *json = NULL;
   if (tdm_control_read(header, &json, err) == TDM_OK) {
     tdm_object ready = tdm_object_open(json, "READY", err);
-    if (role == CPL_MBD)
+    if (role == CPL_MBD) {
       read_bodies(s, &ready, err);
-    else
+      read_mobility(s, &ready, err);
+    } else
       read_loads(s, &ready, err);
     read_channels(p, &ready, err);
     json_t *warnings = tdm_get_array(&ready, "warnings", false);
@@ -397,6 +442,11 @@ static tdm_status check_result(const cpl_session *s, int role, const tdm_step *s
                     (unsigned long long)r->window, r->nbody, r->nstate, r->nload, r->nsample, r->nchannel,
                     (unsigned long long)step->window, step->nbody, nstate, nload, step->nsample,
                     s->partner[role].nchannel);
+  if ((r->nacceleration > 0) != (role == CPL_MBD && step->nbody > 0 && needs(s, role, "acceleration")) ||
+      r->has_mobility != (role == CPL_MBD && needs(s, role, "mobility")))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
+                    "malformed RESULT: %s accelerations and %s mobility, not as ASSIGN asked",
+                    r->nacceleration > 0 ? "with" : "without", r->has_mobility ? "with" : "without");
   if (!(fabs(r->t - step->t1) <= 1e-9 * (step->t1 - step->t0) + 1e-15 * fabs(step->t1)))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: it reached %g s, asked for %g s", r->t, step->t1);
   return TDM_OK;
@@ -465,5 +515,7 @@ void cpl_session_close(cpl_session *s, const tdm_error *err) {
   json_decref(s->warnings);
   free(s->body);
   free(s->load);
+  free(s->acceleration);
+  free(s->mobility.Y); /* the first in its block */
   *s = (cpl_session){0};
 }

@@ -32,6 +32,8 @@ typedef struct {
   cpl_partner partner[CPL_NROLE];
   tdm_assigned_body *body; /* (nbody) from mbd's READY; names are dem's */
   tdm_wrench *load;        /* (nbody) from dem's READY: at the start */
+  double *acceleration;    /* (nbody x 6) from mbd's READY if the scheme needs it: at the start, without load */
+  tdm_mobility mobility;   /* the same */
   char refused[256];       /* why the last stranger was turned away, "" if none was */
   json_t *warnings;        /* array of {"path", "message"} of both */
   tdm_frame out;

@@ -61,11 +61,16 @@ static void count_last(cpl_verify *v) {
     total->step[r] += v->last.step[r];
 }
 
+tdm_status cpl_verify_find(const cpl_verify *v, const char *group, const char *name, char *scene, size_t size,
+                           tdm_error *err) {
+  return tdm_find_scene(scene, size, group, name, v->options->scenarios, err);
+}
+
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err) {
   char scene[4096];
   case_dir(v, case_name, dir, size);
-  if (tdm_find_scene(scene, sizeof scene, "", v->now->scenario->name, v->options->scenarios, err) != TDM_OK)
+  if (cpl_verify_find(v, "", v->now->scenario->name, scene, sizeof scene, err) != TDM_OK)
     return err->status;
   cpl_run_options run = {.scene = scene, .set = set, .out = dir};
   run.quiet = !isatty(2);
@@ -77,9 +82,9 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
   return err->status;
 }
 
-void cpl_verify_alone(cpl_verify *v, double simulated, double wall) {
+void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wall) {
   v->last = (cpl_run_result){.simulated = simulated, .wall = wall, .loop = wall};
-  v->last.step[CPL_DEM] = wall;
+  v->last.step[role] = wall;
   count_last(v);
 }
 

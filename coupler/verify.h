@@ -37,8 +37,12 @@ typedef enum {
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err);
 
-/* Say that this scenario ran something without the coupler: `simulated` [s] of particles alone in `wall` [s]. */
-void cpl_verify_alone(cpl_verify *v, double simulated, double wall);
+/* The scene file GROUP/NAME/scene.json of the scenarios that are verified, into `scene` (size bytes). */
+tdm_status cpl_verify_find(const cpl_verify *v, const char *group, const char *name, char *scene, size_t size,
+                           tdm_error *err);
+
+/* Say that this scenario ran one solver without the coupler: `simulated` [s] in `wall` [s]. */
+void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wall);
 
 /* Compare a run of this scenario with its reference; writes comparison.csv and its plot into the run's directory. */
 tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c, tdm_error *err);

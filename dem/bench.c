@@ -428,6 +428,7 @@ static double force_error(dem_data *d) {
     return NAN;
   dem_model plain = *d->model;
   plain.simd = "plain";
+  plain.search = "all";
   plain.law = dem_law_find("plain", plain.law->normal, plain.law->tangential, plain.law->more);
   dem_data *all = dem_data_create(d->model);
   double worst = 0, largest = 0;
@@ -435,8 +436,7 @@ static double force_error(dem_data *d) {
   if (good) {
     all->model = &plain;
     dem_search_destroy(&all->search);
-    all->search = dem_search_create("all");
-    good = all->search && dem_forces_now(all, false);
+    good = dem_forces_now(all, false);
   }
   dem_forces_again(d, false, 0);
   for (int i = 0; good && i < d->nparticle; i++) {

@@ -2,6 +2,7 @@
 #include "dem/check.h"
 
 #include "dem/domain.h"
+#include "dem/limits.h"
 
 #include <stdio.h>
 
@@ -86,6 +87,20 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
     }
     *nbehind += behind;
   }
+  return err->status;
+}
+
+tdm_status dem_check_step(const dem_data *d, double dt, const char *path, tdm_error *err) {
+  const dem_guard_def *guard = &d->model->guard;
+  if (guard->chosen && guard->action == DEM_GUARD_WARN)
+    return TDM_OK;
+  dem_limits limits = dem_limits_expected(d);
+  if (dt > DEM_CONTACT_SHARE_REFUSED * limits.contact)
+    tdm_fail(err, TDM_ERR_SCENE, path,
+             "%g s is more than half of the shortest contact, %.4g s at %.3g m/s: particles would pass through each "
+             "other and gain energy; use at most %.3g s, or softer particles (to run all the same, set "
+             "dem.guard.action to \"warn\")",
+             dt, limits.contact, limits.speed, limits.step);
   return err->status;
 }
 

@@ -3,6 +3,7 @@
 
 #include "dem/domain.h"
 #include "dem/extras.h"
+#include "dem/geometry/traction.h"
 #include "dem/geometry/walls.h"
 #include "dem/integrate.h"
 #include "dem/search/pairs.h"
@@ -23,19 +24,19 @@ static void *place(char *block, size_t *used, size_t bytes) {
 
 /* Lay the arrays of fixed size out in one block; returns its size. */
 static size_t layout(dem_data *d, char *block) {
-  size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nc = (size_t)d->model->ncoupled, used = 0;
+  size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nl = (size_t)d->model->nload, used = 0;
   PLACE(pose, nb);
   PLACE(twist, nb);
-  PLACE(body_load, nb);
+  PLACE(body_load, nl);
   PLACE(body_inverse, nb);
   PLACE(pose_at_list, nb);
   PLACE(margin, nb);
   PLACE(reach, nb);
-  PLACE(fast_load, nb);
+  PLACE(fast_load, nl);
   PLACE(wall, nw);
   PLACE(lid, nw);
-  PLACE(sample_sum, nc);
-  PLACE(sample_mean, nc);
+  PLACE(sample_sum, nl + 1);
+  PLACE(sample_mean, nl + 1);
   PLACE(source, (size_t)d->model->nsource);
   PLACE(sink, (size_t)d->model->nsink);
   return used;
@@ -48,14 +49,14 @@ static size_t layout_particles(dem_data *d, char *block) {
   DEM_PARTICLE_STATE(X)
 #undef X
   PLACE(pairs.first, np);
-  PLACE(number, np);
+  PLACE(number, d->model->nsink > 0 || d->model->domain.open ? np : 0);
   size_t nchunk = (size_t)dem_chunks(d->capacity);
   PLACE(pairs.chunk, nchunk + 1);
   PLACE(walls.chunk, nchunk + 1);
   PLACE(spare_walls.chunk, nchunk + 1);
   PLACE(chunk_spare, nchunk + 1);
   PLACE(crossings.chunk, nchunk + 1);
-  PLACE(chunk_load, nchunk * (size_t)d->model->nbody);
+  PLACE(chunk_load, nchunk * (size_t)d->model->nload);
   PLACE(chunk_flux, nchunk);
   return used;
 }
@@ -91,18 +92,33 @@ void dem_data_end(dem_data *d) {
   d->rotor[d->nparticle] = (dem_rotor){0};
 }
 
+/* An aligned array of n entries, the first `keep` of them those of the old one. Large arrays are moved by the C library
+ * without a copy, in whole pages: so they are never there twice. */
+static bool grow(void *array, size_t n, size_t keep, size_t size) {
+  void **p = array;
+  size_t bytes = (n * size + 127) & ~(size_t)63;
+  void *grown = *p ? realloc(*p, bytes) : aligned_alloc(64, bytes);
+  if (grown)
+    *p = grown;
+  if (!grown || (uintptr_t)grown % 64 == 0)
+    return grown;
+  void *aligned = aligned_alloc(64, bytes);
+  if (!aligned)
+    return false;
+  if (keep > 0)
+    memcpy(aligned, grown, keep * size);
+  free(grown);
+  *p = aligned;
+  return true;
+}
+
 /* forces of the particles there are, zeros for the one that is none and `more`; the rest is not touched, so it costs no
  * memory until it is used */
 static bool grow_push(const dem_data *d, dem_push **push, int capacity, int more) {
-  dem_push *grown = aligned_alloc(64, (size_t)capacity * sizeof *grown);
-  if (!grown)
+  size_t keep = *push ? (size_t)d->nparticle : 0, end = (size_t)(d->nparticle + 1 + more);
+  if (!grow(push, (size_t)capacity, keep, sizeof **push))
     return false;
-  size_t used = (size_t)d->nparticle;
-  if (*push)
-    memcpy(grown, *push, used * sizeof *grown);
-  memset(*push ? grown + used : grown, 0, ((*push ? 0 : used) + 1 + (size_t)more) * sizeof *grown);
-  free(*push);
-  *push = grown;
+  memset(*push + keep, 0, (end - keep) * sizeof **push);
   return true;
 }
 
@@ -146,18 +162,6 @@ bool dem_data_reserve(dem_data *d, int n) {
     *d = grown;
   }
   return dem_crossings_reserve(d, n - d->nparticle);
-}
-
-/* an aligned array of n entries, the first `keep` of them those of the old one */
-static bool grow(void *array, size_t n, size_t keep, size_t size) {
-  void **p = array, *grown = aligned_alloc(64, (n * size + 127) & ~(size_t)63);
-  if (!grown)
-    return false;
-  if (keep > 0)
-    memcpy(grown, *p, keep * size);
-  free(*p);
-  *p = grown;
-  return true;
 }
 
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
@@ -221,17 +225,6 @@ static void begin(dem_data *d) {
   dem_lids_away(d);
 }
 
-/* for all that will be there after settling */
-static const char *choose_search(dem_data *d) {
-  const dem_model *m = d->model;
-  for (int i = d->nparticle; i < m->nparticle; i++) /* places of those still to be poured */
-    d->sphere[i].radius = m->radius[i];
-  dem_search_input spheres = {.sphere = d->sphere, .n = m->nparticle, .skin = 0.1 * m->mean_radius};
-  const char *name = dem_search_choose(&spheres);
-  dem_data_end(d);
-  return name;
-}
-
 dem_data *dem_data_create(const dem_model *model) {
   dem_data *d = calloc(1, sizeof *d);
   if (!d)
@@ -240,6 +233,7 @@ dem_data *dem_data_create(const dem_model *model) {
   d->block_size = layout(d, NULL);
   d->block = zeroed(d->block_size);
   d->nthread = model->threads > 0 ? model->threads : 1;
+  d->traction.wanted = model->triangle_forces;
   if (d->block)
     layout(d, d->block);
   if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
@@ -247,8 +241,7 @@ dem_data *dem_data_create(const dem_model *model) {
     return NULL;
   }
   begin(d);
-  d->search = dem_search_create(model->search ? model->search : choose_search(d));
-  if (!d->search || !dem_forces_now(d, false)) {
+  if (!dem_forces_now(d, false)) {
     dem_data_destroy(&d);
     return NULL;
   }
@@ -330,13 +323,23 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
-  void *arrays[] = {
-      d->pairs.one,       d->pairs.other,   d->pairs.sink,        d->pairs.history,       d->column,
-      d->walls.entry,     d->walls.history, d->spare_walls.entry, d->spare_walls.history, d->crossings.particle,
-      d->crossings.order, d->push,          d->spare_push,        d->particle_block,      d->block};
+  void *arrays[] = {d->pairs.one,
+                    d->pairs.other,
+                    d->pairs.sink,
+                    d->pairs.history,
+                    d->walls.entry,
+                    d->walls.history,
+                    d->spare_walls.entry,
+                    d->spare_walls.history,
+                    d->crossings.particle,
+                    d->crossings.order,
+                    d->push,
+                    d->spare_push,
+                    d->particle_block,
+                    d->block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
-  dem_rows_free(&d->rows);
+  dem_traction_free(d);
   dem_search_destroy(&d->search);
   free(d);
   *data = NULL;
@@ -484,7 +487,8 @@ static void reorder_bytes(char *array, size_t n, size_t size, const int *from, c
 
 bool dem_data_permute(dem_data *d, const int *from) {
   size_t n = (size_t)d->nparticle;
-  uint64_t *copy = malloc((n + 1) * sizeof *copy); /* a word of each particle at a time: little memory */
+  dem_scratch_mark mark = dem_scratch_now(&d->scratch);
+  uint64_t *copy = dem_scratch_take(&d->scratch, (n + 1) * sizeof *copy); /* a word of each particle at a time */
   if (!copy)
     return false;
 #define X(field, each)                                                                                            \
@@ -493,10 +497,9 @@ bool dem_data_permute(dem_data *d, const int *from) {
   else                                                                                                            \
     reorder_bytes((char *)d->field, n, (size_t)(each) * sizeof *d->field, from, (char *)copy);
   DEM_PARTICLE_STATE(X)
-  X(push, 1)
 #undef X
   if (d->spare_push)
     reorder_words((uint64_t *)(void *)d->spare_push, n, sizeof *d->spare_push / sizeof *copy, from, copy);
-  free(copy);
+  dem_scratch_back(&d->scratch, mark);
   return true;
 }

@@ -11,6 +11,7 @@
 
 #include "dem/exact.h"
 #include "dem/model.h"
+#include "dem/scratch.h"
 #include "dem/search/search.h"
 #include "dem/times.h"
 
@@ -112,6 +113,14 @@ typedef struct {
   uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
 } dem_guard_state;
 
+/* Forces on the triangles of meshes at the last step or evaluation; all NULL unless model.triangle_forces. */
+typedef struct {
+  bool wanted;           /* of the evaluations to come */
+  tdm_vec3 *force;       /* (model.ntriangle) of the particles on each, world [N] */
+  tdm_vec3 *entry_force; /* (capacity) of each entry of the walls' list on its particle [N] */
+  size_t capacity;
+} dem_traction;
+
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
 
@@ -133,7 +142,8 @@ typedef struct dem_data {
   dem_sphere *sphere;         /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
   dem_rotor *rotor;           /* likewise */
   dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
-  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings */
+  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings. Lists
+                               * are built when they are not needed, and use their memory (pairs.h) */
   dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
   dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
   dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
@@ -142,7 +152,7 @@ typedef struct dem_data {
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */
   tdm_twist *twist;       /* now */
-  tdm_wrench *body_load;  /* of the particles, about the centre of mass, world */
+  tdm_wrench *body_load;  /* (model.nload) of the particles, about the body's centre of mass, world */
   double *body_inverse;   /* 1/mass for the damping [1/kg]; 0: cannot be moved */
   tdm_pose *pose_at_list; /* when the lists were built */
   double *margin;         /* smallest gap - radius of a particle that is not listed with this body's walls [m] */
@@ -150,7 +160,7 @@ typedef struct dem_data {
   dem_wall_place *wall;   /* (nwall) where the walls are */
   double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
   uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
-  tdm_wrench *chunk_load; /* (nchunk x nbody) body_load by chunk */
+  tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
 
   dem_source_state *source; /* (nsource) */
@@ -181,7 +191,7 @@ typedef struct dem_data {
   long ncontact;     /* touching pairs and walls at the last evaluation */
   dem_energy energy; /* of the contacts, if the scene asks for it */
 
-  /* means over the output interval, (ncoupled) */
+  /* means over the output interval, (model.nload + 1): as body_load, then of the contacts on fixed particles */
   tdm_wrench *sample_sum;
   tdm_wrench *sample_mean; /* the last sample's */
   uint64_t sample_count;   /* steps in sample_sum */
@@ -189,13 +199,13 @@ typedef struct dem_data {
   /* not part of the state */
   dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
   size_t *chunk_spare;           /* (nchunk + 1) */
-  double *column;                /* (column_capacity) a column of histories, at a rebuild */
-  size_t column_capacity;
-  dem_rows rows;         /* what the search found */
-  dem_search *search;    /* owned */
-  tdm_wrench *fast_load; /* (nbody) multi-step: body_load of the fast contacts */
-  int *number;           /* (nparticle) scratch */
-  dem_times *times;      /* borrowed; NULL: not measured */
+  dem_scratch scratch;           /* at a rebuild; the memory of push */
+  dem_rows rows;                 /* likewise: what the search found */
+  dem_search *search;            /* owned; NULL until the first list */
+  tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
+  dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
+  int *number;                   /* (nparticle) scratch, where particles can leave; else none */
+  dem_times *times;              /* borrowed; NULL: not measured */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
@@ -225,8 +235,8 @@ bool dem_data_add(dem_data *data, const dem_newcomer *newcomer);
  * histories. */
 void dem_data_remove(dem_data *data, const int *gone);
 
-/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers: they are to be
- * built next. False: no memory. */
+/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers, and push loses
+ * what it has: they are to be built next. False: no memory. */
 bool dem_data_permute(dem_data *data, const int *from);
 
 /* Put the particle that is none behind the last. */

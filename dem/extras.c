@@ -1,19 +1,22 @@
 /* Body forces, fixed particles, two dimensions: see extras.h. */
 #include "dem/extras.h"
 
+#include "dem/model_read.h"
+
 #include <stdio.h>
 
 void dem_read_group_extras(dem_model *m, dem_group *group, tdm_object *o) {
   const tdm_vec3 zero = {0, 0, 0};
   static const char *const keys[] = {"force", "acceleration", "velocity", "spin"};
-  group->force = tdm_get_vec3(o, keys[0], &zero);
-  group->acceleration = tdm_get_vec3(o, keys[1], &zero);
+  group->force = dem_read_vector(o, keys[0], &zero);
+  group->acceleration = dem_read_vector(o, keys[1], &zero);
   group->fixed = tdm_get_bool(o, "fixed", false);
   for (int k = 0; group->fixed && k < 4; k++)
     if (tdm_norm(tdm_get_vec3(o, keys[k], &zero)) > 0)
       tdm_object_fail(o, keys[k], "moves particles that are fixed; remove it, or \"fixed\"");
   bool pushed = tdm_norm(group->force) > 0 || tdm_norm(group->acceleration) > 0;
   m->driven = m->driven || (group->count > 0 && (group->fixed || pushed));
+  m->fixes = m->fixes || (group->count > 0 && group->fixed);
 }
 
 void dem_read_dimension(dem_model *m, tdm_object *section) {
@@ -48,6 +51,17 @@ void dem_put_in_plane(dem_model *m, tdm_error *err) {
         return;
       }
     }
+}
+
+tdm_vec3 dem_fixed_force(const dem_data *d) {
+  tdm_vec3 sum = {0, 0, 0};
+  for (int i = 0; d->model->fixes && i < d->nparticle; i++)
+    if (d->sphere[i].inverse_mass == 0) {
+      sum = tdm_add(sum, d->push[i].force);
+      if (d->spare_push)
+        sum = tdm_add(sum, d->spare_push[i].force);
+    }
+  return sum;
 }
 
 void dem_drive_particles(dem_data *d) {

@@ -21,6 +21,9 @@ static inline tdm_vec3 dem_field(const dem_data *d, int i) {
   return d->model->driven ? tdm_add(d->model->gravity, d->drive[i].velocity) : d->model->gravity;
 }
 
+/* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */
+tdm_vec3 dem_fixed_force(const dem_data *data);
+
 /* v with `at` for the component along which particles do not move. */
 static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {
   if (m->flat >= 0)

@@ -296,6 +296,13 @@ static void scale_mass(dem_model *m, int first, double total) {
     m->mass[i] *= total / sum;
 }
 
+/* refuse masses of particles [first, nparticle) that are no use as numbers, at the key they come from */
+static void check_masses(const filler *f, int first) {
+  const char *key = f->total_mass > 0 ? "total_mass" : f->mass > 0 ? "mass" : "radius";
+  for (int i = first; i < f->m->nparticle && !f->o->err->status; i++)
+    dem_check_mass(f->o, key, f->m->mass[i]);
+}
+
 static void read_entry(dem_model *m, tdm_object *o, int entry) {
   static const char *const types[] = {
 #define X(name) #name,
@@ -311,8 +318,8 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   int type = tdm_get_choice(o, "type", types, sizeof types / sizeof types[0], -1);
   read_names(&f);
   const tdm_vec3 zero = {0, 0, 0};
-  f.velocity = tdm_get_vec3(o, "velocity", &zero);
-  f.spin = tdm_get_vec3(o, "spin", &zero);
+  f.velocity = dem_read_vector(o, "velocity", &zero);
+  f.spin = dem_read_vector(o, "spin", &zero);
   dem_sizes_read(o, &f.sizes);
   f.seed = (uint64_t)tdm_get_integer(o, "seed", 1, 0);
   f.mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
@@ -325,6 +332,7 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   read[type](&f);
   if (f.total_mass > 0 && m->nparticle > first)
     scale_mass(m, first, f.total_mass);
+  check_masses(&f, first);
   dem_group *group = &m->group[entry];
   *group = (dem_group){.first = first, .count = m->nparticle - first};
   dem_read_group_extras(m, group, o);

@@ -158,8 +158,9 @@ uint64_t dem_fingerprint_start(const dem_model *m) {
 }
 
 uint64_t dem_fingerprint_whole(const dem_model *m) {
-  const double counts[] = {m->nsource, m->nsink, m->ncoupled, (double)m->multi_step.substeps, m->multi_step.mass};
-  uint64_t h = hash_numbers(dem_fingerprint_bed(m), counts, 5);
+  const double counts[] = {m->nsource,        m->nsink, m->ncoupled, m->nload, (double)m->multi_step.substeps,
+                           m->multi_step.mass};
+  uint64_t h = hash_numbers(dem_fingerprint_bed(m), counts, 6);
   h = hash_bytes(h, m->integrator->name, strlen(m->integrator->name) + 1);
   h = hash_numbers(h, m->domain.rate, 3);
   h = hash_pairs(h, m, m->pair);

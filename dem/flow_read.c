@@ -96,8 +96,10 @@ static void read_source(dem_model *m, tdm_object *o) {
   s->kind = dem_read_material(m, o);
   dem_sizes_read(o, &s->sizes);
   s->mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
+  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.min));
+  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.max));
   read_place(o, s);
-  s->velocity = tdm_get_vec3(o, "velocity", &(tdm_vec3){0, 0, 0});
+  s->velocity = dem_read_vector(o, "velocity", &(tdm_vec3){0, 0, 0});
   if (m->flat >= 0 && (&s->velocity.x)[m->flat] != 0)
     tdm_object_fail(o, "velocity", "moves out of the plane of dem.plane; with dem.dimension 2 give one in it");
   read_relative(m, o, s);

@@ -2,7 +2,8 @@
  *
  * Rayleigh: dt_R = pi R sqrt(rho/G) / (0.1631 nu + 0.8766), the time a surface wave takes around a particle ([L18]
  * Eq. 26, where the parenthesis stands inside the root in print); a share of 0.2 to 0.4 is common.
- * Contact: the closed form of the normal law (contact/theory.h); 20 steps resolve it well, 10 are the least.
+ * Contact: the closed form of the normal law (contact/theory.h); 20 steps resolve it well, 10 are the least. An
+ * overdamped linear contact counts with half a period of the undamped one.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
  * contacts that touch now; tangentially (1 + m R^2/I) k_t = 3.5 k_t acts. 0.8 of it is taken.
  * Of contacts that multi-step takes several times in a step, so many times the limit counts.
@@ -16,8 +17,9 @@
 
 /* shares of the three times above that a step may take */
 #define DEM_RAYLEIGH_SHARE 0.4
-#define DEM_CONTACT_SHARE 0.05     /* recommended */
-#define DEM_CONTACT_SHARE_MOST 0.1 /* more is doubtful */
+#define DEM_CONTACT_SHARE 0.05        /* recommended */
+#define DEM_CONTACT_SHARE_MOST 0.1    /* more is doubtful */
+#define DEM_CONTACT_SHARE_REFUSED 0.5 /* a contact would be over between two steps */
 #define DEM_EIGEN_SHARE 0.8
 
 typedef struct {

@@ -67,6 +67,12 @@ typedef struct {
   dem_drive drive; /* of a body that is not coupled */
 } dem_body;
 
+/* An entry of a body's "shapes". */
+typedef struct {
+  int body, number;      /* number: in the body's list */
+  int first_wall, nwall; /* the walls that it is made of */
+} dem_geometry;
+
 /* Makes particles during the run (flow.h). */
 typedef struct {
   char *name;
@@ -145,6 +151,7 @@ typedef struct {
   double overlap; /* largest share of the smaller radius */
   double energy;  /* largest rise, as a share of the energy there is */
   dem_guard_action action;
+  bool chosen; /* the scene gives the action */
 } dem_guard_def;
 
 typedef struct {
@@ -167,12 +174,14 @@ typedef struct dem_model {
   dem_rolling rolling;
   dem_twisting twisting;
   dem_cohesion cohesion;
-  bool couples;        /* contacts give couples: rolling or twisting */
-  bool energy;         /* energies of the contacts are wanted */
-  double exponent;     /* hunt-crossley: p */
-  bool printed;        /* hunt-crossley: lambda as printed */
-  dem_columns columns; /* of the contacts' history */
-  double reach;        /* gap over which contacts act, for the neighbour lists [m] */
+  bool couples;         /* contacts give couples: rolling or twisting */
+  bool energy;          /* energies of the contacts are wanted */
+  bool geometry_loads;  /* loads of the geometries of bodies that have several are wanted */
+  bool triangle_forces; /* so are forces on the triangles of meshes */
+  double exponent;      /* hunt-crossley: p */
+  bool printed;         /* hunt-crossley: lambda as printed */
+  dem_columns columns;  /* of the contacts' history */
+  double reach;         /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;
   bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
   const struct dem_integrator *settler; /* velocity Verlet, for settling */
@@ -202,11 +211,20 @@ typedef struct dem_model {
   dem_body *body;    /* (nbody) */
   int *coupled_body; /* (ncoupled) body of each coupled body */
 
+  int ngeometry;
+  dem_geometry *geometry; /* (ngeometry) of all bodies, body by body */
+
+  int nload; /* loads that a step sums up: those of the bodies, then of the geometries if geometry_loads */
+
   int nwall;
   dem_wall *wall; /* (nwall) of all bodies, body by body */
 
+  int ntriangle;       /* of all walls that are meshes, if triangle_forces, else 0 */
+  int *first_triangle; /* (nwall) of these; NULL when there are none */
+
   int ngroup;
   dem_group *group; /* (ngroup) by entry of dem.particles */
+  bool fixes;       /* a group is fixed */
 
   int npouring;
   dem_pouring *pouring; /* (npouring) one after the other */

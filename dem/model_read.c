@@ -36,6 +36,22 @@ int dem_read_material(const dem_model *m, tdm_object *o) {
   return 0;
 }
 
+tdm_vec3 dem_read_vector(tdm_object *o, const char *key, const tdm_vec3 *fallback) {
+  tdm_vec3 v = tdm_get_vec3(o, key, fallback);
+  if (!o->err->status && !isfinite(tdm_dot(v, v)))
+    tdm_object_fail(o, key, "is [%g, %g, %g]: too large to be squared in double precision; give at most 1e150", v.x,
+                    v.y, v.z);
+  return v;
+}
+
+void dem_check_mass(tdm_object *o, const char *key, double mass) {
+  if (!o->err->status && !(isnormal(mass * mass) && isnormal(1 / (mass * mass))))
+    tdm_object_fail(o, key,
+                    "gives a particle of %g kg, which double precision does not hold when squared or inverted; "
+                    "give a mass between 1e-150 and 1e150 kg",
+                    mass);
+}
+
 static const char *choose(tdm_object *o, const char *key, const char *const *names, int fallback) {
   int n = 0;
   while (names[n])
@@ -132,8 +148,33 @@ static bool is_coupled(const tdm_assignment *assignment, const char *name) {
   return false;
 }
 
-static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignment, dem_wall_list *walls) {
+enum { NAME_LENGTH = 40 }; /* so that "body.NAME.shape99.fx" is a channel's name */
+
+/* a body's name, which becomes part of channel names */
+static const char *read_body_name(tdm_object *o) {
   const char *name = tdm_get_string(o, "name", NULL);
+  size_t n = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");
+  if (!o->err->status && (n == 0 || name[n] != 0 || n > NAME_LENGTH))
+    tdm_object_fail(o, "name",
+                    "\"%s\" must be 1 to %d letters, digits, '_' and '-': it becomes part of column names in the "
+                    "results; rename it",
+                    name, NAME_LENGTH);
+  return name;
+}
+
+/* entry `number` of a body's shapes, whose walls are the last ones from `first` on */
+static void append_geometry(dem_model *m, int body, int number, int first, int nwall, tdm_error *err) {
+  dem_geometry *grown = realloc(m->geometry, (size_t)(m->ngeometry + 1) * sizeof *grown);
+  if (!grown) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for geometry %d", m->ngeometry);
+    return;
+  }
+  m->geometry = grown;
+  m->geometry[m->ngeometry++] = (dem_geometry){body, number, first, nwall};
+}
+
+static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignment, dem_wall_list *walls) {
+  const char *name = read_body_name(o);
   int same = dem_find_body(m, name), index = m->nbody++;
   if (same >= 0)
     tdm_object_fail(o, "name", "\"%s\" is the name of dem.bodies[%d] already; give each body its own", name, same);
@@ -158,7 +199,9 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   json_t *shapes = tdm_get_array(o, "shapes", true);
   for (size_t k = 0; k < json_array_size(shapes) && !o->err->status; k++) {
     char path[TDM_PATH_MAX];
-    dem_shape_read(json_array_get(shapes, k), tdm_path(path, o, "shapes", (int)k), index, walls, o->err);
+    int first = walls->count;
+    dem_shape_read(json_array_get(shapes, k), tdm_path(path, o, "shapes", (int)k), index, m->ngeometry, walls, o->err);
+    append_geometry(m, index, (int)k, first, walls->count - first, o->err);
   }
 }
 
@@ -181,6 +224,27 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
   m->nmesh = walls.nmesh;
   if (!err->status)
     couple_bodies(m, assignment, err);
+}
+
+/* ---- loads for outputs ---- */
+
+/* which triangles each mesh has among those of all */
+static void number_triangles(dem_model *m, tdm_object *section) {
+  if (m->nmesh == 0 && !section->err->status)
+    tdm_object_fail(section, "triangle_forces", "there is no mesh in dem.bodies; remove the key, or add a mesh");
+  m->first_triangle = allocate((size_t)m->nwall, sizeof *m->first_triangle, section->err);
+  for (int w = 0; w < m->nwall && !section->err->status; w++) {
+    m->first_triangle[w] = m->ntriangle;
+    m->ntriangle += m->wall[w].mesh ? dem_mesh_figures(m->wall[w].mesh)->triangles : 0;
+  }
+}
+
+static void read_loads(dem_model *m, tdm_object *section) {
+  m->geometry_loads = tdm_get_bool(section, "geometry_loads", false);
+  m->triangle_forces = tdm_get_bool(section, "triangle_forces", false);
+  m->nload = m->nbody + (m->geometry_loads ? m->ngeometry : 0);
+  if (m->triangle_forces)
+    number_triangles(m, section);
 }
 
 /* ---- settling ---- */
@@ -228,7 +292,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   m->interpolation = assignment->interpolation;
 
   tdm_object o = tdm_object_open(assignment->scene, "dem", err);
-  m->gravity = tdm_get_vec3(&o, "gravity", &(tdm_vec3){0, 0, -9.81});
+  m->gravity = dem_read_vector(&o, "gravity", &(tdm_vec3){0, 0, -9.81});
   dem_contact_read(m, &o);
   m->energy = tdm_get_bool(&o, "energy", false);
   dem_materials_read(m, tdm_get_array(&o, "materials", true), err);
@@ -239,6 +303,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   json_t *bodies = tdm_get_array(&o, "bodies", false);
   if (!err->status)
     read_bodies(m, bodies, assignment, err);
+  read_loads(m, &o);
   json_t *particles = tdm_get_array(&o, "particles", false);
   if (!err->status)
     dem_fill_read(m, particles, err);

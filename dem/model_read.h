@@ -7,6 +7,12 @@
 /* Fill *model (zeroed) from the assignment. The first error is left in err. */
 void dem_model_read(dem_model *model, const tdm_assignment *assignment, tdm_error *err);
 
+/* Three numbers whose square is a number too: of what is squared or divided by on the way. */
+tdm_vec3 dem_read_vector(tdm_object *o, const char *key, const tdm_vec3 *fallback);
+
+/* Refuse a mass [kg] whose square or inverse square double precision does not hold; `key` gives it. */
+void dem_check_mass(tdm_object *o, const char *key, double mass);
+
 /* The key "material" of an object as an index; 0 after an error. */
 int dem_read_material(const dem_model *model, tdm_object *o);
 

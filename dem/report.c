@@ -132,11 +132,25 @@ static void warn_repeats(dem_report *r, const dem_data *d) {
         continue;
       warn(r, "dem.bodies",
            "a wall of \"%s\" reaches a face of dem.domain, which repeats in %c, but walls do not repeat: what passes "
-           "the "
-           "face loses it; let the wall reach beyond both faces by a radius, or end before them",
+           "the face loses it; let the wall reach beyond both faces by a radius, or end before them",
            m->body[m->wall[w].body].name, "xyz"[a]);
       break;
     }
+}
+
+/* in two dimensions nothing falls out of the plane */
+static void warn_plane(dem_report *r, const dem_model *m) {
+  double across = m->flat >= 0 ? (&m->gravity.x)[m->flat] : 0;
+  if (across != 0)
+    warn(r, "dem.gravity",
+         "its %c component, %g m/s2, is across the plane of dem.dimension 2 and does nothing; set it to 0, or choose "
+         "another dem.plane",
+         "xyz"[m->flat], across);
+}
+
+static void warn_triangles(dem_report *r, const dem_model *m) {
+  if (m->triangle_forces && m->ncoupled > 0)
+    warn(r, "dem.triangle_forces", "is for tandem-dem run, which writes files for ParaView; remove it");
 }
 
 static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limits) {
@@ -159,9 +173,9 @@ static double deepest_impact(const dem_model *m, int kind, double radius, double
   for (int k = 0; k < m->nmaterial; k++) {
     if (!row[k].given)
       continue;
-    deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass / 2, radius / 2, speed}) / radius);
+    deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass / 2, radius / 2, speed, 0}) / radius);
     if (m->nwall > 0)
-      deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass, radius, speed}) / radius);
+      deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass, radius, speed, 0}) / radius);
   }
   return deepest;
 }
@@ -186,12 +200,12 @@ static void warn_speed(dem_report *r, const dem_data *d, double speed) {
     worst = fmax(worst, share);
   }
   if (worst > m->guard.overlap)
-    warn(
-        r, "dem.guard.overlap",
-        "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it without damping, and may "
-        "pass through walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the "
-        "speed is lower",
-        m->guard.overlap, of, speed, worst);
+    warn(r, "dem.guard.overlap",
+         "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it without damping, and "
+         "may "
+         "pass through walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the "
+         "speed is lower",
+         m->guard.overlap, of, speed, worst);
   for (int b = 0; b < m->nbody; b++) {
     double way = m->body[b].drive.given ? m->dt * dem_drive_speed(&m->body[b].drive, 0) : 0;
     if (way > smallest)
@@ -358,6 +372,8 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   report_limits(r, m, &limits);
   warn_step(r, m, &limits);
   warn_speed(r, d, limits.speed);
+  warn_plane(r, m);
+  warn_triangles(r, m);
   report_ratios(r, d, fill.mass);
   report_lids(r, d);
   report_meshes(r, m);
@@ -373,7 +389,8 @@ void dem_report_flow(dem_report *r, const dem_data *d) {
     snprintf(path, sizeof path, "dem.sources[%d]", s);
     if (d->source[s].blocked)
       warn(r, path,
-           "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, or "
+           "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, "
+           "or "
            "move the source",
            (unsigned long long)d->source[s].made);
   }

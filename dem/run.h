@@ -9,16 +9,11 @@
 #define DEM_RUN_H
 
 #include "dem/output/picture.h"
-#include "protocol/participant.h"
+#include "protocol/alone.h"
 #include "protocol/time_section.h"
 
-typedef struct {
-  const char *scene;      /* file */
-  const char *const *set; /* NULL-terminated "path=value" overrides, may be NULL */
-  const char *out;        /* result directory; not for a check */
-  bool force;             /* replace the results of an earlier run */
-  bool strict;            /* refuse a scene that the solver has doubts about */
-} dem_run_options;
+/* the command line of tandem-dem, but for bench */
+extern const tdm_alone_program dem_program;
 
 /* What a run reads besides the section dem. */
 typedef struct {
@@ -27,8 +22,6 @@ typedef struct {
   double particles_interval; /* of the .vtp files [s], 0: none */
   int repose_along;          /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
   dem_picture_settings pictures;
-  int nwarning;
-  tdm_warning warning[2]; /* doubts about these */
 } dem_run_settings;
 
 /* Read the sections time and output; refuse mbd and coupling. Freed with dem_run_settings_free, also after an error. */
@@ -36,9 +29,9 @@ tdm_status dem_run_settings_read(dem_run_settings *settings, const tdm_scene *sc
 void dem_run_settings_free(dem_run_settings *settings);
 
 /* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
-tdm_status dem_run(const dem_run_options *options, tdm_error *err);
+tdm_status dem_run(const tdm_alone_options *options, tdm_error *err);
 
 /* Load and settle the scene, and print what would run. */
-tdm_status dem_run_check(const dem_run_options *options, tdm_error *err);
+tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err);
 
 #endif

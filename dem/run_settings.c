@@ -1,9 +1,6 @@
 /* The sections time and output of a scene of particles alone. */
 #include "dem/run.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-
 static void refuse_coupling(tdm_object *root) {
   static const char *const sections[] = {"mbd", "coupling"};
   for (int k = 0; k < 2; k++)
@@ -23,24 +20,11 @@ static void read_repose(dem_run_settings *s, tdm_object *output) {
   tdm_object_close(&o);
 }
 
-static void warn(dem_run_settings *s, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
-
-static void warn(dem_run_settings *s, const char *path, const char *format, ...) {
-  tdm_warning *w = &s->warning[s->nwarning++];
-  snprintf(w->path, sizeof w->path, "%s", path);
-  va_list args;
-  va_start(args, format);
-  vsnprintf(w->message, sizeof w->message, format, args);
-  va_end(args);
-}
-
-static void doubt(dem_run_settings *s) {
-  if (s->interval > s->time.end * (1 + 1e-9))
-    warn(s, "output.interval", "is %g s but the run ends at %g s: the time histories have its start and its end only",
-         s->interval, s->time.end);
-  if (s->pictures.late > 0)
-    warn(s, "output.pictures.times", "%d of %d are later than time.end = %g s: there will be no such pictures",
-         s->pictures.late, s->pictures.late + s->pictures.ntime, s->time.end);
+/* forces on triangles have nowhere to go without files */
+static void check_triangle_forces(const dem_run_settings *s, tdm_object *output, json_t *dem) {
+  if (json_is_true(json_object_get(dem, "triangle_forces")) && s->particles_interval == 0)
+    tdm_object_fail(output, "particles_interval",
+                    "missing: dem.triangle_forces go into the files for ParaView; give it, or remove that key");
 }
 
 tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, tdm_error *err) {
@@ -56,11 +40,10 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
     s->particles_interval = tdm_read_interval(&o, "particles_interval", TDM_REQUIRED, s->time.dt);
   dem_picture_settings_read(&s->pictures, &o, s->time.end);
   read_repose(s, &o);
+  check_triangle_forces(s, &o, json_object_get(scene->root, "dem"));
   tdm_object_close(&o);
   tdm_get_object(&root, "dem", true);
   tdm_object_close(&root);
-  if (!err->status)
-    doubt(s);
   return err->status;
 }
 

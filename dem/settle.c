@@ -6,7 +6,6 @@
 #include "dem/geometry/walls.h"
 #include "dem/limits.h"
 #include "dem/pour.h"
-#include "dem/search/pairs.h"
 #include "dem/step.h"
 
 static double fastest(const dem_data *d) {
@@ -79,6 +78,8 @@ static void stand_still(dem_data *d) {
 /* let the particles come to rest with the bodies held */
 static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   double quiet = choose_times(d, out);
+  if (d->model->settle.dt > 0 && dem_check_step(d, out->dt, "dem.settle.dt", err))
+    return err->status;
   hold_bodies(d);
   if (run(d, quiet, p, out, err))
     return err->status;
@@ -118,8 +119,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
     moved += press_speed * out->dt;
     if (4 * moved > d->skin) { /* no list margin knows of a wall that moves on its body */
       moved = 0;
-      if (!dem_lists_build(d))
-        return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
+      d->list_stale = true;
     }
     if (!dem_step(d, NULL, 0, 1, true, out->dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");

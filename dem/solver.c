@@ -23,7 +23,7 @@
 
 /* One row an output channel: name, unit. channel_values fills them in this order; then come the energies if the scene
  * asks for them, two for each source, two for each sink and for each of its size classes, what left dem.domain if
- * there is one, and the balance if particles can come or go. */
+ * there is one, the balance if particles can come or go, and loads (has_channels says which). */
 #define CHANNEL_LIST(X)              \
   X("particles.count", "1")          \
   X("particles.com.x", "m")          \
@@ -84,6 +84,38 @@ static int energy_values(const dem_data *d, double *out) {
   return NENERGY;
 }
 
+/* the channels of a load: of a force alone the first three */
+static const tdm_channel load_channels[] = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
+                                            {"mx", "N m"}, {"my", "N m"}, {"mz", "N m"}};
+enum { NLOAD = sizeof load_channels / sizeof load_channels[0], NFORCE = 3 };
+
+/* Has load l of the samples channels? Bodies that are not coupled and have walls; geometries of bodies that have
+ * several; the last, of fixed particles, if there are any. */
+static bool has_channels(const dem_model *m, int l) {
+  if (l == m->nload)
+    return m->fixes;
+  int body = l < m->nbody ? l : m->geometry[l - m->nbody].body, many = 0;
+  for (int g = 0; g < m->ngeometry; g++)
+    many += m->geometry[g].body == body && m->geometry[g].nwall > 0;
+  return l < m->nbody ? m->body[l].coupled < 0 && many > 0 : many > 1;
+}
+
+/* how many it has */
+static int count_channels(const dem_model *m, int l) {
+  return !has_channels(m, l) ? 0 : l == m->nload ? NFORCE : NLOAD;
+}
+
+/* the means of the last sample into out */
+static void load_values(const dem_data *d, double *out) {
+  for (int l = 0; l <= d->model->nload; l++) {
+    const tdm_wrench *w = &d->sample_mean[l];
+    const double values[NLOAD] = {w->force.x, w->force.y, w->force.z, w->moment.x, w->moment.y, w->moment.z};
+    int n = count_channels(d->model, l);
+    memcpy(out, values, (size_t)n * sizeof *out);
+    out += n;
+  }
+}
+
 static bool has_balance(const dem_model *m) {
   return m->nsource + m->nsink > 0 || m->domain.open;
 }
@@ -135,11 +167,32 @@ static void channel_values(const dem_data *d, double *out) {
     *out++ = dem_balance_number(d);
     *out++ = dem_balance_mass(d);
   }
+  load_values(d, out);
 }
 
 static void name_channel(tdm_channel *c, const char *group, const char *name, const char *what, const char *unit) {
   snprintf(c->name, sizeof c->name, "%s.%s.%s", group, name, what);
   snprintf(c->unit, sizeof c->unit, "%s", unit);
+}
+
+/* the names of the channels of load l from c on; returns the channel after them */
+static tdm_channel *name_load(tdm_channel *c, const dem_model *m, int l) {
+  char shape[32] = "";
+  int of = l;
+  if (l >= m->nbody && l < m->nload) {
+    of = m->geometry[l - m->nbody].body;
+    snprintf(shape, sizeof shape, "shape%d.", m->geometry[l - m->nbody].number);
+  }
+  for (int k = 0, n = count_channels(m, l); k < n; k++, c++) {
+    char what[64];
+    snprintf(what, sizeof what, "%s%s", shape, load_channels[k].name);
+    if (l == m->nload)
+      snprintf(c->name, sizeof c->name, "fixed.%s", what);
+    else
+      name_channel(c, "body", m->body[of].name, what, load_channels[k].unit);
+    snprintf(c->unit, sizeof c->unit, "%s", load_channels[k].unit);
+  }
+  return c;
 }
 
 /* the channels of this scene; false: no memory */
@@ -150,6 +203,8 @@ static bool make_channels(dem_solver *s) {
     flows += dem_sink_classes(&m->sink[k]);
   s->nchannel =
       NCHANNEL + (m->energy ? NENERGY : 0) + 2 * flows + (m->domain.wanted ? 1 : 0) + (has_balance(m) ? 2 : 0);
+  for (int l = 0; l <= m->nload; l++)
+    s->nchannel += count_channels(m, l);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
   if (!s->channel || !s->initial)
@@ -181,6 +236,8 @@ static bool make_channels(dem_solver *s) {
     *c++ = (tdm_channel){"balance.number", "1"};
     *c++ = (tdm_channel){"balance.mass", "kg"};
   }
+  for (int l = 0; l <= m->nload; l++)
+    c = name_load(c, m, l);
   return true;
 }
 
@@ -203,13 +260,13 @@ static void note_lost(dem_solver *s, double t, long lost) {
 static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
   dem_data *d = s->data;
   int nc = s->model->ncoupled;
-  for (int c = 0; c < nc; c++) {
+  for (int l = 0; l <= s->model->nload; l++) {
     if (d->sample_count > 0)
-      d->sample_mean[c] = mean_load(&d->sample_sum[c], (double)d->sample_count);
-    d->sample_sum[c] = (tdm_wrench){0};
-    if (result->nload > 0)
-      result->sample_load[j * nc + c] = d->sample_mean[c];
+      d->sample_mean[l] = mean_load(&d->sample_sum[l], (double)d->sample_count);
+    d->sample_sum[l] = (tdm_wrench){0};
   }
+  for (int c = 0; c < nc && result->nload > 0; c++)
+    result->sample_load[j * nc + c] = d->sample_mean[s->model->coupled_body[c]];
   d->sample_count = 0;
   if (result->nchannel == s->nchannel) {
     double *values = &result->channel[j * s->nchannel];
@@ -260,6 +317,8 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
     return err->status;
   if (dem_check_start(d, &nbehind, err))
     return err->status;
+  if (dem_check_step(d, m->dt, "time.dt", err))
+    return err->status;
   if (m->settle.wanted && dem_settle(d, s->participant, &settled, err))
     return err->status;
   if (!m->settle.wanted && !m->start && dem_lids_place(d) && !dem_forces_now(d, false))
@@ -268,7 +327,10 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_guard_begin(d);
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
-    s->load[c] = d->sample_mean[c] = d->body_load[m->coupled_body[c]];
+    s->load[c] = d->body_load[m->coupled_body[c]];
+  for (int l = 0; l < m->nload; l++)
+    d->sample_mean[l] = d->body_load[l];
+  d->sample_mean[m->nload].force = dem_fixed_force(d);
   int nparticle = d->nparticle;
   if (!dem_flow(d, m->time_start, m->dt))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
@@ -341,14 +403,16 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
   int sample = 0;
 
   for (uint64_t k = 1; k <= step->nstep; k++) {
+    d->traction.wanted = m->triangle_forces && k == step->nstep; /* runs end windows where they write files */
     if (!dem_step(d, s->motion, k, step->nstep, false, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
 
     /* [L18] Eq. 2: the mean of the n samples after each step */
-    for (int c = 0; c < m->ncoupled; c++) {
+    for (int c = 0; c < m->ncoupled; c++)
       add_load(&s->load[c], &d->body_load[m->coupled_body[c]]);
-      add_load(&d->sample_sum[c], &d->body_load[m->coupled_body[c]]);
-    }
+    for (int l = 0; l < m->nload; l++)
+      add_load(&d->sample_sum[l], &d->body_load[l]);
+    add_load(&d->sample_sum[m->nload], &(tdm_wrench){.force = dem_fixed_force(d)});
     d->sample_count++;
 
     double t = step_time(d, step, k, dt);

@@ -289,11 +289,17 @@ static bool get_particles(const reader *r, dem_data *d) {
            ((void *)d->field == (void *)d->memory || (void *)d->field == (void *)d->drive);
   DEM_PARTICLE_STATE(X)
 #undef X
-  good = get(r, "push", d->push, np * sizeof *d->push) && good;
-  if (d->spare_push && !get(r, "spare_push", d->spare_push, np * sizeof *d->push))
-    good = good && r->use != DEM_STATE_WHOLE;
   for (int i = 0; i < d->nparticle; i++)
     good = good && d->kind[i] >= 0 && d->kind[i] < d->model->nmaterial;
+  return good;
+}
+
+/* the forces, after the lists, which are built in their memory */
+static bool get_forces(const reader *r, dem_data *d) {
+  size_t bytes = (size_t)d->nparticle * sizeof *d->push;
+  bool good = get(r, "push", d->push, bytes);
+  if (d->spare_push && !get(r, "spare_push", d->spare_push, bytes))
+    good = good && r->use != DEM_STATE_WHOLE;
   return good;
 }
 
@@ -391,7 +397,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   if (!dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for the neighbour lists");
   d->since_sort = c.since_sort;
-  if (!get_histories(r, d, false) || !get_histories(r, d, true))
+  if (!get_forces(r, d) || !get_histories(r, d, false) || !get_histories(r, d, true))
     return refuse(r, err, "is damaged");
   return TDM_OK;
 }

@@ -2,6 +2,7 @@
 #include "dem/step.h"
 
 #include "dem/domain.h"
+#include "dem/geometry/traction.h"
 #include "dem/geometry/walls.h"
 #include "dem/guard.h"
 #include "dem/integrate.h"
@@ -41,18 +42,43 @@ static void end_step(dem_data *d, const dem_integrator *integrator, double dt) {
     integrator->end(d, c, dt);
 }
 
+/* A chunk's walls, geometry by geometry: what a body's load grows by is the load of the geometry. The same sums, in the
+ * same order, as all walls at once. */
+static void geometry_loads(dem_loop_task *task) {
+  const dem_model *m = task->model;
+  const dem_wall_entry *entry = task->data->walls.entry;
+  size_t last = task->wall_end;
+  for (size_t k = task->wall_first; k < last; k = task->wall_end) {
+    int g = m->wall[entry[k].wall].geometry, b = m->geometry[g].body;
+    task->wall_first = k;
+    for (task->wall_end = k + 1; task->wall_end < last && m->wall[entry[task->wall_end].wall].geometry == g;)
+      task->wall_end++;
+    tdm_wrench before = task->load[b], *grown = &task->load[m->nbody + g];
+    m->law->walls(task);
+    grown->force = tdm_sub(task->load[b].force, before.force);
+    grown->moment = tdm_sub(task->load[b].moment, before.moment);
+  }
+}
+
 /* Add up the forces of a share of the contacts on particles (zeroed before) and bodies; then, with an integrator, end
  * its step. One thread ends each chunk at once, while it is in the cache: what other chunks add to it came before. */
 static void evaluate(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {
   const dem_model *m = d->model;
+  tdm_vec3 *entry_force = dem_traction_entries(d);
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1) reduction(+ : touching)
   for (int c = 0; c < d->nchunk; c++) {
-    for (int b = 0; b < m->nbody; b++)
-      d->chunk_load[c * m->nbody + b] = (tdm_wrench){0};
     dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling, .dt = dt, .share = share};
+    task.wall_first = d->walls.chunk[c];
+    task.wall_end = d->walls.chunk[c + 1];
+    task.load = &d->chunk_load[(size_t)c * (size_t)m->nload];
+    task.entry_force = entry_force;
+    memset(task.load, 0, (size_t)m->nload * sizeof *task.load);
     m->law->pairs(&task);
-    m->law->walls(&task);
+    if (m->geometry_loads)
+      geometry_loads(&task);
+    else
+      m->law->walls(&task);
     touching += task.touching;
     d->chunk_flux[c] = task.flux;
     if (integrator && d->nthread == 1) {
@@ -66,11 +92,11 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt, con
   d->ncontact = touching;
   if (m->energy)
     add_energy(d, share, dt);
-  for (int b = 0; b < m->nbody; b++) {
+  for (int b = 0; b < m->nload; b++) {
     tdm_wrench sum = {0};
     for (int c = 0; c < d->nchunk; c++) {
-      sum.force = tdm_add(sum.force, d->chunk_load[c * m->nbody + b].force);
-      sum.moment = tdm_add(sum.moment, d->chunk_load[c * m->nbody + b].moment);
+      sum.force = tdm_add(sum.force, d->chunk_load[c * m->nload + b].force);
+      sum.moment = tdm_add(sum.moment, d->chunk_load[c * m->nload + b].moment);
     }
     d->body_load[b] = sum;
   }
@@ -85,7 +111,7 @@ static bool find_contacts(dem_data *d, double moved2, double dt) {
     return false;
   if (d->nrebuild != before) /* a particle that moves far in a step makes new lists */
     dem_guard_note_leap(d, dt);
-  return true;
+  return dem_traction_reserve(d);
 }
 
 /* ---- several steps of the fast forces in one of the slow ones ---- */
@@ -105,7 +131,7 @@ static void kick(dem_data *d, double dt) {
 
 /* loads of the bodies: those of the slow contacts, and means of the fast ones over the substeps */
 static void add_fast_loads(dem_data *d, double share, const tdm_wrench *from, tdm_wrench *to) {
-  for (int b = 0; b < d->model->nbody; b++) {
+  for (int b = 0; b < d->model->nload; b++) {
     to[b].force = tdm_axpy(share, from[b].force, to[b].force);
     to[b].moment = tdm_axpy(share, from[b].moment, to[b].moment);
   }
@@ -114,6 +140,7 @@ static void add_fast_loads(dem_data *d, double share, const tdm_wrench *from, td
 static void evaluate_slow(dem_data *d, bool settling, double dt) {
   long fast = d->ncontact;
   evaluate(d, DEM_SLOW, settling, dt, NULL);
+  dem_traction_add(d, 1);
   d->ncontact += fast;
   add_fast_loads(d, 1, d->fast_load, d->body_load);
 }
@@ -123,9 +150,10 @@ static void evaluate_both(dem_data *d, bool settling, double dt) {
   memset(d->spare_push, 0, (size_t)d->nparticle * sizeof *d->push);
   swap_forces(d);
   evaluate(d, DEM_FAST, settling, dt, NULL);
+  dem_traction_add(d, 1);
   end_step(d, d->model->integrator, 0);
   swap_forces(d);
-  memcpy(d->fast_load, d->body_load, (size_t)d->model->nbody * sizeof *d->body_load);
+  memcpy(d->fast_load, d->body_load, (size_t)d->model->nload * sizeof *d->body_load);
   evaluate_slow(d, settling, dt);
 }
 
@@ -134,7 +162,8 @@ static bool multi_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64
   uint64_t many = (uint64_t)m->multi_step.substeps;
   double h = dt / (double)many;
   kick(d, dt);
-  memset(d->fast_load, 0, (size_t)m->nbody * sizeof *d->fast_load);
+  memset(d->fast_load, 0, (size_t)m->nload * sizeof *d->fast_load);
+  dem_traction_clear(d);
   for (uint64_t j = 1; j <= many; j++) {
     if (motion)
       dem_bodies_move(d, motion, (k - 1) * many + j, n * many);
@@ -146,6 +175,7 @@ static bool multi_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64
     if (!find_contacts(d, moved2, h))
       return false;
     evaluate(d, DEM_FAST, false, h, NULL);
+    dem_traction_add(d, 1 / (double)many);
     end_step(d, m->integrator, h);
     swap_forces(d);
     add_fast_loads(d, 1 / (double)many, d->body_load, d->fast_load);
@@ -172,7 +202,9 @@ static bool single_step(dem_data *d, const dem_motion *motion, uint64_t k, uint6
   if (!find_contacts(d, moved2, dt))
     return false;
   dem_time_spent(d->times, DEM_PHASE_LIST);
+  dem_traction_clear(d);
   evaluate(d, DEM_ALL, settling, dt, integrator);
+  dem_traction_add(d, 1);
   return true;
 }
 
@@ -212,17 +244,20 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
     d->rotor[i].surface = tdm_scale(d->sphere[i].radius, d->pace[i].spin);
     d->push[i] = (dem_push){0};
   }
-  if (d->model->integrator->kick && !settling)
+  dem_traction_clear(d);
+  if (d->model->integrator->kick && !settling) {
     evaluate_both(d, settling, dt);
-  else
+  } else {
     evaluate(d, DEM_ALL, settling, dt, NULL);
+    dem_traction_add(d, 1);
+  }
   end_step(d, d->model->settler, 0);
   d->restart = true;
 }
 
 bool dem_forces_now(dem_data *d, bool settling) {
   dem_walls_put(d);
-  if (!dem_lists_build(d))
+  if (!dem_lists_build(d) || !dem_traction_reserve(d))
     return false;
   dem_forces_again(d, settling, 0);
   return true;

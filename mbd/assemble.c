@@ -1,158 +1,57 @@
 #include "mbd/assemble.h"
 
+#include "mbd/energy.h"
+#include "mbd/rank.h"
 #include "mbd/residual.h"
 
-#include <gsl/gsl_linalg.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct mbd_kkt {
-  int nv, n;       /* 6 nbody, 6 nbody + nrow */
-  double *matrix;  /* (n x n) row-major, factored in place */
-  double *rhs, *x; /* (n) */
-  double *g;       /* (nrow) violation, or rate, or Gdot V */
-  gsl_permutation *permutation;
-};
-
 enum { ITERATIONS_MAX = 50 };
-
-mbd_kkt *mbd_kkt_create(const mbd_model *model) {
-  mbd_kkt *k = calloc(1, sizeof *k);
-  if (!k)
-    return NULL;
-  k->nv = 6 * model->nbody;
-  k->n = k->nv + model->nrow;
-  size_t n = (size_t)k->n;
-  k->matrix = calloc(n * n + 1, sizeof(double));
-  k->rhs = calloc(n + 1, sizeof(double));
-  k->x = calloc(n + 1, sizeof(double));
-  k->g = calloc((size_t)model->nrow + 1, sizeof(double));
-  k->permutation = gsl_permutation_alloc(n);
-  if (!k->matrix || !k->rhs || !k->x || !k->g || !k->permutation)
-    mbd_kkt_destroy(&k);
-  return k;
-}
-
-void mbd_kkt_destroy(mbd_kkt **kkt) {
-  mbd_kkt *k = kkt ? *kkt : NULL;
-  if (!k)
-    return;
-  free(k->matrix);
-  free(k->rhs);
-  free(k->x);
-  free(k->g);
-  if (k->permutation)
-    gsl_permutation_free(k->permutation);
-  free(k);
-  *kkt = NULL;
-}
-
-/* ---- the linear system ---- */
-
-/* what the right-hand side of the constraint rows holds */
-typedef enum { POSITION, VELOCITY, ACCELERATION } level;
-
-/* Rows of one joint or driver into the matrix, and -g, -G V - g_t or -V^T H V - g_tt into kkt->g. */
-static void constraint_block(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, int index, level of) {
-  const mbd_rows *rows = mbd_part_at(model, data, index, of == ACCELERATION);
-  double twist[MBD_PAIR];
-  mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
-  for (int k = 0; k < rows->n; k++) {
-    int row = kkt->nv + rows->first + k;
-    double sum = of == POSITION ? rows->g[k] : of == VELOCITY ? rows->g_t[k] : rows->g_tt[k];
-    for (int i = 0; i < MBD_PAIR && of != POSITION; i++) {
-      double rate = 0;
-      for (int l = 0; l < MBD_PAIR && of == ACCELERATION; l++)
-        rate += rows->H[k][i][l] * twist[l];
-      sum += twist[i] * (of == VELOCITY ? rows->G[k][i] : rate);
-    }
-    kkt->g[rows->first + k] -= sum;
-    for (int side = 0; side < 2; side++)
-      for (int i = 0; i < 6 && rows->body[side] != MBD_GROUND; i++) {
-        int col = 6 * rows->body[side] + i;
-        kkt->matrix[row * kkt->n + col] += rows->G[k][6 * side + i];
-        kkt->matrix[col * kkt->n + row] = kkt->matrix[row * kkt->n + col];
-      }
-  }
-}
-
-/* Fill the matrix at data->kin and kkt->g. */
-static void fill(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, level of) {
-  memset(kkt->matrix, 0, (size_t)kkt->n * (size_t)kkt->n * sizeof(double));
-  memset(kkt->g, 0, (size_t)model->nrow * sizeof(double));
-  for (int b = 0; b < model->nbody; b++) {
-    tdm_mat3 J = mbd_inertia_world(&model->body[b], &data->kin[b + 1]);
-    for (int i = 0; i < 3; i++) {
-      int row = 6 * b + i;
-      kkt->matrix[row * kkt->n + row] = model->body[b].mass;
-      for (int k = 0; k < 3; k++)
-        kkt->matrix[(row + 3) * kkt->n + 6 * b + 3 + k] = J.m[i][k];
-    }
-  }
-  for (int i = 0; i < model->npart; i++)
-    constraint_block(kkt, model, data, i, of);
-}
-
-/* Factor and solve with the right-hand side (f, kkt->g); f NULL: zero. The solution is in kkt->x. */
-static bool solve(mbd_kkt *kkt, const double *f) {
-  const size_t n = (size_t)kkt->n;
-  gsl_matrix_view matrix = gsl_matrix_view_array(kkt->matrix, n, n);
-  gsl_vector_view rhs = gsl_vector_view_array(kkt->rhs, n), x = gsl_vector_view_array(kkt->x, n);
-  int sign;
-  for (int i = 0; i < kkt->nv; i++)
-    kkt->rhs[i] = f ? f[i] : 0;
-  memcpy(kkt->rhs + kkt->nv, kkt->g, (n - (size_t)kkt->nv) * sizeof(double));
-  gsl_linalg_LU_decomp(&matrix.matrix, kkt->permutation, &sign);
-  for (int i = 0; i < kkt->n; i++)
-    if (!(fabs(kkt->matrix[i * kkt->n + i]) > 1e-300)) /* singular, or not a number */
-      return false;
-  gsl_linalg_LU_solve(&matrix.matrix, kkt->permutation, &rhs.vector, &x.vector);
-  return tdm_finite(kkt->x, kkt->n);
-}
 
 /* ---- positions and velocities ---- */
 
-static double largest(const double *x, int n, int *index) {
+static double largest(const double *x, int n) {
   double most = 0;
   for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= most)) {
+    if (!(fabs(x[i]) <= most)) /* not a number counts, too */
       most = fabs(x[i]);
-      if (index)
-        *index = i;
-    }
   return most;
 }
 
-/* Move the poses in y by the twist x. */
-static void move(const mbd_model *model, double *y, const double *x) {
-  for (int b = 0; b < model->nbody; b++) {
-    tdm_state s = mbd_body_state(y, b);
-    s.pose.position = tdm_add(s.pose.position, mbd_get3(x + 6 * b));
-    tdm_quat turn = tdm_quat_from_rotvec(mbd_get3(x + 6 * b + 3));
-    s.pose.orientation = tdm_quat_unit(tdm_quat_mul(turn, s.pose.orientation));
-    mbd_set_body_state(y, b, &s);
-  }
+/* Move the pose of a body in y by `scale` times the twist x (6). */
+static void move_body(double *y, int body, const double *x, double scale) {
+  tdm_state s = mbd_body_state(y, body);
+  s.pose.position = tdm_axpy(scale, mbd_get3(x), s.pose.position);
+  tdm_quat turn = tdm_quat_from_rotvec(tdm_scale(scale, mbd_get3(x + 3)));
+  s.pose.orientation = tdm_quat_unit(tdm_quat_mul(turn, s.pose.orientation));
+  mbd_set_body_state(y, body, &s);
 }
 
-/* Newton on g(q) = 0. Stops at 1e-13 or, near it, where rounding ends the progress. Returns the last |g|; *row is its
- * row. */
-static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, int *row) {
+static void move(const mbd_model *model, double *y, const double *x, double scale) {
+  for (int b = 0; b < model->nbody; b++)
+    move_body(y, b, x + 6 * b, scale);
+}
+
+/* Newton on g(q) = 0, all rows. Stops at 1e-14 or, near it, where rounding ends the progress. Returns the last |g|. */
+static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y) {
   double last = INFINITY;
   for (int i = 0; i < ITERATIONS_MAX; i++) {
     mbd_kinematics(model, data, t, y);
-    fill(kkt, model, data, POSITION);
-    double g = largest(kkt->g, model->nrow, row);
+    if (!mbd_kkt_fill_all(kkt, model, data, MBD_POSITION))
+      return INFINITY;
+    double g = largest(mbd_kkt_b(kkt), model->nrow);
     if (g < 1e-14 || (g < 1e-11 && g >= 0.5 * last))
       return g;
     last = g;
-    if (!solve(kkt, NULL))
+    const double *x = mbd_kkt_solve(kkt, NULL);
+    if (!x)
       return INFINITY;
     /* not more than half a radian or a metre at once: Newton's linear model ends there */
-    double most = largest(kkt->x, kkt->nv, NULL);
-    for (int k = 0; k < kkt->nv && most > 0.5; k++)
-      kkt->x[k] *= 0.5 / most;
-    move(model, y, kkt->x);
+    double most = largest(x, 6 * model->nbody);
+    move(model, y, x, most > 0.5 ? 0.5 / most : 1);
   }
   return last;
 }
@@ -160,36 +59,28 @@ static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt 
 /* Velocities onto the joints' rows; the coordinates of drivers keep their rates, or take the prescribed ones. */
 static bool project_velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, bool drive) {
   mbd_kinematics(model, data, t, y);
-  fill(kkt, model, data, VELOCITY);
-  for (int i = model->njointrow; i < model->nrow && !drive; i++)
-    kkt->g[i] = 0;
-  if (!solve(kkt, NULL))
+  if (!mbd_kkt_fill(kkt, model, data, MBD_VELOCITY))
     return false;
-  for (int b = 0; b < model->nbody; b++)
-    for (int i = 0; i < 6; i++)
-      y[MBD_BODY_UNKNOWNS * b + MBD_V + i] += kkt->x[6 * b + i];
-  return true;
+  double *b = mbd_kkt_b(kkt);
+  for (int i = model->njointrow; i < model->nrow && !drive; i++)
+    b[i] = 0;
+  const double *x = mbd_kkt_solve(kkt, NULL);
+  for (int i = 0; i < model->nbody && x; i++)
+    for (int k = 0; k < 6; k++)
+      y[MBD_BODY_UNKNOWNS * i + MBD_V + k] += x[6 * i + k];
+  return x != NULL;
 }
 
 bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y) {
-  int row = 0;
-  return project_positions(model, data, kkt, t, y, &row) < 1e-9 && project_velocities(model, data, kkt, t, y, true);
+  return project_positions(model, data, kkt, t, y) < 1e-9 && project_velocities(model, data, kkt, t, y, true);
 }
 
-/* ---- start ---- */
-
-/* where a row comes from, for messages */
-typedef struct {
-  char path[TDM_PATH_MAX];
-  const char *kind, *name, *equation; /* "joint" or "driver" */
-} origin;
-
-static origin origin_of(const mbd_model *model, int row) {
-  origin o;
+mbd_origin mbd_origin_of(const mbd_model *model, int row) {
+  mbd_origin o;
   if (row >= model->njointrow) {
     const mbd_driver *d = &model->driver[row - model->njointrow]; /* one row each */
     snprintf(o.path, sizeof o.path, "mbd.drivers[%d]", (int)(d - model->driver));
-    o.kind = "driver", o.name = d->name, o.equation = d->ops->coordinate;
+    o.kind = "driver", o.name = d->name, o.equation = mbd_coordinate_table[d->ops->coordinate].name;
     return o;
   }
   const mbd_joint *j = model->joint;
@@ -200,39 +91,141 @@ static origin origin_of(const mbd_model *model, int row) {
   return o;
 }
 
-/* Gram-Schmidt on the rows of G, each against the rows before it: a row that leaves nothing is redundant. */
-static tdm_status check_rank(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
-  mbd_kinematics(model, data, data->t, data->y);
-  fill(kkt, model, data, POSITION);
-  for (int i = 0; i < model->nrow; i++) {
-    double *row = kkt->matrix + (kkt->nv + i) * kkt->n, before = 0, after = 0;
-    for (int k = 0; k < kkt->nv; k++)
-      before += row[k] * row[k];
-    for (int pass = 0; pass < 2; pass++) /* twice is enough (Parlett) */
-      for (int j = 0; j < i; j++) {
-        const double *other = kkt->matrix + (kkt->nv + j) * kkt->n;
-        double dot = 0;
-        for (int k = 0; k < kkt->nv; k++)
-          dot += row[k] * other[k];
-        for (int k = 0; k < kkt->nv; k++)
-          row[k] -= dot * other[k];
-      }
-    for (int k = 0; k < kkt->nv; k++)
-      after += row[k] * row[k];
-    if (!(sqrt(after) > 1e-9 * sqrt(before))) {
-      origin o = origin_of(model, i);
-      bool driver = i >= model->njointrow;
-      return tdm_fail(err, TDM_ERR_SCENE, o.path,
-                      "the equation \"%s\" of %s \"%s\" is redundant: the joints%s before it fix that motion already "
-                      "(or the start is a singular position); %s, or start elsewhere",
-                      o.equation, o.kind, o.name, driver ? " and the drivers" : "",
-                      driver ? "remove the driver" : "use a joint with more freedom there");
-    }
-    for (int k = 0; k < kkt->nv; k++)
-      row[k] /= sqrt(after);
+/* The names of the joints and drivers with rows of |g| near the largest, at most three: "a", "b" ... */
+static void name_open(const mbd_model *model, const double *g, char *out, size_t size) {
+  double most = largest(g, model->nrow);
+  const char *last = NULL;
+  size_t used = 0;
+  for (int i = 0, n = 0; i < model->nrow && used < size; i++) {
+    mbd_origin o = mbd_origin_of(model, i);
+    if (!(fabs(g[i]) > 0.1 * most) || o.name == last)
+      continue;
+    bool room = n++ < 3;
+    used += (size_t)snprintf(out + used, size - used, room ? "%s%s \"%s\" (\"%s\", %.3g)" : " ...", n > 1 ? ", " : "",
+                             o.kind, o.name, o.equation, fabs(g[i]));
+    last = o.name;
+    if (!room)
+      return;
   }
+}
+
+static tdm_status positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
+  double g = project_positions(model, data, kkt, data->t, data->y);
+  if (g < 1e-9)
+    return TDM_OK;
+  int row = 0;
+  for (int i = 0; i < model->nrow; i++)
+    if (fabs(mbd_kkt_b(kkt)[i]) > fabs(mbd_kkt_b(kkt)[row]))
+      row = i;
+  char open[400];
+  name_open(model, mbd_kkt_b(kkt), open, sizeof open);
+  return tdm_fail(
+      err, TDM_ERR_SCENE, mbd_origin_of(model, row).path,
+      "the mechanism cannot be assembled: its joints and drivers contradict each other, these stay open: %s; "
+      "check their points and axes, the drivers' motions and the bodies' positions",
+      open);
+}
+
+/* ---- dependent rows ---- */
+
+/* A small motion that the independent rows allow, at the position y; false: none. */
+static bool wiggle(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double *y) {
+  unsigned seed = 1;
+  double extent = 0, translation = 0, rotation = 0;
+  for (int b = 0; b < model->nbody; b++)
+    for (int k = 0; k < 6; k++) {
+      seed = seed * 1664525u + 1013904223u;
+      y[MBD_BODY_UNKNOWNS * b + MBD_V + k] = (double)(seed >> 8) / (1 << 24) - 0.5;
+    }
+  mbd_kinematics(model, data, data->t, y);
+  if (!mbd_kkt_fill(kkt, model, data, MBD_VELOCITY))
+    return false;
+  for (int i = 0; i < model->npart; i++) /* drivers stand still */
+    if (model->part[i].driver)
+      mbd_kkt_b(kkt)[model->part[i].row] += mbd_part_at(model, data, i, false)->g_t[0];
+  const double *x = mbd_kkt_solve(kkt, NULL);
+  if (!x)
+    return false;
+  for (int b = 0; b < model->nbody; b++) {
+    double *v = y + MBD_BODY_UNKNOWNS * b + MBD_V;
+    for (int k = 0; k < 6; k++)
+      v[k] += x[6 * b + k];
+    translation = fmax(translation, tdm_norm(mbd_get3(v)));
+    rotation = fmax(rotation, tdm_norm(mbd_get3(v + 3)));
+  }
+  for (int i = 0; i < model->njoint; i++)
+    extent = fmax(extent, fmax(tdm_norm(model->joint[i].arm[0]), tdm_norm(model->joint[i].arm[1])));
+  double step = 0.01 / fmax(rotation, extent > 0 ? translation / extent : 0);
+  if (!isfinite(step))
+    return false;
+  for (int b = 0; b < model->nbody; b++) {
+    double twist[6];
+    memcpy(twist, y + MBD_BODY_UNKNOWNS * b + MBD_V, sizeof twist);
+    move_body(y, b, twist, step);
+  }
+  return true;
+}
+
+/* The first row that is dependent at the start but not beside it: the start is a singular position. -1: none. */
+static int singular_row(const mbd_model *model, mbd_data *data, mbd_kkt *kkt) {
+  size_t n = (size_t)mbd_nunknown(model);
+  double *y = malloc(n * sizeof *y);
+  bool *beside = calloc((size_t)model->nrow + 1, sizeof *beside);
+  int number = data->ndependent, row = -1;
+  if (y && beside) {
+    memcpy(y, data->y, n * sizeof *y);
+    if (wiggle(model, data, kkt, y) && project_positions(model, data, kkt, data->t, y) < 1e-9) {
+      mbd_kinematics(model, data, data->t, y);
+      if (!mbd_rank(model, data, beside, &number))
+        number = data->ndependent;
+    }
+    for (int i = 0; i < model->nrow && number < data->ndependent && row < 0; i++)
+      if (data->dependent[i] && !beside[i])
+        row = i;
+  }
+  free(y);
+  free(beside);
+  return row;
+}
+
+/* An earlier driver without which the driver of row `row` would not be redundant; NULL: there is none. */
+static const mbd_driver *opponent(const mbd_model *model, mbd_data *data, int row) {
+  bool *dependent = calloc((size_t)model->nrow + 1, sizeof *dependent);
+  const mbd_driver *found = NULL;
+  for (int i = model->njointrow, n; i < row && dependent && !found; i++)
+    if (mbd_rank_without(model, data, i, dependent, &n) && !dependent[row])
+      found = &model->driver[i - model->njointrow];
+  free(dependent);
+  return found;
+}
+
+/* Find the dependent rows. Refuses a dependent driver, and a start that is a singular position. */
+static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
+  mbd_kinematics(model, data, data->t, data->y);
+  if (!mbd_rank(model, data, data->dependent, &data->ndependent))
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd.joints", "no memory for %d constraint rows", model->nrow);
+  int singular = data->ndependent > 0 ? singular_row(model, data, kkt) : -1;
+  if (singular >= 0) {
+    mbd_origin o = mbd_origin_of(model, singular);
+    return tdm_fail(err, TDM_ERR_SCENE, o.path,
+                    "the start is a singular position: there the equation \"%s\" of %s \"%s\" fixes nothing that the "
+                    "joints before it leave free, elsewhere it does, so the motion is not determined; start elsewhere",
+                    o.equation, o.kind, o.name);
+  }
+  for (int i = model->njointrow; i < model->nrow; i++)
+    if (data->dependent[i]) {
+      mbd_origin o = mbd_origin_of(model, i);
+      const mbd_driver *other = opponent(model, data, i);
+      return tdm_fail(err, TDM_ERR_SCENE, o.path,
+                      "the driver \"%s\" is redundant: the joints %s%s%s fix its coordinate (%s) already; remove the "
+                      "driver, or what fixes it",
+                      o.name, other ? "and the driver \"" : "before it", other ? other->name : "", other ? "\"" : "",
+                      o.equation);
+    }
   return TDM_OK;
 }
+
+/* ---- start ---- */
 
 /* Note the largest differences between the scene's start and y. */
 static void compare(const mbd_model *model, const double *y, mbd_assembly *a) {
@@ -273,19 +266,16 @@ static void compare_drivers(const mbd_model *model, mbd_data *data, const double
   }
 }
 
-tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err) {
-  *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .freedom = kkt->nv - model->nrow, .driver = -1};
-  if (check_rank(model, data, kkt, err))
-    return err->status;
-  int row = 0;
-  double g = project_positions(model, data, kkt, data->t, data->y, &row);
-  if (!(g < 1e-9)) {
-    origin o = origin_of(model, row);
-    return tdm_fail(err, TDM_ERR_SCENE, o.path,
-                    "the mechanism cannot be assembled: %s \"%s\" stays open (\"%s\", %.3g); check points, axes and "
-                    "the bodies' positions",
-                    o.kind, o.name, o.equation, g);
-  }
+/* Dependent rows whose rates contradict the independent ones, which hold in y. */
+static bool rates_contradict(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, const double *y) {
+  mbd_kinematics(model, data, data->t, y);
+  if (!mbd_kkt_fill_all(kkt, model, data, MBD_VELOCITY))
+    return true;
+  return largest(mbd_kkt_b(kkt), model->nrow) > 1e-8 * (1 + largest(y, mbd_nunknown(model)));
+}
+
+static tdm_status velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly,
+                             tdm_error *err) {
   bool good = project_velocities(model, data, kkt, data->t, data->y, false);
   compare(model, data->y, assembly);
   if (model->ndriver > 0) {
@@ -295,7 +285,25 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
   if (!good)
     return tdm_fail(err, TDM_ERR_SCENE, "mbd.joints",
                     "no velocities satisfy the joints at the start: it is a singular position; start elsewhere");
+  if (data->ndependent > 0 && rates_contradict(model, data, kkt, data->y)) {
+    char open[400];
+    name_open(model, mbd_kkt_b(kkt), open, sizeof open);
+    return tdm_fail(err, TDM_ERR_SCENE, "mbd.joints",
+                    "joints and drivers contradict each other in their velocities at the start: %s; remove one of them",
+                    open);
+  }
+  return TDM_OK;
+}
+
+tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err) {
+  *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .driver = -1};
+  if (positions(model, data, kkt, err) || find_dependent(model, data, kkt, err) ||
+      velocities(model, data, kkt, assembly, err))
+    return err->status;
+  assembly->freedom = 6 * model->nbody - model->nrow + data->ndependent;
   mbd_accept(model, data, data->t, data->y);
+  mbd_energies e = mbd_energies_at(model, data);
+  data->energy_start = e.kinetic + e.potential + e.springs;
   return TDM_OK;
 }
 
@@ -304,11 +312,11 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
 bool mbd_accelerations(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y) {
   mbd_kinematics(model, data, t, y);
   mbd_generalised_forces(model, data, t, data->wrench);
-  fill(kkt, model, data, ACCELERATION);
-  if (!solve(kkt, data->wrench))
+  const double *x = mbd_kkt_fill(kkt, model, data, MBD_ACCELERATION) ? mbd_kkt_solve(kkt, data->wrench) : NULL;
+  if (!x)
     return false;
-  memcpy(data->acceleration, kkt->x, (size_t)kkt->nv * sizeof(double));
-  memcpy(data->lambda, kkt->x + kkt->nv, (size_t)model->nrow * sizeof(double));
+  memcpy(data->acceleration, x, 6 * (size_t)model->nbody * sizeof(double));
+  memcpy(data->lambda, x + 6 * model->nbody, (size_t)model->nrow * sizeof(double));
   return true;
 }
 

@@ -1,20 +1,8 @@
-/* Consistent states: positions and velocities on the constraints, accelerations and reactions that fit.
- *
- * All of them solve the same linear system in twist coordinates (Haug 1989, chapters 10 and 11):
- *   [M G^T; G 0] [x; l] = [f; b]
- * with (0, -g) for a correction of the positions, (0, -G V - g_t) for one of the velocities (both the smallest in the
- * sense of kinetic energy), and (Q, -Gdot V - g_tt) for accelerations and reactions.
- */
+/* Consistent states: positions and velocities on the constraints, accelerations and reactions that fit. */
 #ifndef MBD_ASSEMBLE_H
 #define MBD_ASSEMBLE_H
 
-#include "mbd/state.h"
-
-/* A workspace for the linear system. */
-typedef struct mbd_kkt mbd_kkt;
-
-mbd_kkt *mbd_kkt_create(const mbd_model *model); /* NULL: out of memory */
-void mbd_kkt_destroy(mbd_kkt **kkt);
+#include "mbd/kkt.h"
 
 /* how far the start was moved to satisfy the joints; velocities that a driver gives to bodies are not counted */
 typedef struct {
@@ -30,16 +18,25 @@ typedef struct {
   double prescribed;  /* and in its motion [rad/s] */
 } mbd_assembly;
 
-/* Move data's start state onto the constraints at data->t. Refuses redundant constraints and mechanisms that cannot be
- * assembled, with the joints named. */
+/* where a constraint row comes from, for messages and reports */
+typedef struct {
+  char path[TDM_PATH_MAX];
+  const char *kind, *name, *equation; /* "joint" or "driver" */
+} mbd_origin;
+
+mbd_origin mbd_origin_of(const mbd_model *model, int row);
+
+/* Move data's start state onto the constraints at data->t and find the dependent rows (data->dependent), which are left
+ * out of the motion's equations from then on. Refuses, with the joints named: a mechanism that cannot be assembled or
+ * contradicts itself, a redundant driver, a start in a singular position. */
 tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err);
 
 /* Put a state that is nearly consistent at time t onto the constraints, positions and velocities; no messages. false:
  * failed. */
 bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y);
 
-/* Accelerations and lambda at the state y and time t, into data->acceleration and data->lambda; data->kin is the
- * kinematics of y then. false: the system is singular. */
+/* Accelerations and lambda (zero for dependent rows: see mbd_kkt_share) at the state y and time t, into
+ * data->acceleration and data->lambda; data->kin is the kinematics of y then. false: the system is singular. */
 bool mbd_accelerations(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y);
 
 /* Multipliers and derivatives that make (t, y, yp) consistent; positions and velocities of y must be. */

@@ -1,20 +1,51 @@
 #include "mbd/energy.h"
 
-double mbd_kinetic_energy(const mbd_model *model, const mbd_data *data) {
-  double sum = 0;
+mbd_energies mbd_energies_at(const mbd_model *model, mbd_data *data) {
+  mbd_energies e = {0, 0, 0};
   for (int b = 0; b < model->nbody; b++) {
     const mbd_kin *k = &data->kin[b + 1];
     const mbd_body *body = &model->body[b];
-    sum += 0.5 * body->mass * tdm_dot(k->v, k->v) + 0.5 * tdm_dot(k->w, mbd_inertia_mul(body, k, k->w));
+    e.kinetic += 0.5 * body->mass * tdm_dot(k->v, k->v) + 0.5 * tdm_dot(k->w, mbd_inertia_mul(body, k, k->w));
+    e.potential -= body->mass * tdm_dot(model->gravity, k->r);
   }
-  return sum;
+  for (int i = 0; i < model->nforce; i++)
+    e.springs += mbd_force_at(model, data, i, false)->potential;
+  return e;
 }
 
-double mbd_potential_energy(const mbd_model *model, mbd_data *data) {
-  double sum = 0;
-  for (int b = 0; b < model->nbody; b++)
-    sum -= model->body[b].mass * tdm_dot(model->gravity, data->kin[b + 1].r);
-  for (int i = 0; i < model->nforce; i++)
-    sum += mbd_force_at(model, data, i, false)->potential;
-  return sum;
+/* A driver's row moves at G V = -g_t under the reaction -G^T lambda: it brings in lambda g_t. */
+mbd_work mbd_power_at(const mbd_model *model, mbd_data *data, double t, const double *y) {
+  mbd_work p = {0, 0};
+  mbd_kinematics(model, data, t, y);
+  for (int i = 0; i < model->nforce; i++) {
+    const mbd_force_value *f = mbd_force_at(model, data, i, false);
+    p.supplied += f->supplied;
+    p.dissipated += f->dissipated;
+  }
+  for (int i = model->npart - model->ndriver; i < model->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(model, data, i, false);
+    p.supplied += y[mbd_index_lambda(model, rows->first)] * rows->g_t[0];
+  }
+  for (int i = 0; i < model->ncoupled && data->nload > 0; i++) {
+    const mbd_kin *k = &data->kin[model->coupled[i] + 1];
+    tdm_wrench load = mbd_load_at(data, i, t);
+    p.supplied += tdm_dot(load.force, k->v) + tdm_dot(load.moment, k->w);
+  }
+  return p;
+}
+
+mbd_work mbd_work_over(const mbd_model *model, mbd_data *data, double from, double to, mbd_unknowns_fn unknowns,
+                       void *context) {
+  const double place[] = {0.5 - 0.5 * sqrt(0.6), 0.5, 0.5 + 0.5 * sqrt(0.6)}, weight[] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+  mbd_work work = {0, 0};
+  if (model->nforce == 0 && model->ndriver == 0 && (model->ncoupled == 0 || data->nload == 0))
+    return work;
+  for (int i = 0; i < 3; i++) {
+    double t = from + place[i] * (to - from);
+    const double *y = unknowns(context, t);
+    mbd_work p = y ? mbd_power_at(model, data, t, y) : work;
+    work.supplied += weight[i] * (to - from) * p.supplied;
+    work.dissipated += weight[i] * (to - from) * p.dissipated;
+  }
+  return work;
 }

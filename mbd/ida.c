@@ -1,5 +1,6 @@
 /* SUNDIALS IDA (variable-order, fixed-leading-coefficient BDF), which keeps its history over windows. The only file
  * that includes its headers. */
+#include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/jacobian.h"
 #include "mbd/residual.h"
@@ -9,9 +10,11 @@
 #include <nvector/nvector_serial.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
+#include <sunlinsol/sunlinsol_klu.h>
+#include <sunmatrix/sunmatrix_sparse.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
+
+enum { ORDER_MAX = 5 };
 
 typedef struct {
   const mbd_model *model; /* borrowed */
@@ -22,10 +25,18 @@ typedef struct {
   SUNContext context;
   void *mem;
   N_Vector y, yp, sample, id, atol;
-  SUNMatrix matrix;
+  N_Vector derivative[ORDER_MAX + 1]; /* of y at the end of the last step without trouble */
+  int order;                          /* how many of them, less one */
+  double smooth_t, smooth_h;          /* that step's end and length, 0: none yet [s] */
+  long failures;                      /* convergence failures up to then */
+  double regular;                     /* spread of pivots at the start */
+  mbd_sparse *jacobian;               /* filled by us ... */
+  SUNMatrix matrix;                   /* ... and copied to IDA */
   SUNLinearSolver solver;
   SUNNonlinearSolver newton;
   double first_correction; /* weighted norm, of the current step */
+  bool over;               /* the last step went over a singular position */
+  bool fresh;              /* the Jacobian belongs to the current step */
   bool started;
   double stop;       /* stop time that IDA knows [s] */
   mbd_stats before;  /* counters from before the last (re)start */
@@ -38,6 +49,13 @@ static const double multiplier_tolerance = 1e10;
  */
 static const double newton_coefficient = 0.003;
 
+/* The modified corrector's absolute tolerance of velocities, beside that of displacements: they follow from these. */
+static const double loose = 1e4;
+/* Corrections that rounding keeps from getting smaller may be this large: IDA's own coefficient. */
+static const double stagnation = 0.33;
+/* A position is near a singular one when the pivots of the linear system spread this much more than at the start. */
+static const double singular = 1e-3;
+
 /* ---- callbacks ---- */
 
 static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user) {
@@ -48,10 +66,26 @@ static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user)
 
 static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *user,
                     N_Vector w1, N_Vector w2, N_Vector w3) {
-  (void)r, (void)w1, (void)w2, (void)w3; /* IDA hands the matrix over zeroed */
+  (void)r, (void)w1, (void)w2, (void)w3;
   ida_solver *ida = user;
-  mbd_sink sink = {SUNDenseMatrix_Data(matrix), mbd_nunknown(ida->model)};
-  mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), &sink);
+  mbd_sparse *j = ida->jacobian;
+  ida->fresh = true;
+  mbd_sparse_begin(j);
+  mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), j);
+  mbd_sparse_end_state end = mbd_sparse_end(j);
+  if (end == MBD_SPARSE_NO_MEMORY)
+    return -1;
+  if (SUNSparseMatrix_NNZ(matrix) < j->nnz && SUNSparseMatrix_Reallocate(matrix, j->nnz) != SUNMAT_SUCCESS)
+    return -1;
+  sunindextype *column = SUNSparseMatrix_IndexPointers(matrix), *row = SUNSparseMatrix_IndexValues(matrix);
+  for (int i = 0; i <= j->n; i++) /* IDA has zeroed the pattern, too */
+    column[i] = j->column[i];
+  for (int i = 0; i < j->nnz; i++)
+    row[i] = j->row[i];
+  memcpy(SUNSparseMatrix_Data(matrix), j->value, (size_t)j->nnz * sizeof *j->value);
+  if (end == MBD_SPARSE_GREW &&
+      SUNLinSol_KLUReInit(ida->solver, matrix, j->nnz, SUNKLU_REINIT_PARTIAL) != SUNLS_SUCCESS)
+    return -1;
   return 0;
 }
 
@@ -70,6 +104,8 @@ static int converged(SUNNonlinearSolver newton, N_Vector y, N_Vector correction,
     return norm <= 0.01 * tolerance ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
   }
   double rate = pow(norm / ida->first_correction, 1.0 / iteration);
+  if (ida->fresh && (rate > 0.9 || iteration >= 3) && norm <= stagnation)
+    return SUN_NLS_SUCCESS;
   if (rate > 0.9)
     return SUN_NLS_CONV_RECVR;
   return rate / (1 - rate) * norm <= tolerance ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
@@ -91,8 +127,12 @@ static void weights(ida_solver *ida) {
   double *id = N_VGetArrayPointer(ida->id), *atol = N_VGetArrayPointer(ida->atol);
   for (int i = 0; i < mbd_nunknown(m); i++) {
     bool differential = i < MBD_BODY_UNKNOWNS * m->nbody;
-    id[i] = differential;
-    atol[i] = differential ? m->solver.absolute_tolerance : multiplier_tolerance;
+    bool velocity = differential && i % MBD_BODY_UNKNOWNS >= MBD_V;
+    bool tested = differential && !(velocity && m->solver.modified);
+    id[i] = tested;
+    atol[i] = tested         ? m->solver.absolute_tolerance
+              : differential ? loose * m->solver.absolute_tolerance
+                             : multiplier_tolerance;
   }
 }
 
@@ -112,10 +152,14 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   ida->sample = N_VNew_Serial(n, ida->context);
   ida->id = N_VNew_Serial(n, ida->context);
   ida->atol = N_VNew_Serial(n, ida->context);
-  ida->matrix = SUNDenseMatrix(n, n, ida->context);
-  if (!ida->y || !ida->yp || !ida->sample || !ida->id || !ida->atol || !ida->matrix)
+  ida->jacobian = mbd_sparse_create((int)n);
+  ida->matrix = SUNSparseMatrix(n, n, 16 * n, CSC_MAT, ida->context);
+  bool good = true;
+  for (int i = 0; i <= ORDER_MAX; i++)
+    good = (ida->derivative[i] = N_VNew_Serial(n, ida->context)) && good;
+  if (!good || !ida->y || !ida->yp || !ida->sample || !ida->id || !ida->atol || !ida->matrix || !ida->jacobian)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
-  ida->solver = SUNLinSol_Dense(ida->y, ida->matrix, ida->context);
+  ida->solver = SUNLinSol_KLU(ida->y, ida->matrix, ida->context);
   ida->newton = SUNNonlinSol_Newton(ida->y, ida->context);
   ida->mem = IDACreate(ida->context);
   if (!ida->solver || !ida->newton || !ida->mem)
@@ -136,10 +180,14 @@ static void destroy(void *self) {
     SUNLinSolFree(ida->solver);
   if (ida->matrix)
     SUNMatDestroy(ida->matrix);
+  mbd_sparse_destroy(&ida->jacobian);
   N_Vector vectors[] = {ida->y, ida->yp, ida->sample, ida->id, ida->atol};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     if (vectors[i])
       N_VDestroy(vectors[i]);
+  for (int i = 0; i <= ORDER_MAX; i++)
+    if (ida->derivative[i])
+      N_VDestroy(ida->derivative[i]);
   if (ida->context)
     SUNContext_Free(&ida->context);
   free(ida);
@@ -185,8 +233,13 @@ static void count(ida_solver *ida) {
 /* Make ida->y consistent with the load at t and hand it to IDA. */
 static bool restart(ida_solver *ida, double t) {
   double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
+  mbd_sparse_reset(ida->jacobian); /* so that nothing depends on what was before */
   if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
     return false;
+  ida->failures = 0;
+  ida->smooth_h = 0;
+  if (!ida->started)
+    ida->regular = mbd_kkt_spread(ida->kkt);
   if (ida->started) {
     count(ida); /* IDAReInit clears IDA's counters */
     ida->before = ida->data->stats;
@@ -200,6 +253,8 @@ static tdm_status start(void *self, double t, tdm_error *err) {
   ida_solver *ida = self;
   size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
   memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
+  mbd_sparse_reset(ida->jacobian); /* pivots depend on the pattern learnt: what follows must not depend on the past */
+  mbd_kkt_reset(ida->kkt);
   if (!restart(ida, t))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no consistent accelerations at the start, t = %g s %s; check joints and masses", t, ida->message);
@@ -237,16 +292,101 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
       t, t1, flag, ida->message);
 }
 
-/* Hand out the samples up to t, which lie inside the last step. */
-static tdm_status samples(ida_solver *ida, double t, int *next, int nsample, const double *time, mbd_sample_fn sample,
-                          void *context, tdm_error *err) {
+/* ---- singular positions ---- */
+
+/* The last step went wrong at first, or has become much shorter. */
+static bool in_trouble(ida_solver *ida) {
+  long failures = 0;
+  realtype h = 0;
+  IDAGetNumStepSolveFails(ida->mem, &failures);
+  IDAGetLastStep(ida->mem, &h);
+  bool failed = failures > ida->failures;
+  ida->failures = failures;
+  return failed || h < 0.1 * ida->smooth_h;
+}
+
+/* Remember the solution's derivatives at the end of the last step. */
+static void remember(ida_solver *ida, double t) {
+  IDAGetLastOrder(ida->mem, &ida->order);
+  IDAGetLastStep(ida->mem, &ida->smooth_h);
+  ida->smooth_t = t;
+  for (int i = 0; i <= ida->order; i++)
+    if (IDAGetDky(ida->mem, t, i, ida->derivative[i]) != IDA_SUCCESS)
+      ida->smooth_h = 0;
+}
+
+/* The solution at t continued from the last step that converged at once, into y. */
+static void extrapolate(ida_solver *ida, double t, N_Vector y) {
+  double s = t - ida->smooth_t;
+  N_VScale(1, ida->derivative[ida->order], y); /* Horner */
+  for (int i = ida->order - 1; i >= 0; i--)
+    N_VLinearSum(s / (i + 1), y, 1, ida->derivative[i], y);
+}
+
+static double spread_at(ida_solver *ida, double t, N_Vector y) {
+  bool good = mbd_project(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(y)) &&
+              mbd_accelerations(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(y));
+  return good ? mbd_kkt_spread(ida->kkt) : 0;
+}
+
+/* Near a singular position rounding errors grow as the square of the distance to it falls, and smaller steps only lead
+ * closer. Step over it: continue the solution from the last step without trouble, by one to three times its length, to
+ * where the constraints are regular again. Returns the time reached; t when the position at t is not singular or the
+ * window ends before. */
+static double step_over(ida_solver *ida, double t, double t1) {
+  const double lengths[] = {1, 1.4, 1.8, 2.2, 2.6, 3};
+  double best = 0, reached = t;
+  if (!(ida->smooth_h > 0))
+    return t;
+  N_VScale(1, ida->y, ida->sample);
+  double here = spread_at(ida, t, ida->sample);
+  for (int i = 0; i < 6 && here < singular * ida->regular; i++) {
+    double to = fmin(ida->smooth_t + lengths[i] * ida->smooth_h, t1);
+    extrapolate(ida, to, ida->sample);
+    double spread = to > t ? spread_at(ida, to, ida->sample) : 0;
+    if (spread > best)
+      best = spread, reached = to;
+  }
+  if (!(best > here))
+    return t;
+  extrapolate(ida, reached, ida->y);
+  if (!mbd_project(ida->model, ida->data, ida->kkt, reached, N_VGetArrayPointer(ida->y)) || !restart(ida, reached))
+    return t;
+  ida->data->stats.restarts++;
+  return reached;
+}
+
+/* ---- samples ---- */
+
+/* The unknowns at time t inside the last step, or in what was stepped over. */
+static const double *unknowns_at(void *self, double t) {
+  ida_solver *ida = self;
+  if (ida->over)
+    extrapolate(ida, t, ida->sample);
+  else if (IDAGetDky(ida->mem, t, 0, ida->sample) != IDA_SUCCESS)
+    return NULL;
+  return N_VGetArrayPointer(ida->sample);
+}
+
+/* `work` and what is done from time `from` to `to` inside the last step. */
+static mbd_work work_until(ida_solver *ida, mbd_work work, double from, double to) {
+  mbd_work more = mbd_work_over(ida->model, ida->data, from, to, unknowns_at, ida);
+  return (mbd_work){work.supplied + more.supplied, work.dissipated + more.dissipated};
+}
+
+/* Hand out the samples in the last step, from time `from` to t. */
+static tdm_status samples(ida_solver *ida, double from, double t, int *next, int nsample, const double *time,
+                          mbd_sample_fn sample, void *context, tdm_error *err) {
+  mbd_work before = ida->data->work, after = work_until(ida, before, from, t);
   for (; *next < nsample && time[*next] <= t; ++*next) {
     bool here = time[*next] == t; /* the same numbers as the state at the end of the window */
-    if (!here && IDAGetDky(ida->mem, time[*next], 0, ida->sample) != IDA_SUCCESS)
+    ida->data->work = here ? after : work_until(ida, before, from, time[*next]);
+    if (!here && !unknowns_at(ida, time[*next]))
       return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no dense output at t = %.9g s (%s)", time[*next], ida->message);
     if (sample(context, *next, time[*next], N_VGetArrayPointer(here ? ida->y : ida->sample), err))
       return err->status;
   }
+  ida->data->work = after;
   return TDM_OK;
 }
 
@@ -260,22 +400,29 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
   bool again = false;
   ida->message[0] = 0;
   while (t < t1) {
-    double reached = t;
+    double from = t, reached = t;
     int flag = set_stop(ida, t, t1);
     if (flag == IDA_SUCCESS)
       flag = IDASolve(ida->mem, t1, &reached, ida->y, ida->yp, IDA_ONE_STEP);
-    if (flag < 0) {
+    if (flag == IDA_TSTOP_RETURN)
+      reached = ida->stop;
+    double over = flag < 0 || in_trouble(ida) ? step_over(ida, reached, t1) : reached;
+    if (flag < 0 && !(over > reached)) {
       t = reached;
       if (recover(ida, t, t1, flag, again, err))
         return err->status;
       again = true;
       continue;
     }
-    t = flag == IDA_TSTOP_RETURN ? ida->stop : reached;
+    t = over;
+    ida->fresh = false;
+    ida->over = over > reached;
+    if (!ida->over)
+      remember(ida, t);
     mbd_accept(ida->model, data, t, y);
     if (ida->stop_fn && ida->stop_fn(ida->stop_context))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
-    if (samples(ida, t, &next, nsample, sample_time, sample, context, err))
+    if (samples(ida, from, t, &next, nsample, sample_time, sample, context, err))
       return err->status;
   }
   data->t = t1;
@@ -288,4 +435,4 @@ static void stats(void *self) {
   count(self);
 }
 
-const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy};
+const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy, NULL, NULL, NULL};

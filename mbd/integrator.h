@@ -29,6 +29,11 @@ typedef struct {
   /* Bring the counters of data->stats up to date. */
   void (*stats)(void *self);
   void (*destroy)(void *self); /* NULL does nothing */
+  /* Keep in *kept (NULL: to be made) what the integrator knows beside data, and go back to it. The three are NULL when
+   * that cannot be copied: it has to start again then, also where it was saved, so that both go on alike. */
+  tdm_status (*save)(const void *self, void **kept, tdm_error *err);
+  tdm_status (*restore)(void *self, const void *kept, tdm_error *err);
+  void (*release)(void *kept); /* NULL does nothing */
 } mbd_integrator_ops;
 
 typedef struct {
@@ -39,6 +44,6 @@ typedef struct {
 /* indexed by mbd_settings.formulation */
 extern const mbd_formulation mbd_formulation_table[];
 
-extern const mbd_integrator_ops mbd_ida;
+extern const mbd_integrator_ops mbd_ida, mbd_one_step;
 
 #endif

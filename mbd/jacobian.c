@@ -1,4 +1,5 @@
 #include "mbd/jacobian.h"
+#include "mbd/tangent.h"
 
 #include <string.h>
 
@@ -12,34 +13,32 @@ static void quaternion_map(tdm_quat p, double T[3][4]) {
 }
 
 /* row += c . (dr, dtheta) of one body; c has 6 entries */
-static void add_position(mbd_sink *sink, const mbd_data *data, int row, int body, const double *c) {
+static void add_position(mbd_sparse *matrix, const mbd_data *data, int row, int body, const double *c) {
   const double(*T)[4] = data->quaternion[body];
   int col = MBD_BODY_UNKNOWNS * body;
   for (int i = 0; i < 3; i++)
-    if (c[i] != 0)
-      mbd_jac_add(sink, row, col + MBD_R + i, c[i]);
+    mbd_sparse_add(matrix, row, col + MBD_R + i, c[i]);
   for (int j = 0; j < 4; j++)
-    mbd_jac_add(sink, row, col + MBD_P + j, c[3] * T[0][j] + c[4] * T[1][j] + c[5] * T[2][j]);
+    mbd_sparse_add(matrix, row, col + MBD_P + j, c[3] * T[0][j] + c[4] * T[1][j] + c[5] * T[2][j]);
 }
 
 /* row += c . (dv, dw) of one body */
-static void add_twist(mbd_sink *sink, int row, int body, const double *c) {
+static void add_twist(mbd_sparse *matrix, int row, int body, const double *c) {
   int col = MBD_BODY_UNKNOWNS * body + MBD_V;
   for (int i = 0; i < 6; i++)
-    if (c[i] != 0)
-      mbd_jac_add(sink, row, col + i, c[i]);
+    mbd_sparse_add(matrix, row, col + i, c[i]);
 }
 
-static void add_pair_position(mbd_sink *sink, const mbd_data *data, int row, const int body[2], const double *c) {
+static void add_pair_position(mbd_sparse *matrix, const mbd_data *data, int row, const int body[2], const double *c) {
   for (int side = 0; side < 2; side++)
     if (body[side] != MBD_GROUND)
-      add_position(sink, data, row, body[side], c + 6 * side);
+      add_position(matrix, data, row, body[side], c + 6 * side);
 }
 
-static void add_pair_twist(mbd_sink *sink, int row, const int body[2], const double *c) {
+static void add_pair_twist(mbd_sparse *matrix, int row, const int body[2], const double *c) {
   for (int side = 0; side < 2; side++)
     if (body[side] != MBD_GROUND)
-      add_twist(sink, row, body[side], c + 6 * side);
+      add_twist(matrix, row, body[side], c + 6 * side);
 }
 
 /* 1/2 Q with (0, a) o p = Q a: rows w x y z */
@@ -53,7 +52,7 @@ static void half_product(tdm_quat p, double Q[4][3]) {
 /* ---- bodies ---- */
 
 static void kinematic_rows(const mbd_model *model, const mbd_data *data, int b, double cj, const double *y,
-                           mbd_sink *sink) {
+                           mbd_sparse *matrix) {
   const int at = MBD_BODY_UNKNOWNS * b, col_eta = mbd_index_eta(model, b);
   tdm_quat p = mbd_quat_of(y, b);
   const double pv[4] = {p.w, p.x, p.y, p.z};
@@ -62,93 +61,87 @@ static void kinematic_rows(const mbd_model *model, const mbd_data *data, int b, 
   double Q[4][3], eta = y[col_eta];
   half_product(p, Q);
   for (int i = 0; i < 3; i++) {
-    mbd_jac_add(sink, at + MBD_R + i, at + MBD_R + i, cj);
-    mbd_jac_add(sink, at + MBD_R + i, at + MBD_V + i, -1);
+    mbd_sparse_add(matrix, at + MBD_R + i, at + MBD_R + i, cj);
+    mbd_sparse_add(matrix, at + MBD_R + i, at + MBD_V + i, -1);
   }
   for (int i = 0; i < 4; i++) {
     for (int j = 0; j < 4; j++)
-      mbd_jac_add(sink, at + MBD_P + i, at + MBD_P + j, (i == j ? cj - eta : 0) - 0.5 * turn[i][j]);
+      mbd_sparse_add(matrix, at + MBD_P + i, at + MBD_P + j, (i == j ? cj - eta : 0) - 0.5 * turn[i][j]);
     for (int j = 0; j < 3; j++)
-      mbd_jac_add(sink, at + MBD_P + i, at + MBD_W + j, -Q[i][j]);
-    mbd_jac_add(sink, at + MBD_P + i, col_eta, -pv[i]);
-    mbd_jac_add(sink, col_eta, at + MBD_P + i, 2 * pv[i]);
+      mbd_sparse_add(matrix, at + MBD_P + i, at + MBD_W + j, -Q[i][j]);
+    mbd_sparse_add(matrix, at + MBD_P + i, col_eta, -pv[i]);
+    mbd_sparse_add(matrix, col_eta, at + MBD_P + i, 2 * pv[i]);
   }
 }
 
-/* m vdot; J wdot + w x J w with d(J a) = (-[J a] + J [a]) dtheta */
+/* m vdot; J wdot + w x J w */
 static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, double cj, const double *yp,
-                         mbd_sink *sink) {
+                         mbd_sparse *matrix) {
   const int at = MBD_BODY_UNKNOWNS * b;
-  const mbd_kin *k = &data->kin[b + 1];
-  tdm_mat3 J = mbd_inertia_world(&model->body[b], k), W = tdm_m3_skew(k->w);
-  tdm_vec3 acc = mbd_get3(yp + at + MBD_W), Jacc = tdm_m3_mul(J, acc), Jw = tdm_m3_mul(J, k->w);
-  tdm_mat3 J_acc = tdm_m3_mat(J, tdm_m3_skew(acc)), JW = tdm_m3_mat(J, W), WJ = tdm_m3_mat(W, J);
-  tdm_mat3 sJacc = tdm_m3_skew(Jacc), sJw = tdm_m3_skew(Jw), inner;
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      inner.m[i][j] = JW.m[i][j] - sJw.m[i][j];
-  tdm_mat3 gyro = tdm_m3_mat(W, inner);
+  mbd_spin_tangent s = mbd_spin_at(&model->body[b], &data->kin[b + 1], mbd_get3(yp + at + MBD_W), cj, 1);
   for (int i = 0; i < 3; i++) {
     double c[6] = {0};
-    mbd_jac_add(sink, at + MBD_V + i, at + MBD_V + i, cj * model->body[b].mass);
+    mbd_sparse_add(matrix, at + MBD_V + i, at + MBD_V + i, cj * model->body[b].mass);
     for (int j = 0; j < 3; j++) {
-      c[3 + j] = J_acc.m[i][j] - sJacc.m[i][j] + gyro.m[i][j];
-      mbd_jac_add(sink, at + MBD_W + i, at + MBD_W + j, cj * J.m[i][j] + WJ.m[i][j] - sJw.m[i][j]);
+      c[3 + j] = s.rotation.m[i][j];
+      mbd_sparse_add(matrix, at + MBD_W + i, at + MBD_W + j, s.motion.m[i][j]);
     }
-    add_position(sink, data, at + MBD_W + i, b, c);
+    add_position(matrix, data, at + MBD_W + i, b, c);
   }
 }
 
 /* ---- joints and drivers ---- */
 
 /* Rows of the constraints: G dq, and G dV + (V^T H) dq (index 2). */
-static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, mbd_sink *sink) {
+static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, mbd_sparse *matrix) {
   double twist[MBD_PAIR];
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < rows->n; k++) {
     double c[MBD_PAIR] = {0};
+    if (data->dependent[rows->first + k])
+      continue;
     for (int i = 0; i < MBD_PAIR; i++)
       for (int l = 0; l < MBD_PAIR; l++)
         c[l] += twist[i] * rows->H[k][i][l];
-    add_pair_position(sink, data, mbd_index_mu(model, rows->first + k), rows->body, rows->G[k]);
+    add_pair_position(matrix, data, mbd_index_mu(model, rows->first + k), rows->body, rows->G[k]);
     if (model->solver.formulation == MBD_INDEX3)
       continue;
-    add_pair_twist(sink, mbd_index_lambda(model, rows->first + k), rows->body, rows->G[k]);
-    add_pair_position(sink, data, mbd_index_lambda(model, rows->first + k), rows->body, c);
+    add_pair_twist(matrix, mbd_index_lambda(model, rows->first + k), rows->body, rows->G[k]);
+    add_pair_position(matrix, data, mbd_index_lambda(model, rows->first + k), rows->body, c);
   }
 }
 
 /* Rows of one body (side) of a constraint: G^T lambda in the dynamics, G^T mu in the kinematics. */
 static void multiplier_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int side,
                             const double *y, double L[MBD_PAIR][MBD_PAIR], double U[MBD_PAIR][MBD_PAIR],
-                            mbd_sink *sink) {
+                            mbd_sparse *matrix) {
   const int b = rows->body[side], at = MBD_BODY_UNKNOWNS * b, half = 6 * side;
   double Q[4][3];
   half_product(mbd_quat_of(y, b), Q);
   for (int i = 0; i < 6; i++) {
-    add_pair_position(sink, data, at + MBD_V + i, rows->body, L[half + i]);
+    add_pair_position(matrix, data, at + MBD_V + i, rows->body, L[half + i]);
     for (int k = 0; k < rows->n; k++)
-      mbd_jac_add(sink, at + MBD_V + i, mbd_index_lambda(model, rows->first + k), rows->G[k][half + i]);
+      mbd_sparse_add(matrix, at + MBD_V + i, mbd_index_lambda(model, rows->first + k), rows->G[k][half + i]);
   }
   for (int i = 0; i < 3; i++) {
-    add_pair_position(sink, data, at + MBD_R + i, rows->body, U[half + i]);
+    add_pair_position(matrix, data, at + MBD_R + i, rows->body, U[half + i]);
     for (int k = 0; k < rows->n; k++)
-      mbd_jac_add(sink, at + MBD_R + i, mbd_index_mu(model, rows->first + k), rows->G[k][half + i]);
+      mbd_sparse_add(matrix, at + MBD_R + i, mbd_index_mu(model, rows->first + k), rows->G[k][half + i]);
   }
   for (int i = 0; i < 4; i++) {
     double c[MBD_PAIR];
     for (int l = 0; l < MBD_PAIR; l++)
       c[l] = Q[i][0] * U[half + 3][l] + Q[i][1] * U[half + 4][l] + Q[i][2] * U[half + 5][l];
-    add_pair_position(sink, data, at + MBD_P + i, rows->body, c);
+    add_pair_position(matrix, data, at + MBD_P + i, rows->body, c);
     for (int k = 0; k < rows->n; k++) {
       const double *G = rows->G[k] + half + 3;
-      mbd_jac_add(sink, at + MBD_P + i, mbd_index_mu(model, rows->first + k),
-                  Q[i][0] * G[0] + Q[i][1] * G[1] + Q[i][2] * G[2]);
+      mbd_sparse_add(matrix, at + MBD_P + i, mbd_index_mu(model, rows->first + k),
+                     Q[i][0] * G[0] + Q[i][1] * G[1] + Q[i][2] * G[2]);
     }
   }
 }
 
-static void constraint_block(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sink *sink) {
+static void constraint_block(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sparse *matrix) {
   const mbd_rows *rows = mbd_part_at(model, data, index, true);
   const double *lambda = y + mbd_index_lambda(model, rows->first), *mu = y + mbd_index_mu(model, rows->first);
   double L[MBD_PAIR][MBD_PAIR] = {{0}}, U[MBD_PAIR][MBD_PAIR] = {{0}}; /* d(G^T lambda)/dq, d(G^T mu)/dq */
@@ -158,15 +151,15 @@ static void constraint_block(const mbd_model *model, mbd_data *data, int index, 
         L[i][l] += lambda[k] * rows->H[k][i][l];
         U[i][l] += mu[k] * rows->H[k][i][l];
       }
-  constraint_rows(model, data, rows, sink);
+  constraint_rows(model, data, rows, matrix);
   for (int side = 0; side < 2; side++)
     if (rows->body[side] != MBD_GROUND)
-      multiplier_rows(model, data, rows, side, y, L, U, sink);
+      multiplier_rows(model, data, rows, side, y, L, U, matrix);
 }
 
 /* ---- forces ---- */
 
-static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_sink *sink) {
+static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_sparse *matrix) {
   const mbd_force *f = &model->force[index];
   const mbd_force_value *value = mbd_force_at(model, data, index, true);
   for (int side = 0; side < 2; side++) {
@@ -179,8 +172,8 @@ static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_si
         K[l] = -value->K[6 * side + i][l];
         C[l] = -value->C[6 * side + i][l];
       }
-      add_pair_position(sink, data, row, f->body, K);
-      add_pair_twist(sink, row, f->body, C);
+      add_pair_position(matrix, data, row, f->body, K);
+      add_pair_twist(matrix, row, f->body, C);
     }
   }
 }
@@ -200,20 +193,25 @@ static void shifts(const mbd_model *model, mbd_data *data, const double *y) {
 }
 
 void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, const double *y, const double *yp,
-                  mbd_sink *sink) {
+                  mbd_sparse *matrix) {
   mbd_kinematics(model, data, t, y);
   shifts(model, data, y);
   for (int b = 0; b < model->nbody; b++)
     quaternion_map(mbd_quat_of(y, b), data->quaternion[b]);
   for (int b = 0; b < model->nbody; b++) {
-    kinematic_rows(model, data, b, cj, y, sink);
-    dynamic_rows(model, data, b, cj, yp, sink);
+    kinematic_rows(model, data, b, cj, y, matrix);
+    dynamic_rows(model, data, b, cj, yp, matrix);
   }
   for (int i = 0; i < model->npart; i++)
-    constraint_block(model, data, i, y, sink);
-  for (int i = 0; i < model->nrow && model->solver.formulation == MBD_INDEX3; i++)
-    mbd_jac_add(sink, mbd_index_lambda(model, i), mbd_index_mu(model, i), 1);
+    constraint_block(model, data, i, y, matrix);
+  for (int i = 0; i < model->nrow; i++) {
+    int row_lambda = mbd_index_lambda(model, i), row_mu = mbd_index_mu(model, i);
+    bool dependent = data->dependent[i], index3 = model->solver.formulation == MBD_INDEX3;
+    mbd_sparse_add(matrix, row_lambda, row_lambda, dependent ? 1 : 0);
+    mbd_sparse_add(matrix, row_mu, row_mu, dependent ? 1 : 0);
+    mbd_sparse_add(matrix, row_lambda, row_mu, index3 && !dependent ? 1 : 0);
+  }
   for (int i = 0; i < model->nforce; i++)
-    force_rows(model, data, i, sink);
+    force_rows(model, data, i, matrix);
   data->stats.jacobians++;
 }

@@ -1,4 +1,4 @@
-/* The analytic Jacobian dF/dy + cj dF/dydot of the residual, entry by entry into a sink.
+/* The analytic Jacobian dF/dy + cj dF/dydot of the residual, entry by entry.
  *
  * Everything is differentiated with respect to twist coordinates first (rotation vector in world axes) and mapped to
  * Euler parameters by dtheta = T dp, T = 2/|p|^2 [-u | w 1 + [u]], p = (w, u). The rotation matrix belongs to p/|p|, so
@@ -7,20 +7,11 @@
 #ifndef MBD_JACOBIAN_H
 #define MBD_JACOBIAN_H
 
+#include "mbd/sparse.h"
 #include "mbd/state.h"
 
-/* Where entries go: a dense column-major matrix, zeroed by the caller. A sparse matrix needs another add only. */
-typedef struct {
-  double *dense; /* (n x n) column-major */
-  int n;
-} mbd_sink;
-
-static inline void mbd_jac_add(mbd_sink *sink, int row, int col, double value) {
-  sink->dense[(size_t)col * (size_t)sink->n + (size_t)row] += value;
-}
-
-/* dF/dy + cj dF/dydot at (t, y, yp). */
+/* dF/dy + cj dF/dydot at (t, y, yp), added to a matrix between its begin and end. */
 void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, const double *y, const double *yp,
-                  mbd_sink *sink);
+                  mbd_sparse *matrix);
 
 #endif

@@ -1,6 +1,6 @@
-/* tandem-mbd: the multibody solver as a process. */
-#include "mbd/solver.h"
+/* tandem-mbd: the solver process of a co-simulation, and the command line of scenes of bodies alone. */
+#include "mbd/run.h"
 
 int main(int argc, char **argv) {
-  return tdm_solver_main(&mbd_solver_ops, argc, argv);
+  return tdm_alone_main(&mbd_program, argc, argv);
 }

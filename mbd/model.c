@@ -1,13 +1,14 @@
 /* Reading a model from its scene section. README.md lists the keys. */
 #include "mbd/model.h"
+#include "mbd/body.h"
 #include "mbd/integrator.h"
+#include "mbd/load.h"
 
-#include <gsl/gsl_eigen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- helpers ---- */
+/* ---- bodies ---- */
 
 int mbd_model_find_body(const mbd_model *model, const char *name) {
   if (strcmp(name, "ground") == 0)
@@ -18,8 +19,7 @@ int mbd_model_find_body(const mbd_model *model, const char *name) {
   return -2;
 }
 
-/* The body name nearest to `name`, or NULL; the ground counts if asked. */
-static const char *nearest_body(const mbd_model *model, const char *name, bool ground) {
+const char *mbd_model_nearest_body(const mbd_model *model, const char *name, bool ground) {
   const char **names = calloc((size_t)model->nbody + 1, sizeof *names);
   if (!names)
     return NULL;
@@ -46,164 +46,6 @@ tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_di
   return tdm_m3_tmul(tdm_quat_to_matrix(mbd_model_pose(model, body).orientation), world_direction);
 }
 
-void mbd_load_name(tdm_object *o, char *out) {
-  const char *name = tdm_get_string(o, "name", NULL);
-  out[0] = 0;
-  if (o->err->status)
-    return;
-  size_t n = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");
-  if (n == 0 || name[n] != 0)
-    tdm_object_fail(o, "name",
-                    "the name \"%s\" must be made of letters, digits, '_' and '-': it becomes part of a column name "
-                    "in the results; rename it",
-                    name);
-  else if (n >= MBD_NAME_MAX)
-    tdm_object_fail(o, "name", "the name \"%s\" is too long; use at most %d characters", name, MBD_NAME_MAX - 1);
-  else
-    memcpy(out, name, n + 1);
-}
-
-void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
-  body[0] = body[1] = MBD_GROUND;
-  json_t *array = tdm_get_array(o, "bodies", true);
-  if (o->err->status)
-    return;
-  if (json_array_size(array) != 2) {
-    tdm_object_fail(o, "bodies", "must name two bodies, such as [\"ground\", \"box\"]");
-    return;
-  }
-  for (int i = 0; i < 2; i++) {
-    char path[TDM_PATH_MAX];
-    tdm_path(path, o, "bodies", i);
-    const char *name = json_string_value(json_array_get(array, (size_t)i));
-    if (!name) {
-      tdm_fail(o->err, TDM_ERR_SCENE, path, "must be the name of a body, in quotes");
-      return;
-    }
-    body[i] = mbd_model_find_body(model, name);
-    if (body[i] < MBD_GROUND) {
-      const char *near = nearest_body(model, name, true);
-      tdm_fail(o->err, TDM_ERR_SCENE, path, "there is no body \"%s\"%s%s%s; name one of mbd.bodies or \"ground\"", name,
-               near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
-      body[i] = MBD_GROUND; /* the loader reads on */
-      return;
-    }
-  }
-  if (body[0] == body[1])
-    tdm_object_fail(o, "bodies", "connects \"%s\" to itself; name two different bodies",
-                    json_string_value(json_array_get(array, 0)));
-}
-
-const mbd_joint *mbd_load_joint(tdm_object *o, const mbd_model *model, const char *type, const char *otherwise) {
-  const char *name = tdm_get_string(o, "joint", NULL);
-  if (o->err->status)
-    return NULL;
-  for (int i = 0; i < model->njoint; i++) {
-    const mbd_joint *j = &model->joint[i];
-    if (strcmp(j->name, name) != 0)
-      continue;
-    if (strcmp(j->ops->name, type) == 0)
-      return j;
-    tdm_object_fail(o, "joint", "the joint \"%s\" is %s; name a %s joint", name, j->ops->name, type);
-    return NULL;
-  }
-  const char **names = calloc((size_t)model->njoint + 1, sizeof *names);
-  for (int i = 0; names && i < model->njoint; i++)
-    names[i] = model->joint[i].name;
-  const char *near = names ? tdm_nearest(name, names, model->njoint) : NULL;
-  tdm_object_fail(o, "joint", "there is no joint \"%s\"%s%s%s; name a %s joint of mbd.joints%s", name,
-                  near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "", type, otherwise);
-  free(names);
-  return NULL;
-}
-
-void mbd_load_pair(tdm_object *o, const char *single, const char *twice, tdm_vec3 out[2]) {
-  out[0] = out[1] = tdm_v3(0, 0, 0);
-  if (!single || tdm_has(o, twice)) {
-    json_t *array = tdm_get_array(o, twice, true);
-    if (o->err->status)
-      return;
-    if (single && tdm_has(o, single)) {
-      tdm_object_fail(o, twice, "stands beside \"%s\"; keep one of the two", single);
-      return;
-    }
-    if (json_array_size(array) != 2) {
-      tdm_object_fail(o, twice, "must be two vectors, one for each body: [[x, y, z], [x, y, z]]");
-      return;
-    }
-    for (int i = 0; i < 2; i++) {
-      json_t *wrapped = json_pack("{s:O}", twice, json_array_get(array, (size_t)i));
-      char path[TDM_PATH_MAX];
-      tdm_path(path, o, twice, i);
-      tdm_error inner = {0};
-      tdm_object v = tdm_object_open(wrapped, "", &inner);
-      out[i] = tdm_get_vec3(&v, twice, NULL);
-      if (inner.status)
-        tdm_fail(o->err, inner.status, path, "%s", inner.message);
-      json_decref(wrapped);
-    }
-    return;
-  }
-  out[0] = out[1] = tdm_get_vec3(o, single, NULL);
-}
-
-/* ---- bodies ---- */
-
-/* Principal moments must be positive and fulfil the triangle inequality: no rigid body violates them. */
-static void check_inertia(tdm_object *o, const tdm_mat3 *inertia) {
-  double a[9], e[3];
-  memcpy(a, inertia->m, sizeof a);
-  gsl_matrix_view matrix = gsl_matrix_view_array(a, 3, 3);
-  gsl_vector_view value = gsl_vector_view_array(e, 3);
-  gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(3);
-  gsl_eigen_symm(&matrix.matrix, &value.vector, work);
-  gsl_eigen_symm_free(work);
-  double least = fmin(e[0], fmin(e[1], e[2])), most = fmax(e[0], fmax(e[1], e[2])), sum = e[0] + e[1] + e[2];
-  if (!(least > 0))
-    tdm_object_fail(
-        o, "inertia",
-        "the principal moments of inertia are %g, %g, %g kg m2: they must all be positive (a thin rod needs "
-        "a small value about its axis)",
-        e[0], e[1], e[2]);
-  else if (2 * most > sum * (1 + 1e-9))
-    tdm_object_fail(o, "inertia",
-                    "the principal moments of inertia are %g, %g, %g kg m2: no rigid body has one larger than the sum "
-                    "of the other two; check the values and their units",
-                    e[0], e[1], e[2]);
-}
-
-static void load_inertia(tdm_object *o, tdm_mat3 *inertia) {
-  double i[6] = {0};
-  json_t *array = tdm_get_array(o, "inertia", true);
-  bool full = json_array_size(array) == 6;
-  tdm_get_numbers(o, "inertia", i, full ? 6 : 3, true);
-  *inertia = (tdm_mat3){{{i[0], i[3], i[4]}, {i[3], i[1], i[5]}, {i[4], i[5], i[2]}}};
-  if (!o->err->status)
-    check_inertia(o, inertia);
-}
-
-static void load_body(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
-  tdm_object o = tdm_object_open(json, path, err);
-  mbd_body *b = &model->body[model->nbody];
-  const tdm_vec3 zero = {0, 0, 0};
-  mbd_load_name(&o, b->name);
-  b->mass = tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
-  load_inertia(&o, &b->inertia);
-  b->start.pose.position = tdm_get_vec3(&o, "position", NULL);
-  b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
-  b->start.twist.velocity = tdm_get_vec3(&o, "velocity", &zero);
-  b->start.twist.angular = tdm_get_vec3(&o, "angular_velocity", &zero);
-  tdm_object_close(&o);
-  if (err->status)
-    return;
-  if (strcmp(b->name, "ground") == 0)
-    tdm_object_fail(&o, "name", "\"ground\" is the name of the fixed world; give the body another name");
-  else if (mbd_model_find_body(model, b->name) != -2)
-    tdm_object_fail(&o, "name", "a second body is called \"%s\"; give every body its own name", b->name);
-  else
-    model->nbody++;
-}
-
 /* ---- joints, drivers and forces: the common part; the table's entry reads the rest ---- */
 
 /* Read "type" and leave the index in the table; -1 after an error. */
@@ -219,10 +61,11 @@ static void load_joint(mbd_model *model, json_t *json, const char *path, tdm_err
     names[i] = mbd_joint_table[i]->name;
   mbd_load_name(&o, j->name);
   int type = load_type(&o, names, mbd_joint_ntype);
-  mbd_load_bodies(&o, model, j->body);
   if (err->status)
     return;
   j->ops = mbd_joint_table[type];
+  if (!j->ops->couples)
+    mbd_load_bodies(&o, model, j->body);
   j->row = model->nrow;
   j->ops->load(j, &o, model);
   tdm_object_close(&o);
@@ -235,7 +78,7 @@ static void load_joint(mbd_model *model, json_t *json, const char *path, tdm_err
 
 static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
-  mbd_driver *d = &model->driver[model->ndriver];
+  mbd_driver *d = &model->driver[model->ndriver++];
   const char *names[MBD_DRIVER_TYPES_MAX];
   for (int i = 0; i < mbd_driver_ntype; i++)
     names[i] = mbd_driver_table[i]->name;
@@ -246,17 +89,16 @@ static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_er
   d->ops = mbd_driver_table[type];
   d->row = model->nrow;
   d->ops->load(d, &o, model);
-  mbd_motion_load(&d->motion, &o);
+  mbd_motion_load(&d->motion, &o, "motion");
   tdm_object_close(&o);
-  for (int i = 0; i < model->ndriver && !err->status; i++) {
+  for (int i = 0; i < model->ndriver - 1 && !err->status; i++) {
     const mbd_driver *other = &model->driver[i];
     if (strcmp(other->name, d->name) == 0)
       tdm_object_fail(&o, "name", "a second driver is called \"%s\"; give every driver its own name", d->name);
-    else if (other->joint == d->joint)
-      tdm_object_fail(&o, "joint", "the joint \"%s\" is driven by \"%s\" already; remove one of the two drivers",
-                      d->joint->name, other->name);
+    else if (other->joint == d->joint && other->ops->coordinate == d->ops->coordinate)
+      tdm_object_fail(&o, "joint", "the %s of joint \"%s\" is driven by \"%s\" already; remove one of the two drivers",
+                      mbd_coordinate_table[d->ops->coordinate].name, d->joint->name, other->name);
   }
-  model->ndriver++;
   model->nrow++;
 }
 
@@ -292,9 +134,12 @@ static void load_solver(mbd_settings *s, tdm_object *section) {
   s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance", 0.01 * s->relative_tolerance, TDM_POSITIVE);
   s->max_order = (int)tdm_get_integer(&o, "max_order", 5, 1);
   s->max_step = tdm_get_number(&o, "max_step", 0, TDM_NOT_NEGATIVE);
+  s->spectral_radius = tdm_get_number(&o, "spectral_radius", 0.8, TDM_NOT_NEGATIVE);
   tdm_object_close(&o);
   if (!o.err->status && s->max_order > 5)
     tdm_object_fail(&o, "max_order", "must be 1 to 5: backward differentiation formulas above 5 are not stable enough");
+  if (!o.err->status && s->spectral_radius > 1)
+    tdm_object_fail(&o, "spectral_radius", "is %g; use 0 (most damping) to 1 (none)", s->spectral_radius);
   if (!o.err->status && (s->relative_tolerance < 1e-13 || s->relative_tolerance > 0.1))
     tdm_object_fail(&o, "relative_tolerance", "is %g; use 1e-13 to 0.1", s->relative_tolerance);
 }
@@ -327,7 +172,8 @@ static void list_parts(mbd_model *m) {
   for (int i = 0; i < m->ndriver; i++) {
     const mbd_driver *d = &m->driver[i];
     const mbd_joint *j = d->joint;
-    m->part[m->npart++] = (mbd_part){j, d, 0, (int)(j - m->joint), {j->body[0], j->body[1]}, d->row};
+    int turn = j == &d->frame ? -1 : (int)(j - m->joint);
+    m->part[m->npart++] = (mbd_part){j, d, 0, turn, {j->body[0], j->body[1]}, d->row};
   }
 }
 
@@ -346,7 +192,7 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   const tdm_vec3 earth = {0, 0, -9.81};
   tdm_object o = tdm_object_open(json, "mbd", err);
   m->gravity = tdm_get_vec3(&o, "gravity", &earth);
-  load_array(&o, "bodies", true, m, load_body);
+  load_array(&o, "bodies", true, m, mbd_body_load);
   if (!err->status && m->nbody == 0)
     tdm_object_fail(&o, "bodies", "is empty; give at least one body");
   load_array(&o, "joints", false, m, load_joint);
@@ -371,7 +217,7 @@ tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int
     if (b == MBD_GROUND)
       return tdm_fail(err, TDM_ERR_SCENE, path, "the ground cannot be coupled; name one of mbd.bodies");
     if (b < 0) {
-      const char *near = nearest_body(model, body[i].name, false);
+      const char *near = mbd_model_nearest_body(model, body[i].name, false);
       return tdm_fail(err, TDM_ERR_SCENE, path, "mbd.bodies has no body \"%s\"%s%s%s; name one of its bodies",
                       body[i].name, near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
     }
@@ -385,13 +231,34 @@ tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int
   return TDM_OK;
 }
 
+tdm_status mbd_model_check_times(const mbd_model *model, double t0, double t1, tdm_error *err) {
+  char path[TDM_PATH_MAX];
+  for (int i = 0; i < model->ndriver; i++) {
+    snprintf(path, sizeof path, "mbd.drivers[%d].motion", i);
+    if (mbd_motion_check(&model->driver[i].motion, t0, t1, path, model->driver[i].name, err))
+      return err->status;
+  }
+  for (int i = 0; i < model->nforce; i++) {
+    snprintf(path, sizeof path, "mbd.forces[%d].factor", i);
+    if (mbd_motion_check(&model->force[i].factor, t0, t1, path, model->force[i].name, err))
+      return err->status;
+  }
+  return TDM_OK;
+}
+
 void mbd_model_destroy(mbd_model **model) {
   if (!model || !*model)
     return;
+  for (int i = 0; i < (*model)->nbody; i++)
+    mbd_body_clear(&(*model)->body[i]);
   free((*model)->body);
   free((*model)->joint);
+  for (int i = 0; i < (*model)->ndriver; i++)
+    mbd_motion_clear(&(*model)->driver[i].motion);
   free((*model)->driver);
   free((*model)->part);
+  for (int i = 0; i < (*model)->nforce; i++)
+    mbd_force_clear(&(*model)->force[i]);
   free((*model)->force);
   free((*model)->coupled);
   free(*model);

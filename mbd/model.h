@@ -12,16 +12,26 @@
 
 enum { MBD_GROUND = -1, MBD_NAME_MAX = 40, MBD_LOAD_MAX = 8 };
 
+/* a point with axes that is fixed to a body */
+typedef struct {
+  char name[MBD_NAME_MAX];
+  tdm_pose pose; /* body axes, from the centre of mass */
+} mbd_marker;
+
 typedef struct {
   char name[MBD_NAME_MAX];
   double mass;      /* [kg] */
   tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2] */
-  tdm_state start;  /* as given in the scene, orientation normalised */
+  tdm_mat3 inverse_inertia;
+  tdm_state start; /* as given in the scene, orientation normalised */
+  int nmarker;
+  mbd_marker *marker; /* (nmarker) */
 } mbd_body;
 
 typedef enum {
-  MBD_GGL,    /* stabilised index 2: positions and velocities on the constraints */
-  MBD_INDEX3, /* positions alone */
+  MBD_GGL,      /* stabilised index 2: positions and velocities on the constraints */
+  MBD_INDEX3,   /* positions alone */
+  MBD_ONE_STEP, /* generalised-alpha */
   MBD_FORMULATIONS
 } mbd_formulation_id;
 
@@ -34,15 +44,16 @@ typedef struct {
   double absolute_tolerance; /* of the same [m, 1, m/s, rad/s] */
   int max_order;             /* of the BDF, 1 to 5 */
   double max_step;           /* [s], 0: no limit */
+  double spectral_radius;    /* one_step: at infinite frequency, 0 to 1 */
 } mbd_settings;
 
 /* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add
  * up in the same rows. */
 typedef struct {
-  const mbd_joint *joint;   /* the joint, or the one that the driver drives */
+  const mbd_joint *joint;   /* the joint, or the one whose coordinate the driver drives */
   const mbd_driver *driver; /* NULL: the joint's own rows */
   int index;                /* 0, or 1 for the second pair of a joint that couples two */
-  int turn;                 /* the joint whose angle is counted over turns for it */
+  int turn;                 /* the joint whose angle is counted over turns for it, -1: none */
   int body[2], row;
 } mbd_part;
 
@@ -72,25 +83,16 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err);
 /* Name the bodies that take a load from outside; errors are at "coupling.bodies[i].mbd". */
 tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int nbody, tdm_error *err);
 
-void mbd_model_destroy(mbd_model **model);
+/* Refuse a motion law that has no value at some time of [t0, t1] [s]. */
+tdm_status mbd_model_check_times(const mbd_model *model, double t0, double t1, tdm_error *err);
 
-/* ---- helpers of the loaders of joints, drivers and forces ---- */
+void mbd_model_destroy(mbd_model **model);
 
 /* The index of a body (MBD_GROUND for "ground"), -2 when there is none of that name. */
 int mbd_model_find_body(const mbd_model *model, const char *name);
 
-/* Read "bodies": [first, second] into body; both must exist and differ. */
-void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]);
-
-/* Read one vector `single` for both bodies, or a pair `twice` with one each: "point" or "points". */
-void mbd_load_pair(tdm_object *o, const char *single, const char *twice, tdm_vec3 out[2]);
-
-/* Read and check "name": fit for a column of a CSV file. out has MBD_NAME_MAX bytes. */
-void mbd_load_name(tdm_object *o, char *out);
-
-/* Read "joint": the name of a joint of the given type, borrowed from the model; NULL after an error. `otherwise` ends
- * the advice when there is no such joint. */
-const mbd_joint *mbd_load_joint(tdm_object *o, const mbd_model *model, const char *type, const char *otherwise);
+/* The body name nearest to `name`, or NULL; the ground counts if asked. */
+const char *mbd_model_nearest_body(const mbd_model *model, const char *name, bool ground);
 
 /* Start pose of a body or of the ground, and a world point or direction in that body's axes. */
 tdm_pose mbd_model_pose(const mbd_model *model, int body);

@@ -12,11 +12,20 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, OTHER_CHANNELS = 3 };
+enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, ENERGY_CHANNELS = 6 };
+
+/* one for each coordinate and rate that joints leave free */
+static int coordinate_channels(const mbd_model *model) {
+  int n = 0;
+  for (int i = 0; i < model->njoint; i++)
+    for (int which = 0; which < 2; which++)
+      n += model->joint[i].ops->coordinates & (1u << which) ? 2 : 0;
+  return n;
+}
 
 int mbd_output_count(const mbd_model *model) {
   return JOINT_CHANNELS * model->njoint + DRIVER_CHANNELS * model->ndriver + FORCE_CHANNELS * model->nforce +
-         BODY_CHANNELS * (model->nbody - model->ncoupled) + OTHER_CHANNELS;
+         BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model);
 }
 
 static tdm_channel *name(tdm_channel *c, const char *group, const char *of, const char *what, const char *unit) {
@@ -34,22 +43,33 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
   for (int i = 0; i < model->njoint; i++)
     for (int k = 0; k < JOINT_CHANNELS; k++)
       c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
+  for (int i = 0; i < model->njoint; i++)
+    for (int which = 0; which < 2; which++) {
+      const mbd_coordinate_words *w = &mbd_coordinate_table[which];
+      if (!(model->joint[i].ops->coordinates & (1u << which)))
+        continue;
+      c = name(c, "joint", model->joint[i].name, w->name, w->unit);
+      c = name(c, "joint", model->joint[i].name, w->rate, w->rate_unit);
+    }
   for (int i = 0; i < model->ndriver; i++) {
-    const mbd_driver_ops *ops = model->driver[i].ops;
-    c = name(c, "driver", model->driver[i].name, ops->effort, ops->effort_unit);
-    c = name(c, "driver", model->driver[i].name, ops->coordinate, ops->coordinate_unit);
-    c = name(c, "driver", model->driver[i].name, "rate", ops->rate_unit);
+    const mbd_coordinate_words *w = &mbd_coordinate_table[model->driver[i].ops->coordinate];
+    c = name(c, "driver", model->driver[i].name, w->effort, w->effort_unit);
+    c = name(c, "driver", model->driver[i].name, w->name, w->unit);
+    c = name(c, "driver", model->driver[i].name, w->rate, w->rate_unit);
   }
   for (int i = 0; i < model->nforce; i++) {
-    const mbd_force_ops *ops = model->force[i].ops;
-    c = name(c, "force", model->force[i].name, "value", ops->value_unit);
-    c = name(c, "force", model->force[i].name, ops->coordinate_name, ops->coordinate_unit);
+    const mbd_force *f = &model->force[i];
+    const mbd_coordinate_words *w = f->ops->value_unit ? NULL : &mbd_coordinate_table[f->coordinate];
+    c = name(c, "force", f->name, "value", w ? w->effort_unit : f->ops->value_unit);
+    c = name(c, "force", f->name, w ? w->name : f->ops->coordinate_name, w ? w->unit : f->ops->coordinate_unit);
   }
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
       c = name(c, "body", model->body[b].name, state[k][0], state[k][1]);
-  c = name(c, "energy", "", "kinetic", "J");
-  c = name(c, "energy", "", "potential", "J");
+  static const char *const energies[ENERGY_CHANNELS] = {"kinetic",  "potential",  "springs",
+                                                        "supplied", "dissipated", "balance"};
+  for (int k = 0; k < ENERGY_CHANNELS; k++)
+    c = name(c, "energy", "", energies[k], "J");
   name(c, "constraint", "", "drift", "m");
 }
 
@@ -74,23 +94,49 @@ static void reactions(const mbd_model *model, mbd_data *data, const double *lamb
   }
 }
 
-/* Effort on the second body, the coordinate where it is (not where it should be) and its rate. */
-static void drive(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
-  const mbd_driver *d = &model->driver[index];
-  const mbd_rows *rows = mbd_part_at(model, data, model->npart - model->ndriver + index, false);
+static double row_rate(const mbd_data *data, const mbd_rows *rows) {
   double twist[MBD_PAIR], rate = 0;
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < MBD_PAIR; k++)
     rate += rows->G[0][k] * twist[k];
+  return rate;
+}
+
+/* Coordinates that joints leave free, and their rates. Returns the end of what it filled. */
+static double *coordinates(const mbd_model *model, mbd_data *data, double *out) {
+  for (int i = 0; i < model->njoint; i++)
+    for (int which = 0; which < 2; which++) {
+      const mbd_joint *j = &model->joint[i];
+      if (!(j->ops->coordinates & (1u << which)))
+        continue;
+      double from = which == MBD_ANGLE ? data->turn[i] : 0;
+      mbd_rows *rows = &data->rows;
+      rows->n = 0;
+      rows->second = false;
+      memcpy(rows->body, j->body, sizeof rows->body);
+      mbd_joint_coordinate(j, (mbd_coordinate)which, &data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], from,
+                           rows);
+      *out++ = from + rows->g[0];
+      *out++ = row_rate(data, rows);
+    }
+  return out;
+}
+
+/* Effort on the second body, the coordinate where it is (not where it should be) and its rate. */
+static void drive(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
+  const mbd_driver *d = &model->driver[index];
+  const mbd_rows *rows = mbd_part_at(model, data, model->npart - model->ndriver + index, false);
   out[0] = -lambda[d->row];
   out[1] = mbd_motion_at(&d->motion, data->now).value + rows->g[0];
-  out[2] = rate;
+  out[2] = row_rate(data, rows);
 }
 
 bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out) {
   bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin and data->now */
+  if (good && data->ndependent > 0)
+    good = mbd_kkt_share(kkt, model, data, data->lambda);
   reactions(model, data, data->lambda, out);
-  out += JOINT_CHANNELS * model->njoint;
+  out = coordinates(model, data, out + JOINT_CHANNELS * model->njoint);
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
     drive(model, data, i, data->lambda, out);
   for (int i = 0; i < model->nforce; i++, out += FORCE_CHANNELS) {
@@ -109,9 +155,14 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
     mbd_set3(out + 10, s.twist.angular);
     out += BODY_CHANNELS;
   }
-  out[0] = mbd_kinetic_energy(model, data);
-  out[1] = mbd_potential_energy(model, data);
-  out[2] = data->drift;
+  mbd_energies e = mbd_energies_at(model, data);
+  out[0] = e.kinetic;
+  out[1] = e.potential;
+  out[2] = e.springs;
+  out[3] = data->work.supplied;
+  out[4] = data->work.dissipated;
+  out[5] = e.kinetic + e.potential + e.springs + data->work.dissipated - data->work.supplied - data->energy_start;
+  out[6] = data->drift;
   data->drift = 0;
   return good;
 }

@@ -38,6 +38,8 @@ static void constraints(const mbd_model *model, mbd_data *data, const double *y,
     mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
     for (int k = 0; k < rows->n; k++) {
       int row = rows->first + k;
+      if (data->dependent[row])
+        continue;
       double rate = rows->g_t[k];
       for (int c = 0; c < MBD_PAIR; c++) {
         rate += rows->G[k][c] * twist[c];
@@ -82,8 +84,13 @@ void mbd_residual(const mbd_model *model, mbd_data *data, double t, const double
   mbd_generalised_forces(model, data, t, data->wrench);
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
   constraints(model, data, y, out);
-  if (model->solver.formulation == MBD_INDEX3) /* no velocity constraints: their rows hold mu = 0 */
-    memcpy(out + mbd_index_lambda(model, 0), y + mbd_index_mu(model, 0), (size_t)model->nrow * sizeof(double));
+  for (int i = 0; i < model->nrow; i++) {
+    int row_lambda = mbd_index_lambda(model, i), row_mu = mbd_index_mu(model, i);
+    if (data->dependent[i]) /* no equation, so no multipliers */
+      out[row_lambda] = y[row_lambda], out[row_mu] = y[row_mu];
+    else if (model->solver.formulation == MBD_INDEX3) /* no velocity constraint, so no mu */
+      out[row_lambda] = y[row_mu];
+  }
   for (int b = 0; b < model->nbody; b++)
     body_residual(model, data, b, y, yp, out);
   data->stats.residuals++;

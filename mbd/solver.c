@@ -2,15 +2,17 @@
 
 #include "mbd/integrator.h"
 #include "mbd/output.h"
+#include "mbd/reduced.h"
 #include "protocol/log.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { WARNINGS_MAX = 3 };
 
 typedef struct {
-  tdm_participant *participant; /* borrowed, NULL in tests without a server */
+  tdm_participant *participant; /* borrowed, NULL without a server */
   mbd_model *model;
   mbd_data *data;
   mbd_kkt *kkt;
@@ -18,6 +20,10 @@ typedef struct {
   void *integration; /* the integrator's own */
   mbd_assembly assembly;
   bool started;
+  bool acceleration;       /* of the coupled bodies, asked for */
+  mbd_reduced *reduced;    /* NULL: not asked for */
+  double *rate;            /* (6 ncoupled) accelerations at the start */
+  tdm_mobility mobility;   /* at the start */
   tdm_assigned_body *body; /* (ncoupled) */
   int nchannel;
   tdm_channel *channel; /* (nchannel) */
@@ -25,6 +31,11 @@ typedef struct {
   int nwarning;
   tdm_warning warning[WARNINGS_MAX];
   json_t *report;
+  struct {
+    mbd_data *data; /* NULL: nothing was saved */
+    void *integration;
+    bool started;
+  } slot[TDM_SLOTS_MAX];
 } solver;
 
 static void destroy(void *self) {
@@ -38,14 +49,21 @@ static void destroy(void *self) {
             "steps=%ld residuals=%ld jacobians=%ld error_failures=%ld convergence_failures=%ld restarts=%ld", c->steps,
             c->residuals, c->jacobians, c->error_failures, c->convergence_failures, c->restarts);
   }
+  for (int i = 0; i < TDM_SLOTS_MAX; i++) {
+    mbd_data_destroy(&s->slot[i].data);
+    if (s->integrator && s->integrator->release)
+      s->integrator->release(s->slot[i].integration);
+  }
   if (s->integrator)
     s->integrator->destroy(s->integration);
+  mbd_reduced_destroy(&s->reduced);
   mbd_kkt_destroy(&s->kkt);
   mbd_data_destroy(&s->data);
   mbd_model_destroy(&s->model);
   free(s->body);
   free(s->channel);
   free(s->initial);
+  free(s->rate);
   json_decref(s->report);
   free(s);
 }
@@ -58,11 +76,11 @@ static void warn_about_assembly(solver *s) {
   if (a->translation > 1e-6 || a->rotation > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
-    snprintf(
-        w->message, sizeof w->message,
-        "the joints do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g rad); correct the "
-        "position, the orientation or the joints",
-        s->model->body[a->body].name, a->translation, a->rotation);
+    snprintf(w->message, sizeof w->message,
+             "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
+             "rad); correct the "
+             "position, the orientation, the joints or the drivers' laws at the start",
+             s->model->body[a->body].name, a->translation, a->rotation);
   }
   if (a->velocity > 1e-6 || a->angular > 1e-6) {
     tdm_warning *w = &s->warning[s->nwarning++];
@@ -75,13 +93,14 @@ static void warn_about_assembly(solver *s) {
   }
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
+    const char *unit = mbd_coordinate_table[d->ops->coordinate].rate_unit;
     tdm_warning *w = &s->warning[s->nwarning++];
     snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
     snprintf(
         w->message, sizeof w->message,
-        "the given start velocities turn or move joint \"%s\" at %.6g %s, its driver \"%s\" starts at %.6g %s: the "
+        "the given start velocities move the coordinate of driver \"%s\" at %.6g %s, its law starts at %.6g %s: the "
         "driver holds; give velocities that fit it, or none",
-        d->joint->name, a->given, d->ops->rate_unit, d->name, a->prescribed, d->ops->rate_unit);
+        d->name, a->given, unit, a->prescribed, unit);
   }
 }
 
@@ -97,10 +116,50 @@ static json_t *make_report(const solver *s) {
     json_object_set_new(joints, m->joint[i].name, json_string(m->joint[i].ops->name));
   for (int i = 0; i < m->ndriver; i++)
     json_object_set_new(drivers, m->driver[i].name, json_string(m->driver[i].ops->name));
-  return json_pack("{s:i, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom", s->assembly.freedom,
-                   "mass", mass, "bodies", bodies, "joints", joints, "drivers", drivers, "forces", m->nforce,
-                   "assembly", "translation", s->assembly.translation, "rotation", s->assembly.rotation, "velocity",
-                   s->assembly.velocity, "angular_velocity", s->assembly.angular);
+  json_t *dependent = json_array();
+  for (int i = 0; i < m->nrow; i++)
+    if (s->data->dependent[i]) {
+      mbd_origin o = mbd_origin_of(m, i);
+      json_array_append_new(dependent, json_pack("{s:s, s:s}", o.kind, o.name, "equation", o.equation));
+    }
+  return json_pack("{s:i, s:o, s:s, s:f, s:o, s:o, s:o, s:i, s:{s:f, s:f, s:f, s:f}}", "degrees_of_freedom",
+                   s->assembly.freedom, "redundant", dependent, "formulation",
+                   mbd_formulation_table[m->solver.formulation].name, "mass", mass, "bodies", bodies, "joints", joints,
+                   "drivers", drivers, "forces", m->nforce, "assembly", "translation", s->assembly.translation,
+                   "rotation", s->assembly.rotation, "velocity", s->assembly.velocity, "angular_velocity",
+                   s->assembly.angular);
+}
+
+/* Accelerations of the coupled bodies (6 ncoupled) and the reduced model at (t, data->y), as far as asked for. */
+static tdm_status linearise(solver *s, double t, double *acceleration, tdm_mobility *mobility, tdm_error *err) {
+  const mbd_model *m = s->model;
+  bool good = true;
+  if (s->reduced)
+    good = mbd_reduced_at(m, s->data, s->kkt, s->reduced, t, s->data->y, mobility);
+  else if (s->acceleration)
+    good = mbd_accelerations(m, s->data, s->kkt, t, s->data->y);
+  for (int k = 0; k < m->ncoupled && s->acceleration; k++)
+    memcpy(acceleration + 6 * k, s->data->acceleration + 6 * m->coupled[k], 6 * sizeof(double));
+  if (!good)
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "no accelerations at t = %.9g s: the mechanism is in a singular position", t);
+  return TDM_OK;
+}
+
+/* The same at the start, and a word when there is too much freedom. */
+static tdm_status linearise_start(solver *s, const tdm_assignment *a, tdm_error *err) {
+  s->acceleration = a->acceleration;
+  s->rate = calloc(6 * (size_t)s->model->ncoupled + 1, sizeof *s->rate);
+  s->reduced = a->mobility ? mbd_reduced_create(s->model) : NULL;
+  if (!s->rate || (a->mobility && !s->reduced))
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the reduced model");
+  if (linearise(s, a->time_start, s->rate, &s->mobility, err))
+    return err->status;
+  if (a->mobility && s->assembly.freedom > TDM_FREE_MAX) {
+    tdm_log(TDM_LOG_INFO, "mobility_alone", "degrees_of_freedom=%d limit=%d", s->assembly.freedom, TDM_FREE_MAX);
+    json_object_set_new(s->report, "reduced_model", json_string("mobility alone: too many degrees of freedom"));
+  }
+  return TDM_OK;
 }
 
 /* What READY needs: coupled bodies, channels with their start values, report. */
@@ -124,10 +183,10 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
 }
 
-/* tells the server that the solver lives; true when the work is no longer wanted */
+/* tells the server, if there is one, that the solver lives; true when the work is no longer wanted */
 static bool should_stop(void *context) {
   solver *s = context;
-  return s->participant && tdm_participant_alive(s->participant) != TDM_OK;
+  return tdm_participant_alive(s->participant) != TDM_OK;
 }
 
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
@@ -137,6 +196,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = p;
   if (mbd_model_load(&s->model, assignment->scene, err) ||
+      mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
   s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
@@ -146,9 +206,12 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for %d bodies", s->model->nbody);
   s->data->t = assignment->time_start;
   if (mbd_assemble(s->model, s->data, s->kkt, &s->assembly, err) || prepare(s, assignment->time_start, err) ||
+      linearise_start(s, assignment, err) ||
       s->integrator->create(&s->integration, s->model, s->data, s->kkt, should_stop, s, err))
     return err->status;
   *ready = (tdm_ready){.body = s->body,
+                       .acceleration = s->rate,
+                       .mobility = &s->mobility,
                        .nchannel = s->nchannel,
                        .channel = s->channel,
                        .initial = s->initial,
@@ -180,24 +243,71 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
 static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
   solver *s = self;
   const mbd_model *m = s->model;
-  if (mbd_data_set_load(s->data, m, in, err))
+  if (mbd_model_check_times(m, in->t0, in->t1, err) || mbd_data_set_load(s->data, m, in, err))
     return err->status;
   /* the consistent start waits for the first load */
-  if ((!s->started || m->solver.restart_each_window) && s->integrator->start(s->integration, in->t0, err))
-    return err->status;
+  if (!s->started || m->solver.restart_each_window) {
+    mbd_kkt_reset(s->kkt); /* so that nothing depends on what was before */
+    if (s->integrator->start(s->integration, in->t0, err))
+      return err->status;
+  }
   s->started = true;
   sample_target to = {s, result};
   if (s->integrator->advance(s->integration, in->t1, in->nsample, in->sample_time, sample, &to, err))
     return err->status;
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
+  return linearise(s, in->t1, result->acceleration, &result->mobility, err);
+}
+
+/* ---- states in memory ---- */
+
+static tdm_status save(void *self, int slot, tdm_error *err) {
+  solver *s = self;
+  mbd_data **kept = &s->slot[slot].data;
+  if (!*kept)
+    *kept = mbd_data_create(s->model);
+  if (!*kept)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory to save the state");
+  mbd_data_copy(s->model, *kept, s->data);
+  if (s->integrator->save && s->started && s->integrator->save(s->integration, &s->slot[slot].integration, err))
+    return err->status;
+  s->started = s->started && s->integrator->save; /* else it starts again, here and after RESTORE */
+  s->slot[slot].started = s->started;
+  mbd_kkt_reset(s->kkt); /* the run goes on with the bits of one that is restored */
   return TDM_OK;
 }
 
+static tdm_status restore(void *self, int slot, tdm_error *err) {
+  solver *s = self;
+  if (!s->slot[slot].data)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
+  mbd_data_copy(s->model, s->data, s->slot[slot].data);
+  mbd_kkt_reset(s->kkt);
+  s->started = s->slot[slot].started;
+  return s->started ? s->integrator->restore(s->integration, s->slot[slot].integration, err) : TDM_OK;
+}
+
+const mbd_model *mbd_solver_model(const void *self) {
+  return ((const solver *)self)->model;
+}
+
+const mbd_stats *mbd_solver_stats(void *self) {
+  solver *s = self;
+  s->integrator->stats(s->integration);
+  return &s->data->stats;
+}
+
+static const char *const capabilities[] = {"restore", "acceleration", "mobility"};
+
 const tdm_solver_ops mbd_solver_ops = {
+    .capabilities = capabilities,
+    .ncapability = sizeof capabilities / sizeof capabilities[0],
     .role = "mbd",
     .software = "tandem-mbd " TANDEM_VERSION,
     .create = create,
     .step = step,
+    .save = save,
+    .restore = restore,
     .destroy = destroy,
 };

@@ -2,8 +2,14 @@
 #ifndef MBD_SOLVER_H
 #define MBD_SOLVER_H
 
+#include "mbd/state.h"
 #include "protocol/participant.h"
 
 extern const tdm_solver_ops mbd_solver_ops;
+
+/* The model of a solver that was created, and its counters up to now (valid until the next step). For runs without a
+ * server. */
+const mbd_model *mbd_solver_model(const void *solver);
+const mbd_stats *mbd_solver_stats(void *solver);
 
 #endif

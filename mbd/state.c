@@ -19,6 +19,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->angle = array(model->nforce);
   d->turn = array(model->njoint);
   d->g = array(model->nrow);
+  d->dependent = calloc((size_t)model->nrow + 1, sizeof *d->dependent);
   d->acceleration = array(6 * model->nbody);
   d->lambda = array(model->nrow);
   d->wrench = array(6 * model->nbody);
@@ -26,8 +27,8 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->load = calloc((size_t)model->ncoupled * MBD_LOAD_MAX + 1, sizeof *d->load);
   d->kin = calloc(nbody + 1, sizeof *d->kin);
   d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
-  if (!d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->acceleration || !d->lambda || !d->wrench || !d->shift ||
-      !d->load || !d->kin || !d->quaternion) {
+  if (!d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->dependent || !d->acceleration || !d->lambda ||
+      !d->wrench || !d->shift || !d->load || !d->kin || !d->quaternion) {
     mbd_data_destroy(&d);
     return NULL;
   }
@@ -46,6 +47,7 @@ void mbd_data_destroy(mbd_data **data) {
   free(d->angle);
   free(d->turn);
   free(d->g);
+  free(d->dependent);
   free(d->acceleration);
   free(d->lambda);
   free(d->wrench);
@@ -55,6 +57,24 @@ void mbd_data_destroy(mbd_data **data) {
   free(d->quaternion);
   free(d);
   *data = NULL;
+}
+
+void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
+  const size_t size = sizeof(double), n = (size_t)mbd_nunknown(model), nbody = (size_t)model->nbody;
+  to->t = from->t;
+  to->drift = from->drift;
+  to->energy_start = from->energy_start;
+  to->work = from->work;
+  to->load_t0 = from->load_t0;
+  to->load_t1 = from->load_t1;
+  to->nload = from->nload;
+  memcpy(to->y, from->y, n * size);
+  memcpy(to->yp, from->yp, n * size);
+  memcpy(to->angle, from->angle, (size_t)model->nforce * size);
+  memcpy(to->turn, from->turn, (size_t)model->njoint * size);
+  memcpy(to->load, from->load, (size_t)model->ncoupled * MBD_LOAD_MAX * sizeof *to->load);
+  memcpy(to->acceleration, from->acceleration, 6 * nbody * size);
+  memcpy(to->lambda, from->lambda, (size_t)model->nrow * size);
 }
 
 tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err) {
@@ -133,7 +153,12 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
     memset(value->C, 0, sizeof value->C);
   }
   value->second = second;
-  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], data->angle[i], value);
+  value->near = data->angle[i];
+  value->now = data->now;
+  value->value = value->coordinate = value->rate = value->potential = value->dissipated = value->supplied = 0;
+  value->rows.n = 0;
+  value->rows.second = second;
+  f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], value);
   return value;
 }
 
@@ -144,7 +169,7 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
   rows->n = 0;
   rows->second = second;
   rows->part = p->index;
-  rows->turn = data->turn[p->turn];
+  rows->turn = p->turn < 0 ? 0 : data->turn[p->turn];
   memcpy(rows->body, p->body, sizeof rows->body);
   rows->first = p->row;
   if (!p->driver) {
@@ -152,10 +177,23 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
     return rows;
   }
   mbd_motion_value x = mbd_motion_at(&p->driver->motion, data->now);
-  p->driver->ops->eval(p->driver, x.value, a, b, rows);
+  mbd_driver_row(p->driver, x.value, a, b, rows);
   rows->g_t[0] = -x.rate;
   rows->g_tt[0] = -x.acceleration;
   return rows;
+}
+
+double mbd_row_mobility(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int k) {
+  double sum = 0;
+  for (int side = 0; side < 2; side++) {
+    if (rows->body[side] == MBD_GROUND)
+      continue;
+    const mbd_body *body = &model->body[rows->body[side]];
+    tdm_vec3 along = mbd_get3(rows->G[k] + 6 * side);
+    tdm_vec3 about = tdm_m3_tmul(data->kin[rows->body[side] + 1].A, mbd_get3(rows->G[k] + 6 * side + 3));
+    sum += tdm_dot(along, along) / body->mass + tdm_dot(about, tdm_m3_mul(body->inverse_inertia, about));
+  }
+  return sum;
 }
 
 /* Note the largest violation: rows of the same constraint add up over its parts. */

@@ -19,14 +19,24 @@ typedef struct {
   long steps, residuals, jacobians, error_failures, convergence_failures, restarts;
 } mbd_stats;
 
+/* done on the mechanism since the start [J], or a power [W] */
+typedef struct {
+  double supplied;   /* by drivers, applied forces, loads on coupled bodies */
+  double dissipated; /* turned into heat */
+} mbd_work;
+
 /* The mutable state of a run with its workspace. */
 typedef struct {
-  double t;      /* [s] */
-  double *y;     /* (nunknown) at t */
-  double *yp;    /* (nunknown) their time derivatives */
-  double *angle; /* (nforce) continuous angle of torsional forces at t [rad] */
-  double *turn;  /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
-  double drift;  /* largest constraint violation |g| over the steps since it was last read */
+  double t;            /* [s] */
+  double *y;           /* (nunknown) at t */
+  double *yp;          /* (nunknown) their time derivatives */
+  double *angle;       /* (nforce) continuous angle of torsional forces at t [rad] */
+  double *turn;        /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
+  int ndependent;      /* constraint rows that others imply; mbd_assemble finds them */
+  bool *dependent;     /* (nrow) */
+  double energy_start; /* all energies at the start [J] */
+  mbd_work work;       /* up to t, or up to the sample that is being handed out */
+  double drift;        /* largest constraint violation |g| over the steps since it was last read */
 
   /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
   double load_t0, load_t1; /* [s] */
@@ -64,6 +74,9 @@ static inline int mbd_index_eta(const mbd_model *m, int body) {
 mbd_data *mbd_data_create(const mbd_model *model);
 void mbd_data_destroy(mbd_data **data);
 
+/* All that a run goes on from, into another data of the same model. The counters stay: they count what was done. */
+void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from);
+
 /* Copy a window's load. TDM_ERR_PROTOCOL when the polynomial has too many coefficients. */
 tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err);
 
@@ -98,6 +111,9 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
 /* Evaluate part i of the constraints (model->part) at data->kin and data->now into data->rows (with H if second). What
  * parts give for the same row adds up. */
 const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool second);
+
+/* (G M^-1 G^T)_ii of row k of a part. Two parts with a body in common count as if they had none. */
+double mbd_row_mobility(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int k);
 
 /* After an accepted step to y at time t: count angles on and note the drift. */
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y);

@@ -171,19 +171,8 @@ void tdm_error_from_json(const json_t *json, tdm_error *err) {
 
 /* ---- STEP and RESULT ---- */
 
-/* doubles behind the fixed block */
-static size_t step_doubles(const tdm_step *s) {
-  return 2 * (size_t)s->nstate * TDM_STATE_DOUBLES + (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES +
-         (size_t)s->nsample;
-}
-
-static size_t result_doubles(const tdm_result *r) {
-  size_t sample = (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nchannel;
-  if (r->nload > 0)
-    sample += (size_t)r->nbody * TDM_WRENCH_DOUBLES;
-  return (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES +
-         (size_t)r->nsample * sample;
-}
+/* what a RESULT has behind its channels: bits of the u16 at 36 */
+enum { HAS_ACCELERATION = 1, HAS_MOBILITY = 2 };
 
 /* Cut the next n doubles off a block. */
 static void *cut(double **at, size_t n) {
@@ -192,12 +181,74 @@ static void *cut(double **at, size_t n) {
   return part;
 }
 
-static void result_point(tdm_result *r, double *at) {
+/* doubles behind the fixed block */
+static size_t step_doubles(const tdm_step *s) {
+  return 2 * (size_t)s->nstate * TDM_STATE_DOUBLES + (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES +
+         (size_t)s->nsample;
+}
+
+/* ---- the reduced model ---- */
+
+enum { MOBILITY_PARTS = 9 };
+
+/* The arrays of a reduced model in wire order, with their sizes. */
+static void mobility_parts(tdm_mobility *m, double **part[MOBILITY_PARTS], size_t size[MOBILITY_PARTS]) {
+  const size_t k = 6 * (size_t)m->nbody, f = (size_t)m->nfree;
+  double **const parts[MOBILITY_PARTS] = {&m->Y,         &m->velocity, &m->acceleration, &m->J,     &m->B,
+                                          &m->stiffness, &m->damping,  &m->J_rate,       &m->B_rate};
+  const size_t sizes[MOBILITY_PARTS] = {k * k, f, f, k * f, f * k, f * f, f * f, k * f, f * k};
+  memcpy(part, parts, sizeof parts);
+  memcpy(size, sizes, sizeof sizes);
+}
+
+size_t tdm_mobility_doubles(const tdm_mobility *mobility) {
+  tdm_mobility m = *mobility;
+  double **part[MOBILITY_PARTS];
+  size_t size[MOBILITY_PARTS], sum = 0;
+  mobility_parts(&m, part, size);
+  for (int i = 0; i < MOBILITY_PARTS; i++)
+    sum += size[i];
+  return sum;
+}
+
+void tdm_mobility_point(tdm_mobility *mobility, double *block) {
+  double **part[MOBILITY_PARTS];
+  size_t size[MOBILITY_PARTS];
+  mobility_parts(mobility, part, size);
+  for (int i = 0; i < MOBILITY_PARTS; i++)
+    *part[i] = cut(&block, size[i]);
+}
+
+void tdm_mobility_copy(double *block, const tdm_mobility *mobility) {
+  tdm_mobility m = *mobility;
+  double **part[MOBILITY_PARTS];
+  size_t size[MOBILITY_PARTS];
+  mobility_parts(&m, part, size);
+  for (int i = 0; i < MOBILITY_PARTS; i++)
+    if (size[i] > 0)
+      memcpy(cut(&block, size[i]), *part[i], size[i] * sizeof(double));
+}
+
+/* ---- RESULT ---- */
+
+/* but for the reduced model */
+static size_t result_doubles(const tdm_result *r) {
+  size_t sample = (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nchannel;
+  if (r->nload > 0)
+    sample += (size_t)r->nbody * TDM_WRENCH_DOUBLES;
+  return (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES +
+         (size_t)r->nsample * sample + 6 * (size_t)r->nacceleration;
+}
+
+/* Returns where the reduced model begins. */
+static double *result_point(tdm_result *r, double *at) {
   r->state = cut(&at, (size_t)r->nstate * TDM_STATE_DOUBLES);
   r->load = cut(&at, (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES);
   r->sample_state = cut(&at, (size_t)r->nsample * (size_t)r->nstate * TDM_STATE_DOUBLES);
   r->sample_load = cut(&at, (size_t)r->nsample * (r->nload > 0 ? (size_t)r->nbody : 0) * TDM_WRENCH_DOUBLES);
-  r->channel = at;
+  r->channel = cut(&at, (size_t)r->nsample * (size_t)r->nchannel);
+  r->acceleration = cut(&at, 6 * (size_t)r->nacceleration);
+  return at;
 }
 
 static tdm_status check_counts(const tdm_header *header, const uint32_t *counts, int n, tdm_error *err) {
@@ -286,7 +337,8 @@ tdm_status tdm_result_layout(tdm_result *r, tdm_frame *store, tdm_error *err) {
 }
 
 tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *err) {
-  size_t n = result_doubles(r);
+  size_t n = result_doubles(r) + (r->has_mobility ? tdm_mobility_doubles(&r->mobility) : 0);
+  assert(!r->has_mobility || r->mobility.nbody == r->nbody);
   tdm_status status = header_write(frame, TDM_RESULT, r->window, TDM_RESULT_BYTES + 8 * n, err);
   if (status != TDM_OK)
     return status;
@@ -298,24 +350,32 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
   at = put_u32(at, (uint32_t)r->nload);
   at = put_u32(at, (uint32_t)r->nsample);
   at = put_u32(at, (uint32_t)r->nchannel);
-  at = put_u32(at, 0);
+  const uint16_t extra[2] = {
+      (uint16_t)((r->nacceleration > 0 ? HAS_ACCELERATION : 0) | (r->has_mobility ? HAS_MOBILITY : 0)),
+      (uint16_t)(r->has_mobility ? r->mobility.nfree : 0)};
+  at = put(at, extra, sizeof extra);
   at = put(at, r->state, (size_t)r->nstate * sizeof(tdm_state));
   at = put(at, r->load, (size_t)r->nbody * (size_t)r->nload * sizeof(tdm_wrench));
   at = put(at, r->sample_state, (size_t)r->nsample * (size_t)r->nstate * sizeof(tdm_state));
   if (r->nload > 0)
     at = put(at, r->sample_load, (size_t)r->nsample * (size_t)r->nbody * sizeof(tdm_wrench));
-  put(at, r->channel, (size_t)r->nsample * (size_t)r->nchannel * sizeof(double));
+  at = put(at, r->channel, (size_t)r->nsample * (size_t)r->nchannel * sizeof(double));
+  at = put(at, r->acceleration, 6 * (size_t)r->nacceleration * sizeof(double));
+  if (r->has_mobility) /* a frame's doubles lie at multiples of 8 behind malloc's alignment */
+    tdm_mobility_copy((double *)(void *)at, &r->mobility);
   return TDM_OK;
 }
 
 tdm_status tdm_result_read(tdm_result *r, const tdm_header *header, tdm_frame *store, tdm_error *err) {
   uint32_t counts[5];
+  uint16_t extra[2];
   *r = (tdm_result){.window = header->window};
   if (header->size < TDM_RESULT_BYTES)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %zu bytes", header->size);
   const uint8_t *at = get(header->payload, &r->t, 8);
   at = get(at, &r->wall, 8);
-  get(at, counts, sizeof counts);
+  at = get(at, counts, sizeof counts);
+  get(at, extra, sizeof extra);
   tdm_status status = check_counts(header, counts, 5, err);
   if (status != TDM_OK)
     return status;
@@ -326,9 +386,18 @@ tdm_status tdm_result_read(tdm_result *r, const tdm_header *header, tdm_frame *s
   r->nchannel = (int)counts[4];
   if (r->nstate != 0 && r->nstate != r->nbody)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %d states of %d bodies", r->nstate, r->nbody);
-  status = copy_doubles(store, header, TDM_RESULT_BYTES, result_doubles(r), err);
+  r->nacceleration = extra[0] & HAS_ACCELERATION ? r->nstate : 0;
+  r->has_mobility = extra[0] & HAS_MOBILITY;
+  r->mobility = (tdm_mobility){.nbody = r->nbody, .nfree = extra[1]};
+  if (extra[0] > (HAS_ACCELERATION | HAS_MOBILITY) || extra[1] > (r->has_mobility ? TDM_FREE_MAX : 0))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
+                    "malformed RESULT: %u, %u where accelerations and mobility are announced", extra[0], extra[1]);
+  size_t n = result_doubles(r) + (r->has_mobility ? tdm_mobility_doubles(&r->mobility) : 0);
+  status = copy_doubles(store, header, TDM_RESULT_BYTES, n, err);
   if (status != TDM_OK)
     return status;
-  result_point(r, (double *)(void *)store->data);
+  double *rest = result_point(r, (double *)(void *)store->data);
+  if (r->has_mobility)
+    tdm_mobility_point(&r->mobility, rest);
   return TDM_OK;
 }

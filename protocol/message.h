@@ -11,6 +11,7 @@
 #include "status.h"
 
 #include <jansson.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -41,7 +42,8 @@ enum {
   TDM_FRAME_MAX = 64 * 1024 * 1024, /* larger frames are refused */
   TDM_STEP_BYTES = 48,              /* fixed blocks behind the header */
   TDM_RESULT_BYTES = 40,
-  TDM_COUNT_MAX = 1 << 20 /* of any count in STEP or RESULT */
+  TDM_COUNT_MAX = 1 << 20, /* of any count in STEP or RESULT */
+  TDM_FREE_MAX = 32        /* independent velocities of a reduced model */
 };
 
 typedef struct {
@@ -97,6 +99,22 @@ typedef struct {
   const double *sample_time; /* (nsample) [s], ascending */
 } tdm_step;
 
+/* The reduced model of a mechanism at the end of a window, in its f independent velocities u' (PROTOCOL.md, section 6);
+ * k coupled bodies. Matrices row by row, SI units, world axes. */
+typedef struct {
+  int nbody;            /* k */
+  int nfree;            /* f; 0: no freedom, or more than TDM_FREE_MAX: then Y alone is there */
+  double *Y;            /* (6k x 6k) mobility: accelerations of the bodies by the loads on them */
+  double *velocity;     /* (f) u' */
+  double *acceleration; /* (f) u'' with the load at the end of the window */
+  double *J;            /* (6k x f) twists of the bodies by u' */
+  double *B;            /* (f x 6k) u'' by the loads */
+  double *stiffness;    /* (f x f) A_k: -du''/du */
+  double *damping;      /* (f x f) A_c: -du''/du' */
+  double *J_rate;       /* (6k x f) dJ/dt along the motion */
+  double *B_rate;       /* (f x 6k) dB/dt */
+} tdm_mobility;
+
 /* What a solver gives back: mbd states, dem loads. For a solver written with participant.h the arrays are there,
  * zeroed, with their sizes set. */
 typedef struct {
@@ -108,12 +126,23 @@ typedef struct {
   int nload;               /* loads a body: 1 = mean over the window; 0 (mbd) */
   int nsample;             /* as in the STEP */
   int nchannel;            /* further outputs a sample, as announced in READY */
+  int nacceleration;       /* nbody if ASSIGN asks for "acceleration", else 0 */
+  bool has_mobility;       /* ASSIGN asks for "mobility" */
   tdm_state *state;        /* (nstate) at t1 */
   tdm_wrench *load;        /* (nbody x nload) */
   tdm_state *sample_state; /* (nsample x nstate) at the sample times */
   tdm_wrench *sample_load; /* (nsample x nbody, only if nload > 0) mean since the sample time before */
   double *channel;         /* (nsample x nchannel) at the sample times */
+  double *acceleration;    /* (nacceleration x 6) of v and w at t1, with the load at the end of the window */
+  tdm_mobility mobility;   /* if has_mobility; to be sent: the solver's own arrays */
 } tdm_result;
+
+/* Numbers in a reduced model whose nbody and nfree are set, and its arrays pointed into a block of so many, in wire
+ * order. */
+size_t tdm_mobility_doubles(const tdm_mobility *mobility);
+void tdm_mobility_point(tdm_mobility *mobility, double *block);
+/* Copy all numbers of a reduced model to a block of so many. */
+void tdm_mobility_copy(double *block, const tdm_mobility *mobility);
 
 tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *step, tdm_error *err);
 

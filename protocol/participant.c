@@ -20,7 +20,8 @@ struct tdm_participant {
   json_t *assign; /* the ASSIGN message: the assignment points into it */
   tdm_assigned_body *body;
   int nbody, nchannel;
-  bool is_mbd, finished; /* finished: the server said FINISH or was lost */
+  bool acceleration, mobility; /* asked for */
+  bool is_mbd, finished;       /* finished: the server said FINISH or was lost */
   double last_sent, step_start;
   double last_look, silence; /* when it last listened; how long nothing came while it listened [s] */
   uint64_t window;
@@ -151,6 +152,17 @@ static void read_body(tdm_participant *p, tdm_assigned_body *body, json_t *json,
   }
 }
 
+/* Whether ASSIGN's "results" has `name`. */
+static bool asks(tdm_object *o, const char *name) {
+  json_t *results = tdm_get_array(o, "results", false);
+  bool found = false;
+  for (size_t i = 0; i < json_array_size(results); i++) {
+    const char *text = json_string_value(json_array_get(results, i));
+    found = found || (text && strcmp(text, name) == 0);
+  }
+  return found;
+}
+
 /* Keys that this version does not know are left alone: a newer server may send more. */
 static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *err) {
   static const char *const interpolations[] = {"linear", "hermite"};
@@ -163,6 +175,8 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   a->n = tdm_get_integer(&o, "n", TDM_REQUIRED_INT, 1);
   a->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
   p->def.timeout = tdm_get_number(&o, "timeout", p->def.timeout, TDM_POSITIVE);
+  p->acceleration = a->acceleration = asks(&o, "acceleration");
+  p->mobility = a->mobility = asks(&o, "mobility");
   json_t *bodies = tdm_get_array(&o, "bodies", true);
   p->nbody = (int)json_array_size(bodies);
   p->body = calloc((size_t)p->nbody + 1, sizeof *p->body);
@@ -213,6 +227,17 @@ static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
   return bodies;
 }
 
+static json_t *mobility_to_json(const tdm_mobility *mobility) {
+  size_t n = tdm_mobility_doubles(mobility);
+  double *block = calloc(n + 1, sizeof *block);
+  if (!block)
+    return NULL;
+  tdm_mobility_copy(block, mobility);
+  json_t *json = json_pack("{s:i, s:o}", "nfree", mobility->nfree, "numbers", tdm_numbers_to_json(block, (int)n));
+  free(block);
+  return json;
+}
+
 static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
   json_t *loads = json_array(), *channels = json_array(), *warnings = json_array();
   for (int i = 0; !p->is_mbd && i < p->nbody; i++)
@@ -228,8 +253,13 @@ static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
     json_array_append_new(
         warnings, json_pack("{s:s, s:s}", "path", ready->warning[i].path, "message", ready->warning[i].message));
   json_t *report = ready->report ? json_incref(ready->report) : json_object();
-  return json_pack("{s:o, s:o, s:o, s:o, s:o}", "bodies", ready_bodies(p, ready), "loads", loads, "channels", channels,
-                   "warnings", warnings, "report", report);
+  json_t *json = json_pack("{s:o, s:o, s:o, s:o, s:o}", "bodies", ready_bodies(p, ready), "loads", loads, "channels",
+                           channels, "warnings", warnings, "report", report);
+  if (json && p->acceleration)
+    json_object_set_new(json, "acceleration", tdm_numbers_to_json(ready->acceleration, 6 * p->nbody));
+  if (json && p->mobility)
+    json_object_set_new(json, "mobility", mobility_to_json(ready->mobility));
+  return json;
 }
 
 tdm_status tdm_participant_ready(tdm_participant *p, const tdm_ready *ready, tdm_error *err) {
@@ -307,7 +337,10 @@ bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result
                          .nstate = p->is_mbd ? p->nbody : 0,
                          .nload = p->is_mbd ? 0 : 1,
                          .nsample = step->nsample,
-                         .nchannel = p->nchannel};
+                         .nchannel = p->nchannel,
+                         .nacceleration = p->acceleration ? p->nbody : 0,
+                         .has_mobility = p->mobility,
+                         .mobility = {.nbody = p->nbody}};
   return tdm_result_layout(result, &p->result_store, err) == TDM_OK;
 }
 

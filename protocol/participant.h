@@ -54,6 +54,7 @@ typedef struct {
   tdm_interpolation interpolation; /* position of a body inside a window */
   int nbody;
   const tdm_assigned_body *body; /* (nbody) entry i stands at coupling.bodies[i].<role> in the scene */
+  bool acceleration, mobility;   /* READY and RESULT are to carry these (mbd with the capability) */
 } tdm_assignment;
 
 /* A further output that is sampled on the output grid. */
@@ -71,6 +72,8 @@ typedef struct {
 typedef struct {
   const tdm_assigned_body *body; /* mbd: (nbody) name, mass, inertia, state of each coupled body */
   const tdm_wrench *load;        /* dem: (nbody) load on each coupled body at the start */
+  const double *acceleration;    /* (nbody x 6) without load, if the assignment asks for it */
+  const tdm_mobility *mobility;  /* at the start, without load, if the assignment asks for it */
   int nchannel;
   const tdm_channel *channel; /* (nchannel) */
   const double *initial;      /* (nchannel) values at the start */

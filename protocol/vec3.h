@@ -72,6 +72,17 @@ static inline tdm_mat3 tdm_m3_transpose(tdm_mat3 a) {
       t.m[i][j] = a.m[j][i];
   return t;
 }
+
+/* The inverse; entries are not finite when there is none. */
+static inline tdm_mat3 tdm_m3_inverse(tdm_mat3 a) {
+  tdm_vec3 r0 = {a.m[0][0], a.m[0][1], a.m[0][2]}, r1 = {a.m[1][0], a.m[1][1], a.m[1][2]};
+  tdm_vec3 r2 = {a.m[2][0], a.m[2][1], a.m[2][2]};
+  double det = tdm_dot(r0, tdm_cross(r1, r2));
+  tdm_vec3 c0 = tdm_scale(1 / det, tdm_cross(r1, r2)), c1 = tdm_scale(1 / det, tdm_cross(r2, r0));
+  tdm_vec3 c2 = tdm_scale(1 / det, tdm_cross(r0, r1));
+  return (tdm_mat3){{{c0.x, c1.x, c2.x}, {c0.y, c1.y, c2.y}, {c0.z, c1.z, c2.z}}};
+}
+
 /* the matrix [v]x with [v]x w = v x w */
 static inline tdm_mat3 tdm_m3_skew(tdm_vec3 v) {
   return (tdm_mat3){{{0, -v.z, v.y}, {v.z, 0, -v.x}, {-v.y, v.x, 0}}};

@@ -29,4 +29,15 @@ tdm_status scn_conservation(cpl_verify *v, tdm_error *err);
 tdm_status scn_convergence(cpl_verify *v, tdm_error *err);
 tdm_status scn_discharge(cpl_verify *v, tdm_error *err);
 
+/* bodies alone, mbd/ */
+tdm_status scn_andrews(cpl_verify *v, tdm_error *err);
+tdm_status scn_pendulum_a01(cpl_verify *v, tdm_error *err);
+tdm_status scn_double_pendulum(cpl_verify *v, tdm_error *err);
+tdm_status scn_slider_crank(cpl_verify *v, tdm_error *err);
+tdm_status scn_car_axis(cpl_verify *v, tdm_error *err);
+tdm_status scn_heavy_top(cpl_verify *v, tdm_error *err);
+tdm_status scn_regular_precession(cpl_verify *v, tdm_error *err);
+tdm_status scn_fourbar_a02(cpl_verify *v, tdm_error *err);
+tdm_status scn_torque_free(cpl_verify *v, tdm_error *err);
+
 #endif

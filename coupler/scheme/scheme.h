@@ -14,7 +14,9 @@ struct cpl_loop;
 typedef struct cpl_scheme {
   const char *name;
   const char *summary;
-  const char *const *needs; /* capabilities that both solvers must announce, NULL-terminated; NULL: none */
+  /* capabilities that each role's solver (cpl_role: mbd, dem) must announce, NULL-terminated; NULL: none. Of mbd,
+   * "acceleration" and "mobility" are asked for in ASSIGN then. */
+  const char *const *needs[2];
   /* Take the loop from the start of its window to the end: fills loop->state_end, pushes to loop->history. */
   tdm_status (*advance)(struct cpl_loop *loop, tdm_error *err);
 } cpl_scheme;

@@ -14,8 +14,10 @@
 #define DEM_CONTACT_TABLE_H
 
 #include "dem/contact/energy.h"
+#include "protocol/pose.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Rows of a family: name in C, name in a scene, columns of history, bits of the columns that are a vector's (these
  * change sign when the two particles of a pair change places), the coefficients of a pair that it reads. */
@@ -114,12 +116,15 @@ typedef struct {
   bool settling; /* chooses model->settle_pair */
   double dt;     /* [s], 0: only evaluate */
   dem_share share;
-  long touching; /* out: contacts */
-  dem_flux flux; /* out: energies, when the scene asks for them */
+  size_t wall_first, wall_end; /* entries of data->walls that are looked at, of this chunk */
+  tdm_wrench *load;            /* (nbody) out: what the walls add to the bodies' loads */
+  tdm_vec3 *entry_force; /* (data->walls.count) out: force of each entry on its particle, but of planes; or NULL */
+  long touching;         /* out: contacts */
+  dem_flux flux;         /* out: energies, when the scene asks for them */
 } dem_loop_task;
 
-/* Add the forces of the chunk's contacts to data->push (and, for walls, to the chunk's body loads), advancing the
- * histories by dt. */
+/* Add the forces of the chunk's contacts to data->push (and, for walls, to the task's loads), advancing the histories
+ * by dt. */
 typedef void dem_loop(dem_loop_task *task);
 
 typedef struct {

@@ -143,8 +143,9 @@ static double hysteretic_restitution(const dem_model *m, const dem_pair *p, dem_
 }
 
 static double hysteretic_force(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
-  (void)m, (void)i;
-  return p->stiffness * overlap;
+  (void)m;
+  double branch = p->unloading * (overlap - p->plastic * fmax(i.deepest, overlap));
+  return fmax(branch, -p->adhesion_slope * overlap);
 }
 
 /* ---- the table ---- */
@@ -177,11 +178,22 @@ double dem_normal_force(const dem_model *m, const dem_pair *p, dem_impact i, dou
   return theories[m->law->normal].force(m, p, i, overlap);
 }
 
+/* of the elastic force, where it is a power of the overlap */
+static double exponent_of(const dem_model *m) {
+  return m->law->normal == DEM_NORMAL_hooke ? 1 : m->law->normal == DEM_NORMAL_hertz ? 1.5 : m->exponent;
+}
+
 double dem_normal_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
   if (m->law->normal == DEM_NORMAL_hysteretic)
     return p->unloading;
-  double exponent = m->law->normal == DEM_NORMAL_hooke ? 1 : m->law->normal == DEM_NORMAL_hertz ? 1.5 : m->exponent;
-  return exponent * dem_normal_force(m, p, i, overlap) / overlap;
+  return exponent_of(m) * dem_normal_force(m, p, i, overlap) / overlap;
+}
+
+double dem_normal_elastic(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  double force = dem_normal_force(m, p, i, overlap);
+  if (m->law->normal == DEM_NORMAL_hysteretic)
+    return 0.5 * force * force / p->unloading;
+  return force * overlap / (exponent_of(m) + 1);
 }
 
 /* ---- adhesion ---- */

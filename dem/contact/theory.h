@@ -11,6 +11,7 @@
 typedef struct {
   double mass, radius; /* effective [kg], [m] */
   double speed;        /* [m/s] */
+  double deepest;      /* hysteretic: largest overlap so far, 0: the present one [m] */
 } dem_impact;
 
 /* Duration [s]; inf when the bodies stay together. */
@@ -25,8 +26,9 @@ double dem_normal_restitution(const dem_model *model, const dem_pair *pair, dem_
 /* Largest slope of the force at an overlap [N/m]; impact.speed does not matter. */
 double dem_normal_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
-/* The force there at rest, on first loading, without cohesion [N]. */
+/* The force there at rest, without cohesion, and the energy that is stored [N], [J]; impact.speed does not matter. */
 double dem_normal_force(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
+double dem_normal_elastic(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
 /* Duration of an undamped Hertz impact [s]; inf for v = 0. */
 double dem_contact_time(double mass, double radius, double young, double speed);

@@ -24,7 +24,7 @@ DEM_KERNEL void push_wall_more(dem_loop_task *task, const batch *b, int l, tdm_v
   dem_data *d = task->data;
   dem_push *push = &d->push[d->walls.entry[b->entry[l]].particle];
   push->twist = tdm_axpy(-1 / b->number[RADIUS][l], couple, push->twist);
-  tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + b->body[l]];
+  tdm_wrench *load = &task->load[b->body[l]];
   load->moment = tdm_sub(load->moment, couple);
   if (m->energy)
     task->flux.wall_power += tdm_dot(force, b->velocity[l]) + tdm_dot(couple, d->twist[b->body[l]].angular);
@@ -66,7 +66,9 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
     tdm_vec3 force = {f[0][l], f[1][l], f[2][l]}, twist = {f[3][l], f[4][l], f[5][l]};
     push->force = tdm_add(push->force, force);
     push->twist = tdm_axpy(v[ARM][l], twist, push->twist);
-    tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + b->body[l]];
+    if (task->entry_force)
+      task->entry_force[k] = force;
+    tdm_wrench *load = &task->load[b->body[l]];
     load->force = tdm_sub(load->force, force);
     load->moment = tdm_sub(load->moment, tdm_cross(b->lever[l], force));
     if (r.more)
@@ -172,7 +174,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
   const vd3 spin = {vd_set(now.angular.x), vd_set(now.angular.y), vd_set(now.angular.z)};
   const vd3 drift = {vd_set(now.velocity.x), vd_set(now.velocity.y), vd_set(now.velocity.z)};
   const vd per_body = vd_set(task->settling ? 0 : d->body_inverse[body]);
-  tdm_wrench *load = &d->chunk_load[task->chunk * m->nbody + body];
+  tdm_wrench *load = &task->load[body];
 
   for (size_t k = begin; k < end; k += DEM_W) {
     int i[DEM_W];
@@ -300,8 +302,8 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
   for (int l = 0; l < DEM_W; l++) /* lanes that stay empty compute with harmless numbers */
     b.number[RADIUS][l] = b.number[PER_MASS][l] = b.number[OVERLAP][l] = b.number[PER_INERTIA][l] = 1;
 
-  size_t last = list->chunk[task->chunk + 1];
-  for (size_t k = list->chunk[task->chunk], next; k < last; k = next) {
+  size_t last = task->wall_end;
+  for (size_t k = task->wall_first, next; k < last; k = next) {
     const dem_wall *wall = &m->wall[list->entry[k].wall];
     for (next = k + 1; next < last && list->entry[next].wall == list->entry[k].wall;)
       next++;

@@ -37,7 +37,7 @@ static int by_place(const void *pa, const void *pb) {
 }
 
 /* the triangles that have an area, their corners merged where equal */
-static bool make_vertices(dem_mesh *m, const dem_stl *stl) {
+static bool make_vertices(dem_mesh *m, const tdm_stl *stl) {
   corner *all = malloc(3 * (size_t)stl->count * sizeof *all);
   if (!all)
     return false;
@@ -272,7 +272,7 @@ static bool allocate(dem_mesh *m, const char *name, int count) {
          m->rim && m->node && m->order;
 }
 
-static bool build(dem_mesh *m, const dem_stl *stl) {
+static bool build(dem_mesh *m, const tdm_stl *stl) {
   if (!make_vertices(m, stl))
     return false;
   if (m->nface == 0)
@@ -287,7 +287,7 @@ static bool build(dem_mesh *m, const dem_stl *stl) {
   return dem_mesh_plant(m);
 }
 
-dem_mesh *dem_mesh_make(const dem_stl *stl, const char *name, double facet_angle, const char *path, tdm_error *err) {
+dem_mesh *dem_mesh_make(const tdm_stl *stl, const char *name, double facet_angle, const char *path, tdm_error *err) {
   dem_mesh *m = calloc(1, sizeof *m);
   if (m) {
     m->facet_angle = facet_angle;

@@ -20,7 +20,7 @@
 #ifndef DEM_GEOMETRY_MESH_H
 #define DEM_GEOMETRY_MESH_H
 
-#include "dem/geometry/stl.h"
+#include "protocol/stl.h"
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -50,7 +50,7 @@ typedef struct dem_mesh dem_mesh;
 /* Build a mesh. Vertices are merged when equal; triangles without area (height below 1e-6 of the longest edge) and
  * those with the corners of an earlier one are dropped and counted. NULL after an error (no memory, no triangle left);
  * `name` stands for it in errors and reports and is copied. */
-dem_mesh *dem_mesh_make(const dem_stl *stl, const char *name, double facet_angle, const char *path, tdm_error *err);
+dem_mesh *dem_mesh_make(const tdm_stl *stl, const char *name, double facet_angle, const char *path, tdm_error *err);
 
 void dem_mesh_destroy(dem_mesh **mesh);
 

@@ -206,8 +206,8 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
   if (o->err->status)
     return;
   char path[TDM_PATH_MAX];
-  dem_stl stl;
-  if (dem_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK) {
+  tdm_stl stl;
+  if (tdm_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK) {
     for (size_t k = 0; k < 3 * (size_t)stl.count; k++)
       stl.corner[k] = tdm_add(position, tdm_quat_rotate(turn, stl.corner[k]));
     dem_mesh *mesh = dem_mesh_make(&stl, file, facet_angle, path, o->err);
@@ -216,12 +216,12 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
       append_mesh(list, mesh, o->err);
     }
   }
-  dem_stl_destroy(&stl);
+  tdm_stl_destroy(&stl);
 }
 
 /* ---- all ---- */
 
-void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err) {
+void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_wall_list *list, tdm_error *err) {
   static const char *const names[] = {
 #define X(name) #name,
       DEM_SHAPE_LIST(X)
@@ -240,6 +240,7 @@ void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *lis
   read[shape](&o, body, list);
   tdm_vec3 surface = tdm_get_vec3(&o, "surface_velocity", &(tdm_vec3){0, 0, 0});
   for (int w = first; w < list->count; w++) {
+    list->wall[w].geometry = geometry;
     list->wall[w].moves = list->wall[w].surface_spin != 0 || tdm_norm(surface) > 0;
     list->wall[w].surface = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(list->wall[w].turn)), surface);
   }

@@ -29,6 +29,7 @@ typedef enum {
 typedef struct {
   dem_primitive primitive;
   int body;
+  int geometry;         /* of dem_model.geometry */
   tdm_vec3 point;       /* on the plane, centre of the box, middle of the end at z = 0; body axes, from the centre of
                            mass [m]. A mesh: 0 */
   tdm_quat turn;        /* the wall's own axes to body axes (box, cylinder, cone); all zeros: none */
@@ -70,8 +71,9 @@ typedef struct {
   int nmesh;
 } dem_wall_list;
 
-/* Read one entry of a body's "shapes" and append its walls (the lists and the meshes are freed by the owner). */
-void dem_shape_read(json_t *json, const char *path, int body, dem_wall_list *list, tdm_error *err);
+/* Read one entry of a body's "shapes", geometry `geometry`, and append its walls (the lists and the meshes are freed by
+ * the owner). */
+void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_wall_list *list, tdm_error *err);
 
 /* Where a wall is when its body is at `pose`. */
 dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose);

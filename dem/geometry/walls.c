@@ -1,6 +1,8 @@
 /* The walls of moving bodies: see walls.h. The contacts with them are in contact/loop.c. */
 #include "dem/geometry/walls.h"
 
+#include "dem/contact/theory.h"
+
 /* where wall w is now */
 static void put(dem_data *d, int w) {
   dem_wall wall = d->model->wall[w];
@@ -128,16 +130,26 @@ double dem_deepest(const dem_data *d, int w) {
   return deepest;
 }
 
+double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
+  const dem_wall_contacts *list = &d->walls;
+  bool keeps = d->model->law->normal == DEM_NORMAL_hysteretic;
+  return keeps ? list->history[(size_t)d->model->columns.normal * list->capacity + k] : 0;
+}
+
 double dem_lid_force(const dem_data *d, const dem_box *box) {
   const dem_model *m = d->model;
+  const dem_wall_contacts *list = &d->walls;
   double sum = 0;
-  for (int i = 0; i < d->nparticle; i++) {
+  for (size_t k = 0; k < list->count; k++) {
+    int w = list->entry[k].wall, i = list->entry[k].particle;
+    if (w != box->lid)
+      continue;
     tdm_vec3 n;
-    double overlap =
-        d->sphere[i].radius - dem_wall_gap(&m->wall[box->lid], &d->wall[box->lid], d->sphere[i].position, &n);
+    double radius = d->sphere[i].radius, gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
     const dem_pair *pair = &m->settle_pair[d->kind[i] * m->nmaterial + m->body[box->body].material];
-    if (overlap > 0 && overlap < 2 * d->sphere[i].radius)
-      sum += 4.0 / 3.0 * pair->young * sqrt(d->sphere[i].radius * overlap) * overlap; /* Hertz */
+    dem_impact at = {.mass = d->mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
+    if (gap < radius && gap > -radius)
+      sum += dem_normal_force(m, pair, at, radius - gap);
   }
   return sum;
 }

@@ -35,7 +35,11 @@ bool dem_lids_place(dem_data *data);
 /* Largest overlap of a particle with wall w, as a share of its radius. */
 double dem_deepest(const dem_data *data, int w);
 
-/* Elastic part of the force of the particles on a lid, along its outward normal [N]. */
+/* Largest overlap so far of entry k of the walls' list [m], if the normal law keeps it; else 0. */
+double dem_wall_deepest_so_far(const dem_data *data, size_t k);
+
+/* Elastic part of the force of the particles listed with a lid, along its outward normal [N]: of the normal law,
+ * without cohesion. */
 double dem_lid_force(const dem_data *data, const dem_box *box);
 
 #endif

@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+static const tdm_vec3 unknown = {NAN, NAN, NAN};
+
 void dem_polygons_free(dem_polygons *p) {
   free(p->polygon);
   *p = (dem_polygons){0};
@@ -73,7 +75,7 @@ static const dem_box *container_of(const dem_model *m, const dem_wall *wall) {
 
 static tdm_status add_plane(dem_polygons *all, const dem_data *d, int w, const dem_bounds *bounds, tdm_error *err) {
   const dem_wall *wall = &d->model->wall[w];
-  dem_polygon p = {.body = wall->body};
+  dem_polygon p = {.body = wall->body, .force = unknown};
   const dem_box *box = container_of(d->model, wall);
   if (box) { /* in the box's axes: its own turn, then the body's pose */
     tdm_quat back = tdm_quat_conj(box->turn);
@@ -100,7 +102,7 @@ static void add_box(dem_polygons *all, const dem_wall *wall, const dem_wall_plac
   /* corner k has + on axis a where bit a is set */
   static const int face[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
   for (int f = 0; f < 6 && err->status == TDM_OK; f++) {
-    dem_polygon p = {.body = wall->body, .solid = true, .ncorner = 4};
+    dem_polygon p = {.body = wall->body, .solid = true, .ncorner = 4, .force = unknown};
     for (int i = 0; i < 4; i++) {
       int k = face[f][i];
       p.corner[i] = to_world(place, tdm_v3(k & 1 ? wall->half.x : -wall->half.x, k & 2 ? wall->half.y : -wall->half.y,
@@ -117,6 +119,7 @@ static void add_round(dem_polygons *all, const dem_wall *wall, const dem_wall_pl
   for (int k = 0; k < SIDES && err->status == TDM_OK; k++) {
     double a = 2 * M_PI * k / SIDES, b = 2 * M_PI * (k + 1) / SIDES;
     dem_polygon p = {.body = wall->body, .solid = wall->primitive == DEM_SOLID_FRUSTUM, .ncorner = 4};
+    p.force = unknown;
     p.corner[0] = to_world(place, tdm_v3(wall->radius[0] * cos(a), wall->radius[0] * sin(a), low));
     p.corner[1] = to_world(place, tdm_v3(wall->radius[0] * cos(b), wall->radius[0] * sin(b), low));
     p.corner[2] = to_world(place, tdm_v3(wall->radius[1] * cos(b), wall->radius[1] * sin(b), high));
@@ -139,9 +142,11 @@ static void add_cylinder(dem_polygons *all, const dem_wall *wall, const dem_wall
   add_round(all, wall, place, low, high, err);
 }
 
-static void add_mesh(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, tdm_error *err) {
+/* force: of its triangles, or NULL */
+static void add_mesh(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, const tdm_vec3 *force,
+                     tdm_error *err) {
   for (int t = 0; t < dem_mesh_figures(wall->mesh)->triangles && err->status == TDM_OK; t++) {
-    dem_polygon p = {.body = wall->body, .ncorner = 3};
+    dem_polygon p = {.body = wall->body, .ncorner = 3, .force = force ? force[t] : unknown};
     tdm_vec3 corner[3], normal;
     dem_mesh_triangle(wall->mesh, t, corner, &normal);
     for (int k = 0; k < 3; k++)
@@ -153,6 +158,7 @@ static void add_mesh(dem_polygons *all, const dem_wall *wall, const dem_wall_pla
 tdm_status dem_polygons_make(dem_polygons *all, const dem_data *d, const dem_bounds *bounds, tdm_error *err) {
   const dem_model *m = d->model;
   all->count = 0;
+  all->forces = d->traction.force != NULL;
   for (int w = 0; w < m->nwall && err->status == TDM_OK; w++) {
     const dem_wall *wall = &m->wall[w];
     const dem_wall_place *place = &d->wall[w];
@@ -171,7 +177,7 @@ tdm_status dem_polygons_make(dem_polygons *all, const dem_data *d, const dem_bou
       add_round(all, wall, place, 0, wall->length, err);
       break;
     case DEM_MESH:
-      add_mesh(all, wall, place, err);
+      add_mesh(all, wall, place, all->forces ? &d->traction.force[m->first_triangle[w]] : NULL, err);
       break;
     }
   }

@@ -8,7 +8,8 @@ enum { DEM_CORNERS_MAX = 12 };
 
 typedef struct {
   int body;
-  bool solid; /* a face of a solid body, not a cut through a plane */
+  bool solid;     /* a face of a solid body, not a cut through a plane */
+  tdm_vec3 force; /* of the particles on a triangle of a mesh, world [N]; NaN: not known */
   int ncorner;
   tdm_vec3 corner[DEM_CORNERS_MAX]; /* world [m], in order around the polygon */
 } dem_polygon;
@@ -16,6 +17,7 @@ typedef struct {
 typedef struct {
   int count, capacity;
   dem_polygon *polygon; /* (count) */
+  bool forces;          /* those of triangles are known */
 } dem_polygons;
 
 /* The walls where they are now. */

@@ -101,6 +101,31 @@ tdm_status dem_vtp_particles(const tdm_results *r, int number, const dem_snapsho
   return close_file(r, name, f, err);
 }
 
+/* force, pressure and shear of each polygon; false: no memory */
+static bool write_forces(FILE *f, const dem_polygons *all) {
+  size_t n = (size_t)all->count;
+  tdm_vec3 *force = malloc((2 * n + 1) * sizeof *force), *shear = force ? force + n : NULL;
+  double *pressure = malloc((n + 1) * sizeof *pressure);
+  bool good = force && pressure;
+  for (size_t i = 0; i < n && good; i++) {
+    const dem_polygon *p = &all->polygon[i];
+    tdm_vec3 twice = tdm_cross(tdm_sub(p->corner[1], p->corner[0]), tdm_sub(p->corner[2], p->corner[0]));
+    double per_area = 2 / tdm_norm(twice); /* of a triangle; the others have no force */
+    tdm_vec3 normal = tdm_unit(twice), traction = tdm_scale(per_area, p->force);
+    force[i] = p->force;
+    pressure[i] = -tdm_dot(traction, normal);
+    shear[i] = tdm_axpy(pressure[i], normal, traction);
+  }
+  if (good) {
+    write_array(f, "Float64", "force", 3, force, n, sizeof(double));
+    write_array(f, "Float64", "pressure", 1, pressure, n, sizeof(double));
+    write_array(f, "Float64", "shear", 3, shear, n, sizeof(double));
+  }
+  free(force);
+  free(pressure);
+  return good;
+}
+
 tdm_status dem_vtp_walls(const tdm_results *r, int number, const dem_polygons *all, tdm_error *err) {
   char name[64];
   size_t npolygon = (size_t)all->count, npoint = 0;
@@ -122,6 +147,8 @@ tdm_status dem_vtp_walls(const tdm_results *r, int number, const dem_polygons *a
     fprintf(f, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfPolys=\"%zu\">\n<CellData Scalars=\"body\">\n",
             npoint, npolygon);
     write_array(f, "Int32", "body", 1, body, npolygon, sizeof(int32_t));
+    if (all->forces && !write_forces(f, all))
+      tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d walls", all->count);
     fputs("</CellData>\n<Points>\n", f);
     write_array(f, "Float64", "position", 3, point, npoint, sizeof(double));
     fputs("</Points>\n<Polys>\n", f);

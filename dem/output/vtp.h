@@ -12,7 +12,8 @@
 /* particles_NNNNNN.vtp: points with radius, velocity, spin, id and material. */
 tdm_status dem_vtp_particles(const tdm_results *results, int number, const dem_snapshot *snapshot, tdm_error *err);
 
-/* walls_NNNNNN.vtp: polygons with the index of their body. */
+/* walls_NNNNNN.vtp: polygons with the index of their body; with forces also, on triangles of meshes (NaN elsewhere),
+ * `force` [N], `pressure` [Pa], > 0 when pushed from the front, and `shear`, the traction along the triangle [Pa]. */
 tdm_status dem_vtp_walls(const tdm_results *results, int number, const dem_polygons *polygons, tdm_error *err);
 
 /* scene.pvd: the files 0 … number - 1 at their times (number) [s]. */

@@ -118,37 +118,18 @@ static void choose_grid(dem_bins *bins, const dem_search_input *input, const int
   }
 }
 
-static bool reserve(dem_bins *bins, size_t n, size_t ncell) {
-  if (bins->first_capacity < ncell + 1) {
-    size_t capacity = ncell + ncell / 4 + 1;
-    int *first = realloc(bins->first, capacity * sizeof *first);
-    if (!first)
-      return false;
-    bins->first = first;
-    bins->first_capacity = capacity;
-  }
-  if (bins->capacity < n + DEM_LANES) {
-    size_t capacity = n + n / 8 + DEM_LANES;
-    dem_bins_free(&(dem_bins){.x = bins->x, .index = bins->index});
-    bins->capacity = 0;
-    bins->x = malloc(4 * capacity * sizeof *bins->x);
-    bins->index = malloc(2 * capacity * sizeof *bins->index);
-    if (!bins->x || !bins->index)
-      return false;
-    bins->y = bins->x + capacity;
-    bins->z = bins->y + capacity;
-    bins->r = bins->z + capacity;
-    bins->cell = bins->index + capacity;
-    bins->capacity = capacity;
-  }
+static bool take(dem_bins *bins, dem_scratch *scratch, size_t n, size_t ncell) {
+  n += DEM_LANES;
+  bins->first = dem_scratch_take(scratch, (ncell + 1) * sizeof *bins->first);
+  bins->x = dem_scratch_take(scratch, 4 * n * sizeof *bins->x);
+  bins->index = dem_scratch_take(scratch, 2 * n * sizeof *bins->index);
+  if (!bins->first || !bins->x || !bins->index)
+    return false;
+  bins->y = bins->x + n;
+  bins->z = bins->y + n;
+  bins->r = bins->z + n;
+  bins->cell = bins->index + n;
   return true;
-}
-
-void dem_bins_free(dem_bins *bins) {
-  free(bins->first);
-  free(bins->x);
-  free(bins->index);
-  *bins = (dem_bins){0};
 }
 
 typedef struct {
@@ -183,7 +164,7 @@ static void place(dem_bins *bins, const dem_search_input *input, const int *memb
 bool dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
   choose_grid(bins, input, member, n, edge);
   size_t ncell = (size_t)bins->count[0] * (size_t)bins->count[1] * (size_t)bins->count[2];
-  if (!reserve(bins, (size_t)n, ncell))
+  if (!take(bins, input->scratch, (size_t)n, ncell))
     return false;
   bins->n = n;
   int nthread = dem_search_threads(input, n);

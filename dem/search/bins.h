@@ -21,7 +21,6 @@ typedef struct {
   int *index;                /* (n + DEM_LANES) number of the sphere in the input, in the order of the cells */
   double *x, *y, *z, *r;     /* (n + DEM_LANES) position and radius [m], in the order of the cells */
   int *cell;                 /* (n) cell of each sphere, in the order of the input */
-  size_t first_capacity, capacity;
 } dem_bins;
 
 /* from `begin` up to `end` in the order of the cells */
@@ -31,10 +30,9 @@ typedef struct {
 
 enum { DEM_MOST_RUNS = 18 }; /* nine rows of cells, each of which may cross the end of the grid */
 
-/* Sort n spheres into cells of at least `edge` [m]. `member`: which of the input's (n, ascending), NULL: all, n of
- * them. False: no memory. */
+/* Sort n spheres into cells of at least `edge` [m]; the arrays lie in the input's scratch memory. `member`: which of
+ * the input's (n, ascending), NULL: all, n of them. False: no memory. */
 bool dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge);
-void dem_bins_free(dem_bins *bins);
 
 /* The cell of a position in each direction. */
 void dem_bins_cell(const dem_bins *bins, const double x[3], int cell[3]);

@@ -22,17 +22,14 @@ static void find_part(void *context, int t) {
 }
 
 static bool find(void *state, const dem_search_input *input, dem_found *found) {
-  dem_bins *bins = state;
+  (void)state;
+  dem_bins bins;
   if (input->n < 2)
     return true;
-  if (!dem_bins_fill(bins, input, NULL, input->n, 2 * largest_radius(input) + input->skin))
+  if (!dem_bins_fill(&bins, input, NULL, input->n, 2 * largest_radius(input) + input->skin))
     return false;
-  dem_search_parallel(input->nthread, find_part, &(finding){bins, dem_near_make(input), input->nthread, found});
+  dem_search_parallel(input->nthread, find_part, &(finding){&bins, dem_near_make(input), input->nthread, found});
   return true;
 }
 
-static void release(void *state) {
-  dem_bins_free(state);
-}
-
-const dem_search_method dem_search_cells = {.state_size = sizeof(dem_bins), .find = find, .release = release};
+const dem_search_method dem_search_cells = {.find = find};

@@ -7,7 +7,6 @@
 #include "dem/search/bins.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* classes of size, each twice the volume of the one before; the last takes all that are larger */
@@ -17,11 +16,10 @@ typedef struct {
   dem_bins level[CLASSES]; /* (nlevel) from the largest spheres to the smallest */
   int nlevel;
   int *member; /* (n) the spheres by level */
-  size_t capacity;
-} grid_state;
+} levels;
 
 typedef struct {
-  const grid_state *grid;
+  const levels *grid;
   dem_near near;
   int nthread;
   dem_found *found;
@@ -81,11 +79,12 @@ typedef struct {
 
 /* The level of each class, counted from the largest spheres; returns the number of levels and what they hold. */
 static int choose_levels(const sizes class[CLASSES], int level_of[CLASSES], sizes level[CLASSES]) {
+  const double worth = 10; /* measured with bench_search */
   int nlevel = 0;
   for (int c = CLASSES - 1; c >= 0; c--) {
     if (class[c].count > 0) {
       sizes *last = nlevel > 0 ? &level[nlevel - 1] : NULL;
-      if (last && dem_cells_fit(last->count + class[c].count, last->largest, last->cubes + class[c].cubes)) {
+      if (last && dem_cells_fit(last->count + class[c].count, last->largest, last->cubes + class[c].cubes, worth)) {
         last->count += class[c].count;
         last->cubes += class[c].cubes;
       } else {
@@ -98,7 +97,7 @@ static int choose_levels(const sizes class[CLASSES], int level_of[CLASSES], size
 }
 
 /* Sort the spheres by level and fill each level's cells. */
-static bool fill_levels(grid_state *grid, const dem_search_input *input) {
+static bool fill_levels(levels *grid, const dem_search_input *input) {
   sizes class[CLASSES] = {0}, level[CLASSES];
   double smallest = smallest_radius(input);
   for (int i = 0; i < input->n; i++) {
@@ -122,28 +121,14 @@ static bool fill_levels(grid_state *grid, const dem_search_input *input) {
 }
 
 static bool find(void *state, const dem_search_input *input, dem_found *found) {
-  grid_state *grid = state;
+  (void)state;
   if (input->n < 2)
     return true;
-  if (grid->capacity < (size_t)input->n) {
-    size_t capacity = (size_t)input->n + (size_t)input->n / 8;
-    int *member = realloc(grid->member, capacity * sizeof *member);
-    if (!member)
-      return false;
-    grid->member = member;
-    grid->capacity = capacity;
-  }
-  if (!fill_levels(grid, input))
+  levels grid = {.member = dem_scratch_take(input->scratch, (size_t)input->n * sizeof *grid.member)};
+  if (!grid.member || !fill_levels(&grid, input))
     return false;
-  dem_search_parallel(input->nthread, find_part, &(finding){grid, dem_near_make(input), input->nthread, found});
+  dem_search_parallel(input->nthread, find_part, &(finding){&grid, dem_near_make(input), input->nthread, found});
   return true;
 }
 
-static void release(void *state) {
-  grid_state *grid = state;
-  for (int l = 0; l < CLASSES; l++)
-    dem_bins_free(&grid->level[l]);
-  free(grid->member);
-}
-
-const dem_search_method dem_search_grid = {.state_size = sizeof(grid_state), .find = find, .release = release};
+const dem_search_method dem_search_grid = {.find = find};

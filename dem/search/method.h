@@ -19,10 +19,12 @@ typedef struct {
 typedef struct {
   dem_found_pair *pair; /* (capacity) */
   size_t count, capacity;
-  bool failed; /* there was no memory */
+  dem_found_pair *own; /* the pairs, where they did not fit in the scratch memory; else NULL */
+  bool failed;         /* there was no memory */
 } dem_found;
 
-/* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. */
+/* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. What is
+ * taken of input->scratch (there always is one) is given back by dem_search_run. */
 typedef struct {
   size_t state_size;
   bool (*find)(void *state, const dem_search_input *input, dem_found *found); /* false: no memory for the state */
@@ -39,8 +41,9 @@ bool dem_find_all(void *state, const dem_search_input *input, dem_found *found);
 
 /* Is one grid of cells right for n spheres, of this largest radius and this sum of radii cubed, where a radius is that
  * with half the skin? In a packing a sphere has about 15 n r_max^3 / sum r^3 candidates in cells of the largest
- * diameter: 15 if all are equal, many more if small ones fill the cells of large ones. */
-bool dem_cells_fit(int n, double largest, double cubes);
+ * diameter: 15 if all are equal, many more if small ones fill the cells of large ones; `worth` times as many are worth
+ * one grid less. */
+bool dem_cells_fit(int n, double largest, double cubes, double worth);
 
 /* Room for `more` pairs beyond the count. False: no memory, which the list remembers for dem_search_run. */
 bool dem_found_grow(dem_found *pairs, size_t more);

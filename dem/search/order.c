@@ -31,9 +31,10 @@ static int compare(const void *a, const void *b) {
   return p->particle < q->particle ? -1 : p->particle > q->particle;
 }
 
-bool dem_order(const dem_data *d, int *from) {
+bool dem_order(dem_data *d, int *from) {
   int np = d->nparticle;
-  place *places = malloc((size_t)np * sizeof *places);
+  dem_scratch_mark mark = dem_scratch_now(&d->scratch);
+  place *places = dem_scratch_take(&d->scratch, (size_t)np * sizeof *places);
   if (!places)
     return false;
   tdm_vec3 low = {INFINITY, INFINITY, INFINITY};
@@ -51,6 +52,6 @@ bool dem_order(const dem_data *d, int *from) {
   qsort(places, (size_t)np, sizeof *places, compare);
   for (int p = 0; p < np; p++)
     from[p] = places[p].particle;
-  free(places);
+  dem_scratch_back(&d->scratch, mark);
   return true;
 }

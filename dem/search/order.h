@@ -6,6 +6,6 @@
 
 /* from[p] (nparticle): the particle that comes to place p. By the Morton code of the cell of two largest radii that it
  * lies in; those of one cell keep their order. False: no memory. */
-bool dem_order(const dem_data *data, int *from);
+bool dem_order(dem_data *data, int *from);
 
 #endif

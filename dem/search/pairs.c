@@ -75,21 +75,17 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
 static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
   const dem_columns *columns = &d->model->columns;
   dem_pairs *list = &d->pairs;
-  if (before > d->column_capacity || !d->column) {
-    free(d->column);
-    d->column_capacity = before + before / 8 + 8;
-    d->column = malloc(d->column_capacity * sizeof *d->column);
-    if (!d->column)
-      return false;
-  }
+  double *column = dem_scratch_take(&d->scratch, before * sizeof *column);
+  if (!column)
+    return false;
   for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
     double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
-    memcpy(d->column, to, before * sizeof *to);
+    memcpy(column, to, before * sizeof *to);
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
     for (int c = 0; c < d->nchunk; c++)
       for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
         int at = list->sink[k];
-        to[k] = at < 0 ? 0 : at & 1 ? sign * d->column[at >> 1] : d->column[at >> 1];
+        to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
       }
   }
   return true;
@@ -180,7 +176,8 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
                             .n = d->nparticle,
                             .skin = d->skin + d->model->reach,
                             .domain = d->domain,
-                            .nthread = d->nthread};
+                            .nthread = d->nthread,
+                            .scratch = &d->scratch};
   dem_time_spent(d->times, DEM_PHASE_LIST);
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
@@ -208,7 +205,7 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
   for (int c = 0; c < d->nchunk; c++)
     fill_chunk(d, c);
-  return place_crossings(d);
+  return true;
 }
 
 /* ---- walls ---- */
@@ -365,6 +362,21 @@ static void note_positions(dem_data *d) {
   }
 }
 
+/* The search that the scene asks for; else the one for the particles there are now, whenever some came. False: no
+ * memory. */
+static bool choose_search(dem_data *d) {
+  if (d->search && (d->model->search || (d->list_valid && !d->list_stale)))
+    return true;
+  const char *name = d->model->search;
+  if (!name)
+    name = dem_search_choose(&(dem_search_input){.sphere = d->sphere, .n = d->nparticle, .skin = d->skin});
+  if (d->search && strcmp(name, dem_search_name(d->search)) == 0)
+    return true;
+  dem_search_destroy(&d->search);
+  d->search = dem_search_create(name);
+  return d->search != NULL;
+}
+
 /* Choose the skin, when the scene does not: with lists that held for T steps under a skin s something moves by about
  * s/2T a step. A list costs about four steps, a skin s about 1.3 s/r of one for the pairs that do not touch: the sum is
  * least at sqrt(3 r s/T). Half way there each time. */
@@ -379,7 +391,24 @@ static void adapt_skin(dem_data *d, bool sort) {
   d->skin = fmax(0.02 * r, fmin(most, sqrt(best * d->skin)));
 }
 
+/* Put the particles in the order of their places. Returns the numbers they had, NULL: no memory. */
+static const int *sort_particles(dem_data *d, bool carry) {
+  size_t n = (size_t)d->nparticle;
+  int *from = dem_scratch_take(&d->scratch, n * sizeof *from);
+  dem_scratch_mark mark = dem_scratch_now(&d->scratch);
+  bool good = from && dem_order(d, from) && dem_data_permute(d, from);
+  int *now = dem_scratch_take(&d->scratch, n * sizeof *now);
+  for (size_t p = 0; good && now && p < n; p++)
+    now[from[p]] = (int)p;
+  good = good && now && (!carry || renumber_walls(d, &d->spare_walls, now));
+  dem_scratch_back(&d->scratch, mark);
+  d->since_sort = 0;
+  return good ? from : NULL;
+}
+
 bool dem_lists_build(dem_data *d) {
+  if (!choose_search(d))
+    return false;
   bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
   if (d->list_valid)
     adapt_skin(d, sort);
@@ -389,21 +418,19 @@ bool dem_lists_build(dem_data *d) {
   bool carry = d->model->columns.ncolumn > 0 && d->list_valid, good = true;
   const int *old = NULL;
   d->list_valid = false;
+  d->scratch = (dem_scratch){.block = (char *)d->push, .size = (size_t)d->push_capacity * sizeof *d->push};
   if (sort) {
-    int *from = d->number, *now = malloc((size_t)d->nparticle * sizeof *now);
-    good = now && dem_order(d, from) && dem_data_permute(d, from);
-    for (int p = 0; good && p < d->nparticle; p++)
-      now[from[p]] = p;
-    good = good && (!carry || renumber_walls(d, &d->spare_walls, now));
-    free(now);
-    old = from;
-    d->since_sort = 0;
+    old = sort_particles(d, carry);
+    good = old != NULL;
   } else if (d->list_stale && carry && d->nchunk > 1) {
     good = renumber_walls(d, &d->spare_walls, NULL); /* particles went from chunk to chunk */
   }
   note_positions(d);
   d->nchunk = dem_chunks(d->nparticle);
-  d->list_valid = good && build_pairs(d, carry, old) && build_walls(d, carry ? &d->spare_walls : NULL);
+  good = good && build_pairs(d, carry, old);
+  dem_scratch_back(&d->scratch, (dem_scratch_mark){0});
+  memset(d->push, 0, d->scratch.most);
+  d->list_valid = good && place_crossings(d) && build_walls(d, carry ? &d->spare_walls : NULL);
   d->list_stale = false;
   d->since_list = 0;
   d->nrebuild++;

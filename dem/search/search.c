@@ -26,8 +26,8 @@ static const dem_search_method *const methods[] = {SEARCHES(X)};
 struct dem_search {
   const dem_search_method *method;
   void *state;
-  dem_found *found; /* (nfound), one a thread */
-  int nfound;
+  double expected;     /* pairs a sphere */
+  dem_scratch scratch; /* for callers without */
 };
 
 dem_search *dem_search_create(const char *name) {
@@ -43,7 +43,7 @@ dem_search *dem_search_create(const char *name) {
     free(state);
     return NULL;
   }
-  *search = (dem_search){.method = methods[m], .state = state};
+  *search = (dem_search){.method = methods[m], .state = state, .expected = 4};
   return search;
 }
 
@@ -53,12 +53,17 @@ void dem_search_destroy(dem_search **search) {
     return;
   if (s->method->release)
     s->method->release(s->state);
-  for (int t = 0; t < s->nfound; t++)
-    free(s->found[t].pair);
-  free(s->found);
+  dem_scratch_back(&s->scratch, (dem_scratch_mark){0});
   free(s->state);
   free(s);
   *search = NULL;
+}
+
+const char *dem_search_name(const dem_search *search) {
+  int m = 0;
+  while (methods[m] != search->method)
+    m++;
+  return dem_search_names[m];
 }
 
 int dem_search_interval(const dem_search *search) {
@@ -72,40 +77,16 @@ double dem_search_skin(const dem_search *search, double asked, double largest_ra
 
 bool dem_found_grow(dem_found *pairs, size_t more) {
   size_t capacity = (pairs->count + more) + (pairs->count + more) / 4 + 64;
-  dem_found_pair *pair = realloc(pairs->pair, capacity * sizeof *pair);
+  dem_found_pair *pair = realloc(pairs->own, capacity * sizeof *pair);
   if (!pair) {
     pairs->failed = true;
     return false;
   }
-  pairs->pair = pair;
+  if (!pairs->own && pairs->count > 0)
+    memcpy(pair, pairs->pair, pairs->count * sizeof *pair);
+  pairs->pair = pairs->own = pair;
   pairs->capacity = capacity;
   return true;
-}
-
-bool dem_rows_reserve(dem_rows *rows, int n, size_t more) {
-  if (rows->first_capacity < (size_t)n + 1) {
-    size_t capacity = (size_t)n + (size_t)n / 8 + 1;
-    int *first = realloc(rows->first, capacity * sizeof *first);
-    if (!first)
-      return false;
-    rows->first = first;
-    rows->first_capacity = capacity;
-  }
-  if (rows->capacity - rows->count < more || !rows->other) {
-    size_t capacity = (rows->count + more) + (rows->count + more) / 8 + 16;
-    int *other = realloc(rows->other, capacity * sizeof *other);
-    if (!other)
-      return false;
-    rows->other = other;
-    rows->capacity = capacity;
-  }
-  return true;
-}
-
-void dem_rows_free(dem_rows *rows) {
-  free(rows->first);
-  free(rows->other);
-  *rows = (dem_rows){0};
 }
 
 void dem_search_parallel(int nthread, void (*work)(void *context, int t), void *context) {
@@ -187,15 +168,18 @@ static void fill_rows(void *context, int t) {
 }
 
 /* counting sort of the pairs by their lesser particle, then each row by itself */
-static bool make_rows(const dem_found *found, int n, int nthread, dem_rows *rows) {
+static bool make_rows(const dem_found *found, const dem_search_input *input, dem_rows *rows) {
+  int n = input->n, nthread = input->nthread;
   size_t count = 0;
   for (int t = 0; t < nthread; t++) {
     if (found[t].failed)
       return false;
     count += found[t].count;
   }
-  rows->count = 0;
-  if (count > INT_MAX || !dem_rows_reserve(rows, n, count))
+  rows->count = count;
+  rows->first = dem_scratch_take(input->scratch, ((size_t)n + 1) * sizeof *rows->first);
+  rows->other = dem_scratch_take(input->scratch, count * sizeof *rows->other);
+  if (count > INT_MAX || !rows->first || !rows->other)
     return false;
   sorting s = {found, rows, n, nthread};
   dem_search_parallel(nthread, count_rows, &s);
@@ -207,37 +191,43 @@ static bool make_rows(const dem_found *found, int n, int nthread, dem_rows *rows
     at += length;
   }
   dem_search_parallel(nthread, fill_rows, &s);
-  rows->count = count;
   return true;
 }
 
-/* one list of pairs a thread, empty */
-static bool prepare_lists(dem_search *search, int nthread) {
-  if (search->nfound < nthread) {
-    dem_found *found = realloc(search->found, (size_t)nthread * sizeof *found);
-    if (!found)
-      return false;
-    memset(found + search->nfound, 0, (size_t)(nthread - search->nfound) * sizeof *found);
-    search->found = found;
-    search->nfound = nthread;
+/* one list of pairs a thread, empty, with room for its share of what is expected */
+static dem_found *make_lists(const dem_search *search, const dem_search_input *input) {
+  dem_found *found = dem_scratch_take(input->scratch, (size_t)input->nthread * sizeof *found);
+  size_t share = (size_t)(1.05 * search->expected * input->n / input->nthread) + 64;
+  for (int t = 0; found && t < input->nthread; t++) {
+    dem_found_pair *pair = dem_scratch_take(input->scratch, share * sizeof *pair);
+    found[t] = (dem_found){.pair = pair, .capacity = pair ? share : 0};
   }
-  for (int t = 0; t < nthread; t++) {
-    search->found[t].count = 0;
-    search->found[t].failed = false;
-  }
-  return true;
+  return found;
 }
 
 bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
   assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
   dem_search_input in = *input;
   in.nthread = dem_search_threads(&in, in.n);
-  return prepare_lists(search, in.nthread) && search->method->find(search->state, &in, search->found) &&
-         make_rows(search->found, in.n, in.nthread, rows);
+  if (!in.scratch) {
+    in.scratch = &search->scratch;
+    dem_scratch_back(in.scratch, (dem_scratch_mark){0});
+  }
+  dem_found *found = make_lists(search, &in);
+  if (!found)
+    return false;
+  dem_scratch_mark mark = dem_scratch_now(in.scratch);
+  bool good = search->method->find(search->state, &in, found);
+  dem_scratch_back(in.scratch, mark);
+  good = good && make_rows(found, &in, rows);
+  for (int t = 0; t < in.nthread; t++)
+    free(found[t].own);
+  if (good && in.n > 0)
+    search->expected = (double)rows->count / in.n;
+  return good;
 }
 
-bool dem_cells_fit(int n, double largest, double cubes) {
-  const double worth = 10; /* measured with bench_search */
+bool dem_cells_fit(int n, double largest, double cubes, double worth) {
   return n * largest * largest * largest <= worth * cubes;
 }
 
@@ -248,5 +238,6 @@ const char *dem_search_choose(const dem_search_input *input) {
     largest = r > largest ? r : largest;
     cubes += r * r * r;
   }
-  return dem_cells_fit(input->n, largest, cubes) ? "cells" : "grid";
+  const double worth = 30; /* measured with bench_search: cells are faster at 25, the grid at 40 */
+  return dem_cells_fit(input->n, largest, cubes, worth) ? "cells" : "grid";
 }

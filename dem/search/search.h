@@ -9,6 +9,7 @@
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
 
+#include "dem/scratch.h"
 #include "dem/sphere.h"
 
 #include <stdbool.h>
@@ -26,33 +27,36 @@ typedef struct {
   int n;
   double skin; /* [m] */
   dem_domain domain;
-  int nthread; /* threads that may be used; the result does not depend on it */
+  int nthread;          /* threads that may be used; the result does not depend on it */
+  dem_scratch *scratch; /* for the rows and what it takes to find them; NULL: the search has its own */
 } dem_search_input;
 
 /* Pairs in CSR form: the partners of i are other[first[i]] ... other[first[i+1] - 1], ascending, all greater than i. */
 typedef struct {
   int *first; /* (n + 1) */
   int *other; /* (count) */
-  size_t count, capacity;
-  size_t first_capacity;
+  size_t count;
 } dem_rows;
 
-/* What a search keeps between calls: scratch memory, and what speeds the next call up ("sweep": as long as particles
- * keep their numbers). Nothing in it decides the result. */
+/* What a search keeps between calls to speed the next one up ("sweep": as long as particles keep their numbers).
+ * Nothing in it decides the result. */
 typedef struct dem_search dem_search;
 
 /* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests);
  * "auto" is not among them. */
 extern const char *const dem_search_names[];
 
-/* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. */
+/* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. Much cheaper than a
+ * search. */
 const char *dem_search_choose(const dem_search_input *input);
 
 /* NULL: no memory, or no such search. */
 dem_search *dem_search_create(const char *name);
 void dem_search_destroy(dem_search **search);
+const char *dem_search_name(const dem_search *search);
 
-/* Fill rows (owned by the caller, zero at first, freed by dem_rows_free). False: no memory. */
+/* The rows, which lie in the scratch memory until it is given back; in the search's own until its next call. False: no
+ * memory. */
 bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows);
 
 /* Are the lists of this search to be made anew after so many steps even if nothing moved? 0: no. */
@@ -60,9 +64,5 @@ int dem_search_interval(const dem_search *search);
 
 /* The skin of this search: the one that the scene asks for, or the search's own (verlet-1967: 5 r_max - 2 r_max). */
 double dem_search_skin(const dem_search *search, double asked, double largest_radius);
-
-/* Room for another `more` partners. False: no memory. */
-bool dem_rows_reserve(dem_rows *rows, int n, size_t more);
-void dem_rows_free(dem_rows *rows);
 
 #endif

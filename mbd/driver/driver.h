@@ -1,8 +1,8 @@
-/* Drivers: a coordinate of a joint follows a motion law.
+/* Drivers: a coordinate of a joint, or of two bodies without one, follows a motion law.
  *
  * A driver is one constraint row g = coordinate(q) - x(t), handled like a joint's rows; only its time derivatives are
  * its own (mbd_part_at sets them from the law). Its multiplier is the force or torque that it takes. A new driver
- * is one file that composes the row (../joint/rows.h) and one row in table.c.
+ * is one file that says which coordinate it is and one row in table.c.
  */
 #ifndef MBD_DRIVER_H
 #define MBD_DRIVER_H
@@ -14,19 +14,16 @@ typedef struct mbd_driver mbd_driver;
 
 typedef struct {
   const char *name;
-  const char *effort, *effort_unit;         /* "torque", "N m" */
-  const char *coordinate, *coordinate_unit; /* "angle", "rad" */
-  const char *rate_unit;
-  /* Read "joint" and the type's own keys; name, type and motion are read for it. */
+  mbd_coordinate coordinate; /* of the joint */
+  /* Read the type's own keys and set the joint; name, type and motion are read for it. */
   void (*load)(mbd_driver *driver, tdm_object *o, const mbd_model *model);
-  /* Append the row coordinate - x. Its Jacobian must not depend on x: the effort on the second body is -lambda. */
-  void (*eval)(const mbd_driver *driver, double x, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows);
 } mbd_driver_ops;
 
 struct mbd_driver {
   char name[40];
   const mbd_driver_ops *ops;
-  const mbd_joint *joint; /* the one it drives, borrowed from the model */
+  const mbd_joint *joint; /* whose coordinate it drives: one of the model's (borrowed), or `frame` */
+  mbd_joint frame;        /* bodies, point and axis of a driver without a joint; it has no rows */
   int row;                /* its row among those of all joints and drivers */
   mbd_motion motion;
 };
@@ -34,5 +31,11 @@ struct mbd_driver {
 enum { MBD_DRIVER_TYPES_MAX = 32 };
 extern const mbd_driver_ops *const mbd_driver_table[];
 extern const int mbd_driver_ntype;
+
+/* Append the row coordinate - x. The effort on the second body is -lambda. */
+static inline void mbd_driver_row(const mbd_driver *driver, double x, const mbd_kin *a, const mbd_kin *b,
+                                  mbd_rows *rows) {
+  mbd_joint_coordinate(driver->joint, driver->ops->coordinate, a, b, x, rows);
+}
 
 #endif

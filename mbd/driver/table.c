@@ -3,7 +3,9 @@
  */
 #include "mbd/driver/driver.h"
 
-extern const mbd_driver_ops mbd_driver_rotational_motor;
+extern const mbd_driver_ops mbd_driver_rotational_motor, mbd_driver_linear_motor, mbd_driver_point_motion,
+    mbd_driver_orientation_motion;
 
-const mbd_driver_ops *const mbd_driver_table[] = {&mbd_driver_rotational_motor};
+const mbd_driver_ops *const mbd_driver_table[] = {&mbd_driver_rotational_motor, &mbd_driver_linear_motor,
+                                                  &mbd_driver_point_motion, &mbd_driver_orientation_motion};
 const int mbd_driver_ntype = sizeof mbd_driver_table / sizeof mbd_driver_table[0];

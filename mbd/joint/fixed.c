@@ -15,4 +15,4 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_fixed;
-const mbd_joint_ops mbd_joint_fixed = {"fixed", 6, equation, load, eval};
+const mbd_joint_ops mbd_joint_fixed = {"fixed", 6, equation, load, eval, 0, false};

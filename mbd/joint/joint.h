@@ -13,15 +13,32 @@
 
 typedef struct mbd_joint mbd_joint;
 
+/* Coordinates of the second body against the first that a joint may leave free, zero in the start configuration: the
+ * angle about its axis [rad], counted over turns, and the way of its point along the axis [m]. */
+typedef enum { MBD_ANGLE, MBD_TRANSLATION } mbd_coordinate;
+/* what outputs and messages call them, with the effort on the second body that belongs to each */
+typedef struct {
+  const char *effort, *effort_unit; /* "torque", "N m" */
+  const char *name, *unit;          /* "angle", "rad" */
+  const char *rate, *rate_unit;     /* "rate", "rad/s" */
+} mbd_coordinate_words;
+
+extern const mbd_coordinate_words mbd_coordinate_table[]; /* indexed by mbd_coordinate */
+
+enum { MBD_HAS_ANGLE = 1 << MBD_ANGLE, MBD_HAS_TRANSLATION = 1 << MBD_TRANSLATION };
+
 typedef struct {
   const char *name;
   int nrow;                    /* at most MBD_ROWS_MAX */
   const char *const *equation; /* (nrow) what each row holds, for messages */
-  /* Read the joint's own keys (after name, type and bodies, which are set) and fill the geometry. */
+  /* Read the joint's own keys (after name, type and bodies, which are set) and fill the geometry. One that couples two
+   * others reads these, and names the bodies that it stands between. */
   void (*load)(mbd_joint *joint, tdm_object *o, const mbd_model *model);
   /* Append nrow rows; a and b are the joint's first and second body. A joint that couples two others is asked once for
    * each of them (rows->part), with that one's bodies; the rows add up. */
   void (*eval)(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows);
+  unsigned coordinates; /* set of MBD_HAS_... that outputs, drivers and forces may name */
+  bool couples;         /* stands between two other joints and has no bodies of its own */
 } mbd_joint_ops;
 
 struct mbd_joint {
@@ -32,6 +49,8 @@ struct mbd_joint {
   const mbd_joint *of[2]; /* the joints whose coordinates it couples, borrowed from the model; NULL: its own bodies */
   tdm_vec3 arm[2];        /* joint point from each centre of mass, body axes [m] */
   tdm_mat3 axes[2];       /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
+  double length;          /* rod [m] */
+  double ratio;           /* screw: [m/rad]; gear: [1]; rack and pinion: [m/rad] */
 };
 
 enum { MBD_JOINT_TYPES_MAX = 32 };
@@ -41,9 +60,20 @@ extern const int mbd_joint_ntype;
 /* Read "point" (or "points") and, if asked, "axis" (or "axes") into arm and axes. */
 void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis);
 
+/* Bodies' arms and axes of a frame at one point with its axis along a unit vector. */
+void mbd_joint_set_frame(mbd_joint *joint, const mbd_model *model, tdm_vec3 point, tdm_vec3 axis);
+
+/* A joint that couples joint->of stands between their second bodies; its reaction counts at the second joint's point.
+ */
+void mbd_joint_between(mbd_joint *joint);
+
 /* Angle of the second body against the first about the joint axis since the start configuration, within half a turn of
  * `near` [rad]. */
 double mbd_joint_angle(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, double near);
+
+/* Append the row g = coordinate - from; the angle is the one within half a turn of `from`. */
+void mbd_joint_coordinate(const mbd_joint *joint, mbd_coordinate which, const mbd_kin *a, const mbd_kin *b, double from,
+                          mbd_rows *rows);
 
 /* A right-handed triad whose e3 is along `axis` (unit); columns e1, e2, e3. */
 tdm_mat3 mbd_triad(tdm_vec3 axis);
@@ -56,5 +86,8 @@ static inline tdm_vec3 mbd_joint_axis(const mbd_joint *joint, int side, int k, c
 static inline tdm_vec3 mbd_joint_arm(const mbd_joint *joint, int side, const mbd_kin *body) {
   return tdm_m3_mul(body->A, joint->arm[side]);
 }
+
+/* shared by the joints that it is a part of */
+extern const mbd_joint_ops mbd_joint_cylindrical;
 
 #endif

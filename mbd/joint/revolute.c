@@ -15,4 +15,4 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_revolute;
-const mbd_joint_ops mbd_joint_revolute = {"revolute", 5, equation, load, eval};
+const mbd_joint_ops mbd_joint_revolute = {"revolute", 5, equation, load, eval, MBD_HAS_ANGLE, false};

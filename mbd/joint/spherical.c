@@ -12,4 +12,4 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_spherical;
-const mbd_joint_ops mbd_joint_spherical = {"spherical", 3, equation, load, eval};
+const mbd_joint_ops mbd_joint_spherical = {"spherical", 3, equation, load, eval, 0, false};

@@ -3,13 +3,23 @@
  * there.
  */
 #include "mbd/joint/joint.h"
-#include "mbd/model.h"
+#include "mbd/load.h"
 
-extern const mbd_joint_ops mbd_joint_fixed, mbd_joint_revolute, mbd_joint_prismatic, mbd_joint_spherical;
+extern const mbd_joint_ops mbd_joint_fixed, mbd_joint_revolute, mbd_joint_prismatic, mbd_joint_spherical,
+    mbd_joint_universal, mbd_joint_planar, mbd_joint_point_on_line, mbd_joint_rod, mbd_joint_screw, mbd_joint_gear,
+    mbd_joint_rack_and_pinion;
 
-const mbd_joint_ops *const mbd_joint_table[] = {&mbd_joint_fixed, &mbd_joint_revolute, &mbd_joint_prismatic,
-                                                &mbd_joint_spherical};
+const mbd_joint_ops *const mbd_joint_table[] = {
+    &mbd_joint_fixed,     &mbd_joint_revolute,  &mbd_joint_prismatic, &mbd_joint_cylindrical,
+    &mbd_joint_spherical, &mbd_joint_universal, &mbd_joint_planar,    &mbd_joint_point_on_line,
+    &mbd_joint_rod,       &mbd_joint_screw,     &mbd_joint_gear,      &mbd_joint_rack_and_pinion,
+};
 const int mbd_joint_ntype = sizeof mbd_joint_table / sizeof mbd_joint_table[0];
+
+const mbd_coordinate_words mbd_coordinate_table[] = {
+    [MBD_ANGLE] = {"torque", "N m", "angle", "rad", "rate", "rad/s"},
+    [MBD_TRANSLATION] = {"force", "N", "translation", "m", "speed", "m/s"},
+};
 
 tdm_mat3 mbd_triad(tdm_vec3 axis) {
   /* e1 from the world axis that is least along e3 */
@@ -28,6 +38,24 @@ double mbd_joint_angle(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *
   return angle + 2 * M_PI * round((near - angle) / (2 * M_PI));
 }
 
+void mbd_joint_between(mbd_joint *joint) {
+  for (int side = 0; side < 2; side++) {
+    joint->body[side] = joint->of[side]->body[1];
+    joint->arm[side] = joint->of[side]->arm[1];
+  }
+}
+
+void mbd_joint_coordinate(const mbd_joint *j, mbd_coordinate which, const mbd_kin *a, const mbd_kin *b, double from,
+                          mbd_rows *rows) {
+  if (which == MBD_ANGLE) {
+    mbd_rows_angle(rows, mbd_joint_axis(j, 0, 0, a), mbd_joint_axis(j, 0, 1, a), mbd_joint_axis(j, 1, 0, b),
+                   mbd_joint_axis(j, 1, 1, b), from);
+    return;
+  }
+  mbd_rows_plane(rows, a, b, mbd_joint_axis(j, 0, 2, a), mbd_joint_arm(j, 0, a), mbd_joint_arm(j, 1, b));
+  rows->g[rows->n - 1] -= from;
+}
+
 /* The smallest rotation that turns the unit vector `from` into `to`. */
 static tdm_mat3 turn(tdm_vec3 from, tdm_vec3 to) {
   tdm_vec3 n = tdm_cross(from, to);
@@ -37,20 +65,7 @@ static tdm_mat3 turn(tdm_vec3 from, tdm_vec3 to) {
   return tdm_quat_to_matrix(tdm_quat_from_rotvec(tdm_scale(angle, tdm_unit(n))));
 }
 
-void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis) {
-  tdm_vec3 point[2], axis[2] = {{0, 0, 1}, {0, 0, 1}};
-  mbd_load_pair(o, "point", "points", point);
-  if (with_axis)
-    mbd_load_pair(o, "axis", "axes", axis);
-  if (o->err->status)
-    return;
-  for (int side = 0; side < 2; side++) {
-    if (tdm_norm(axis[side]) < 1e-12) {
-      tdm_object_fail(o, tdm_has(o, "axes") ? "axes" : "axis", "is zero; give the direction of the joint axis");
-      return;
-    }
-    axis[side] = tdm_unit(axis[side]);
-  }
+static void set_frame(mbd_joint *joint, const mbd_model *model, const tdm_vec3 point[2], const tdm_vec3 axis[2]) {
   tdm_mat3 triad = mbd_triad(axis[0]);
   for (int side = 0; side < 2; side++) {
     int b = joint->body[side];
@@ -60,4 +75,18 @@ void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *mode
       triad = tdm_m3_mat(turn(axis[0], axis[1]), triad);
     joint->axes[side] = tdm_m3_mat(tdm_m3_transpose(A), triad);
   }
+}
+
+void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis) {
+  tdm_vec3 point[2], axis[2] = {{0, 0, 1}, {0, 0, 1}};
+  mbd_load_points(o, model, "point", "points", point);
+  if (with_axis)
+    mbd_load_directions(o, model, "axis", "axes", axis);
+  if (o->err->status)
+    return;
+  set_frame(joint, model, point, axis);
+}
+
+void mbd_joint_set_frame(mbd_joint *joint, const mbd_model *model, tdm_vec3 point, tdm_vec3 axis) {
+  set_frame(joint, model, (tdm_vec3[2]){point, point}, (tdm_vec3[2]){axis, axis});
 }

@@ -66,7 +66,7 @@ tdm_status scn_rig_steps(scn_rig *rig, long n, tdm_error *err) {
 
 void scn_rig_close(scn_rig *rig) {
   if (rig->data)
-    cpl_verify_alone(rig->verify, rig->time, tdm_clock() - rig->begin);
+    cpl_verify_alone(rig->verify, CPL_DEM, rig->time, tdm_clock() - rig->begin);
   dem_data_destroy(&rig->data);
   dem_model_destroy(&rig->model);
   json_decref(rig->scene);

@@ -1,11 +1,13 @@
-/* Wall time a window of the multibody solver: the spring-damper box on a prismatic joint, H = 1e-5 s, with a smooth
- * load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS]
+/* Wall time a window of the multibody solver in each formulation: the spring-damper box on a prismatic joint, with a
+ * smooth load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS [FORMULATION]]
  */
+#include "mbd/integrator.h"
 #include "mbd/solver.h"
 #include "protocol/log.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char scene_text[] =
     "{\"bodies\":[{\"name\":\"box\",\"mass\":100,\"inertia\":[10,10,10],\"position\":[0,0,0]}],"
@@ -14,9 +16,10 @@ static const char scene_text[] =
     "\"points\":[[0,0,2],[0,0,0]],\"stiffness\":5000,\"damping\":100,\"preload\":100}]}";
 
 /* Noise of `size` N around a slow force; us a window. */
-static double measure(long windows, double H, double size) {
+static double measure(const char *formulation, long windows, double H, double size) {
   tdm_error err = {0};
   json_t *scene = json_loads(scene_text, 0, NULL);
+  json_object_set_new(scene, "formulation", json_string(formulation));
   tdm_assigned_body body = {.name = "box"};
   tdm_assignment a = {.scene = scene, .time_end = 1, .dt = H, .n = 1, .nbody = 1, .body = &body};
   tdm_ready ready = {0};
@@ -38,9 +41,7 @@ static double measure(long windows, double H, double size) {
       printf("window %ld: %s\n", k, err.message);
   }
   double us = (tdm_clock() - start) / (double)windows * 1e6;
-  tdm_log_open(stdout, "mbd");
   mbd_solver_ops.destroy(self);
-  tdm_log_open(NULL, "mbd");
   json_decref(scene);
   return us;
 }
@@ -48,11 +49,17 @@ static double measure(long windows, double H, double size) {
 int main(int argc, char **argv) {
   long windows = argc > 1 ? atol(argv[1]) : 100000;
   const double H[] = {1e-5, 1e-4, 1e-3}, size[] = {0, 0.01, 1, 100};
-  for (int h = 0; h < 3; h++)
-    for (int i = 0; i < 4; i++) {
-      long n = h == 0 ? windows : windows / 10;
-      printf("H = %g s, load noise %g N: %.2f us a window\n", H[h], size[i], measure(n, H[h], size[i]));
-      fflush(stdout);
+  printf("us a window %12s", "");
+  for (int i = 0; i < 4; i++)
+    printf("  noise %4g N", size[i]);
+  for (int f = 0; f < MBD_FORMULATIONS; f++)
+    for (int h = 0; h < 3 && (argc < 3 || strcmp(argv[2], mbd_formulation_table[f].name) == 0); h++) {
+      printf("\n%-8s H = %6g s", mbd_formulation_table[f].name, H[h]);
+      for (int i = 0; i < 4; i++) {
+        printf(" %12.2f", measure(mbd_formulation_table[f].name, h == 0 ? windows : windows / 10, H[h], size[i]));
+        fflush(stdout);
+      }
     }
+  printf("\n");
   return 0;
 }

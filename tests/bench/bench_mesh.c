@@ -9,7 +9,7 @@
 
 /* n x n squares of 1 m, two triangles each */
 static dem_mesh *plane(int n) {
-  dem_stl s = {0, malloc(6 * (size_t)n * (size_t)n * sizeof *s.corner)};
+  tdm_stl s = {0, malloc(6 * (size_t)n * (size_t)n * sizeof *s.corner)};
   for (int i = 0; s.corner && i < n; i++)
     for (int j = 0; j < n; j++) {
       tdm_vec3 *to = &s.corner[3 * s.count];

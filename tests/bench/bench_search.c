@@ -93,7 +93,6 @@ static void report(const char *what, dem_search_input *in, dem_sphere *s, double
     fflush(stdout);
   }
   printf("  %5.2f  %s\n", (double)rows.count / in->n, dem_search_choose(in));
-  dem_rows_free(&rows);
 }
 
 /* groups of [A07] Section 2.3.2: 10, 15 and 20 mm in the shares of the largest group, at random in a circle that they

@@ -365,7 +365,7 @@ START_TEST(test_ratios) {
   ck_assert_int_eq(s->ready.nwarning, 1);
   ck_assert_str_eq(s->ready.warning[0].path, "dem.contact.wall_mass");
   close_session(s);
-  s = open_session(scene_json(scene, ""), 1e-2);
+  s = open_session(scene_json(scene, ""), 8e-3);
   ck_assert_int_eq(s->ready.nwarning, 1);
   ck_assert_str_eq(s->ready.warning[0].path, "time.dt");
   json_t *limit = json_object_get(json_object_get(s->ready.report, "limits"), "rayleigh");

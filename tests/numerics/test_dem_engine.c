@@ -51,7 +51,7 @@ static void same_particles(const dem_data *a, const dem_data *b) {
 START_TEST(test_lists_miss_nothing) {
   /* a skin so wide that every pair is listed: brute force. Bit-identical, over many rebuilds. */
   rig *lists = cloud(200, 0.3, ""), *brute = cloud(200, 0.3, ",'skin':50"), *thin = cloud(200, 0.3, ",'skin':0.001");
-  ck_assert_int_eq(brute->data->rows.first[200], 200 * 199 / 2);
+  ck_assert_int_eq(brute->data->pairs.first[199], 200 * 199 / 2);
   ck_assert_int_eq((int)brute->data->walls.count, 200 * 7);
   long most = 0;
   for (int part = 0; part < 12; part++) {

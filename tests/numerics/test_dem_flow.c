@@ -272,6 +272,37 @@ START_TEST(test_many) {
 }
 END_TEST
 
+START_TEST(test_search_follows_sizes) {
+  /* grains rain on a boulder: few of them are searched with cells, many with a grid a size; the bits are the same */
+  static const char *const search[] = {"", ",'search':'cells'", ",'search':'grid'"};
+  rig *r[3];
+  for (int k = 0; k < 3; k++) {
+    r[k] = rig_make(scene_json("{" GRAIN "," FLOOR ",'particles':[{'type':'list','material':'a','radius':0.2,"
+                               "'positions':[[0,0,0.2]]}],'sources':[{'name':'rain','material':'a','rate':10000,"
+                               "'radius':0.02,'count':300,'region':{'min':[-1,-1,0.5],'max':[1,1,1.5]},"
+                               "'velocity':[0,0,-1]}]%s}",
+                               search[k]),
+                    2e-4, 0, NULL);
+    begin(r[k]);
+  }
+  ck_assert_str_eq(dem_search_name(r[0]->data->search), "cells");
+  long contacts = 0;
+  for (int part = 0; part < 12; part++) {
+    for (int k = 0; k < 3; k++)
+      many_steps(r[k], 200);
+    same(r[0]->data, r[1]->data);
+    same(r[0]->data, r[2]->data);
+    contacts += r[0]->data->ncontact;
+  }
+  ck_assert_int_gt(r[0]->data->nparticle, 250);
+  ck_assert_int_gt(contacts, 20);
+  ck_assert_str_eq(dem_search_name(r[0]->data->search), "grid");
+  ck_assert_str_eq(dem_search_name(r[1]->data->search), "cells");
+  for (int k = 0; k < 3; k++)
+    rig_free(r[k]);
+}
+END_TEST
+
 /* a stream of drops on a floor, with one sink */
 static rig *stream(const char *sink, const char *skin) {
   return rig_make(scene_json("{" GRAIN "," FLOOR ",'particles':[{'type':'list','material':'a','radius':0.02,"
@@ -578,6 +609,6 @@ START_TEST(test_many_with_substeps) {
 END_TEST
 
 TEST_MAIN("dem flow", 120, test_creation_times, test_mass_rate, test_limits, test_classes, test_room, test_many,
-          test_balances, test_after_contact, test_through_is_no_rebound, test_waiting, test_waits_for_walls,
-          test_waits_for_meshes, test_neighbours_keep_histories, test_relative_velocity, test_copy, test_exact_sum,
-          test_many_with_substeps)
+          test_search_follows_sizes, test_balances, test_after_contact, test_through_is_no_rebound, test_waiting,
+          test_waits_for_walls, test_waits_for_meshes, test_neighbours_keep_histories, test_relative_velocity,
+          test_copy, test_exact_sum, test_many_with_substeps)

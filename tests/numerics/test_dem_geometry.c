@@ -302,7 +302,7 @@ START_TEST(test_read_mesh) {
   snprintf(file, sizeof file, "%s/geometry_%d.stl", TANDEM_TEST_DIR, (int)getpid());
   tdm_vec3 corner[3] = {{-100, -100, 0}, {100, -100, 0}, {0, 200, 0}};
   tdm_error err = {0};
-  ck_assert(!dem_stl_write(&(dem_stl){1, corner}, file, &err));
+  ck_assert(!tdm_stl_write(&(tdm_stl){1, corner}, file, &err));
   snprintf(body, sizeof body,
            "'position':[1,0,0],'shapes':[{'type':'mesh','file':'%s','scale':0.001,'position':[0,0,0.5],"
            "'orientation':[0.7071067811865476,0.7071067811865476,0,0],'surface_velocity':[0,0,3]}]",
@@ -355,7 +355,7 @@ START_TEST(test_rolling) {
   char file[256], shape[512];
   snprintf(file, sizeof file, "%s/rolling_%d.stl", TANDEM_TEST_DIR, (int)getpid());
   tdm_vec3 corner[6 * N * N];
-  dem_stl stl = {0, corner};
+  tdm_stl stl = {0, corner};
   for (int i = 0; i < N; i++)
     for (int j = 0; j < N; j++) {
       double x = i / 4. - 2, y = j / 4. - 2, h = 0.25;
@@ -367,7 +367,7 @@ START_TEST(test_rolling) {
       stl.count += 2;
     }
   tdm_error err = {0};
-  ck_assert(!dem_stl_write(&stl, file, &err));
+  ck_assert(!tdm_stl_write(&stl, file, &err));
   snprintf(shape, sizeof shape, "{'type':'mesh','file':'%s'}", file);
   for (long n = 20000; n <= 120000; n += 50000) {
     rig *plane = slide("{'type':'plane','normal':[0,0,1]}", n), *mesh = slide(shape, n);
@@ -403,9 +403,9 @@ START_TEST(test_groove) {
   snprintf(file, sizeof file, "%s/groove_%d.stl", TANDEM_TEST_DIR, (int)getpid());
   tdm_vec3 corner[] = {{-1, -1, 1}, {0, -1, 0}, {0, 1, 0}, {-1, -1, 1}, {0, 1, 0}, {-1, 1, 1},
                        {0, -1, 0},  {1, -1, 1}, {1, 1, 1}, {0, -1, 0},  {1, 1, 1}, {0, 1, 0}};
-  dem_stl stl = {4, corner};
+  tdm_stl stl = {4, corner};
   tdm_error err = {0};
-  ck_assert(!dem_stl_write(&stl, file, &err));
+  ck_assert(!tdm_stl_write(&stl, file, &err));
   snprintf(shape, sizeof shape, "{'type':'mesh','file':'%s'}", file);
   rig *mesh = on_moving(shape, "", 0.003, 0.02);
   rig *planes = on_moving("{'type':'plane','normal':[1,0,1]},{'type':'plane','normal':[-1,0,1]}", "", 0.003, 0.02);

@@ -27,7 +27,9 @@ static rig *head_on(const spheres *s, const char *contact, const char *pair, dou
 }
 
 static dem_impact impact_of(const spheres *s) {
-  return (dem_impact){1 / (1 / s->mass[0] + 1 / s->mass[1]), 1 / (1 / s->radius[0] + 1 / s->radius[1]), s->speed};
+  return (dem_impact){.mass = 1 / (1 / s->mass[0] + 1 / s->mass[1]),
+                      .radius = 1 / (1 / s->radius[0] + 1 / s->radius[1]),
+                      .speed = s->speed};
 }
 
 typedef struct {
@@ -57,7 +59,7 @@ START_TEST(test_glass_balls) {
   const spheres glass = {{0.0015, 0.002}, {0.0383e-3, 0.09e-3}, 0.05};
   rig *r = head_on(&glass, "'normal':'hooke','tangential':'none'", "'stiffness':7.36,'damping':8.96e-4", 1e-6);
   const dem_pair *pair = &r->model->pair[0];
-  dem_impact printed = {2.69e-5, 1e-3, 0.05};
+  dem_impact printed = {.mass = 2.69e-5, .radius = 1e-3, .speed = 0.05};
   double omega = sqrt(dem_normal_stiffness(r->model, pair, printed, 1e-6) / printed.mass);
   ck_near(omega, 523.07, 0.01);
   ck_near(dem_normal_contact_time(r->model, pair, printed), 0.00601, 5e-6);

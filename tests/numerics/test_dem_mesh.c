@@ -23,7 +23,7 @@ static double between(double low, double high) {
 }
 
 /* a growing list of triangles */
-static void add(dem_stl *s, tdm_vec3 a, tdm_vec3 b, tdm_vec3 c) {
+static void add(tdm_stl *s, tdm_vec3 a, tdm_vec3 b, tdm_vec3 c) {
   s->corner = realloc(s->corner, 3 * (size_t)(s->count + 1) * sizeof *s->corner);
   tdm_vec3 *to = &s->corner[3 * (size_t)s->count++];
   to[0] = a;
@@ -31,22 +31,22 @@ static void add(dem_stl *s, tdm_vec3 a, tdm_vec3 b, tdm_vec3 c) {
   to[2] = c;
 }
 
-static void add_quad(dem_stl *s, tdm_vec3 a, tdm_vec3 b, tdm_vec3 c, tdm_vec3 d) {
+static void add_quad(tdm_stl *s, tdm_vec3 a, tdm_vec3 b, tdm_vec3 c, tdm_vec3 d) {
   add(s, a, b, c);
   add(s, a, c, d);
 }
 
 /* make a mesh and forget the triangles */
-static dem_mesh *mesh_of(dem_stl *s, double facet_angle) {
+static dem_mesh *mesh_of(tdm_stl *s, double facet_angle) {
   tdm_error err = {0};
   dem_mesh *m = dem_mesh_make(s, "test", facet_angle, NULL, &err);
   ck_assert_msg(m != NULL, "%s", err.message);
-  dem_stl_destroy(s);
+  tdm_stl_destroy(s);
   return m;
 }
 
 /* the faces of a cube of edge 1 around `at`, outward; `faces`: bits of -x +x -y +y -z +z */
-static void add_cube(dem_stl *s, tdm_vec3 at, unsigned faces) {
+static void add_cube(tdm_stl *s, tdm_vec3 at, unsigned faces) {
   for (int face = 0; face < 6; face++) {
     if (!(faces >> face & 1))
       continue;
@@ -100,37 +100,37 @@ static const char *write_file(const char *bytes, size_t n) {
 START_TEST(test_text) {
   const char text[] = "solid a part\n" TRIANGLE
                       "endsolid a part\n  SOLID\n" FACET(V("1e3 0 0"), V("-1.5E+2 0 0"), V("0 20 .5")) "endsolid\n";
-  dem_stl s;
+  tdm_stl s;
   tdm_error err = {0};
-  ck_assert_msg(!dem_stl_read(&s, write_file(text, sizeof text - 1), 0.001, NULL, &err), "%s", err.message);
+  ck_assert_msg(!tdm_stl_read(&s, write_file(text, sizeof text - 1), 0.001, NULL, &err), "%s", err.message);
   ck_assert_int_eq(s.count, 2);
   ck_vector(s.corner[2], tdm_v3(0, 2e-3, 0), 0);
   ck_vector(s.corner[3], tdm_v3(1, 0, 0), 0);
   ck_vector(s.corner[5], tdm_v3(0, 0.02, 5e-4), 1e-18);
-  dem_stl_destroy(&s);
+  tdm_stl_destroy(&s);
   unlink(file_of("file.stl"));
 }
 END_TEST
 
 /* a binary file that begins with "solid", written and read again */
 START_TEST(test_binary) {
-  dem_stl s = {0}, back;
+  tdm_stl s = {0}, back;
   add_cube(&s, tdm_v3(0.25, -1.5, 3), 63);
   tdm_error err = {0};
   const char *file = file_of("file.stl");
-  ck_assert(!dem_stl_write(&s, file, &err));
+  ck_assert(!tdm_stl_write(&s, file, &err));
   FILE *f = fopen(file, "r+b");
   ck_assert_uint_eq(fwrite("solid cube", 1, 10, f), 10);
   fclose(f);
-  ck_assert_msg(!dem_stl_read(&back, file, 1, NULL, &err), "%s", err.message);
+  ck_assert_msg(!tdm_stl_read(&back, file, 1, NULL, &err), "%s", err.message);
   ck_assert_int_eq(back.count, 12);
   for (int k = 0; k < 36; k++)
     ck_vector(back.corner[k], s.corner[k], 0);
-  dem_stl_destroy(&back);
-  ck_assert(!dem_stl_read(&back, file, 0.001, NULL, &err));
+  tdm_stl_destroy(&back);
+  ck_assert(!tdm_stl_read(&back, file, 0.001, NULL, &err));
   ck_vector(back.corner[7], tdm_scale(0.001, s.corner[7]), 0);
-  dem_stl_destroy(&s);
-  dem_stl_destroy(&back);
+  tdm_stl_destroy(&s);
+  tdm_stl_destroy(&back);
   unlink(file);
 }
 END_TEST
@@ -142,20 +142,20 @@ START_TEST(test_odd_files) {
       "solid a part facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 2 0 endloop endfacet endsolid a "
       "part",
       "solid\r\n" TRIANGLE "endsolid\r\n", "solid facet 7\n" TRIANGLE "endsolid facet 7\n"};
-  dem_stl s;
+  tdm_stl s;
   for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
     tdm_error err = {0};
-    ck_assert_msg(!dem_stl_read(&s, write_file(good[k], strlen(good[k])), 1, NULL, &err), "%zu: %s", k, err.message);
+    ck_assert_msg(!tdm_stl_read(&s, write_file(good[k], strlen(good[k])), 1, NULL, &err), "%zu: %s", k, err.message);
     ck_assert_int_eq(s.count, 1);
     ck_vector(s.corner[2], tdm_v3(0, 2, 0), 0);
-    dem_stl_destroy(&s);
+    tdm_stl_destroy(&s);
   }
   tdm_error two = {0};
   static const char line[] = "solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 2 0 endloop "
                              "endfacet endsolid a solid b facet normal 0 0 1 outer loop";
-  ck_assert_int_eq(dem_stl_read(&s, write_file(line, sizeof line - 1), 1, NULL, &two), TDM_ERR_FILE);
+  ck_assert_int_eq(tdm_stl_read(&s, write_file(line, sizeof line - 1), 1, NULL, &two), TDM_ERR_FILE);
   ck_assert_ptr_nonnull(strstr(two.message, "another solid in the same line"));
-  dem_stl_destroy(&s);
+  tdm_stl_destroy(&s);
 
   /* a binary file whose head is a text, cut */
   char bytes[84 + 120];
@@ -164,18 +164,18 @@ START_TEST(test_odd_files) {
   memcpy(bytes + 80, "\3\0\0\0", 4);
   memset(bytes + 84, 'x', 120);
   tdm_error cut = {0};
-  ck_assert_int_eq(dem_stl_read(&s, write_file(bytes, sizeof bytes), 1, NULL, &cut), TDM_ERR_FILE);
+  ck_assert_int_eq(tdm_stl_read(&s, write_file(bytes, sizeof bytes), 1, NULL, &cut), TDM_ERR_FILE);
   ck_assert_msg(strstr(cut.message, "counts 3 triangles, which take 234 bytes, but it has 204") != NULL, "%s",
                 cut.message);
-  dem_stl_destroy(&s);
+  tdm_stl_destroy(&s);
 
   /* scales with which nothing can be computed */
   static const double scales[] = {1e20, 1e-20, 1e300, 1e-300};
   for (int k = 0; k < 4; k++) {
     tdm_error err = {0};
-    ck_assert_int_eq(dem_stl_read(&s, write_file(good[0], strlen(good[0])), scales[k], NULL, &err), TDM_ERR_SCENE);
+    ck_assert_int_eq(tdm_stl_read(&s, write_file(good[0], strlen(good[0])), scales[k], NULL, &err), TDM_ERR_SCENE);
     ck_assert_msg(strstr(err.message, "\"scale\" = 1e"), "%s", err.message);
-    dem_stl_destroy(&s);
+    tdm_stl_destroy(&s);
   }
   unlink(file_of("file.stl"));
 }
@@ -199,14 +199,14 @@ START_TEST(test_bad_files) {
       {"solid x\n" FACET(V("0 0 0"), V("1 0 0"), V("0 1 0") V("1 1 0")) "endsolid", "line 7: \"vertex\""},
       {"solid x\n" TRIANGLE "endsolid\nrubbish\n", "line 10: \"rubbish\""},
   };
-  dem_stl s;
+  tdm_stl s;
   for (size_t i = 0; i < sizeof bads / sizeof *bads; i++) {
     tdm_error err = {0};
     const char *file = write_file(bads[i].text, strlen(bads[i].text));
-    ck_assert_int_eq(dem_stl_read(&s, file, 1, "dem.x", &err), TDM_ERR_FILE);
+    ck_assert_int_eq(tdm_stl_read(&s, file, 1, "dem.x", &err), TDM_ERR_FILE);
     ck_assert_msg(strstr(err.message, bads[i].says) && strstr(err.message, file), "%zu: %s", i, err.message);
     ck_assert_str_eq(err.path, "dem.x");
-    dem_stl_destroy(&s);
+    tdm_stl_destroy(&s);
   }
   /* binary: cut, too long, a count beyond all bounds, no triangles, NaN */
   static const struct {
@@ -227,22 +227,22 @@ START_TEST(test_bad_files) {
     if (binaries[i].nan)
       memcpy(bytes + 146, "\0\0\xc0\x7f", 4);
     tdm_error err = {0};
-    ck_assert_int_eq(dem_stl_read(&s, write_file(bytes, binaries[i].size), 1, NULL, &err), TDM_ERR_FILE);
+    ck_assert_int_eq(tdm_stl_read(&s, write_file(bytes, binaries[i].size), 1, NULL, &err), TDM_ERR_FILE);
     ck_assert_msg(strstr(err.message, binaries[i].says), "%zu: %s", i, err.message);
-    dem_stl_destroy(&s);
+    tdm_stl_destroy(&s);
   }
   unlink(file_of("file.stl"));
   tdm_error none = {0}, folder = {0};
-  ck_assert_int_eq(dem_stl_read(&s, "/nowhere/part.stl", 1, NULL, &none), TDM_ERR_FILE);
+  ck_assert_int_eq(tdm_stl_read(&s, "/nowhere/part.stl", 1, NULL, &none), TDM_ERR_FILE);
   ck_assert(strstr(none.message, "/nowhere/part.stl") != NULL);
-  ck_assert_int_eq(dem_stl_read(&s, "/tmp", 1, NULL, &folder), TDM_ERR_FILE);
+  ck_assert_int_eq(tdm_stl_read(&s, "/tmp", 1, NULL, &folder), TDM_ERR_FILE);
 }
 END_TEST
 
 /* ---- topology ---- */
 
 START_TEST(test_report_closed) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   add_cube(&s, tdm_v3(3, 4, 5), 63);
   dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
   const dem_mesh_report *r = dem_mesh_figures(m);
@@ -267,7 +267,7 @@ END_TEST
 
 /* a cube without its +z face, one triangle turned, one there twice (turned), two without area, a fin on an edge */
 START_TEST(test_report_faults) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   add_cube(&s, tdm_v3(0, 0, 0), 31);
   add(&s, s.corner[2], s.corner[1], s.corner[0]);
   tdm_vec3 turned = s.corner[0];
@@ -298,7 +298,7 @@ START_TEST(test_report_faults) {
   add(&s, tdm_v3(0, 0, 0), tdm_v3(1, 1, 1), tdm_v3(2, 2, 2));
   ck_assert_ptr_null(dem_mesh_make(&s, "needle", 0, "dem.x", &err));
   ck_assert(err.status == TDM_ERR_FILE && strstr(err.message, "needle"));
-  dem_stl_destroy(&s);
+  tdm_stl_destroy(&s);
 }
 END_TEST
 
@@ -306,7 +306,7 @@ END_TEST
 
 /* a soup of triangles of very different sizes */
 static dem_mesh *soup(int n) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   state = 7;
   for (int t = 0; t < n; t++) {
     tdm_vec3 a = tdm_v3(between(-1, 1), between(-1, 1), between(-1, 1));
@@ -375,7 +375,7 @@ enum { GRID = 12 };
 /* A square [-6, 6]^2 in triangles of all shapes: vertices on a grid of quarters moved inside it, diagonals either way.
  * Mapped by `to_world` (columns); coordinates are binary fractions, so exact in float32. */
 static dem_mesh *meshed_plane(tdm_mat3 to_world, bool turned) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   tdm_vec3 at[GRID + 1][GRID + 1];
   state = 11;
   for (int i = 0; i <= GRID; i++)
@@ -487,7 +487,7 @@ END_TEST
 
 /* A convex edge, corner: one contact, the nearest point; the gap and the normal are continuous. */
 START_TEST(test_convex) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   add_cube(&s, tdm_v3(0, 0, 0), 63);
   dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
   state = 3;
@@ -511,7 +511,7 @@ END_TEST
 
 /* Rolling around a cube across two sharp edges: the history goes on, the normal turns without a jump. */
 START_TEST(test_sharp_edge) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   add_cube(&s, tdm_v3(0, 0, 0), 63);
   dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
   dem_mesh_contact now[DEM_MESH_CONTACTS_MAX], before = {0};
@@ -542,7 +542,7 @@ END_TEST
 
 /* The tip of a pyramid of many faces: one contact, the tip. */
 START_TEST(test_fan) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   const int n = 500;
   for (int i = 0; i < n; i++) {
     double a = 2 * M_PI * i / n, b = 2 * M_PI * ((i + 1) % n) / n;
@@ -564,7 +564,7 @@ END_TEST
 
 /* A concave corner of three faces, from inside: one contact a face in reach, none more. */
 START_TEST(test_concave) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   add_cube(&s, tdm_v3(0.5, 0.5, 0.5), 1 | 4 | 16);
   dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
   ck_assert_int_eq(dem_mesh_figures(m)->open, 6);
@@ -633,7 +633,7 @@ enum { BUMPS = 10 };
 /* The contacts with a rough surface, without merging, against all triangles: the nearest point of a triangle is a
  * contact when no triangle that has this point is nearer, and counts once. */
 START_TEST(test_rough) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   state = 13;
   tdm_vec3 at[BUMPS + 1][BUMPS + 1];
   for (int i = 0; i <= BUMPS; i++)
@@ -691,7 +691,7 @@ END_TEST
 
 /* the inside of a drum of radius 1 along z, n facets, in `rows` rows; normals inward */
 static dem_mesh *drum(int n, int rows, double facet_angle) {
-  dem_stl s = {0};
+  tdm_stl s = {0};
   for (int i = 0; i < n; i++)
     for (int j = 0; j < rows; j++) {
       double a = 2 * M_PI * i / n, b = 2 * M_PI * ((i + 1) % n) / n, low = j, high = j + 1;
@@ -783,7 +783,7 @@ END_TEST
 /* A plane of two halves that share no vertex on their common line, and one whose vertices differ in the last digit. */
 START_TEST(test_cracks) {
   for (int kind = 0; kind < 2; kind++) {
-    dem_stl s = {0};
+    tdm_stl s = {0};
     double off = kind ? 1e-9 : 0;
     add_quad(&s, tdm_v3(-4, -4, 0), tdm_v3(0, -4, 0), tdm_v3(0, 4, 0), tdm_v3(-4, 4, 0));
     for (int j = 0; j < (kind ? 1 : 8); j++) {

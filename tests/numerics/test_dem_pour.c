@@ -195,8 +195,13 @@ START_TEST(test_ready) {
   ck_assert_int_eq((int)json_integer_value(json_object_get(json_object_get(ready.report, "fill"), "number")), 40);
   ck_assert_str_eq(ready.channel[0].name, "particles.count");
   ck_near(ready.initial[0], 41.0, 0);
-  ck_near(ready.initial[ready.nchannel - 2], 0.0, 0); /* balance.number, balance.mass */
-  ck_near(ready.initial[ready.nchannel - 1], 0.0, 0);
+  int nbalance = 0;
+  for (int c = 0; c < ready.nchannel; c++)
+    if (strncmp(ready.channel[c].name, "balance.", 8) == 0) {
+      ck_near(ready.initial[c], 0.0, 0);
+      nbalance++;
+    }
+  ck_assert_int_eq(nbalance, 2);
   dem_solver_ops.destroy(self);
   json_decref(json);
 }

@@ -12,11 +12,108 @@ static mbd_motion motion_of(const char *text) {
   tdm_error err = {0};
   json_t *json = scene_json(text);
   tdm_object o = tdm_object_open(json, "", &err);
-  mbd_motion_load(&motion, &o);
+  mbd_motion_load(&motion, &o, "motion");
   ck_assert_msg(!err.status, "%s: %s", err.path, err.message);
   json_decref(json);
   return motion;
 }
+
+/* value, rate and acceleration of every law at 0, and the rates against differences of the values over [-0.2, 2] */
+START_TEST(test_laws) {
+  static const struct {
+    const char *text;
+    double value, rate, acceleration;
+  } laws[] = {
+      {"{'motion':{'type':'constant','value':0.7}}", 0.7, 0, 0},
+      {"{'motion':{'type':'polynomial','coefficients':[1,-2,3,0.5]}}", 1, -2, 6},
+      {"{'motion':{'type':'harmonic','amplitude':2,'frequency':1.5,'phase':0.5,'mean':-1}}", -1 + 2 * 0.479425538604203,
+       2 * 3 * M_PI * 0.8775825618903728, -2 * 9 * M_PI * M_PI * 0.479425538604203},
+      {"{'motion':{'type':'harmonic','amplitude':2,'omega':3}}", 0, 6, 0},
+      {"{'motion':{'type':'step','from':1,'to':3,'start':0.3,'rise':1}}", 1, 0, 0},
+      /* x = t^3 - t, odd about 0, where a natural spline on symmetric points has no second derivative */
+      {"{'motion':{'type':'table','times':[-1,-0.5,0,0.5,1],'values':[0,0.375,0,-0.375,0]}}", 0, NAN, 0},
+      {"{'motion':{'type':'table','times':[-1,0,0.7,2],'values':[0,1,3,3],'interpolation':'steffen','after':'hold'}}",
+       1, NAN, NAN},
+      {"{'motion':{'type':'table','times':[0,0.25,0.5,0.75,1],'values':[0,1,0,-1,0],'interpolation':'periodic'}}", 0,
+       NAN, 0},
+  };
+  for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
+    mbd_motion m = motion_of(laws[i].text);
+    mbd_motion_value x = mbd_motion_at(&m, 0);
+    CLOSE(x.value, laws[i].value, 1e-13);
+    if (!isnan(laws[i].rate))
+      CLOSE(x.rate, laws[i].rate, 1e-13);
+    if (!isnan(laws[i].acceleration))
+      CLOSE(x.acceleration, laws[i].acceleration, 1e-12);
+    const double h = 1e-6;
+    for (double t = -0.2013; t < 2; t += 0.0373) {
+      mbd_motion_value lo = mbd_motion_at(&m, t - h), at = mbd_motion_at(&m, t), hi = mbd_motion_at(&m, t + h);
+      CLOSE(at.rate, (hi.value - lo.value) / (2 * h), 1e-7);
+      CLOSE(at.acceleration, (hi.rate - lo.rate) / (2 * h), 1e-5);
+    }
+    mbd_motion_clear(&m);
+  }
+}
+END_TEST
+
+/* a table from a file, with a line of names, comments and several separators, is that of the scene */
+START_TEST(test_law_file) {
+  const char *file = TANDEM_TEST_DIR "/test_mbd_law.csv";
+  FILE *f = fopen(file, "w");
+  ck_assert_ptr_nonnull(f);
+  fputs("time,angle\n# measured\n0, 0\n0.5;1e-1\n\n1 0.3\r\n2\t-0.2\n", f);
+  fclose(f);
+  mbd_motion a = motion_of("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
+  mbd_motion b = motion_of("{'motion':{'type':'table','times':[0,0.5,1,2],'values':[0,0.1,0.3,-0.2]}}");
+  for (double t = 0; t <= 2; t += 0.1)
+    CLOSE(mbd_motion_at(&a, t).value, mbd_motion_at(&b, t).value, 0);
+  CLOSE(mbd_motion_at(&a, 1).value, 0.3, 1e-15);
+  mbd_motion_clear(&a);
+  mbd_motion_clear(&b);
+
+  f = fopen(file, "w");
+  fputs("time,angle\n0,0\n0.5\n1,2\n", f);
+  fclose(f);
+  mbd_motion bad = {0};
+  tdm_error err = {0};
+  json_t *json = scene_json("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
+  tdm_object o = tdm_object_open(json, "", &err);
+  mbd_motion_load(&bad, &o, "motion");
+  ck_assert_int_eq(err.status, TDM_ERR_FILE);
+  ck_assert_msg(strstr(err.message, "line 3") != NULL, "%s", err.message);
+  mbd_motion_clear(&bad);
+  json_decref(json);
+}
+END_TEST
+
+/* the end of a smooth step, a table that repeats, one that holds */
+START_TEST(test_law_ends) {
+  mbd_motion m = motion_of("{'motion':{'type':'step','from':1,'to':3,'start':0.3,'rise':1}}");
+  CLOSE(mbd_motion_at(&m, 0.8).value, 2, 1e-15);
+  CLOSE(mbd_motion_at(&m, 5).value, 3, 0);
+  CLOSE(mbd_motion_at(&m, 5).rate, 0, 0);
+  tdm_error err = {0};
+  m = motion_of("{'motion':{'type':'table','times':[0,1,2,3],'values':[0,2,2,0],'interpolation':'periodic'}}");
+  for (int k = -2; k <= 2; k++)
+    CLOSE(mbd_motion_at(&m, 0.37 + 3 * k).value, mbd_motion_at(&m, 0.37).value, 1e-14);
+  ck_assert_int_eq(mbd_motion_check(&m, -100, 100, "p", "m", &err), TDM_OK);
+  mbd_motion_clear(&m);
+  m = motion_of("{'motion':{'type':'table','times':[0,1,2,3],'values':[0,2,3,3],'interpolation':'steffen','after':"
+                "'hold'}}");
+  ck_assert_int_eq(mbd_motion_check(&m, 0, 100, "p", "m", &err), TDM_OK);
+  CLOSE(mbd_motion_at(&m, 50).value, 3, 0);
+  CLOSE(mbd_motion_at(&m, 50).rate, 0, 0);
+  mbd_motion_clear(&m);
+  m = motion_of("{'motion':{'type':'table','times':[0,1,2],'values':[0,2,3]}}");
+  ck_assert_int_eq(mbd_motion_check(&m, 0, 2, "p", "m", &err), TDM_OK);
+  ck_assert_int_eq(mbd_motion_check(&m, 0, 2.001, "p", "m", &err), TDM_ERR_SCENE);
+  ck_assert_ptr_nonnull(strstr(err.message, "ends at t = 2 s"));
+  err.status = TDM_OK;
+  ck_assert_int_eq(mbd_motion_check(&m, -1, 2, "p", "m", &err), TDM_ERR_SCENE);
+  ck_assert_ptr_nonnull(strstr(err.message, "begins"));
+  mbd_motion_clear(&m);
+}
+END_TEST
 
 /* rate and acceleration are the derivatives of the value; the acceleration and its derivative have no jump */
 START_TEST(test_law) {
@@ -290,5 +387,5 @@ START_TEST(test_start_velocities) {
 }
 END_TEST
 
-TEST_MAIN("mbd driver", 240, test_law, test_step_start, test_smooth_start, test_long_windows, test_load, test_rotors,
-          test_work, test_start_velocities)
+TEST_MAIN("mbd driver", 240, test_law, test_laws, test_law_ends, test_law_file, test_step_start, test_smooth_start,
+          test_long_windows, test_load, test_rotors, test_work, test_start_velocities)

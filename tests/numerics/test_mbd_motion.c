@@ -85,7 +85,8 @@ START_TEST(test_free_body) {
   double row[8];
   run_open_good(&r,
                 "{'gravity':[0,0,0],'bodies':[{'name':'t','mass':1,'inertia':[1,2,3],'position':[0,0,0],"
-                "'angular_velocity':[0.006283185307179586,6.283185307179586,0.006283185307179586]}]," TIGHT "}",
+                "'angular_velocity':[0.006283185307179586,6.283185307179586,0.006283185307179586]}],"
+                "'solver':{'relative_tolerance':1e-12}}", /* an unstable axis: errors grow by 1e8 in 5 s */
                 "t");
   for (int k = 1; k <= 50; k++)
     run_to(&r, 0.1 * k);

@@ -70,7 +70,7 @@ START_TEST(test_torsional_turns) {
     double angle = A * sin(w * 0.1 * i);
     CLOSE(run_value(&r, "force.coil.angle"), angle, 2e-5);
     CLOSE(run_value(&r, "force.coil.value"), k * angle, 2e-4);
-    CLOSE(run_value(&r, "energy.kinetic") + run_value(&r, "energy.potential"), 0.5 * k * A * A, 2e-3);
+    CLOSE(run_value(&r, "energy.kinetic") + run_value(&r, "energy.springs"), 0.5 * k * A * A, 2e-3);
   }
   run_close(&r);
 }

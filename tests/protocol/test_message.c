@@ -101,6 +101,54 @@ START_TEST(result_round_trip) {
 }
 END_TEST
 
+/* a RESULT of k bodies with accelerations and a reduced model of f freedoms; the arrays are in `store` and `block` */
+static tdm_result extended_result(int k, int f, tdm_frame *store, double *block) {
+  tdm_error err = {0};
+  tdm_result out = {.window = 5, .t = 2, .nbody = k, .nstate = k, .nsample = 1, .nchannel = 1};
+  out.nacceleration = k;
+  out.has_mobility = true;
+  out.mobility = (tdm_mobility){.nbody = k, .nfree = f};
+  ck_assert_int_eq(tdm_result_layout(&out, store, &err), TDM_OK);
+  for (size_t i = 0; i < store->size / 8; i++)
+    ((double *)(void *)store->data)[i] = (double)i;
+  tdm_mobility_point(&out.mobility, block);
+  for (size_t i = 0; i < tdm_mobility_doubles(&out.mobility); i++)
+    block[i] = 1000 + (double)i;
+  return out;
+}
+
+START_TEST(mobility_round_trip) {
+  tdm_frame frame = {0}, store = {0}, store2 = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  double block[2000];
+  for (int f = 0; f <= 4; f += 2) {
+    tdm_result in, out = extended_result(2, f, &store, block);
+    size_t n = tdm_mobility_doubles(&out.mobility);
+    ck_assert_uint_eq(n, (size_t)(144 + 2 * f + 4 * 12 * f + 2 * f * f));
+    ck_assert_int_eq(tdm_result_write(&frame, &out, &err), TDM_OK);
+    ck_assert_uint_eq(frame.size, TDM_HEADER_BYTES + TDM_RESULT_BYTES + store.size + 8 * n);
+    ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_OK);
+    ck_assert_int_eq(in.nacceleration, 2);
+    ck_assert(in.has_mobility);
+    ck_assert_int_eq(in.mobility.nfree, f);
+    ck_assert_mem_eq(in.acceleration, out.acceleration, 12 * sizeof(double));
+    ck_assert_mem_eq(in.mobility.Y, block, n * sizeof(double)); /* one block, in wire order */
+    ck_assert_ptr_eq(in.mobility.B_rate + 12 * f, in.mobility.Y + n);
+    frame.data[TDM_HEADER_BYTES + 36] ^= 4; /* something else is announced */
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_ERR_PROTOCOL);
+    frame.data[TDM_HEADER_BYTES + 36] ^= 4;
+    frame.data[TDM_HEADER_BYTES + 38] = TDM_FREE_MAX + 1; /* too much freedom */
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_ERR_PROTOCOL);
+    err = (tdm_error){0};
+  }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+  tdm_frame_free(&store2);
+}
+END_TEST
+
 START_TEST(malformed_headers_are_refused) {
   tdm_frame frame = {0};
   tdm_error err = {0};
@@ -138,9 +186,14 @@ START_TEST(any_damage_is_survived) {
   tdm_frame frame = {0}, store = {0};
   tdm_error err = {0};
   tdm_step step = example_step();
-  ck_assert_int_eq(tdm_step_write(&frame, &step, &err), TDM_OK);
-  for (int type = TDM_STEP; type <= TDM_RESULT; type++) {
-    frame.data[6] = (uint8_t)type;
+  double block[2000];
+  for (int kind = 0; kind < 3; kind++) {
+    tdm_result result = extended_result(1, 2, &store, block);
+    if (kind < 2)
+      ck_assert_int_eq(tdm_step_write(&frame, &step, &err), TDM_OK);
+    else
+      ck_assert_int_eq(tdm_result_write(&frame, &result, &err), TDM_OK);
+    frame.data[6] = kind == 0 ? TDM_STEP : TDM_RESULT;
     for (size_t i = 0; i < frame.size; i++)
       for (int bit = 0; bit < 8; bit++) {
         tdm_header header;
@@ -202,5 +255,5 @@ START_TEST(errors_travel) {
 }
 END_TEST
 
-TEST_MAIN("message", 60, control_round_trip, step_round_trip, result_round_trip, malformed_headers_are_refused,
-          any_damage_is_survived, absurd_steps_are_refused, errors_travel)
+TEST_MAIN("message", 60, control_round_trip, step_round_trip, result_round_trip, mobility_round_trip,
+          malformed_headers_are_refused, any_damage_is_survived, absurd_steps_are_refused, errors_travel)

@@ -2,10 +2,8 @@
 #include "coupler/session.h"
 #include "dem/solver.h"
 #include "mbd/solver.h"
-#include "protocol/transport.h"
-#include "tests/test_main.h"
+#include "tests/protocol/wire.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,66 +16,10 @@ static const char grains[] =
     "0.2,0.2,0.2]}}],\"sources\":[{\"name\":\"s\",\"material\":\"a\",\"radius\":0.01,\"rate\":300,\"region\":{\"min\":"
     "[-0.15,-0.15,0.15],\"max\":[0.15,0.15,0.19]}}]}";
 
-typedef struct {
-  void *context;
-  tdm_transport *transport;
-  tdm_peer peer;
-  pthread_t thread;
-  tdm_frame out, store;
-  tdm_status ended; /* of the solver */
-  int nchannel;
-  tdm_error err;
-} wire;
-
 static const char endpoint[] = "inproc://test_restore";
 
-static void *solver(void *arg) {
-  wire *w = arg;
-  tdm_participant_def def = tdm_participant_default_def();
-  def.endpoint = endpoint;
-  def.context = w->context;
-  def.capabilities = dem_solver_ops.capabilities;
-  def.ncapability = dem_solver_ops.ncapability;
-  def.timeout = 5;
-  tdm_error err = {0};
-  w->ended = tdm_participant_run(&dem_solver_ops, &def, &err);
-  return NULL;
-}
-
-/* the next message but HEARTBEAT */
-static tdm_header hear(wire *w) {
-  tdm_header header = {0};
-  const void *data = NULL;
-  size_t size;
-  do {
-    ck_assert_int_eq(tdm_transport_receive(w->transport, 5000, &w->peer, &data, &size, &w->err), TDM_OK);
-    ck_assert_ptr_nonnull(data);
-    ck_assert_int_eq(tdm_header_read(&header, data, size, &w->err), TDM_OK);
-  } while (header.type == TDM_HEARTBEAT);
-  return header;
-}
-
-/* the JSON of the answer, which must be of type `answer`; the caller's */
-static json_t *say(wire *w, tdm_message_type type, json_t *json, tdm_message_type answer) {
-  ck_assert_int_eq(tdm_control_write(&w->out, type, 0, json, &w->err), TDM_OK);
-  json_decref(json);
-  ck_assert_int_eq(tdm_transport_send(w->transport, &w->peer, &w->out, &w->err), TDM_OK);
-  tdm_header header = hear(w);
-  ck_assert_str_eq(tdm_message_name(header.type), tdm_message_name(answer));
-  ck_assert_int_eq(tdm_control_read(&header, &json, &w->err), TDM_OK);
-  return json;
-}
-
-static void open_wire(wire *w) {
-  *w = (wire){.context = tdm_context_create()};
-  ck_assert_int_eq(tdm_transport_listen(&w->transport, endpoint, w->context, &w->err), TDM_OK);
-  pthread_create(&w->thread, NULL, solver, w);
-  tdm_header header = hear(w);
-  ck_assert_int_eq(header.type, TDM_HELLO);
-  json_t *hello;
-  ck_assert_int_eq(tdm_control_read(&header, &hello, &w->err), TDM_OK);
-  ck_assert_str_eq(json_string_value(json_array_get(json_object_get(hello, "capabilities"), 0)), "restore");
-  json_decref(hello);
+static void open_solver(wire *w) {
+  open_wire(w, &dem_solver_ops, endpoint, "restore");
   json_t *assign =
       json_pack("{s:o, s:f, s:f, s:f, s:i, s:s, s:f, s:[{s:s, s:f, s:[f,f,f,f,f,f,f,f,f], s:[f,f,f,f,f,f,"
                 "f,f,f,f,f,f,f]}]}",
@@ -88,18 +30,6 @@ static void open_wire(wire *w) {
   json_t *ready = say(w, TDM_ASSIGN, assign, TDM_READY);
   w->nchannel = (int)json_array_size(json_object_get(ready, "channels"));
   json_decref(ready);
-}
-
-static void close_wire(wire *w, bool finish) {
-  if (finish) {
-    tdm_control_write(&w->out, TDM_FINISH, 0, NULL, &w->err);
-    tdm_transport_send(w->transport, &w->peer, &w->out, &w->err);
-  }
-  pthread_join(w->thread, NULL);
-  tdm_transport_close(&w->transport);
-  tdm_context_destroy(&w->context);
-  tdm_frame_free(&w->out);
-  tdm_frame_free(&w->store);
 }
 
 typedef struct {
@@ -147,7 +77,7 @@ START_TEST(test_back_and_forth) {
   wire w;
   outcome out[2][20];
   for (int run = 0; run < 2; run++) {
-    open_wire(&w);
+    open_solver(&w);
     for (int k = 0; k < 20; k++) {
       if (run == 1) {
         state(&w, TDM_SAVE, k % 3);
@@ -170,7 +100,7 @@ END_TEST
 
 static void refused(json_t *slot) {
   wire w;
-  open_wire(&w);
+  open_solver(&w);
   json_t *answer = say(&w, TDM_RESTORE, json_pack("{s:o}", "slot", slot), TDM_ERROR);
   ck_assert_str_eq(json_string_value(json_object_get(answer, "status")), "TDM_ERR_PROTOCOL");
   ck_assert_ptr_nonnull(strstr(json_string_value(json_object_get(answer, "message")), "RESTORE"));

@@ -234,7 +234,7 @@ START_TEST(test_ready) {
   ck_near(s->ready.initial[0], 40, 0);
   close_session(s);
 
-  s = open_session(BED, 1e-2); /* far above every limit */
+  s = open_session(BED, 2e-3); /* far above every limit */
   ck_assert_int_eq(s->ready.nwarning, 1);
   ck_assert_str_eq(s->ready.warning[0].path, "time.dt");
   close_session(s);

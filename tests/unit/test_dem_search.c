@@ -119,8 +119,6 @@ static void finish(bench *b) {
     dem_search_destroy(&b->search[k]);
   dem_search_destroy(&b->all);
   ck_assert_ptr_null(b->all);
-  dem_rows_free(&b->rows);
-  dem_rows_free(&b->wanted);
 }
 
 static void check_all(bench *b, const char *what, const dem_search_input *input) {
@@ -236,7 +234,6 @@ START_TEST(test_lattice) {
       in.skin = 0; /* no longer near */
       ck_assert(dem_search_run(search, &in, &rows));
       ck_assert_uint_eq(rows.count, 0);
-      dem_rows_free(&rows);
       dem_search_destroy(&search);
     }
 }
@@ -296,8 +293,43 @@ START_TEST(test_far_in_large_bed) {
     ck_assert(dem_search_run(search, &(dem_search_input){.sphere = s, .n = N, .skin = 0.01, .nthread = 1}, &rows));
   ck_assert_uint_gt(rows.count, 2 * N - 3 * SIDE);
   dem_search_destroy(&search);
-  dem_rows_free(&rows);
   free(s);
+}
+END_TEST
+
+/* The rows do not depend on where they lie: in a block that is large enough, too small, or not there at all. What does
+ * not fit is taken elsewhere, and nothing is written behind the block. */
+START_TEST(test_scratch) {
+  enum { N = 1500, LARGE = 1 << 20, SMALL = 20000, GUARD = 64 };
+  cloud c = {"scratch", N, 0.8, 1, {15, 15, 15}, {false}, 0.1};
+  random_state = 5;
+  for (int i = 0; i < N; i++)
+    place(&c, &sphere[i]);
+  dem_search_input in = input_of(&c, 2);
+  bench b;
+  start(&b);
+  check_all(&b, c.what, &in);
+  char *block = aligned_alloc(64, LARGE + GUARD);
+  for (size_t size = SMALL; size <= LARGE; size += LARGE - SMALL) {
+    memset(block, 7, LARGE + GUARD);
+    dem_scratch scratch = {.block = block, .size = size};
+    in.scratch = &scratch;
+    dem_rows rows;
+    for (int call = 0; call < 2; call++) {
+      dem_scratch_back(&scratch, (dem_scratch_mark){0});
+      ck_assert(dem_search_run(b.search[0], &in, &rows));
+      compare(c.what, fast[0], N, &rows, &b.wanted);
+    }
+    ck_assert_int_eq(size == LARGE, scratch.heap == NULL);
+    ck_assert_uint_le(scratch.most, size);
+    for (int k = 0; k < GUARD; k++)
+      ck_assert_int_eq(block[size + (size_t)k], 7);
+    dem_scratch_back(&scratch, (dem_scratch_mark){0});
+    ck_assert_ptr_null(scratch.heap);
+    ck_assert_uint_eq(scratch.used, 0);
+  }
+  free(block);
+  finish(&b);
 }
 END_TEST
 
@@ -307,6 +339,7 @@ START_TEST(test_table) {
   for (const char *const *name = dem_search_names; *name; name++) {
     dem_search *search = dem_search_create(*name);
     ck_assert_ptr_nonnull(search);
+    ck_assert_str_eq(dem_search_name(search), *name);
     bool verlet = !strcmp(*name, "verlet-1967");
     ck_assert_double_eq(dem_search_skin(search, 0.2, 2), verlet ? 6 : 0.2); /* r_v = 5 r_max = 2 r_max + skin */
     ck_assert_int_eq(dem_search_interval(search), verlet ? 20 : 0);
@@ -321,6 +354,13 @@ START_TEST(test_choose) {
   dem_search_input in = {.sphere = sphere, .n = 1000, .skin = 0.1, .nthread = 1};
   ck_assert_str_eq(dem_search_choose(&in), "cells");
   sphere[500].radius = 30;
+  ck_assert_str_eq(dem_search_choose(&in), "grid");
+  for (int i = 0; i < 1000; i++) /* equal ones and one of volume v: 1000 v / (999 + v) */
+    sphere[i].radius = 1;
+  in.skin = 0;
+  sphere[7].radius = cbrt(30.5);
+  ck_assert_str_eq(dem_search_choose(&in), "cells");
+  sphere[7].radius = cbrt(31.5);
   ck_assert_str_eq(dem_search_choose(&in), "grid");
   in.n = 0;
   ck_assert_str_eq(dem_search_choose(&in), "cells");
@@ -420,6 +460,7 @@ int main(void) {
   tcase_add_test(tests, test_coincident);
   tcase_add_test(tests, test_far);
   tcase_add_test(tests, test_far_in_large_bed);
+  tcase_add_test(tests, test_scratch);
   tcase_add_test(tests, test_table);
   tcase_add_test(tests, test_choose);
   tcase_add_test(tests, test_table_2_2);

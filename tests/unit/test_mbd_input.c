@@ -13,6 +13,11 @@
 #define DRIVER(rest) DRIVERS("{'name':'motor'," rest "}")
 #define MOTOR(rest) DRIVER("'type':'rotational_motor','joint':'hinge','motion':{" rest "}")
 
+#define MARKED(rest)                                                                                              \
+  "{'bodies':[" BODY("box", ",'markers':[{'name':'tip'}]") "],'joints':[{'name':'j','type':'revolute','bodies':[" \
+                                                           "'ground','box']," rest "}]}"
+#define ON_HINGE(type, rest) "{" BOX ",'joints':[" HINGE(type) "],'forces':[{'name':'f','joint':'hinge'," rest "}]}"
+
 typedef struct {
   const char *scene, *coupled;
   tdm_status status;
@@ -64,14 +69,11 @@ static const bad_case cases[] = {
     {"{" BOX ",'joints':[{'name':'j','type':'fixed','bodies':['ground','box'],'point':[0,0,0]},"
      "{'name':'j','type':'fixed','bodies':['ground','box'],'point':[0,0,0]}]}",
      "", TDM_ERR_SCENE, "mbd.joints[1].name", "own name"},
-    {"{" BOX ",'joints':[{'name':'j','type':'fixed','bodies':['ground','box'],'point':[0,0,0]},"
-     "{'name':'h','type':'revolute','bodies':['ground','box'],'point':[0,0,0],'axis':[1,0,0]}]}",
-     "", TDM_ERR_SCENE, "mbd.joints[1]", "redundant"},
     {"{'bodies':[" BODY(
          "a",
          "") "],'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,1]},"
              "{'name':'j2','type':'prismatic','bodies':['ground','a'],'points':[[5,0,0],[0,0.5,0]],'axis':[0,1,0]}]}",
-     "", TDM_ERR_SCENE, "mbd.joints[1]", "redundant"},
+     "", TDM_ERR_SCENE, "mbd.joints[0]", "joint \"j2\""},
     {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1],'position':[0.5,0,0.5]},"
      "{'name':'b','mass':1,'inertia':[1,1,1],'position':[1.5,0,0.5]}],"
      "'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,0]},"
@@ -107,7 +109,7 @@ static const bad_case cases[] = {
      "mbd.drivers[0].name", "letters"},
     {"{" BOX ",'joints':[" HINGE(
          "prismatic") "],'drivers':[{'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}",
-     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "name a revolute joint"},
+     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "name a revolute, "},
     {"{" BOX ",'drivers':[{'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}", "", TDM_ERR_SCENE,
      "mbd.drivers[0].joint", "no joint"},
     {DRIVERS("{'name':'m1','type':'rotational_motor','joint':'hinge'," STEP
@@ -126,7 +128,7 @@ static const bad_case cases[] = {
                      "{'name':'weld','type':'fixed','bodies':['box','b'],'point':[0,0,0]},"
                      "{'name':'ball','type':'spherical','bodies':['ground','b'],'point':[0,1,0]}],'drivers':[{"
                      "'name':'motor','type':'rotational_motor','joint':'hinge'," STEP "}]}",
-     "", TDM_ERR_SCENE, "mbd.joints[2]", "redundant"},
+     "", TDM_ERR_SCENE, "mbd.drivers[0]", "redundant"},
     /* a four-bar: one crank drives the other */
     {"{'bodies':[{'name':'c1','mass':1,'inertia':[1,1,1],'position':[0,0.5,0]},"
      "{'name':'rod','mass':1,'inertia':[1,1,1],'position':[1,1,0.1]},"
@@ -137,7 +139,7 @@ static const bad_case cases[] = {
      "{'name':'h2','type':'revolute','bodies':['ground','c2'],'point':[2,0,0.2],'axis':[0,0,1]}],"
      "'drivers':[{'name':'m1','type':'rotational_motor','joint':'h1'," STEP "},"
      "{'name':'m2','type':'rotational_motor','joint':'h2'," STEP "}]}",
-     "", TDM_ERR_SCENE, "mbd.drivers[1]", "remove the driver"},
+     "", TDM_ERR_SCENE, "mbd.drivers[1]", "and the driver \"m1\" fix"},
     {MOTOR(""), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.type", ""},
     {MOTOR("'type':'constant_speed'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.type", "constant_rate"},
     {MOTOR("'type':'constant_rate','start':'step'"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rate", ""},
@@ -153,6 +155,147 @@ static const bad_case cases[] = {
      "smooth"},
     {MOTOR("'type':'constant_rate','rate':1,'start':'step','ramp':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.ramp",
      ""},
+    {MOTOR("'type':'polynomial','coefficients':[]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.coefficients", "empty"},
+    {MOTOR("'type':'polynomial','coefficients':[1,'a']"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.coefficients",
+     "element 1"},
+    {MOTOR("'type':'harmonic','amplitude':1,'frequency':1,'omega':1"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.omega",
+     "keep one"},
+    {MOTOR("'type':'step','to':1,'rise':0"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.rise", "greater than 0"},
+    {MOTOR("'type':'table','times':[0,1,1],'values':[0,1,2]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.times",
+     "ascending"},
+    {MOTOR("'type':'table','times':[0,1,2],'values':[0,1]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.values",
+     "one for each"},
+    {MOTOR("'type':'table','times':[0,1],'values':[0,1]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.times",
+     "at least 3"},
+    {MOTOR("'type':'table','file':'/nowhere/law.csv'"), "", TDM_ERR_FILE, "mbd.drivers[0].motion.file", "opened"},
+    {MOTOR("'type':'table','times':[0,1,2],'values':[0,1,2],'interpolation':'periodic'"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.times", "end where it begins"},
+    {MOTOR("'type':'table','times':[0,1,2],'values':[0,1,2],'after':'hold'"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.after", "at rest"},
+    {MOTOR("'type':'table','times':[0,0.2,0.5],'values':[0,1,2]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion",
+     "ends at t = 0.5 s"},
+    {"{" BOX
+     ",'joints':[" HINGE("cylindrical") "],'drivers':[{'name':'turn','type':'rotational_motor','joint':'hinge'," STEP
+                                        "},{'name':'push','type':'linear_motor','joint':'hinge'," STEP
+                                        "},{'name':'push_2','type':'linear_motor',"
+                                        "'joint':'hinge'," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[2].joint", "driven by \"push\" already"},
+    {"{" BOX ",'joints':[" HINGE("revolute") "],'drivers':[{'name':'push','type':'linear_motor','joint':'hinge'," STEP
+                                             "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[0].joint", "is revolute"},
+    {"{" BOX ",'drivers':[{'name':'m','type':'point_motion','bodies':['ground','box'],'point':[0,0,0],'direction':"
+     "[0,0,0]," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[0].direction", "zero"},
+    {"{" BOX ",'drivers':[{'name':'m','type':'point_motion','bodies':['ground','box'],'point':[0,0,0],'direction':"
+     "[0,0,1]," STEP "},{'name':'n','type':'point_motion','bodies':['ground','box'],'point':[0,0,1],'direction':"
+     "[0,0,1]," STEP "}]}",
+     "", TDM_ERR_SCENE, "mbd.drivers[1]", "and the driver \"m\" fix"},
+    {JOINT("'type':'universal','bodies':['ground','box'],'point':[0,0,0],'axes':[[0,0,1],[0,1,1]]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].axes", "45 degrees"},
+    {JOINT("'type':'universal','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].axis", "one for each body"},
+    {JOINT("'type':'rod','bodies':['ground','box'],'points':[[0,0,1],[0,0,1]]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].points", "coincide"},
+    {JOINT("'type':'rod','bodies':['ground','box'],'points':[[0,0,1],[0,0,2]],'length':0"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].length", "greater than 0"},
+    {JOINT("'type':'screw','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].pitch", ""},
+    {JOINT("'type':'gear','joints':['a','b'],'ratio':1"), "", TDM_ERR_SCENE, "mbd.joints[0].joints[0]",
+     "stands before this one"},
+    {JOINT("'type':'gear','bodies':['ground','box'],'ratio':1"), "", TDM_ERR_SCENE, "mbd.joints[0].joints", ""},
+    {"{" BOX ",'joints':[" HINGE("revolute") ",{'name':'g','type':'gear','joints':['hinge','hinge'],'ratio':1}]}", "",
+     TDM_ERR_SCENE, "mbd.joints[1].joints", "itself"},
+    {"{" BOX ",'joints':[" HINGE("revolute") ",{'name':'g','type':'gear','joints':['hinge','hynge'],'ratio':1}]}", "",
+     TDM_ERR_SCENE, "mbd.joints[1].joints[1]", "did you mean \"hinge\""},
+    {"{'bodies':[" BODY("box", "") "," BODY("b", "") "],'joints':[" HINGE(
+         "revolute") ",{'name':'h','type':'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},"
+                     "{'name':'g','type':'rack_and_pinion','joints':['hinge','h'],'radius':1}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[2].joints[1]", "is revolute"},
+    {"{'bodies':[" BODY("box", "") "," BODY("b", "") "],'joints':[" HINGE(
+         "revolute") ",{'name':'h','type':'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},"
+                     "{'name':'g','type':'gear','joints':['hinge','h'],'ratio':0}]}",
+     "", TDM_ERR_SCENE, "mbd.joints[2].ratio", "zero"},
+    {"{'bodies':[{'name':'dot','mass':1,'inertia':[0,0,0],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].inertia", "body \"dot\" would be a point"},
+    {"{'bodies':[{'name':'air','mass':0,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].mass", "body \"air\""},
+    {"{'bodies':[{'name':'a','shape':{'type':'bal','radius':1},'mass':1,'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].shape.type", ""},
+    {"{'bodies':[{'name':'a','shape':{'type':'sphere','radius':1},'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].mass", "density"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1,'density':5},'position':[0,0,0]}]}", "",
+     TDM_ERR_SCENE, "mbd.bodies[0].mass", "keep one"},
+    {"{'bodies':[" BODY("a", ",'shape':{'type':'sphere','radius':1}") "]}", "", TDM_ERR_SCENE, "mbd.bodies[0].inertia",
+     "keep one"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':0},'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].shape.radius", "greater than 0"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'box','size':[1,1,0]},'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].shape.size", "positive"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'tube','radius':1,'inner_radius':1,'length':1},'position':"
+     "[0,0,0]}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].shape.inner_radius", "below"},
+    {"{'bodies':[{'name':'a','shape':{'type':'sphere','radius':1e200,'density':1},'position':[0,0,0]}]}", "",
+     TDM_ERR_SCENE, "mbd.bodies[0].shape", "no finite"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1e-300},'position':[0,0,0]}]}", "",
+     TDM_ERR_SCENE, "mbd.bodies[0].shape", "would be a point"},
+    {"{'bodies':[{'name':'a','mass':1,'shape':{'type':'sphere','radius':1}}]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].position", ""},
+    {"{'bodies':[{'name':'a','shape':{'type':'mesh','file':'/nowhere/part.stl','density':1}}]}", "", TDM_ERR_FILE,
+     "mbd.bodies[0].shape.file", "opened"},
+    {"{'bodies':[" BODY("a", ",'markers':[{'name':'tip'},{'name':'tip'}]") "]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].markers[1].name", "each its own name"},
+    {"{'bodies':[" BODY("a", ",'markers':[{'name':'tip','frame':'world'}]") "]}", "", TDM_ERR_SCENE,
+     "mbd.bodies[0].markers[0].point", ""},
+    {MARKED("'point':'box.tipp'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"tip\""},
+    {MARKED("'point':'bxo.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"box\""},
+    {MARKED("'point':'tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "\"body.marker\""},
+    {MARKED("'point':'box.tip.z'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "names no point"},
+    {MARKED("'point':'box.tip','axis':'box.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].axis", "body.marker.z"},
+    {MARKED("'point':'box.tip','axis':'box.tip.w'"), "", TDM_ERR_SCENE, "mbd.joints[0].axis", "names no direction"},
+    {MARKED("'points':['box.tip','box.top']"), "", TDM_ERR_SCENE, "mbd.joints[0].points[1]", "no marker \"top\""},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness_table':[[0,1],[1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].stiffness_table", "same length"},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness_table':"
+           "[[0,1,2],[0,1,2]],'stiffness':1"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].stiffness", ""},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1,'damping_table':"
+           "[[-1,0,1],[1,0,1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].damping_table", "sign of the rate"},
+    {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1,'damping_table':"
+           "[[-1,1,2],[-1,1,1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].damping_table", "(0, 0)"},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[1,1,1]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", ""},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[1,1,1,1,-1,1]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", "negative eigenvalue"},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[[1,1,0,0,0,0],[0,1,0,0,0,0],"
+           "[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[0,0,0,0,0,1]]"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].stiffness", "not symmetric"},
+    {FORCE("'type':'bushing','bodies':['ground','box'],'point':[0,0,0],'stiffness':[[1,1],[1,1]]"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].stiffness", "6 rows"},
+    {FORCE("'type':'cable','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1,'smoothing':0"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].smoothing", "greater than 0"},
+    {FORCE("'type':'friction','joint':'j','limit':1,'velocity_scale':1"), "", TDM_ERR_SCENE, "mbd.forces[0].joint",
+     "no joint"},
+    {ON_HINGE("cylindrical", "'type':'friction','limit':1,'velocity_scale':1"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].coordinate", ""},
+    {ON_HINGE("revolute", "'type':'friction','coordinate':'translation','limit':1,'velocity_scale':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].coordinate", "has no translation"},
+    {ON_HINGE("revolute", "'type':'friction','limit':1,'coefficient':1,'velocity_scale':1"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].limit", "keep one"},
+    {ON_HINGE("revolute", "'type':'stop','stiffness':1"), "", TDM_ERR_SCENE, "mbd.forces[0].upper", "both"},
+    {ON_HINGE("revolute", "'type':'stop','stiffness':1,'lower':1,'upper':0"), "", TDM_ERR_SCENE, "mbd.forces[0].upper",
+     "not above"},
+    {ON_HINGE("revolute", "'type':'stop','stiffness':1,'upper':0,'exponent':0.5"), "", TDM_ERR_SCENE,
+     "mbd.forces[0].exponent", "Hertz"},
+    {FORCE("'type':'bump','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'radii':[0,0],'stiffness':1"), "",
+     TDM_ERR_SCENE, "mbd.forces[0].radii", "positive"},
+    {FORCE("'type':'wrench','body':'box'"), "", TDM_ERR_SCENE, "mbd.forces[0].force", "zero"},
+    {FORCE("'type':'wrench','body':'ground','force':[1,0,0]"), "", TDM_ERR_SCENE, "mbd.forces[0].body", "moves"},
+    {FORCE("'type':'wrench','body':'bx','force':[1,0,0]"), "", TDM_ERR_SCENE, "mbd.forces[0].body", "box"},
+    {FORCE(
+         "'type':'wrench','body':'box','force':[1,0,0],'factor':{'type':'table','times':[0,0.1,0.2],'values':[0,1,2]}"),
+     "", TDM_ERR_SCENE, "mbd.forces[0].factor", "ends at"},
     {"{" BOX ",'drivers':{}}", "", TDM_ERR_SCENE, "mbd.drivers", ""},
     {"{" BOX ",'solver':{'max_order':6}}", "", TDM_ERR_SCENE, "mbd.solver.max_order", "1 to 5"},
     {"{" BOX ",'solver':{'relative_tolerance':0}}", "", TDM_ERR_SCENE, "mbd.solver.relative_tolerance", ""},
@@ -190,12 +333,13 @@ START_TEST(test_good_scene) {
               "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
       "box");
   ck_assert_int_eq(r.ready.nwarning, 0);
-  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 13 + 3);
+  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 13 + 7);
   ck_assert_str_eq(r.ready.body[0].name, "box");
   CLOSE(r.ready.body[0].mass, 10, 0);
   CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);
   CLOSE(r.ready.initial[run_channel(&r, "force.spring.value")], 105, 1e-12);
-  CLOSE(r.ready.initial[run_channel(&r, "energy.potential")], 10 * 9.81 + 50 + 5, 1e-9);
+  CLOSE(r.ready.initial[run_channel(&r, "energy.potential")], 10 * 9.81, 1e-9);
+  CLOSE(r.ready.initial[run_channel(&r, "energy.springs")], 50 + 5, 1e-9);
   ck_assert_str_eq(r.ready.channel[run_channel(&r, "joint.rail.mx")].unit, "N m");
   ck_assert_str_eq(r.ready.channel[run_channel(&r, "body.free.wz")].unit, "rad/s");
   ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 7);

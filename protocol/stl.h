@@ -4,8 +4,8 @@
  * (many programs write that); else one that begins with "solid" and has no zero bytes at its beginning is text. The
  * normals of the file are ignored: the corners' order gives them.
  */
-#ifndef DEM_GEOMETRY_STL_H
-#define DEM_GEOMETRY_STL_H
+#ifndef TDM_STL_H
+#define TDM_STL_H
 
 #include "protocol/status.h"
 #include "protocol/vec3.h"
@@ -13,15 +13,15 @@
 typedef struct {
   int count;
   tdm_vec3 *corner; /* (count x 3) in the file's order, times the scale [m] */
-} dem_stl;
+} tdm_stl;
 
 /* Read `file`, every coordinate times `scale`. An error names the file and its line or byte; `path` is the scene key
  * that named the file, or NULL. The caller destroys *stl (also after an error). */
-tdm_status dem_stl_read(dem_stl *stl, const char *file, double scale, const char *path, tdm_error *err);
+tdm_status tdm_stl_read(tdm_stl *stl, const char *file, double scale, const char *path, tdm_error *err);
 
 /* Write a binary file; coordinates are rounded to float32. */
-tdm_status dem_stl_write(const dem_stl *stl, const char *file, tdm_error *err);
+tdm_status tdm_stl_write(const tdm_stl *stl, const char *file, tdm_error *err);
 
-void dem_stl_destroy(dem_stl *stl);
+void tdm_stl_destroy(tdm_stl *stl);
 
 #endif

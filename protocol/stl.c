@@ -1,5 +1,5 @@
 /* STL files: see stl.h. */
-#include "dem/geometry/stl.h"
+#include "protocol/stl.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -24,7 +24,7 @@ typedef struct {
   double scale;
   const char *at; /* text: the next byte */
   long line;
-  dem_stl *stl;
+  tdm_stl *stl;
   int capacity;
 } reader;
 
@@ -76,13 +76,13 @@ static bool place_corner(reader *r, tdm_vec3 x, const char *place, tdm_vec3 *out
     fail(r, TDM_ERR_SCENE, "\"scale\" = %g takes a corner of \"%s\" from [%g, %g, %g] to [%g, %g, %g] m; correct it",
          r->scale, r->file, x.x, x.y, x.z, out->x, out->y, out->z);
   else
-    fail(r, TDM_ERR_FILE, "\"%s\" %s at [%g, %g, %g] is no number or too large; export it again", r->file,
-         place, x.x, x.y, x.z);
+    fail(r, TDM_ERR_FILE, "\"%s\" %s at [%g, %g, %g] is no number or too large; export it again", r->file, place, x.x,
+         x.y, x.z);
   return false;
 }
 
 static bool append(reader *r, const tdm_vec3 corner[3]) {
-  dem_stl *s = r->stl;
+  tdm_stl *s = r->stl;
   if (s->count == r->capacity) {
     int capacity = r->capacity ? 2 * r->capacity : 64;
     tdm_vec3 *grown = s->count < TRIANGLES_MAX ? realloc(s->corner, 3 * (size_t)capacity * sizeof *grown) : NULL;
@@ -264,7 +264,7 @@ static bool looks_like_text(const reader *r) {
 }
 
 /* so small that the squares of lengths would vanish */
-static bool vanishes(const dem_stl *s) {
+static bool vanishes(const tdm_stl *s) {
   double most = 0;
   for (int k = 1; k < 3 * s->count; k++) {
     tdm_vec3 d = tdm_sub(s->corner[k], s->corner[0]);
@@ -297,8 +297,8 @@ static void read_bytes(reader *r) {
          r->file);
 }
 
-tdm_status dem_stl_read(dem_stl *stl, const char *file, double scale, const char *path, tdm_error *err) {
-  *stl = (dem_stl){0};
+tdm_status tdm_stl_read(tdm_stl *stl, const char *file, double scale, const char *path, tdm_error *err) {
+  *stl = (tdm_stl){0};
   reader r = {.file = file, .path = path, .err = err, .scale = scale, .stl = stl};
   if (load(&r) == TDM_OK)
     read_bytes(&r);
@@ -321,7 +321,7 @@ static void put_vector(unsigned char *b, tdm_vec3 v) {
   }
 }
 
-tdm_status dem_stl_write(const dem_stl *stl, const char *file, tdm_error *err) {
+tdm_status tdm_stl_write(const tdm_stl *stl, const char *file, tdm_error *err) {
   FILE *f = fopen(file, "wb");
   if (!f)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be written: %s", file, strerror(errno));
@@ -340,7 +340,7 @@ tdm_status dem_stl_write(const dem_stl *stl, const char *file, tdm_error *err) {
   return good ? TDM_OK : tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" could not be written: %s", file, strerror(errno));
 }
 
-void dem_stl_destroy(dem_stl *stl) {
+void tdm_stl_destroy(tdm_stl *stl) {
   free(stl->corner);
-  *stl = (dem_stl){0};
+  *stl = (tdm_stl){0};
 }

@@ -1,0 +1,51 @@
+/* Forces on the triangles of meshes: see traction.h. */
+#include "dem/geometry/traction.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool dem_traction_reserve(dem_data *d) {
+  dem_traction *t = &d->traction;
+  if (!t->wanted)
+    return true;
+  if (!t->force)
+    t->force = calloc((size_t)d->model->ntriangle, sizeof *t->force);
+  if (!t->entry_force || t->capacity < d->walls.count) {
+    free(t->entry_force);
+    t->capacity = d->walls.capacity + 1;
+    t->entry_force = malloc(t->capacity * sizeof *t->entry_force);
+  }
+  return t->force && t->entry_force;
+}
+
+tdm_vec3 *dem_traction_entries(dem_data *d) {
+  dem_traction *t = &d->traction;
+  if (!t->wanted)
+    return NULL;
+  assert(t->capacity >= d->walls.count);
+  memset(t->entry_force, 0, d->walls.count * sizeof *t->entry_force);
+  return t->entry_force;
+}
+
+void dem_traction_clear(dem_data *d) {
+  if (d->traction.wanted)
+    memset(d->traction.force, 0, (size_t)d->model->ntriangle * sizeof *d->traction.force);
+}
+
+void dem_traction_add(dem_data *d, double share) {
+  const dem_traction *t = &d->traction;
+  for (size_t k = 0; t->wanted && k < d->walls.count; k++) {
+    const dem_wall_entry *e = &d->walls.entry[k];
+    if (!d->model->wall[e->wall].mesh)
+      continue;
+    tdm_vec3 *sum = &t->force[d->model->first_triangle[e->wall] + e->part];
+    *sum = tdm_axpy(-share, t->entry_force[k], *sum);
+  }
+}
+
+void dem_traction_free(dem_data *d) {
+  free(d->traction.force);
+  free(d->traction.entry_force);
+  d->traction = (dem_traction){0};
+}

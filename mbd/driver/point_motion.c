@@ -1,0 +1,14 @@
+/* Point motion: a point of the second body moves along a direction that is fixed in the first, by the law's value from
+ * its place in the start configuration; across the direction it is free. Three of them prescribe its path. */
+#include "mbd/driver/driver.h"
+#include "mbd/load.h"
+
+static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
+  driver->joint = &driver->frame;
+  mbd_load_bodies(o, model, driver->frame.body);
+  mbd_joint_set_frame(&driver->frame, model, mbd_load_point(o, model, "point"),
+                      mbd_load_direction(o, model, "direction"));
+}
+
+extern const mbd_driver_ops mbd_driver_point_motion;
+const mbd_driver_ops mbd_driver_point_motion = {"point_motion", MBD_TRANSLATION, load};

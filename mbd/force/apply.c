@@ -1,0 +1,161 @@
+/* Forces along coordinates of a pair: see force.h. */
+#include "mbd/force/force.h"
+#include "mbd/load.h"
+
+#include <string.h>
+
+void mbd_force_rates(const mbd_force_value *value, const mbd_kin *a, const mbd_kin *b, double *rate) {
+  double twist[MBD_PAIR];
+  mbd_pair_twist(a, b, twist);
+  for (int k = 0; k < value->rows.n; k++) {
+    rate[k] = 0;
+    for (int i = 0; i < MBD_PAIR; i++)
+      rate[k] += value->rows.G[k][i] * twist[i];
+  }
+}
+
+/* K and C of row k: dQ = -G_k df_k - f_k dG_k, df_k = sum_j by_x dx_j + by_rate dxdot_j, and dxdot_j = G_j dV + V^T H_j
+ * dq */
+static void derivatives(mbd_force_value *value, const double twist[MBD_PAIR], int k, double f, const double *by_x,
+                        const double *by_rate) {
+  const mbd_rows *r = &value->rows;
+  double by_q[MBD_PAIR] = {0}, by_v[MBD_PAIR] = {0};
+  for (int j = 0; j < r->n; j++)
+    for (int l = 0; l < MBD_PAIR; l++) {
+      by_q[l] += by_x[j] * r->G[j][l];
+      by_v[l] += by_rate[j] * r->G[j][l];
+      for (int i = 0; i < MBD_PAIR && by_rate[j] != 0; i++)
+        by_q[l] += by_rate[j] * twist[i] * r->H[j][i][l];
+    }
+  for (int i = 0; i < MBD_PAIR; i++)
+    for (int l = 0; l < MBD_PAIR; l++) {
+      value->K[i][l] -= r->G[k][i] * by_q[l] + f * r->H[k][i][l];
+      value->C[i][l] -= r->G[k][i] * by_v[l];
+    }
+}
+
+void mbd_force_apply(mbd_force_value *value, const mbd_kin *a, const mbd_kin *b, const double *f, const double *by_x,
+                     const double *by_rate) {
+  const mbd_rows *r = &value->rows;
+  double twist[MBD_PAIR];
+  mbd_pair_twist(a, b, twist);
+  for (int k = 0; k < r->n; k++) {
+    for (int i = 0; i < MBD_PAIR; i++)
+      value->Q[i] -= f[k] * r->G[k][i];
+    if (value->second)
+      derivatives(value, twist, k, f[k], by_x + r->n * k, by_rate + r->n * k);
+  }
+}
+
+void mbd_force_apply_scalar(mbd_force_value *value, const mbd_kin *a, const mbd_kin *b, double x, double rate,
+                            const mbd_scalar *law) {
+  mbd_force_apply(value, a, b, &law->f, &law->by_x, &law->by_rate);
+  value->value = law->f;
+  value->coordinate = x;
+  value->rate = rate;
+  value->potential = law->potential;
+  value->dissipated = law->dissipated;
+}
+
+double mbd_force_distance(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value,
+                          double *rate) {
+  mbd_rows_distance(&value->rows, a, b, mbd_joint_arm(&force->frame, 0, a), mbd_joint_arm(&force->frame, 1, b), 0);
+  mbd_force_rates(value, a, b, rate);
+  return value->rows.g[0];
+}
+
+double mbd_force_coordinate(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value,
+                            double *rate) {
+  double from = force->coordinate == MBD_ANGLE ? value->near : 0;
+  mbd_joint_coordinate(force->joint, force->coordinate, a, b, from, &value->rows);
+  mbd_force_rates(value, a, b, rate);
+  return from + value->rows.g[0];
+}
+
+double mbd_force_load_points(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  tdm_vec3 point[2];
+  mbd_load_bodies(o, model, f->body);
+  memcpy(f->frame.body, f->body, sizeof f->body);
+  mbd_load_points(o, model, NULL, "points", point);
+  double length = tdm_norm(tdm_sub(point[1], point[0]));
+  if (!o->err->status && !(length > 1e-9))
+    tdm_object_fail(o, "points", "coincide, so that the force has no direction; move one of them");
+  for (int side = 0; side < 2; side++)
+    f->frame.arm[side] = mbd_model_arm(model, f->body[side], point[side]);
+  return length;
+}
+
+/* ---- laws ---- */
+
+/* Heat only: the table has the sign of the rate, and goes through zero. */
+static void check_damper(const mbd_force *force, tdm_object *o) {
+  const double *x, *y;
+  int n = mbd_curve_points(force->damper, &x, &y);
+  bool zero = false;
+  for (int i = 0; i < n; i++) {
+    zero = zero || (x[i] == 0 && y[i] == 0);
+    if (x[i] * y[i] < 0)
+      tdm_object_fail(o, "damping_table", "drives the motion at the rate %g; give forces with the sign of the rate",
+                      x[i]);
+  }
+  if (!zero)
+    tdm_object_fail(o, "damping_table", "must contain the point (0, 0): a damper at rest has no force");
+}
+
+void mbd_spring_load(mbd_force *f, tdm_object *o) {
+  static const char *const between[] = {"cspline", "steffen"};
+  if (tdm_has(o, "stiffness_table"))
+    mbd_curve_load_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 0) == 1);
+  else
+    f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_NOT_NEGATIVE);
+  if (tdm_has(o, "damping_table"))
+    mbd_curve_load_table(&f->damper, o, "damping_table", true);
+  else
+    f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
+  f->preload = tdm_get_number(o, "preload", 0, TDM_ANY);
+  if (f->damper && !o->err->status)
+    check_damper(f, o);
+}
+
+mbd_scalar mbd_spring_law(const mbd_force *f, double x, double rate) {
+  double stretch = x - f->free;
+  mbd_curve_value spring = {f->stiffness * stretch, f->stiffness, 0}, damper = {f->damping * rate, f->damping, 0};
+  double potential = 0.5 * f->stiffness * stretch * stretch;
+  if (f->spring) {
+    spring = mbd_curve_at(f->spring, stretch);
+    potential = mbd_curve_integral(f->spring, stretch);
+  }
+  if (f->damper)
+    damper = mbd_curve_at(f->damper, rate);
+  return (mbd_scalar){.f = spring.y + damper.y + f->preload,
+                      .by_x = spring.slope,
+                      .by_rate = damper.slope,
+                      .potential = potential + f->preload * stretch,
+                      .dissipated = damper.y * rate};
+}
+
+void mbd_contact_load(mbd_force *f, tdm_object *o) {
+  f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
+  f->exponent = tdm_get_number(o, "exponent", 1, TDM_POSITIVE);
+  f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
+  if (!o->err->status && f->exponent < 1)
+    tdm_object_fail(o, "exponent",
+                    "is %g; give 1 (a spring), 1.5 (Hertz) or more: below 1 the contact would begin "
+                    "with an infinite stiffness",
+                    f->exponent);
+}
+
+mbd_scalar mbd_contact_law(const mbd_force *f, double penetration, double rate) {
+  if (!(penetration > 0))
+    return (mbd_scalar){0, 0, 0, 0, 0};
+  double slope = f->stiffness * (f->exponent == 1 ? 1 : f->exponent * pow(penetration, f->exponent - 1));
+  double elastic = slope * penetration / f->exponent, grip = 1 + f->damping * rate;
+  mbd_scalar law = {.potential = elastic * penetration / (f->exponent + 1)};
+  if (grip > 0) {
+    law.f = elastic * grip;
+    law.by_x = slope * grip;
+    law.by_rate = elastic * f->damping;
+  }
+  law.dissipated = (law.f - elastic) * rate;
+  return law;
+}

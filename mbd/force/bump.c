@@ -1,0 +1,51 @@
+/* Bump: unilateral contact without friction between a sphere of the second body and a plane of the first (that body is
+ * on the side against the normal), or between two spheres. */
+#include "mbd/force/force.h"
+#include "mbd/load.h"
+
+#include <string.h>
+
+static void load_plane(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  tdm_vec3 point = mbd_load_point(o, model, "point"), foot = mbd_load_point(o, model, "plane_point");
+  mbd_joint_set_frame(&f->frame, model, foot, mbd_load_direction(o, model, "normal"));
+  f->frame.arm[1] = mbd_model_arm(model, f->body[1], point);
+  f->radius = tdm_get_number(o, "radius", 0, TDM_NOT_NEGATIVE);
+  f->plane = true;
+}
+
+static void load_spheres(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  double radii[2] = {0, 0};
+  mbd_force_load_points(f, o, model);
+  tdm_get_numbers(o, "radii", radii, 2, true);
+  f->radius = radii[0] + radii[1];
+  if (!o->err->status && (radii[0] < 0 || radii[1] < 0 || !(f->radius > 0)))
+    tdm_object_fail(o, "radii", "are %g and %g m; give radii of which one is positive and none negative", radii[0],
+                    radii[1]);
+}
+
+static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  if (tdm_has(o, "normal")) {
+    mbd_load_bodies(o, model, f->body);
+    memcpy(f->frame.body, f->body, sizeof f->body);
+    load_plane(f, o, model);
+  } else
+    load_spheres(f, o, model);
+  mbd_contact_load(f, o);
+}
+
+static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
+  double rate, gap;
+  if (f->plane) {
+    mbd_joint_coordinate(&f->frame, MBD_TRANSLATION, a, b, 0, &out->rows);
+    mbd_force_rates(out, a, b, &rate);
+    gap = out->rows.g[0] - f->radius;
+  } else
+    gap = mbd_force_distance(f, a, b, out, &rate) - f->radius;
+  mbd_scalar law = mbd_contact_law(f, -gap, -rate);
+  law.f = -law.f;
+  mbd_force_apply_scalar(out, a, b, gap, rate, &law);
+  out->value = -law.f;
+}
+
+extern const mbd_force_ops mbd_force_bump;
+const mbd_force_ops mbd_force_bump = {"bump", "N", "gap", "m", load, eval};

@@ -1,0 +1,41 @@
+/* Cable: a spring-damper that pulls but never pushes.
+ *
+ * Its stiffness sets in over the length e after the stretch s = l - l0 has passed 0: spring force k s^2/(2e) up to s =
+ * e, k (s - e/2) after it. The damping grows with the stiffness, so that the tension k s^2/(2e) + c s/e ldot is
+ * continuous; it is cut off at zero. */
+#include "mbd/force/force.h"
+#include "mbd/load.h"
+
+static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  double length = mbd_force_load_points(f, o, model);
+  f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
+  f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
+  f->free = tdm_get_number(o, "free_length", length, TDM_POSITIVE);
+  f->smoothing = tdm_get_number(o, "smoothing", 1e-3 * f->free, TDM_POSITIVE);
+}
+
+static mbd_scalar tension(const mbd_force *f, double stretch, double rate) {
+  const double e = f->smoothing, k = f->stiffness;
+  mbd_scalar law = {0, 0, 0, 0, 0};
+  if (!(stretch > 0))
+    return law;
+  double part = fmin(1, stretch / e), beyond = stretch - 0.5 * e;
+  double elastic = stretch < e ? 0.5 * k * stretch * part : k * beyond, damping = f->damping * part;
+  law.potential = stretch < e ? k * stretch * stretch * part / 6 : 0.5 * k * (beyond * beyond + e * e / 12);
+  if (elastic + damping * rate > 0) {
+    law.f = elastic + damping * rate;
+    law.by_x = k * part + (stretch < e ? f->damping * rate / e : 0);
+    law.by_rate = damping;
+  }
+  law.dissipated = (law.f - elastic) * rate;
+  return law;
+}
+
+static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
+  double rate, length = mbd_force_distance(f, a, b, out, &rate);
+  mbd_scalar law = tension(f, length - f->free, rate);
+  mbd_force_apply_scalar(out, a, b, length, rate, &law);
+}
+
+extern const mbd_force_ops mbd_force_cable;
+const mbd_force_ops mbd_force_cable = {"cable", "N", "length", "m", load, eval};

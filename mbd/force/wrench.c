@@ -1,0 +1,47 @@
+/* Wrench: a force and a moment from outside on one body, in axes of the world or of the body, times a factor that may
+ * be a function of time. */
+#include "mbd/force/force.h"
+#include "mbd/load.h"
+
+static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  static const char *const axes[] = {"world", "body"};
+  const tdm_vec3 zero = {0, 0, 0};
+  f->body[0] = MBD_GROUND;
+  f->body[1] = mbd_load_body(o, model);
+  if (tdm_has(o, "point"))
+    f->frame.arm[1] = mbd_model_arm(model, f->body[1], mbd_load_point(o, model, "point"));
+  f->force = tdm_get_vec3(o, "force", &zero);
+  f->moment = tdm_get_vec3(o, "moment", &zero);
+  f->follows = tdm_get_choice(o, "axes", axes, 2, 0) == 1;
+  if (tdm_has(o, "factor"))
+    mbd_motion_load(&f->factor, o, "factor");
+  if (!o->err->status && !(tdm_norm(f->force) + tdm_norm(f->moment) > 0))
+    tdm_object_fail(o, "force", "and \"moment\" are zero; give one of them");
+}
+
+static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
+  (void)a;
+  double factor = f->factor.ops ? mbd_motion_at(&f->factor, out->now).value : 1;
+  tdm_vec3 arm = mbd_joint_arm(&f->frame, 1, b), force = tdm_scale(factor, f->force);
+  tdm_vec3 moment = tdm_scale(factor, f->moment);
+  if (f->follows) {
+    force = tdm_m3_mul(b->A, force);
+    moment = tdm_m3_mul(b->A, moment);
+  }
+  tdm_vec3 total = tdm_add(moment, tdm_cross(arm, force));
+  mbd_put3(out->Q + MBD_RB, 1, force);
+  mbd_put3(out->Q + MBD_TB, 1, total);
+  out->value = factor * tdm_norm(f->force);
+  out->coordinate = factor;
+  out->supplied = tdm_dot(force, b->v) + tdm_dot(total, b->w);
+  if (!out->second)
+    return;
+  if (f->follows) { /* d(a) = -[a] dtheta of a body-fixed vector a */
+    mbd_put33(out->K, MBD_RB, MBD_TB, -1, tdm_m3_skew(force));
+    mbd_put33(out->K, MBD_TB, MBD_TB, -1, tdm_m3_skew(total));
+  } else /* d(s x f) = [f][s] dtheta */
+    mbd_put33(out->K, MBD_TB, MBD_TB, 1, mbd_skew2(force, arm));
+}
+
+extern const mbd_force_ops mbd_force_wrench;
+const mbd_force_ops mbd_force_wrench = {"wrench", "N", "factor", "1", load, eval};

@@ -1,0 +1,30 @@
+/* Gear pair: theta_1 + ratio theta_2 = 0 for the angles of two joints, each counted over turns. One row.
+ *
+ * A positive ratio, teeth of the second over teeth of the first, is an external mesh: the wheels turn against each
+ * other. A negative one is an internal mesh or a belt. Joints whose first body is a carrier make a planetary gear.
+ */
+#include "mbd/joint/joint.h"
+#include "mbd/load.h"
+
+static const char *const equation[] = {"mesh"};
+
+static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+  const unsigned coordinates[2] = {MBD_HAS_ANGLE, MBD_HAS_ANGLE};
+  mbd_load_joints(o, model, coordinates, joint->of);
+  joint->ratio = tdm_get_number(o, "ratio", TDM_REQUIRED, TDM_ANY);
+  if (o->err->status)
+    return;
+  if (joint->ratio == 0)
+    tdm_object_fail(o, "ratio", "is zero; give teeth of the second wheel over teeth of the first");
+  mbd_joint_between(joint);
+}
+
+static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {
+  mbd_joint_coordinate(j->of[rows->part], MBD_ANGLE, a, b, rows->turn, rows);
+  rows->g[0] += rows->turn;
+  if (rows->part == 1)
+    mbd_rows_scale(rows, j->ratio);
+}
+
+extern const mbd_joint_ops mbd_joint_gear;
+const mbd_joint_ops mbd_joint_gear = {"gear", 1, equation, load, eval, 0, true};

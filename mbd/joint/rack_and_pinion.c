@@ -1,0 +1,29 @@
+/* Rack and pinion: the second joint's translation is radius times the first joint's angle, counted over turns. One row.
+ * A negative radius turns the direction round. */
+#include "mbd/joint/joint.h"
+#include "mbd/load.h"
+
+static const char *const equation[] = {"mesh"};
+
+static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+  const unsigned coordinates[2] = {MBD_HAS_ANGLE, MBD_HAS_TRANSLATION};
+  mbd_load_joints(o, model, coordinates, joint->of);
+  joint->ratio = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_ANY);
+  if (o->err->status)
+    return;
+  if (joint->ratio == 0)
+    tdm_object_fail(o, "radius", "is zero; give the radius of the pinion's pitch circle");
+  mbd_joint_between(joint);
+}
+
+static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {
+  if (rows->part == 0) {
+    mbd_joint_coordinate(j->of[0], MBD_ANGLE, a, b, rows->turn, rows);
+    rows->g[0] += rows->turn;
+    mbd_rows_scale(rows, -j->ratio);
+  } else
+    mbd_joint_coordinate(j->of[1], MBD_TRANSLATION, a, b, 0, rows);
+}
+
+extern const mbd_joint_ops mbd_joint_rack_and_pinion;
+const mbd_joint_ops mbd_joint_rack_and_pinion = {"rack_and_pinion", 1, equation, load, eval, 0, true};

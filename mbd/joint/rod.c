@@ -1,0 +1,25 @@
+/* Rod: the distance between two points is constant; a massless link with a ball at each end. One row. */
+#include "mbd/joint/joint.h"
+#include "mbd/load.h"
+
+static const char *const equation[] = {"distance"};
+
+static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+  tdm_vec3 point[2];
+  mbd_load_points(o, model, NULL, "points", point);
+  double start = tdm_norm(tdm_sub(point[1], point[0]));
+  if (!o->err->status && !(start > 1e-9))
+    tdm_object_fail(o, "points", "coincide, so that the rod has no direction; move one, or use a spherical joint");
+  joint->length = tdm_get_number(o, "length", start, TDM_POSITIVE);
+  for (int side = 0; side < 2; side++) {
+    joint->arm[side] = mbd_model_arm(model, joint->body[side], point[side]);
+    joint->axes[side] = tdm_m3_identity();
+  }
+}
+
+static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {
+  mbd_rows_distance(rows, a, b, mbd_joint_arm(j, 0, a), mbd_joint_arm(j, 1, b), j->length);
+}
+
+extern const mbd_joint_ops mbd_joint_rod;
+const mbd_joint_ops mbd_joint_rod = {"rod", 1, equation, load, eval, 0, false};

@@ -1,0 +1,19 @@
+/* Screw: a cylindrical joint whose translation is pitch/2pi times its angle, counted over turns. Five rows. */
+#include "mbd/joint/joint.h"
+
+static const char *const equation[] = {"offset 1", "offset 2", "tilt 1", "tilt 2", "lead"};
+
+static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+  mbd_joint_load_frame(joint, o, model, true);
+  joint->ratio = tdm_get_number(o, "pitch", TDM_REQUIRED, TDM_ANY) / (2 * M_PI);
+}
+
+static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {
+  mbd_joint_cylindrical.eval(j, a, b, rows);
+  mbd_joint_coordinate(j, MBD_TRANSLATION, a, b, j->ratio * rows->turn, rows);
+  mbd_joint_coordinate(j, MBD_ANGLE, a, b, rows->turn, rows);
+  mbd_rows_merge(rows, -j->ratio);
+}
+
+extern const mbd_joint_ops mbd_joint_screw;
+const mbd_joint_ops mbd_joint_screw = {"screw", 5, equation, load, eval, MBD_HAS_ANGLE | MBD_HAS_TRANSLATION, false};

@@ -1,0 +1,204 @@
+#include "protocol/alone.h"
+
+#include "protocol/log.h"
+#include "protocol/plot.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+static const double flush_interval = 1; /* of the time histories, wall clock [s] */
+
+/* ---- start ---- */
+
+tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err) {
+  const tdm_alone_options *o = run->options;
+  if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
+    return err->status;
+  for (const char *const *set = o->set; set && *set; set++)
+    if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
+      return err->status;
+  return TDM_OK;
+}
+
+tdm_status tdm_alone_open(tdm_alone *run, const char *const *old, tdm_error *err) {
+  const tdm_alone_options *o = run->options;
+  const char *role = run->program->ops->role;
+  char name[64], log[4352];
+  snprintf(name, sizeof name, "%s.log", role);
+  snprintf(log, sizeof log, "%s/%s", o->out, name);
+  if (!o->force && access(log, F_OK) == 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL,
+                    "%s: holds the results of an earlier run; give another directory with --out, or replace them with "
+                    "--force",
+                    o->out);
+  if (tdm_results_open(&run->results, o->out, o->scene, name, old, err) != TDM_OK)
+    return err->status;
+  tdm_log_open(run->results.log, role);
+  return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
+}
+
+void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) {
+  assert(run->ndoubt < TDM_ALONE_DOUBTS);
+  tdm_warning *w = &run->doubt[run->ndoubt++];
+  snprintf(w->path, sizeof w->path, "%s", path);
+  va_list args;
+  va_start(args, format);
+  vsnprintf(w->message, sizeof w->message, format, args);
+  va_end(args);
+}
+
+void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end) {
+  if (interval > end * (1 + 1e-9))
+    tdm_alone_doubt(run, "output.interval",
+                    "is %g s but the run ends at %g s: the time histories have its start and its end only", interval,
+                    end);
+}
+
+static tdm_status heed(tdm_alone *run, const tdm_warning *w, tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  tdm_error place = {0};
+  tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
+  json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
+  tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+          tdm_log_quote(quoted, sizeof quoted, place.message));
+  if (run->options->strict)
+    return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
+  tdm_scene_locate(&run->scene, &place);
+  fprintf(stderr, "%s: warning: %s\n", run->program->name, place.message);
+  return TDM_OK;
+}
+
+/* Doubts about the settings, and the solver's: printed, or refused when strict. */
+static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
+  for (int k = 0; k < run->ndoubt && err->status == TDM_OK; k++)
+    heed(run, &run->doubt[k], err);
+  for (int k = 0; k < run->ready.nwarning && err->status == TDM_OK; k++)
+    heed(run, &run->ready.warning[k], err);
+  return err->status;
+}
+
+tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err) {
+  const tdm_solver_ops *ops = run->program->ops;
+  const tdm_assignment assignment = {
+      .scene = json_object_get(run->scene.root, ops->role), .time_end = end, .dt = dt, .n = 1};
+  run->warnings = json_array();
+  if (ops->create(&run->solver, &assignment, &run->ready, NULL, err) != TDM_OK)
+    return err->status;
+  run->values = calloc((size_t)run->ready.nchannel + 1, sizeof *run->values);
+  if (!run->values || !run->warnings)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  memcpy(run->values, run->ready.initial, (size_t)run->ready.nchannel * sizeof *run->values);
+  return heed_warnings(run, err);
+}
+
+/* ---- time histories ---- */
+
+tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
+  run->channels = tdm_results_file(&run->results, "channels.csv", err);
+  if (!run->channels)
+    return err->status;
+  fputs("time [s]", run->channels);
+  for (int c = 0; c < run->ready.nchannel; c++)
+    fprintf(run->channels, ",%s [%s]", run->ready.channel[c].name, run->ready.channel[c].unit);
+  fputc('\n', run->channels);
+  return TDM_OK;
+}
+
+tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err) {
+  tdm_write_row(run->channels, t, values, run->ready.nchannel);
+  run->nrow++;
+  double now = tdm_clock();
+  if (now - run->last_flush > flush_interval) {
+    run->last_flush = now;
+    fflush(run->channels);
+  }
+  if (ferror(run->channels))
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s/channels.csv: cannot be written: %s; what is there stays readable",
+             run->results.dir, strerror(errno));
+  return err->status;
+}
+
+void tdm_alone_close(tdm_alone *run, tdm_error *err) {
+  bool bad = ferror(run->channels);
+  if (fclose(run->channels) != 0 || bad)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s/channels.csv: cannot be written: %s", run->results.dir, strerror(errno));
+  run->channels = NULL;
+}
+
+static bool wanted(const char *channel, const char *const *of) {
+  for (; of && *of; of++)
+    if (strncmp(channel, *of, strlen(*of)) == 0)
+      return true;
+  return !of;
+}
+
+tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
+  enum { PANELS = 16, CURVES = 24 };
+  tdm_plot plot[PANELS] = {0};
+  tdm_curve curve[PANELS][CURVES];
+  char using[PANELS][CURVES][16];
+  int nplot = 0;
+  for (int c = 0; c < run->ready.nchannel; c++) {
+    const tdm_channel *channel = &run->ready.channel[c];
+    int k = 0;
+    while (k < nplot && strcmp(plot[k].ylabel, channel->unit) != 0)
+      k++;
+    if (k == PANELS || !wanted(channel->name, of))
+      continue;
+    if (k == nplot)
+      plot[nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = channel->unit, .curve = curve[k]};
+    int i = plot[k].ncurve;
+    if (i == CURVES)
+      continue;
+    snprintf(using[k][i], sizeof using[k][i], "1:%d", c + 2);
+    curve[k][plot[k].ncurve++] = (tdm_curve){"channels.csv", using[k][i], channel -> name, "lines lw 2"};
+  }
+  return nplot > 0 ? tdm_plot_write(run->results.dir, name, nplot, plot, err) : TDM_OK;
+}
+
+/* ---- end ---- */
+
+json_t *tdm_real_or_null(double x) {
+  return isfinite(x) ? json_real(x) : json_null();
+}
+
+json_t *tdm_alone_summary(const tdm_alone *run, const tdm_error *err) {
+  struct utsname machine = {0};
+  char name[4096];
+  uname(&machine);
+  snprintf(name, sizeof name, "%s", run->options->scene);
+  tdm_utf8_clean(name);
+  json_t *json = json_pack("{s:s, s:s, s:s, s:{s:s, s:s, s:i}}", "tandem", TANDEM_VERSION, "software",
+                           run->program->ops->software, "scene", name, "machine", "system", machine.sysname,
+                           "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN));
+  json_object_set(json, "report", run->ready.report ? run->ready.report : json_null());
+  json_object_set(json, "warnings", run->warnings ? run->warnings : json_null());
+  json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
+  if (err->status != TDM_OK)
+    json_object_set_new(json, "error", json_string(err->message));
+  return json;
+}
+
+void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  if (err->status != TDM_OK)
+    tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
+            tdm_log_quote(quoted, sizeof quoted, err->message));
+  else
+    tdm_log(TDM_LOG_INFO, "finished", "%s", pairs);
+}
+
+void tdm_alone_free(tdm_alone *run) {
+  tdm_log_open(NULL, run->program->ops->role);
+  tdm_results_close(&run->results);
+  run->program->ops->destroy(run->solver);
+  json_decref(run->warnings);
+  free(run->values);
+  tdm_scene_destroy(&run->scene);
+}

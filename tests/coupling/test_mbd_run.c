@@ -1,0 +1,229 @@
+/* tandem-mbd run and check as a user calls them: the files of a run, bit-identity, wrong input. */
+#include "coupler/table.h"
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdbool.h>
+
+/* A pendulum whose centre of mass is 1 m from its pivot, released level; 0.1 m + inertia of a ball. */
+static const char scene[] =
+    "{\"time\": {\"end\": 0.5},\n"
+    " \"output\": {\"interval\": 0.01},\n"
+    " \"mbd\": {\"gravity\": [0, -9.81, 0],\n"
+    "  \"bodies\": [{\"name\": \"bob\", \"mass\": 2, \"inertia\": [0.1, 0.1, 0.1], \"position\": [1, 0, 0]}],\n"
+    "  \"joints\": [{\"name\": \"pivot\", \"type\": \"revolute\", \"bodies\": [\"ground\", \"bob\"], \"point\": [0, 0, "
+    "0],\n"
+    "   \"axis\": [0, 0, 1]}]}}\n";
+
+static const char *dir;
+
+static void setup(void) {
+  dir = directory_make();
+  write_file(dir, "scene.json", scene);
+}
+
+static void run(const char *out, const char *options) {
+  int status = command("tandem-mbd run %s/scene.json --out %s/%s %s", dir, dir, out, options);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+}
+
+static bool is_there(const char *out, const char *name) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/%s/%s", dir, out, name);
+  return access(path, F_OK) == 0;
+}
+
+static void read_channels(const char *out, cpl_table *t) {
+  char path[512];
+  tdm_error err = {0};
+  snprintf(path, sizeof path, "%s/%s/channels.csv", dir, out);
+  ck_assert_msg(cpl_table_read(t, path, &err) == TDM_OK, "%s", err.message);
+}
+
+static const double *column(const cpl_table *t, const char *name) {
+  tdm_error err = {0};
+  const double *c = cpl_table_column(t, name, &err);
+  ck_assert_msg(c != NULL, "%s", err.message);
+  return c;
+}
+
+static double number(const json_t *json, const char *a, const char *b) {
+  const json_t *value = json_object_get(json, a);
+  value = b ? json_object_get(value, b) : value;
+  ck_assert_msg(json_is_number(value), "%s.%s is no number", a, b ? b : "");
+  return json_number_value(value);
+}
+
+START_TEST(a_run_writes_its_files) {
+  setup();
+  run("out", "--set mbd.solver.relative_tolerance=1e-10");
+  static const char *const files[] = {"channels.csv", "scene.json",   "summary.json",  "mbd.log",  "motion.png",
+                                      "motion.svg",   "energies.png", "reactions.png", "drift.png"};
+  for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+    ck_assert_msg(is_there("out", files[i]), "%s", files[i]);
+  cpl_table t;
+  read_channels("out", &t);
+  ck_assert_int_eq(t.nrow, 51);
+  const double *time = column(&t, "time"), *x = column(&t, "body.bob.x"), *y = column(&t, "body.bob.y");
+  const double *kinetic = column(&t, "energy.kinetic"), *potential = column(&t, "energy.potential");
+  const double *fy = column(&t, "joint.pivot.fy"), *drift = column(&t, "constraint.drift");
+  ck_assert_double_eq(time[0], 0);
+  ck_assert_double_eq_tol(time[50], 0.5, 1e-15);
+  for (int i = 0; i < t.nrow; i++) {
+    ck_assert_double_eq_tol(x[i] * x[i] + y[i] * y[i], 1, 1e-8);
+    ck_assert_double_eq_tol(kinetic[i] + potential[i], 0, 1e-7);
+    ck_assert(drift[i] >= 0 && drift[i] < 1e-9);
+  }
+  /* at rest and level the pivot carries the weight less m g / (1 + I/(m l^2)) */
+  ck_assert_double_eq_tol(fy[0], 2 * 9.81 * (1 - 1 / 1.05), 1e-9);
+  cpl_table_free(&t);
+
+  char path[512];
+  snprintf(path, sizeof path, "%s/out/summary.json", dir);
+  json_t *summary = json_load_file(path, 0, NULL);
+  ck_assert_str_eq(json_string_value(json_object_get(summary, "status")), "TDM_OK");
+  ck_assert_str_eq(json_string_value(json_object_get(json_object_get(summary, "solver"), "formulation")), "ggl");
+  ck_assert_double_eq(number(summary, "simulated_s", NULL), 0.5);
+  ck_assert(number(summary, "integrator", "steps") > 20 && number(summary, "integrator", "residuals") > 20);
+  ck_assert(number(summary, "wall_s", "mbd") > 0);
+  ck_assert(number(summary, "constraint_drift", NULL) < 1e-9);
+  ck_assert_double_eq(number(summary, "report", "degrees_of_freedom"), 1);
+  json_decref(summary);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(runs_are_bit_identical) {
+  setup();
+  run("one", "");
+  run("two", "");
+  ck_assert_msg(command("cmp %s/one/channels.csv %s/two/channels.csv", dir, dir) == 0, "%s", command_output);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(windows_and_grid_change_little) {
+  setup();
+  run("one", "--set mbd.solver.relative_tolerance=1e-10");
+  run("two", "--set mbd.solver.relative_tolerance=1e-10 --set time.dt=0.013 --set output.interval=0.1");
+  cpl_table a, b;
+  read_channels("one", &a);
+  read_channels("two", &b);
+  ck_assert_int_eq(b.nrow, 6);
+  for (int i = 0; i < b.nrow; i++)
+    ck_assert_double_eq_tol(column(&b, "body.bob.y")[i], column(&a, "body.bob.y")[10 * i], 1e-7);
+  cpl_table_free(&a);
+  /* a grid that does not end with the run */
+  run("three", "--set output.interval=0.03");
+  read_channels("three", &a);
+  ck_assert_int_eq(a.nrow, 18);
+  ck_assert_double_eq_tol(column(&a, "time")[16], 0.48, 1e-15);
+  ck_assert_double_eq(column(&a, "time")[17], 0.5);
+  ck_assert_double_eq_tol(column(&a, "body.bob.y")[17], column(&b, "body.bob.y")[5], 1e-5);
+  cpl_table_free(&a);
+  run("four", "--set output.interval=0.7");
+  expect_output("output.interval: is 0.7 s but the run ends at 0.5 s");
+  read_channels("four", &a);
+  ck_assert_int_eq(a.nrow, 2);
+  ck_assert_double_eq(column(&a, "time")[1], 0.5);
+  cpl_table_free(&a);
+  cpl_table_free(&b);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(results_are_kept) {
+  setup();
+  run("out", "");
+  ck_assert_int_eq(command("tandem-mbd run %s/scene.json --out %s/out", dir, dir), 1);
+  expect_output("--force");
+  run("out", "--force --set time.end=0.1");
+  cpl_table t;
+  read_channels("out", &t);
+  ck_assert_int_eq(t.nrow, 11);
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(without_gnuplot_runs_work) {
+  setup();
+  int status = command("env PATH=/nowhere " TANDEM_BIN_DIR "/tandem-mbd run %s/scene.json --out %s/out", dir, dir);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+  expect_output("gnuplot is not installed");
+  ck_assert(is_there("out", "channels.csv") && is_there("out", "summary.json"));
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(check_says_what_would_run) {
+  setup();
+  ck_assert_int_eq(command("tandem-mbd check %s/scene.json --set mbd.formulation=index3", dir), 0);
+  expect_output("index3");
+  expect_output("degrees_of_freedom           1");
+  expect_output("51 rows");
+  ck_assert_int_eq(command("tandem-mbd check %s/scene.json --out x", dir), 2);
+  expect_output("--out does not go with");
+  ck_assert_int_eq(command("tandem-mbd check heavy_top --scenarios " TANDEM_SOURCE_DIR "/scenarios"), 0);
+  directory_remove(dir);
+}
+END_TEST
+
+static const struct {
+  const char *options, *path, *words;
+} cases[] = {
+    {"--set time.end=0", "time.end", "greater than 0"},
+    {"--set time.dt=0", "time.dt", "greater than 0"},
+    {"--set time.dt=2", "time.dt", "longer than the whole run"},
+    {"--set time.edn=1", "time.edn", "did you mean \"end\""},
+    {"--set output.interval=0", "output.interval", "greater than 0"},
+    {"--set output.interval=1e-12", "output.interval", "take longer ones"},
+    {"--set output.intervall=1", "output.intervall", "did you mean \"interval\""},
+    {"--set coupling.n=3", "coupling", "tandem run"},
+    {"--set dem.bodies=[]", "dem", "tandem run"},
+    {"--set mbdd.gravity=1", "mbdd", "did you mean \"mbd\""},
+    {"--set mbd.joints[0].bodies[1]=\"bobb\"", "mbd.joints[0].bodies[1]", "did you mean \"bob\""},
+    {"--set mbd.bodies[0].mass=0", "mbd.bodies[0].mass", "greater than 0"},
+    {"--set mbd.bodies[0].velocity=[1,0,0] --strict", "mbd.bodies[0].velocity", "strict"},
+};
+
+START_TEST(values_of_the_scene) {
+  setup();
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    int status = command("tandem-mbd run %s/scene.json --out %s/out --force %s", dir, dir, cases[i].options);
+    ck_assert_msg(status == 1, "%s: exit status %d: %s", cases[i].options, status, command_output);
+    char path[256];
+    snprintf(path, sizeof path, ": %s: ", cases[i].path);
+    ck_assert_msg(
+        strstr(command_output, path) && strstr(command_output, cases[i].words) && strstr(command_output, "scene.json:"),
+        "%s: expected place, \"%s\" and \"%s\" in: %s", cases[i].options, path, cases[i].words, command_output);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+static const struct {
+  const char *line, *words;
+} lines[] = {
+    {"tandem-mbd rnu x", "did you mean run"},    {"tandem-mbd run", "name one scene"},
+    {"tandem-mbd run a b", "name one scene"},    {"tandem-mbd run x --frce", "did you mean --force"},
+    {"tandem-mbd run x --out", "needs a value"},
+};
+
+START_TEST(command_lines) {
+  for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+    int status = command("%s", lines[i].line);
+    ck_assert_msg(status == 2 && strstr(command_output, lines[i].words), "%s: %d, %s", lines[i].line, status,
+                  command_output);
+  }
+  ck_assert_int_eq(command("tandem-mbd run nothing_of_that_name"), 1);
+  expect_output("neither a scene file nor a scenario");
+  ck_assert_int_eq(command("tandem-mbd --help"), 0);
+  expect_output("tandem-mbd run SCENE");
+}
+END_TEST
+
+TEST_MAIN("mbd_run", 60, a_run_writes_its_files, runs_are_bit_identical, windows_and_grid_change_little,
+          results_are_kept, without_gnuplot_runs_work, check_says_what_would_run, values_of_the_scene, command_lines)

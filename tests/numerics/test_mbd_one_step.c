@@ -1,0 +1,385 @@
+/* The one-step formulation: order, constraints, energy, loads that jump from window to window, samples inside a step.
+ */
+#include "mbd/kin.h"
+#include "test_mbd_support.h"
+#include "tests/test_main.h"
+
+#define HEAVY_TOP                                                                                              \
+  "'bodies':[{'name':'top','mass':15,'inertia':[0.234375,0.46875,0.234375],'position':[0,1,0],"                \
+  "'angular_velocity':[0,150,-4.61538],'velocity':[4.61538,0,0]}],'joints':[{'name':'tip','type':'spherical'," \
+  "'bodies':['ground','top'],'point':[0,0,0]}]"
+/* tilted axis, asymmetric body, spring and damper: nothing is zero by symmetry */
+#define PENDULUM                                                                                             \
+  "'bodies':[{'name':'bob','mass':2,'inertia':[0.3,0.2,0.4],'position':[1,0,0]}],'joints':[{'name':'hinge'," \
+  "'type':'revolute','bodies':['ground','bob'],'point':[0,0,0],'axis':[0,1,0.3]}]"
+#define DOUBLE                                                                                                   \
+  "'bodies':[{'name':'a','mass':1,'inertia':[0.1,0.1,0.1],'position':[0.5,0,0]},{'name':'b','mass':1,'inertia':" \
+  "[0.1,0.1,0.1],'position':[1.5,0,0]}],'joints':[{'name':'h1','type':'revolute','bodies':['ground','a'],"       \
+  "'point':[0,0,0],'axis':[0,1,0]},{'name':'h2','type':'revolute','bodies':['a','b'],'point':[1,0,0],"           \
+  "'axis':[0,1,0.2]}],'forces':[{'name':'s','type':'spring_damper','bodies':['ground','b'],'points':[[2,0,2],"   \
+  "[1.5,0,0]],'stiffness':30,'damping':0.3}]"
+
+/* The state of `body` at `end` in windows of H; the largest constraint violation into *drift. */
+static tdm_state state_at(const char *scene, const char *settings, const char *body, double end, double H,
+                          double *drift) {
+  char text[2048];
+  snprintf(text, sizeof text, "{%s,%s}", scene, settings);
+  run r;
+  run_open_good(&r, text, body);
+  long n = lround(end / H);
+  double most = 0;
+  for (long k = 1; k <= n; k++) {
+    double t1 = end * (double)k / (double)n;
+    if (k % 50 && k < n)
+      run_window(&r, t1, NULL, 0, 0, NULL);
+    else
+      run_to(&r, t1);
+    most = fmax(most, k % 50 && k < n ? 0 : run_value(&r, "constraint.drift"));
+  }
+  if (drift)
+    *drift = most;
+  tdm_state s = r.state[0];
+  run_close(&r);
+  return s;
+}
+
+static double apart(tdm_state a, tdm_state b) {
+  double d = tdm_norm(tdm_sub(a.pose.position, b.pose.position));
+  tdm_quat turn = tdm_quat_mul(a.pose.orientation, tdm_quat_conj(b.pose.orientation));
+  d = fmax(d, tdm_norm(tdm_quat_to_rotvec(turn)));
+  d = fmax(d, tdm_norm(tdm_sub(a.twist.velocity, b.twist.velocity)));
+  return fmax(d, tdm_norm(tdm_sub(a.twist.angular, b.twist.angular)));
+}
+
+START_TEST(test_order) {
+  static const struct {
+    const char *scene, *body;
+    double end, H;
+  } cases[] = {{PENDULUM, "bob", 1, 0.01}, {HEAVY_TOP, "top", 0.5, 1e-3}, {DOUBLE, "b", 1, 0.005}};
+  const char *scene = cases[_i].scene, *body = cases[_i].body;
+  tdm_state exact = state_at(scene, "'solver':{'relative_tolerance':1e-10,'max_step':1e-3}", body, cases[_i].end,
+                             cases[_i].end, NULL);
+  for (int radius = 0; radius < 3; radius++) {
+    char settings[100];
+    double error[3], drift;
+    snprintf(settings, sizeof settings, "'formulation':'one_step','solver':{'spectral_radius':%g}", 0.4 * radius);
+    for (int k = 0; k < 3; k++) {
+      error[k] = apart(exact, state_at(scene, settings, body, cases[_i].end, cases[_i].H / (1 << k), &drift));
+      ck_assert_msg(drift < 1e-10, "drift %g", drift);
+    }
+    for (int k = 0; k < 2; k++) {
+      double order = log2(error[k] / error[k + 1]);
+      ck_assert_msg(order > 1.9 && order < 2.15, "case %d, radius %g: order %g", _i, 0.4 * radius, order);
+    }
+  }
+}
+END_TEST
+
+/* the trajectory that two formulations agree on to 1e-11 */
+START_TEST(test_heavy_top) {
+  const tdm_vec3 exact = {-0.702468297057, -0.021165184701, -0.711400257652};
+  double drift;
+  tdm_state s = state_at(HEAVY_TOP, "'formulation':'one_step'", "top", 0.5, 2e-5, &drift);
+  ck_assert_double_lt(tdm_norm(tdm_sub(s.pose.position, exact)), 2e-6);
+  ck_assert_double_lt(drift, 1e-10);
+}
+END_TEST
+
+/* no damping but the method's own: the energy of a swing stays */
+START_TEST(test_energy) {
+  run r;
+  run_open_good(&r, "{" PENDULUM ",'formulation':'one_step'}", "bob");
+  run_to(&r, 1e-3);
+  double first = run_value(&r, "energy.kinetic") + run_value(&r, "energy.potential"), most = 0, kinetic = 0;
+  for (int k = 2; k <= 50000; k++)
+    if (k % 100)
+      run_window(&r, 1e-3 * k, NULL, 0, 0, NULL);
+    else {
+      run_to(&r, 1e-3 * k);
+      kinetic = fmax(kinetic, run_value(&r, "energy.kinetic"));
+      most = fmax(most, fabs(run_value(&r, "energy.kinetic") + run_value(&r, "energy.potential") - first));
+    }
+  ck_assert_msg(most < 2e-5 * kinetic, "energy: %g of %g", most, kinetic);
+  run_close(&r);
+}
+END_TEST
+
+#define GUIDE(k, c)                                                                                            \
+  "{'gravity':[0,0,0],'formulation':'one_step','bodies':[{'name':'box','mass':2,'inertia':[1,1,1],'position':" \
+  "[0,0,0]}],'joints':[{'name':'guide','type':'prismatic','bodies':['ground','box'],'point':[0,0,0],'axis':"   \
+  "[0,0,1]}],'forces':[{'name':'spring','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,1],"   \
+  "[0,0,0]],'stiffness':" k ",'damping':" c "}]}"
+
+static double noise(unsigned *seed) {
+  *seed = *seed * 1664525u + 1013904223u;
+  return (double)(*seed >> 8) / (1 << 23) - 1;
+}
+
+/* A load that is another polynomial in each window: the impulse is exact, whatever the window. */
+START_TEST(test_impulse) {
+  static const double windows[] = {1e-2, 1e-5, 1e-7};
+  run r;
+  unsigned seed = 7;
+  double v = 0, x = 0, H = windows[_i];
+  run_open_good(&r, GUIDE("0", "0"), "box");
+  for (int k = 0; k < 300; k++) {
+    tdm_wrench load[4] = {{{0, 0, 0}, {0, 0, 0}}};
+    double c[4];
+    for (int j = 0; j < 4; j++) {
+      c[j] = 100 * noise(&seed);
+      load[j].force = tdm_v3(noise(&seed), noise(&seed), c[j]);
+    }
+    int n = 1 + k / 75; /* constants first, up to cubics */
+    run_window(&r, H * (k + 1), load, n, 0, NULL);
+    x += H * v;
+    for (int j = 0; j < n; j++) {
+      v += H * c[j] / 2 / (j + 1);
+      x += H * H * c[j] / 2 / (j + 1) / (j + 2);
+    }
+    CLOSE(r.state[0].twist.velocity.z, v, 1e-12);
+    if (n == 1)
+      CLOSE(r.state[0].pose.position.z, x, 1e-12);
+  }
+  run_close(&r);
+}
+END_TEST
+
+/* White noise on an oscillator, constant in each window, against the exact solution: second order, and no ringing. */
+START_TEST(test_white_noise) {
+  double error[2];
+  for (int fine = 0; fine < 2; fine++) {
+    /* m = 2, k = 5000, c = 20: w = 50, decay 5 */
+    const double d = 5, w = sqrt(2500 - 25), H = 2e-3 / (1 + fine);
+    double C = exp(-d * H) * cos(w * H), S = exp(-d * H) * sin(w * H) / w, x = 0, v = 0, sum = 0, worst = 0, force = 0;
+    run r;
+    unsigned seed = 3;
+    run_open_good(&r, GUIDE("5000", "20"), "box");
+    for (int k = 0; k < 2000 * (1 + fine); k++) {
+      force = fine && k % 2 ? force : 100 * noise(&seed);
+      tdm_wrench load = {{0, 0, force}, {0, 0, 0}};
+      run_window(&r, H * (k + 1), &load, 1, 0, NULL);
+      double rest = force / 5000, y = x - rest, u = v;
+      x = rest + C * y + S * (u + d * y);
+      v = C * u - S * (2500 * y + d * u);
+      sum += v * v;
+      worst = fmax(worst, fabs(v - r.state[0].twist.velocity.z));
+    }
+    error[fine] = worst / sqrt(sum / (2000 * (1 + fine)));
+    run_close(&r);
+  }
+  ck_assert_msg(error[0] < 0.02 && error[0] > 3.7 * error[1], "errors %g, %g", error[0], error[1]);
+}
+END_TEST
+
+/* Samples inside a long step against the same by IDA. */
+START_TEST(test_samples) {
+  double error[2];
+  for (int fine = 0; fine < 2; fine++) {
+    run a, b;
+    double H = 0.02 / (1 + fine), worst = 0;
+    run_open_good(&a, "{" DOUBLE ",'formulation':'one_step'}", "b");
+    run_open_good(&b, "{" DOUBLE ",'solver':{'relative_tolerance':1e-10}}", "b");
+    for (int k = 0; k < 20 * (1 + fine); k++) {
+      double time[4] = {H * (k + 0.2), H * (k + 0.5), H * (k + 0.9), H * (k + 1)};
+      run_window(&a, H * (k + 1), NULL, 0, 4, time);
+      run_window(&b, H * (k + 1), NULL, 0, 4, time);
+      for (int i = 0; i < 4; i++)
+        worst = fmax(worst, apart(a.sample[i], b.sample[i]));
+      ck_assert_mem_eq(&a.sample[3], &a.state[0], sizeof a.state[0]);
+    }
+    error[fine] = worst;
+    run_close(&a);
+    run_close(&b);
+  }
+  ck_assert_msg(error[0] < 4e-3 && error[0] > 3.7 * error[1], "errors %g, %g", error[0], error[1]);
+}
+END_TEST
+
+/* windows that max_step divides are as many short windows */
+START_TEST(test_max_step) {
+  tdm_state a = state_at(DOUBLE, "'formulation':'one_step','solver':{'max_step':0.0025}", "b", 0.5, 0.01, NULL);
+  tdm_state b = state_at(DOUBLE, "'formulation':'one_step'", "b", 0.5, 0.0025, NULL);
+  ck_assert_double_lt(apart(a, b), 1e-9);
+  run r;
+  run_open(&r, "{" DOUBLE ",'solver':{'spectral_radius':1.1}}", "b");
+  ck_assert_int_eq(r.status, TDM_ERR_SCENE);
+  ck_assert_str_eq(r.err.path, "mbd.solver.spectral_radius");
+  run_close(&r);
+}
+END_TEST
+
+/* a planar four-bar of revolute joints: three of its rows follow from the others */
+#define FOUR_BAR                                                                                                    \
+  "'gravity':[0,-9.81,0],'bodies':[{'name':'a','mass':1,'inertia':[0.01,0.08,0.08],'position':[0,0.5,0],'velocity'" \
+  ":[0.5,0,0],'angular_velocity':[0,0,-1]},{'name':'b','mass':1,'inertia':[0.01,0.08,0.08],'position':[0.5,1,0],"   \
+  "'velocity':[1,0,0]},{'name':'c','mass':1,'inertia':[0.01,0.08,0.08],'position':[1,0.4,0]}],'joints':[{'name':"   \
+  "'p','type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]},{'name':'q','type':'revolute',"    \
+  "'bodies':['a','b'],'point':[0,1,0],'axis':[0,0,1]},{'name':'r','type':'revolute','bodies':['b','c'],'point':"    \
+  "[1,1,0],'axis':[0,0,1]},{'name':'s','type':'revolute','bodies':['c','ground'],'point':[1.2,-0.2,0],'axis':"      \
+  "[0,0,1]}]"
+
+START_TEST(test_redundant) {
+  double drift;
+  tdm_state exact = state_at(FOUR_BAR, "'solver':{'relative_tolerance':1e-10}", "b", 1, 0.1, NULL), one[2];
+  for (int k = 0; k < 2; k++) {
+    one[k] = state_at(FOUR_BAR, "'formulation':'one_step'", "b", 1, 1e-3 / (1 + k), &drift);
+    ck_assert_double_lt(drift, 1e-10);
+  }
+  double coarse = apart(exact, one[0]), fine = apart(exact, one[1]);
+  ck_assert_msg(coarse < 1e-3 && coarse > 3.5 * fine, "errors %g, %g", coarse, fine);
+}
+END_TEST
+
+/* 1e4 rpm, a hundredth of a radian and a radian a step: the second is too coarse to be right, but holds together */
+START_TEST(test_fast) {
+  for (int coarse = 0; coarse < 2; coarse++) {
+    run r;
+    double H = coarse ? 1e-3 : 1e-5, most = 0;
+    run_open_good(&r,
+                  "{'bodies':[{'name':'rotor','mass':2,'inertia':[0.3,0.2,0.4],'position':[0.1,0,0],'velocity':[0,0,"
+                  "-104.71975511965977],'angular_velocity':[0,1047.1975511965977,0]}],'joints':[{'name':'hinge','type':"
+                  "'revolute','bodies':['ground','rotor'],'point':[0,0,0],'axis':[0,1,0]}],'formulation':'one_step'}",
+                  "rotor");
+    for (int k = 0; k < 500; k++) {
+      run_to(&r, H * (k + 1));
+      most = fmax(most, run_value(&r, "constraint.drift"));
+    }
+    ck_assert_double_lt(most, 1e-10);
+    if (!coarse)
+      CLOSE(r.state[0].twist.angular.y, 1047.1975511965977, 0.01);
+    ck_assert_int_eq(run_close_steps(&r), 500); /* none was halved */
+  }
+}
+END_TEST
+
+/* a load without bounds ends the run with time and advice */
+START_TEST(test_bad_load) {
+  run r;
+  tdm_wrench load = {{0, 0, 1e300}, {0, 0, 0}};
+  run_open_good(&r, "{" PENDULUM ",'formulation':'one_step'}", "bob");
+  run_to(&r, 1e-3);
+  ck_assert_int_eq(run_step(&r, 2e-3, &load, 1, 0, NULL), TDM_ERR_NUMERIC);
+  ck_assert_ptr_nonnull(strstr(r.err.message, "t = 0.001 s"));
+  run_close(&r);
+}
+END_TEST
+
+/* ---- states in memory ---- */
+
+#define SPINNER                                                                                                  \
+  "'bodies':[{'name':'a','mass':1,'inertia':[0.1,0.1,0.1],'position':[0.5,0,0],'angular_velocity':[0,20,0],"     \
+  "'velocity':[0,0,-10]},{'name':'b','mass':1,'inertia':[0.1,0.1,0.1],'position':[1.5,0,0],'velocity':[0,0,"     \
+  "-30],'angular_velocity':[0,20,0]}],'joints':[{'name':'h1','type':'revolute','bodies':['ground','a'],'point'"  \
+  ":[0,0,0],'axis':[0,1,0]},{'name':'h2','type':'revolute','bodies':['a','b'],'point':[1,0,0],'axis':[0,1,0]}]," \
+  "'forces':[{'name':'t','type':'torsional_spring_damper','joint':'h1','stiffness':1,'damping':0.01}]"
+
+/* window k with a load of its own */
+static void random_window(run *r, int k, double extra) {
+  unsigned seed = (unsigned)k * 77u + 1;
+  double t1 = 1e-3 * (k + 1);
+  tdm_wrench load[2];
+  for (int j = 0; j < 2; j++)
+    load[j] = (tdm_wrench){{10 * noise(&seed) + extra, 0, 10 * noise(&seed)}, {0, noise(&seed), 0}};
+  r->t = 1e-3 * k;
+  run_window(r, t1, load, 2, 1, &t1);
+}
+
+/* Back and forth between windows, with wrong loads in between: the same bits as without. IDA starts again at each SAVE,
+ * so there the other run saves as often. */
+START_TEST(test_save) {
+  static const char *const formulations[] = {"one_step", "ggl"};
+  char scene[1024];
+  double channels[2][200][8];
+  snprintf(scene, sizeof scene, "{" SPINNER ",'formulation':'%s'}", formulations[_i]);
+  for (int detour = 0; detour < 2; detour++) {
+    run r;
+    tdm_error err = {0};
+    run_open_good(&r, scene, "b");
+    int angle = run_channel(&r, "force.t.angle"), drift = run_channel(&r, "constraint.drift");
+    for (int k = 0; k < 200; k++) {
+      if (k % 7 == 0 && (detour || _i > 0))
+        ck_assert_int_eq(mbd_solver_ops.save(r.self, k % 3, &err), TDM_OK);
+      if (k % 7 == 0 && detour) {
+        random_window(&r, k, 5);
+        random_window(&r, k + 1, 5);
+        ck_assert_int_eq(mbd_solver_ops.restore(r.self, k % 3, &err), TDM_OK);
+      }
+      random_window(&r, k, 0);
+      double *to = channels[detour][k];
+      mbd_set3(to, r.state[0].pose.position);
+      mbd_set3(to + 3, r.state[0].twist.velocity);
+      to[6] = r.channel[angle];
+      to[7] = r.channel[drift];
+    }
+    ck_assert_int_eq(mbd_solver_ops.restore(r.self, 9, &err), TDM_ERR_PROTOCOL);
+    run_close(&r);
+  }
+  ck_assert_mem_eq(channels[0], channels[1], sizeof channels[0]);
+  ck_assert_double_gt(fabs(channels[0][199][6]), 3); /* it turned */
+}
+END_TEST
+
+/* a chain of links, long enough for the sparse linear solver */
+static char *chain_scene(int nlink, const char *settings) {
+  char *text = calloc(1, 400 * (size_t)nlink + 500), *at = text + sprintf(text, "{'bodies':[");
+  for (int i = 0; i < nlink; i++)
+    at += sprintf(at, "%s{'name':'b%d','mass':1,'inertia':[0.01,0.08,0.09],'position':[%.1f,0,0]}", i ? "," : "", i,
+                  i + 0.5);
+  at += sprintf(at, "],'joints':[");
+  for (int i = 0; i < nlink; i++) {
+    at += sprintf(at, "%s{'name':'j%d','type':'revolute','point':[%d,0,0],'axis':[0,1,%g],", i ? "," : "", i, i,
+                  i % 2 ? 0.2 : -0.1);
+    at += i ? sprintf(at, "'bodies':['b%d','b%d']}", i - 1, i) : sprintf(at, "'bodies':['ground','b0']}");
+  }
+  sprintf(at, "],%s}", settings);
+  return text;
+}
+
+START_TEST(test_chain) {
+  enum { NLINK = 12 };
+  char *one_step = chain_scene(NLINK, "'formulation':'one_step'");
+  char *ida = chain_scene(NLINK, "'solver':{'relative_tolerance':1e-9}");
+  run a, b;
+  run_open_good(&a, one_step, "b11");
+  run_open_good(&b, ida, "b11");
+  run_to(&b, 0.3);
+  tdm_state saved = {0};
+  for (int k = 0; k < 300; k++) {
+    if (k == 250)
+      ck_assert_int_eq(mbd_solver_ops.save(a.self, 2, &a.err), TDM_OK);
+    run_to(&a, 1e-3 * (k + 1));
+    ck_assert_double_lt(run_value(&a, "constraint.drift"), 1e-10);
+  }
+  ck_assert_double_lt(apart(a.state[0], b.state[0]), 1e-3);
+  saved = a.state[0];
+  ck_assert_int_eq(mbd_solver_ops.restore(a.self, 2, &a.err), TDM_OK);
+  a.t = 0.25;
+  for (int k = 250; k < 300; k++)
+    run_to(&a, 1e-3 * (k + 1));
+  ck_assert_mem_eq(&saved, &a.state[0], sizeof saved);
+  run_close(&a);
+  run_close(&b);
+  free(one_step);
+  free(ida);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("mbd_one_step");
+  TCase *tcase = tcase_create("one_step");
+  tcase_set_timeout(tcase, 60);
+  tcase_add_loop_test(tcase, test_order, 0, 3);
+  tcase_add_test(tcase, test_heavy_top);
+  tcase_add_test(tcase, test_energy);
+  tcase_add_loop_test(tcase, test_impulse, 0, 3);
+  tcase_add_test(tcase, test_white_noise);
+  tcase_add_test(tcase, test_samples);
+  tcase_add_test(tcase, test_max_step);
+  tcase_add_test(tcase, test_chain);
+  tcase_add_test(tcase, test_redundant);
+  tcase_add_test(tcase, test_fast);
+  tcase_add_test(tcase, test_bad_load);
+  tcase_add_loop_test(tcase, test_save, 0, 2);
+  suite_add_tcase(suite, tcase);
+  return run_suite(suite);
+}

@@ -1,0 +1,412 @@
+/* The reduced model: against finite differences of the full model, and against closed forms. */
+#include "mbd/reduced.h"
+#include "test_mbd_support.h"
+#include "tests/test_main.h"
+
+typedef struct {
+  json_t *json;
+  mbd_model *model;
+  mbd_data *data;
+  mbd_kkt *kkt;
+  mbd_reduced *reduced;
+  tdm_mobility m;
+  int nv, nfree;
+} mechanism;
+
+/* Load, couple the bodies named (at most 3), assemble. */
+static void open_mechanism(mechanism *q, const char *scene, int ncoupled, const char *const *names) {
+  tdm_assigned_body body[3] = {{0}};
+  mbd_assembly assembly;
+  tdm_error err = {0};
+  memset(q, 0, sizeof *q);
+  for (int i = 0; i < ncoupled; i++)
+    body[i].name = names[i];
+  q->json = scene_json(scene);
+  ck_assert_msg(!mbd_model_load(&q->model, q->json, &err), "%s: %s", err.path, err.message);
+  ck_assert_msg(!mbd_model_couple(q->model, body, ncoupled, &err), "%s: %s", err.path, err.message);
+  q->data = mbd_data_create(q->model);
+  q->kkt = mbd_kkt_create(q->model);
+  q->reduced = mbd_reduced_create(q->model);
+  q->nv = 6 * q->model->nbody;
+  ck_assert_msg(!mbd_assemble(q->model, q->data, q->kkt, &assembly, &err), "%s: %s", err.path, err.message);
+}
+
+static void evaluate(mechanism *q) {
+  ck_assert(mbd_reduced_at(q->model, q->data, q->kkt, q->reduced, q->data->t, q->data->y, &q->m));
+  mbd_reduced_basis(q->reduced, &q->nfree);
+}
+
+static void close_mechanism(mechanism *q) {
+  mbd_reduced_destroy(&q->reduced);
+  mbd_kkt_destroy(&q->kkt);
+  mbd_data_destroy(&q->data);
+  mbd_model_destroy(&q->model);
+  json_decref(q->json);
+}
+
+/* ---- closed forms ---- */
+
+START_TEST(test_free_body) {
+  /* Y = diag(1/m, J^-1) in world axes, symmetric; no stiffness */
+  mechanism q;
+  const char *names[] = {"a"};
+  open_mechanism(
+      &q,
+      "{'bodies':[{'name':'a','mass':4,'inertia':[1,2,2.5],'position':[1,2,3],'orientation':[0.7071067811865476,"
+      "0,0,0.7071067811865476]}]}",
+      1, names);
+  evaluate(&q);
+  const double diagonal[6] = {0.25, 0.25, 0.25, 0.5, 1, 0.4}; /* a quarter turn about z swaps x and y */
+  ck_assert_int_eq(q.m.nfree, 6);
+  for (int i = 0; i < 6; i++)
+    for (int j = 0; j < 6; j++) {
+      CLOSE(q.m.Y[6 * i + j], i == j ? diagonal[i] : 0, 1e-14);
+      CLOSE(q.m.stiffness[6 * i + j], 0, 1e-12);
+      CLOSE(q.m.damping[6 * i + j], 0, 1e-12);
+    }
+  close_mechanism(&q);
+}
+END_TEST
+
+START_TEST(test_prismatic) {
+  mechanism q;
+  const char *names[] = {"a"};
+  open_mechanism(
+      &q,
+      "{'bodies':[{'name':'a','mass':4,'inertia':[1,2,2.5],'position':[0,0,0],'velocity':[0,0,2]}],'joints':[{"
+      "'name':'j','type':'prismatic','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]}],'forces':[{"
+      "'name':'s','type':'spring_damper','bodies':['ground','a'],'points':[[0,0,1],[0,0,0]],'stiffness':100,"
+      "'damping':8}]}",
+      1, names);
+  evaluate(&q);
+  ck_assert_int_eq(q.m.nfree, 1);
+  for (int i = 0; i < 36; i++)
+    CLOSE(q.m.Y[i], i == 14 ? 0.25 : 0, 1e-14);
+  CLOSE(q.m.stiffness[0], 25, 1e-11);
+  CLOSE(q.m.damping[0], 2, 1e-12);
+  CLOSE(q.m.J[2] * q.m.velocity[0], 2, 1e-13);
+  CLOSE(q.m.J[2] * q.m.acceleration[0], -9.81 - 8 * 2 / 4.0, 1e-12);
+  close_mechanism(&q);
+}
+END_TEST
+
+/* an arm of length L on a torsional spring, hanging out at an angle a: gravity's part of the stiffness is -m g L sin a
+ * for the height's second derivative */
+START_TEST(test_arm) {
+  mechanism q;
+  const char *names[] = {"a"};
+  const double m = 50, L = 3, angle = 0.6, g = 9.81, I = 5, k = 2292, rate = 1.7;
+  char scene[1024];
+  snprintf(scene, sizeof scene,
+           "{'bodies':[{'name':'a','mass':%g,'inertia':[5,5,5],'position':[%.17g,0,%.17g],'angular_velocity':[0,%g,0],"
+           "'velocity':[%.17g,0,%.17g]}],'joints':[{'name':'j','type':'revolute','bodies':['ground','a'],'point':["
+           "0,0,0],'axis':[0,1,0]}],'forces':[{'name':'s','type':'torsional_spring_damper','joint':'j','stiffness':"
+           "%g,'damping':11}]}",
+           m, L * cos(angle), L * sin(angle), rate, rate * L * sin(angle), -rate * L * cos(angle), k);
+  open_mechanism(&q, scene, 1, names);
+  evaluate(&q);
+  /* turning by theta about +y takes the elevation to angle - theta: z = L sin(angle - theta) */
+  double inertia = I + m * L * L, gravity = -m * g * L * sin(angle);
+  ck_assert_int_eq(q.m.nfree, 1);
+  CLOSE(q.m.stiffness[0], (k + gravity) / inertia, 1e-10);
+  CLOSE(q.m.damping[0], 11 / inertia, 1e-12);
+  CLOSE(q.m.Y[6 * 4 + 4], 1 / inertia, 1e-14);
+  CLOSE(fabs(q.m.velocity[0] * q.m.J[4]), rate, 1e-12);
+  /* the column of J turns with the arm */
+  tdm_vec3 w = {0, rate, 0};
+  tdm_vec3 turned = tdm_cross(w, tdm_v3(q.m.J[0], q.m.J[1], q.m.J[2]));
+  CLOSE(q.m.J_rate[0], turned.x, 1e-12);
+  CLOSE(q.m.J_rate[2], turned.z, 1e-12);
+  CLOSE(q.m.J_rate[4], 0, 1e-12);
+  close_mechanism(&q);
+}
+END_TEST
+
+/* a motor holds the only freedom: no mobility, nothing else */
+START_TEST(test_driven) {
+  mechanism q;
+  const char *names[] = {"a"};
+  open_mechanism(
+      &q,
+      "{'bodies':[{'name':'a','mass':4,'inertia':[1,2,2.5],'position':[1,0,0]}],'joints':[{'name':'j','type':"
+      "'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,1,0]}],'drivers':[{'name':'d','type':"
+      "'rotational_motor','joint':'j','motion':{'type':'constant_rate','rate':3,'start':'step'}}]}",
+      1, names);
+  evaluate(&q);
+  ck_assert_int_eq(q.m.nfree, 0);
+  for (int i = 0; i < 36; i++)
+    ck_assert_double_eq(q.m.Y[i], 0);
+  close_mechanism(&q);
+}
+END_TEST
+
+/* the box of scenarios/torsional with its fill, hanging: 4656 N m/rad from gravity beside the spring's 2292 */
+START_TEST(test_torsional) {
+  mechanism q;
+  const char *names[] = {"box"};
+  open_mechanism(
+      &q,
+      "{'gravity':[0,-9.81,0],'bodies':[{'name':'box','mass':316.4,'inertia':[5.5,5.5,5.5],'position':[0,-1.5,"
+      "0]}],'joints':[{'name':'pivot','type':'revolute','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,"
+      "1]}],'forces':[{'name':'spring','type':'torsional_spring_damper','joint':'pivot','stiffness':"
+      "2291.8311805232927,'damping':1145.9}]}",
+      1, names);
+  evaluate(&q);
+  double inertia = 5.5 + 316.4 * 1.5 * 1.5;
+  CLOSE(q.m.stiffness[0] * inertia, 2291.8311805232927 + 316.4 * 9.81 * 1.5, 1e-8);
+  CLOSE(316.4 * 9.81 * 1.5, 4656, 1);
+  close_mechanism(&q);
+}
+END_TEST
+
+/* seven free bodies have more freedom than a linear model is sent for */
+START_TEST(test_cap) {
+  mechanism q;
+  const char *names[] = {"b0", "b6"};
+  char scene[2048] = "{'bodies':[";
+  for (int i = 0; i < 7; i++)
+    sprintf(scene + strlen(scene), "%s{'name':'b%d','mass':%d,'inertia':[1,1,1],'position':[%d,0,0]}", i ? "," : "", i,
+            i + 1, i);
+  strcat(scene, "]}");
+  open_mechanism(&q, scene, 2, names);
+  evaluate(&q);
+  ck_assert_int_eq(q.nfree, 42);
+  ck_assert_int_eq(q.m.nfree, 0);
+  CLOSE(q.m.Y[0], 1, 1e-14);
+  CLOSE(q.m.Y[12 * 6 + 6], 1 / 7.0, 1e-14);
+  CLOSE(q.m.Y[6], 0, 1e-14);
+  close_mechanism(&q);
+}
+END_TEST
+
+/* ---- finite differences ---- */
+
+#define CHAIN                                                                                                      \
+  "'bodies':[{'name':'a','mass':2,'inertia':[0.3,0.2,0.4,0.05,0.02,-0.03],'position':[0.5,0.1,0],'velocity':[1,2," \
+  "-1],'angular_velocity':[1,2,3]},{'name':'b','mass':3,'inertia':[0.5,0.4,0.2],'position':[1.2,0.3,0.1],"         \
+  "'orientation':[0.9,0.1,-0.3,0.2],'velocity':[0,-1,1],'angular_velocity':[-2,1,1]}]"
+
+static const char *const scenes[] = {
+    "{" CHAIN ",'joints':[{'name':'j','type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,1,0.3]},{"
+    "'name':'k','type':'spherical','bodies':['a','b'],'point':[1,0.2,0]}],'forces':[{'name':'s','type':"
+    "'spring_damper','bodies':['ground','b'],'points':[[2,0,2],[1.5,0,0]],'stiffness':300,'damping':7}]}",
+    "{" CHAIN ",'joints':[{'name':'j','type':'prismatic','bodies':['ground','a'],'point':[0,0,0],'axis':[0,1,0.3]},{"
+    "'name':'k','type':'revolute','bodies':['a','b'],'point':[1,0.2,0],'axis':[1,0,0.4]}],'forces':[{'name':'s',"
+    "'type':'torsional_spring_damper','joint':'k','stiffness':300,'damping':7,'preload':4}]}",
+    /* a driver on the first joint */
+    "{" CHAIN ",'joints':[{'name':'j','type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,1,0.3]},{"
+    "'name':'k','type':'spherical','bodies':['a','b'],'point':[1,0.2,0]}],'drivers':[{'name':'d','type':"
+    "'rotational_motor','joint':'j','motion':{'type':'constant_rate','rate':3,'start':'step'}}]}",
+    /* a planar four-bar: three rows follow from the others */
+    "{'gravity':[0,-9.81,0],'bodies':[{'name':'a','mass':1,'inertia':[0.01,0.08,0.08],'position':[0,0.5,0],'velocity':"
+    "[0.5,0,0],'angular_velocity':[0,0,-1]},{'name':'b','mass':1,'inertia':[0.01,0.08,0.08],'position':[0.5,1,0],"
+    "'velocity':[1,0,0]},{'name':'c','mass':1,'inertia':[0.01,0.08,0.08],'position':[1,0.4,0]}],'joints':[{'name':'p',"
+    "'type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]},{'name':'q','type':'revolute','bodies':["
+    "'a','b'],'point':[0,1,0],'axis':[0,0,1]},{'name':'r','type':'revolute','bodies':['b','c'],'point':[1,1,0],'axis':["
+    "0,0,1]},{'name':'s','type':'revolute','bodies':['c','ground'],'point':[1.2,-0.2,0],'axis':[0,0,1]}]}",
+    /* no joints: gyroscopic terms alone */
+    "{" CHAIN "}",
+};
+
+/* velocities of y (nv) */
+static void get_twists(const mechanism *q, const double *y, double *V) {
+  for (int k = 0; k < q->nv; k++)
+    V[k] = y[MBD_BODY_UNKNOWNS * (k / 6) + MBD_V + k % 6];
+}
+
+static void set_twists(const mechanism *q, double *y, const double *V) {
+  for (int k = 0; k < q->nv; k++)
+    y[MBD_BODY_UNKNOWNS * (k / 6) + MBD_V + k % 6] = V[k];
+}
+
+/* y with poses moved by eps d (nv) and put onto the constraints; velocities V projected there */
+static void moved(mechanism *q, double *y, double eps, const double *d, const double *V) {
+  memcpy(y, q->data->y, (size_t)mbd_nunknown(q->model) * sizeof(double));
+  for (int b = 0; b < q->model->nbody; b++) {
+    tdm_state s = mbd_body_state(y, b);
+    s.pose.position = tdm_axpy(eps, mbd_get3(d + 6 * b), s.pose.position);
+    tdm_quat turn = tdm_quat_from_rotvec(tdm_scale(eps, mbd_get3(d + 6 * b + 3)));
+    s.pose.orientation = tdm_quat_unit(tdm_quat_mul(turn, s.pose.orientation));
+    mbd_set_body_state(y, b, &s);
+  }
+  set_twists(q, y, V);
+  ck_assert(mbd_project(q->model, q->data, q->kkt, q->data->t, y));
+}
+
+static void times_mass(const mechanism *q, const double *x, double *out) {
+  for (int b = 0; b < q->model->nbody; b++) {
+    mbd_set3(out + 6 * b, tdm_scale(q->model->body[b].mass, mbd_get3(x + 6 * b)));
+    mbd_set3(out + 6 * b + 3, mbd_inertia_mul(&q->model->body[b], &q->data->kin[b + 1], mbd_get3(x + 6 * b + 3)));
+  }
+}
+
+/* u = M_r^-1 N^T x for a given N (nv x f), by Gauss without pivoting: M_r is positive definite */
+static void reduced_solve(const mechanism *q, const double *N, const double *x, double *u) {
+  const int f = q->nfree, nv = q->nv;
+  double Mr[24 * 24], column[24], Mc[24];
+  for (int j = 0; j < f; j++) {
+    for (int k = 0; k < nv; k++)
+      column[k] = N[k * f + j];
+    times_mass(q, column, Mc);
+    u[j] = 0;
+    for (int i = 0; i < f; i++)
+      Mr[i * f + j] = 0;
+    for (int k = 0; k < nv; k++) {
+      u[j] += column[k] * x[k];
+      for (int i = 0; i < f; i++)
+        Mr[i * f + j] += N[k * f + i] * Mc[k];
+    }
+  }
+  for (int i = 0; i < f; i++)
+    for (int k = i + 1; k < f; k++) {
+      double factor = Mr[k * f + i] / Mr[i * f + i];
+      for (int j = i; j < f; j++)
+        Mr[k * f + j] -= factor * Mr[i * f + j];
+      u[k] -= factor * u[i];
+    }
+  for (int i = f - 1; i >= 0; i--) {
+    for (int k = i + 1; k < f; k++)
+      u[i] -= Mr[i * f + k] * u[k];
+    u[i] /= Mr[i * f + i];
+  }
+}
+
+/* The basis N0 carried to poses moved by eps d: each column projected there, without what drivers prescribe. */
+static void carry(mechanism *q, const double *N0, double eps, const double *d, double *N) {
+  double y[128], zero[24] = {0}, still[24], column[24];
+  moved(q, y, eps, d, zero);
+  get_twists(q, y, still);
+  for (int j = 0; j < q->nfree; j++) {
+    for (int k = 0; k < q->nv; k++)
+      column[k] = N0[k * q->nfree + j];
+    moved(q, y, eps, d, column);
+    get_twists(q, y, column);
+    for (int k = 0; k < q->nv; k++)
+      N[k * q->nfree + j] = column[k] - still[k];
+  }
+}
+
+/* u'' with poses moved by eps d, and velocities V projected there */
+static void acceleration(mechanism *q, const double *N0, double eps, const double *d, const double *V, double *u) {
+  double y[128], N[24 * 24], Ma[24];
+  carry(q, N0, eps, d, N);
+  moved(q, y, eps, d, V);
+  ck_assert(mbd_accelerations(q->model, q->data, q->kkt, q->data->t, y));
+  times_mass(q, q->data->acceleration, Ma);
+  reduced_solve(q, N, Ma, u);
+}
+
+START_TEST(test_differences) {
+  mechanism q;
+  const char *names[] = {"a", "b"};
+  open_mechanism(&q, scenes[_i], 2, names);
+  tdm_wrench load[2] = {{{30, -20, 10}, {1, 2, 3}}, {{5, 6, -7}, {-4, 2, 1}}};
+  tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = load};
+  tdm_error err = {0};
+  ck_assert_int_eq(mbd_data_set_load(q.data, q.model, &step, &err), TDM_OK);
+  evaluate(&q);
+  ck_assert_int_lt(mbd_nunknown(q.model), 128);
+  const int f = q.nfree, nv = q.nv;
+  const double eps = 1e-5;
+  double N0[24 * 24], V[24], d[24], up[24], down[24];
+  ck_assert_int_gt(f, 0);
+  memcpy(N0, mbd_reduced_basis(q.reduced, &q.nfree), (size_t)(nv * f) * sizeof(double));
+  get_twists(&q, q.data->y, V);
+  const double scale = 100;
+  for (int j = 0; j < f; j++) {
+    for (int k = 0; k < nv; k++)
+      d[k] = N0[k * f + j];
+    acceleration(&q, N0, eps, d, V, up);
+    acceleration(&q, N0, -eps, d, V, down);
+    for (int i = 0; i < f; i++)
+      CLOSE(q.m.stiffness[i * f + j], -(up[i] - down[i]) / (2 * eps), 1e-7 * scale);
+    double faster[24], slower[24];
+    for (int k = 0; k < nv; k++) {
+      faster[k] = V[k] + eps * d[k];
+      slower[k] = V[k] - eps * d[k];
+    }
+    acceleration(&q, N0, 0, d, faster, up);
+    acceleration(&q, N0, 0, d, slower, down);
+    for (int i = 0; i < f; i++)
+      CLOSE(q.m.damping[i * f + j], -(up[i] - down[i]) / (2 * eps), 1e-7 * scale);
+  }
+  /* along the motion */
+  double N1[24 * 24], N2[24 * 24], y[128];
+  q.data->t = eps; /* drivers move on */
+  carry(&q, N0, eps, V, N1);
+  q.data->t = -eps;
+  carry(&q, N0, -eps, V, N2);
+  for (int c = 0; c < 12; c++)
+    for (int j = 0; j < f; j++)
+      CLOSE(q.m.J_rate[c * f + j], (N1[c * f + j] - N2[c * f + j]) / (2 * eps), 1e-7);
+  for (int c = 0; c < 12; c++) {
+    double unit[24] = {0};
+    unit[c] = 1;
+    q.data->t = eps;
+    moved(&q, y, eps, V, V);
+    mbd_kinematics(q.model, q.data, 0, y);
+    reduced_solve(&q, N1, unit, up);
+    q.data->t = -eps;
+    moved(&q, y, -eps, V, V);
+    mbd_kinematics(q.model, q.data, 0, y);
+    reduced_solve(&q, N2, unit, down);
+    for (int j = 0; j < f; j++)
+      CLOSE(q.m.B_rate[j * 12 + c], (up[j] - down[j]) / (2 * eps), 1e-6);
+  }
+  close_mechanism(&q);
+}
+END_TEST
+
+/* the accelerations answer to a load by Y; twists and accelerations are those of u' where nothing drives */
+START_TEST(test_mobility) {
+  mechanism q;
+  const char *names[] = {"b", "a"};
+  open_mechanism(&q, scenes[_i], 2, names);
+  evaluate(&q);
+  double free[12], u[32];
+  for (int c = 0; c < 12; c++)
+    free[c] = q.data->acceleration[6 * q.model->coupled[c / 6] + c % 6];
+  memcpy(u, q.m.acceleration, (size_t)q.m.nfree * sizeof(double));
+  for (int c = 0; c < 12 && q.model->ndriver == 0; c++) { /* V = J u', so its rate is J u'' + dJ/dt u' */
+    double v = q.data->kin[q.model->coupled[c / 6] + 1].v.x, V = 0, rate = 0;
+    for (int j = 0; j < q.m.nfree; j++) {
+      V += q.m.J[c * q.m.nfree + j] * q.m.velocity[j];
+      rate += q.m.J[c * q.m.nfree + j] * q.m.acceleration[j] + q.m.J_rate[c * q.m.nfree + j] * q.m.velocity[j];
+    }
+    if (c % 6 == 0)
+      CLOSE(V, v, 1e-11);
+    CLOSE(rate, free[c], 1e-10);
+  }
+  for (int e = 0; e < 12; e++) {
+    double load[12] = {0};
+    tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = (tdm_wrench *)(void *)load};
+    tdm_error err = {0};
+    load[e] = 1;
+    ck_assert_int_eq(mbd_data_set_load(q.data, q.model, &step, &err), TDM_OK);
+    evaluate(&q);
+    for (int c = 0; c < 12; c++) {
+      CLOSE(q.data->acceleration[6 * q.model->coupled[c / 6] + c % 6] - free[c], q.m.Y[12 * c + e], 1e-11);
+      ck_assert_double_eq(q.m.Y[12 * c + e], q.m.Y[12 * e + c]);
+    }
+    for (int j = 0; j < q.m.nfree; j++)
+      CLOSE(q.m.acceleration[j] - u[j], q.m.B[12 * j + e], 1e-11);
+  }
+  close_mechanism(&q);
+}
+END_TEST
+
+int main(void) {
+  Suite *suite = suite_create("mbd_reduced");
+  TCase *tcase = tcase_create("reduced");
+  const int n = sizeof scenes / sizeof scenes[0];
+  tcase_add_test(tcase, test_free_body);
+  tcase_add_test(tcase, test_prismatic);
+  tcase_add_test(tcase, test_arm);
+  tcase_add_test(tcase, test_torsional);
+  tcase_add_test(tcase, test_driven);
+  tcase_add_test(tcase, test_cap);
+  tcase_add_loop_test(tcase, test_differences, 0, n);
+  tcase_add_loop_test(tcase, test_mobility, 0, n);
+  suite_add_tcase(suite, tcase);
+  return run_suite(suite);
+}
