@@ -49,14 +49,15 @@ static json_t *joint(const char *kind, const char *type, int i, const char *a, i
                    ia < 0 ? a : first, second, "point", (double)i, y, 0.0, "axis", 0.0, 0.0, 1.0);
 }
 
-/* The section mbd for n windows. Window by window, so that the matrices are banded. */
+/* The section mbd for n windows, hinges throughout: each loop has three redundant rows. Window by window, so that the
+ * matrices are banded. */
 static json_t *fourbar(int n) {
   json_t *bodies = json_array(), *joints = json_array();
   for (int i = 0; i <= n; i++) {
     json_array_append_new(bodies, body("crank", i, i, 0.5, 0.5, -1));
     json_array_append_new(joints, joint("A", "revolute", i, "ground", -1, "crank", i, 0));
-    if (i > 0) /* the loop closes in the plane: two rows */
-      json_array_append_new(joints, joint("C", "point_on_line", i, "crank", i, "coupler", i - 1, 1));
+    if (i > 0)
+      json_array_append_new(joints, joint("C", "revolute", i, "coupler", i - 1, "crank", i, 1));
     if (i == n)
       break;
     json_array_append_new(bodies, body("coupler", i, i + 0.5, 1, 1, 0));
