@@ -266,7 +266,7 @@ static void measure_speed(const scn_case *c, cpl_verify *v, double published, do
   for (int k = 6; k <= 13; k++) {
     scn_motion m = {0};
     tdm_error failed = {0};
-    bool good = scn_case_time(c, &scn_methods[SCN_GGL_MODIFIED], pow(10, -k), last, &m, &wall, &failed) == TDM_OK &&
+    bool good = scn_case_time(c, &scn_methods[SCN_GGL], pow(10, -k), last, &m, &wall, &failed) == TDM_OK &&
                 scn_case_error(c, &m, row, false) <= error;
     scn_motion_free(&m);
     if (good)
