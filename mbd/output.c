@@ -12,7 +12,7 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, ENERGY_CHANNELS = 6 };
+enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 19, ENERGY_CHANNELS = 6 };
 
 /* one for each coordinate and rate that joints leave free */
 static int coordinate_channels(const mbd_model *model) {
@@ -38,8 +38,10 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
   static const char *const wrench[JOINT_CHANNELS][2] = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
                                                         {"mx", "N m"}, {"my", "N m"}, {"mz", "N m"}};
   static const char *const state[BODY_CHANNELS][2] = {
-      {"x", "m"},    {"y", "m"},    {"z", "m"},    {"qw", "1"},     {"qx", "1"},     {"qy", "1"},    {"qz", "1"},
-      {"vx", "m/s"}, {"vy", "m/s"}, {"vz", "m/s"}, {"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
+      {"x", "m"},      {"y", "m"},           {"z", "m"},           {"qw", "1"},         {"qx", "1"},
+      {"qy", "1"},     {"qz", "1"},          {"vx", "m/s"},        {"vy", "m/s"},       {"vz", "m/s"},
+      {"wx", "rad/s"}, {"wy", "rad/s"},      {"wz", "rad/s"},      {"ax", "m/s2"},      {"ay", "m/s2"},
+      {"az", "m/s2"},  {"alphax", "rad/s2"}, {"alphay", "rad/s2"}, {"alphaz", "rad/s2"}};
   for (int i = 0; i < model->njoint; i++)
     for (int k = 0; k < JOINT_CHANNELS; k++)
       c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
@@ -153,6 +155,7 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
     out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
     mbd_set3(out + 7, s.twist.velocity);
     mbd_set3(out + 10, s.twist.angular);
+    memcpy(out + 13, data->acceleration + 6 * b, 6 * sizeof *out);
     out += BODY_CHANNELS;
   }
   mbd_energies e = mbd_energies_at(model, data);

@@ -333,7 +333,7 @@ START_TEST(test_good_scene) {
               "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
       "box");
   ck_assert_int_eq(r.ready.nwarning, 0);
-  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 13 + 7);
+  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 19 + 7);
   ck_assert_str_eq(r.ready.body[0].name, "box");
   CLOSE(r.ready.body[0].mass, 10, 0);
   CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);
@@ -342,6 +342,8 @@ START_TEST(test_good_scene) {
   CLOSE(r.ready.initial[run_channel(&r, "energy.springs")], 50 + 5, 1e-9);
   ck_assert_str_eq(r.ready.channel[run_channel(&r, "joint.rail.mx")].unit, "N m");
   ck_assert_str_eq(r.ready.channel[run_channel(&r, "body.free.wz")].unit, "rad/s");
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "body.free.alphaz")].unit, "rad/s2");
+  CLOSE(r.ready.initial[run_channel(&r, "body.free.az")], -9.81, 1e-12);
   ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 7);
   for (int i = 0; i < r.ready.nchannel; i++)
     ck_assert(strpbrk(r.ready.channel[i].name, " ,\"") == NULL);
