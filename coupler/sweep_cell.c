@@ -77,7 +77,7 @@ static double time_of_loss(const cpl_table *dem) {
 
 /* Energies of both solvers on the output grid; all NULL when a solver does not give them. */
 typedef struct {
-  const double *body_kinetic, *body_potential, *kinetic, *com[3];
+  const double *body_kinetic, *body_potential, *body_springs, *kinetic, *com[3];
   double mass, gravity[3];
 } energies;
 
@@ -89,6 +89,7 @@ static bool find_energies(energies *e, const cpl_table *mbd, const cpl_table *de
   *e = (energies){.gravity = {0, 0, -9.81}, .mass = json_number_value(mass)};
   e->body_kinetic = cpl_table_column(mbd, "energy.kinetic", NULL);
   e->body_potential = cpl_table_column(mbd, "energy.potential", NULL);
+  e->body_springs = cpl_table_column(mbd, "energy.springs", NULL); /* not of every solver */
   e->kinetic = cpl_table_column(dem, "particles.kinetic_energy", NULL);
   for (int k = 0; k < 3; k++) {
     e->com[k] = cpl_table_column(dem, com[k], NULL);
@@ -112,7 +113,8 @@ static double time_of_growth(const cpl_table *mbd, const cpl_table *dem, const j
   double start = 0, span = 0, kinetic_most = 0, potential_least = INFINITY, potential_most = -INFINITY;
   for (int pass = 0; pass < 2; pass++)
     for (int i = 0; i < n; i++) {
-      double kinetic = e.body_kinetic[i] + e.kinetic[i], potential = e.body_potential[i];
+      double kinetic = e.body_kinetic[i] + e.kinetic[i],
+             potential = e.body_potential[i] + (e.body_springs ? e.body_springs[i] : 0);
       for (int k = 0; k < 3; k++)
         potential -= e.mass * e.gravity[k] * e.com[k][i];
       if (i == 0)

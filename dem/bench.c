@@ -28,8 +28,11 @@ static const char usage[] =
     "  --box L      side of the floor [m]; walls at 0 and L (default: what a made bed has, else from the particles)\n"
     "  --frozen     forces and histories only, particles do not move\n";
 
+enum { NORMAL, TANGENTIAL, ROLLING, COHESION, LAW_PARTS };
+
 typedef struct {
-  const char *bed, *json, *law, *simd, *search;
+  const char *bed, *json, *simd, *search;
+  char law[LAW_PARTS][32]; /* names of the families in their order, empty: not given */
   int particles, threads;
   double radius[2]; /* of a made bed [m] */
   long steps;
@@ -61,6 +64,25 @@ static bool number(const char *text, double low, double high, double *out) {
   return end != text && !*end && *out >= low && *out <= high;
 }
 
+/* "normal/tangential/…" into its parts; false: an empty, long or fifth one */
+static bool split_law(options *o, const char *value) {
+  memset(o->law, 0, sizeof o->law);
+  for (int k = 0; k < LAW_PARTS; k++) {
+    size_t n = strcspn(value, "/");
+    if (n == 0 || n >= sizeof o->law[k])
+      return false;
+    memcpy(o->law[k], value, n);
+    if (!value[n])
+      return true;
+    value += n + 1;
+  }
+  return false;
+}
+
+static bool whole(const char *text, double high, double *out) {
+  return number(text, 1, high, out) && *out == floor(*out);
+}
+
 static bool read_option(options *o, const char *key, const char *value) {
   double x;
   if (!strcmp(key, "--bed"))
@@ -68,7 +90,7 @@ static bool read_option(options *o, const char *key, const char *value) {
   else if (!strcmp(key, "--json"))
     o->json = value;
   else if (!strcmp(key, "--law"))
-    o->law = value;
+    return split_law(o, value);
   else if (!strcmp(key, "--simd"))
     o->simd = value;
   else if (!strcmp(key, "--search"))
@@ -84,11 +106,11 @@ static bool read_option(options *o, const char *key, const char *value) {
     return number(value, 1e-15, 1, &o->dt);
   else if (!strcmp(key, "--skin"))
     return number(value, 1e-12, 1e9, &o->skin);
-  else if (!strcmp(key, "--particles") && number(value, 1, 1e8, &x))
+  else if (!strcmp(key, "--particles") && whole(value, 1e8, &x))
     o->particles = (int)x;
-  else if (!strcmp(key, "--steps") && number(value, 1, 1e12, &x))
+  else if (!strcmp(key, "--steps") && whole(value, 1e12, &x))
     o->steps = (long)x;
-  else if (!strcmp(key, "--threads") && number(value, 1, 1024, &x))
+  else if (!strcmp(key, "--threads") && whole(value, 1024, &x))
     o->threads = (int)x;
   else
     return false;
@@ -185,6 +207,8 @@ static void add_coefficients(json_t *scene, const char *normal, const char *tang
     json_object_set_new(contact, "cohesion", json_string(cohesion));
   if (!strcmp(normal, "hooke") || !strcmp(normal, "hysteretic"))
     json_object_set_new(pair, "stiffness", json_real(1e4));
+  if (strcmp(tangential, "none") && strcmp(tangential, "viscous"))
+    json_object_set_new(pair, "friction", json_real(0.5));
   if (!strcmp(tangential, "spring"))
     json_object_set_new(pair, "tangential_stiffness", json_real(3e3));
   if (!strcmp(tangential, "viscous"))
@@ -199,22 +223,21 @@ static void add_coefficients(json_t *scene, const char *normal, const char *tang
 
 /* The floor and four walls of side L with the material of the peers' bed, no particles. */
 static json_t *box_scene(const options *o) {
-  char normal[64] = "hertz", tangential[64] = "mindlin", rolling[64] = "", cohesion[64] = "";
-  if (o->law) {
-    tangential[0] = 0;
-    sscanf(o->law, "%63[^/]/%63[^/]/%63[^/]/%63[^/]", normal, tangential, rolling, cohesion);
-  }
-  json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f, s:f}], s:{s:s, s:s}}", "gravity", 0.0,
-                        0.0, -9.81, "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio",
-                        0.3, "pairs", "materials", "a", "a", "restitution", 0.5, "friction", 0.5, "contact", "normal",
-                        normal, "tangential", tangential[0] ? tangential : "none");
+  bool given = o->law[NORMAL][0];
+  const char *normal = given ? o->law[NORMAL] : "hertz", *tangential = given ? o->law[TANGENTIAL] : "mindlin";
+  if (!tangential[0])
+    tangential = "none";
+  json_t *s =
+      json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f}], s:{s:s, s:s}}", "gravity", 0.0, 0.0, -9.81,
+                "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio", 0.3, "pairs",
+                "materials", "a", "a", "restitution", 0.5, "contact", "normal", normal, "tangential", tangential);
   if (o->skin > 0)
     json_object_set_new(s, "skin", json_real(o->skin));
   json_object_set_new(s, "bodies",
                       json_pack("[{s:s, s:s, s:[{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}]}]", "name", "box", "material",
                                 "a", "shapes", "type", "box", "side", "inside", "size", o->box, o->box, 1e3, "center",
                                 0.5 * o->box, 0.5 * o->box, 500.0, "open", "+z"));
-  add_coefficients(s, normal, tangential, rolling, cohesion);
+  add_coefficients(s, normal, tangential, o->law[ROLLING], o->law[COHESION]);
   if (o->simd)
     json_object_set_new(s, "simd", json_string(o->simd));
   if (o->search)
@@ -235,6 +258,34 @@ static void engine_destroy(engine *e) {
 static bool add_ball(engine *e, ball s) {
   double mass = e->model->material[0].density * 4.0 / 3 * M_PI * s.radius * s.radius * s.radius;
   return dem_data_add(e->data, &(dem_newcomer){.position = s.position, .radius = s.radius, .mass = mass});
+}
+
+/* the line of sphere number n of a file */
+static long line_of(bed *b, uint64_t n) {
+  ball s;
+  tdm_error unused = {0};
+  rewind_bed(b);
+  for (uint64_t k = 0; k <= n && next_line(b, &s, &unused);)
+    k++;
+  return b->line;
+}
+
+/* spheres of a file that lie in one another would only fly apart */
+static tdm_status refuse_coincident(const dem_data *d, bed *b, tdm_error *err) {
+  for (size_t k = 0; b->file && k < d->pairs.count; k++) {
+    int i = d->pairs.one[k], j = d->pairs.other[k];
+    if (j >= d->nparticle)
+      continue;
+    double radius = fmin(d->sphere[i].radius, d->sphere[j].radius);
+    double depth =
+        d->sphere[i].radius + d->sphere[j].radius - tdm_norm(tdm_sub(d->sphere[i].position, d->sphere[j].position));
+    if (depth > 0.5 * radius)
+      return tdm_fail(err, TDM_ERR_FILE, NULL,
+                      "\"%s\", lines %ld and %ld: the spheres overlap by %.3g m, more than half a radius; remove one",
+                      b->name, line_of(b, d->id[i] < d->id[j] ? d->id[i] : d->id[j]),
+                      line_of(b, d->id[i] < d->id[j] ? d->id[j] : d->id[i]), depth);
+  }
+  return TDM_OK;
 }
 
 static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
@@ -263,7 +314,7 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   e->data->nthread = o->threads;
   if (!dem_forces_now(e->data, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-  return TDM_OK;
+  return refuse_coincident(e->data, b, err);
 }
 
 static double kinetic_energy(const dem_data *d) {
@@ -347,7 +398,8 @@ static tdm_status make_bed(bed *b, char name[PATH_MAX], const options *o, tdm_er
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--box %g m has no room for particles of %g m", o->box, o->radius[1]);
   fprintf(stderr, "settling %d particles; the bed is kept in %s\n", o->particles, name);
   options plain = *o;
-  plain.law = plain.simd = plain.search = NULL;
+  memset(plain.law, 0, sizeof plain.law);
+  plain.simd = plain.search = NULL;
   plain.skin = 0;
   plain.dt = 0.0172 * o->radius[0]; /* a fifth of the Rayleigh step */
   engine e = {0};
@@ -411,6 +463,18 @@ static double cpu_clock(void) {
          1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
 }
 
+/* pairs of particles: each counts for two particles, a contact with a wall for one */
+static long touching_pairs(const dem_data *d) {
+  long many = 0;
+  for (size_t k = 0; k < d->pairs.count; k++) {
+    if (d->pairs.other[k] >= d->nparticle)
+      continue;
+    const dem_sphere *a = &d->sphere[d->pairs.one[k]], *b = &d->sphere[d->pairs.other[k]];
+    many += tdm_norm(tdm_sub(a->position, b->position)) < a->radius + b->radius;
+  }
+  return many;
+}
+
 static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err) {
   engine e = {0};
   if (engine_create(&e, o, b, err) || run_steps(e.data, o, (o->steps + 9) / 10, err)) {
@@ -423,7 +487,7 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
   if (run_steps(d, o, o->steps, err) == TDM_OK) {
     wall = tdm_clock() - wall;
     cpu = cpu_clock() - cpu;
-    long rss = peak_memory(), listed = 0;
+    long rss = peak_memory(), listed = 0, touching = touching_pairs(d);
     for (size_t k = 0; k < d->pairs.count; k++)
       listed += d->pairs.other[k] < d->nparticle;
     double n = d->nparticle, energy = kinetic_energy(d);
@@ -434,7 +498,7 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
     *out = json_pack("{s:i, s:I, s:i, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f}", "particles", d->nparticle,
                      "steps", (json_int_t)o->steps, "threads", d->nthread, "law", law, "simd", e.model->simd, "cpu_s",
                      cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",
-                     2 * (double)d->ncontact / n, "pairs_per_particle", (double)listed / n, "rebuilds",
+                     (double)(touching + d->ncontact) / n, "pairs_per_particle", (double)listed / n, "rebuilds",
                      (json_int_t)(d->nrebuild - rebuilds), "rss_bytes", (json_int_t)rss, "kinetic_energy", energy);
     double error = force_error(d);
     json_object_set_new(*out, "force_error", isfinite(error) ? json_real(error) : json_null());
@@ -459,7 +523,8 @@ int dem_bench_main(int argc, char **argv) {
     open_bed(&b, o.bed, &err);
     o.box = o.box > 0 ? o.box : b.side;
   } else {
-    o.box = o.box > 0 ? o.box : (o.radius[0] + o.radius[1]) * cbrt(o.particles);
+    double side = (o.radius[0] + o.radius[1]) * cbrt(o.particles);
+    o.box = o.box > 0 ? o.box : fmax(side, 2.2 * o.radius[1]);
     make_bed(&b, name, &o, &err);
   }
   if (o.steps == 0)

@@ -13,7 +13,13 @@ void dem_where(const dem_data *d, int i, char path[TDM_PATH_MAX], int *number) {
   uint64_t id = d->id[i];
   int g = 0;
   *number = (int)id;
-  snprintf(path, TDM_PATH_MAX, "dem.sources");
+  uint64_t made = 0;
+  for (int s = 0; s < m->nsource; s++)
+    made += d->source[s].made;
+  bool started = m->start && id < d->ledger.created - made;
+  snprintf(path, TDM_PATH_MAX, started ? "dem.start" : "dem.sources");
+  if (started)
+    return;
   if (id >= (uint64_t)m->nparticle)
     return;
   while (g < m->ngroup - 1 && !(*number >= m->group[g].first && *number < m->group[g].first + m->group[g].count))

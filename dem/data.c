@@ -347,6 +347,13 @@ void dem_data_destroy(dem_data **data) {
 
 /* ---- particles that come and go ---- */
 
+/* The places of the crossings follow the last particle: they are no longer where they were. All of them are empty
+ * between steps, and the lists that are made next place them anew. */
+static void forget_crossings(dem_data *d) {
+  d->crossings.count = 0;
+  memset(d->crossings.chunk, 0, (size_t)(d->nchunk + 1) * sizeof *d->crossings.chunk);
+}
+
 bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   if (!dem_data_reserve(d, d->nparticle + 1))
     return false;
@@ -373,6 +380,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
   d->pairs.first[i + 1] = d->pairs.first[i];
+  forget_crossings(d);
   d->list_stale = true;
   return true;
 }
@@ -443,6 +451,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
 #undef X
   }
   d->nparticle = after;
+  forget_crossings(d);
   dem_data_end(d);
   d->push[after] = (dem_push){0};
   if (d->spare_push)

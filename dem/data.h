@@ -13,6 +13,7 @@
 #include "dem/model.h"
 #include "dem/scratch.h"
 #include "dem/search/search.h"
+#include "dem/times.h"
 
 #include <stdint.h>
 
@@ -89,7 +90,14 @@ typedef struct {
 } dem_ledger;
 
 /* What the guard saw last (guard.h). */
-typedef enum { DEM_GUARD_LEAP, DEM_GUARD_OVERLAP, DEM_GUARD_STEP, DEM_GUARD_ENERGY, DEM_GUARD_KINDS } dem_guard_kind;
+typedef enum {
+  DEM_GUARD_LEAP,
+  DEM_GUARD_OVERLAP,
+  DEM_GUARD_LOST,
+  DEM_GUARD_STEP,
+  DEM_GUARD_ENERGY,
+  DEM_GUARD_KINDS
+} dem_guard_kind;
 
 typedef struct {
   double start, lowest;           /* energy at the first look, and the lowest since [J] */
@@ -98,6 +106,10 @@ typedef struct {
   uint64_t flow;                  /* particles that had come or gone then */
   uint64_t leaper;                /* 1 + id of a particle that moved more than its radius in a step, 0: none */
   double leap;                    /* by how much [m] */
+  uint64_t pace_step, pace_next;  /* steps at which speeds were last looked at, and will be next */
+  double way;                     /* that a particle and a wall may have gone towards each other since the last look at
+                                     overlaps [m] */
+  uint64_t lost;                  /* particles behind planes that are known */
   uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
 } dem_guard_state;
 
@@ -193,6 +205,7 @@ typedef struct dem_data {
   tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
   int *number;                   /* (nparticle) scratch, where particles can leave; else none */
+  dem_times *times;              /* borrowed; NULL: not measured */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */

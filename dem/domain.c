@@ -1,7 +1,10 @@
 /* The box dem.domain: see domain.h. */
 #include "dem/domain.h"
 
+#include "dem/extras.h"
 #include "dem/integrate.h"
+
+#include <stdio.h>
 
 static const char axes[3][2] = {"x", "y", "z"};
 
@@ -44,6 +47,24 @@ static void check_planes(const dem_model *m, int axis, tdm_error *err) {
   }
 }
 
+/* a source from which everything would leave at once */
+static void check_sources(const dem_model *m, tdm_error *err) {
+  const dem_domain_def *box = &m->domain;
+  for (int s = 0; s < m->nsource && !err->status; s++)
+    for (int a = 0; a < 3; a++) {
+      double low = (&m->source[s].low.x)[a], high = (&m->source[s].high.x)[a], end = box->low[a] + box->length[a];
+      char path[TDM_PATH_MAX];
+      snprintf(path, sizeof path, "dem.sources[%d]", s);
+      if (!box->periodic[a] && a != m->flat && (high < box->low[a] || low > end)) {
+        tdm_fail(err, TDM_ERR_SCENE, path,
+                 "\"%s\" is outside dem.domain in %s (%g to %g m; the box is from %g to %g m), so that its particles "
+                 "would leave at once; move one of them",
+                 m->source[s].name, axes[a], low, high, box->low[a], end);
+        return;
+      }
+    }
+}
+
 void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err) {
   const dem_domain_def *box = &m->domain;
   double skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
@@ -59,6 +80,8 @@ void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err)
                box->length[a], axes[a], last, skin, least);
     check_planes(m, a, err);
   }
+  if (box->wanted)
+    check_sources(m, err);
 }
 
 void dem_domain_put(dem_data *d) {
@@ -91,9 +114,17 @@ void dem_domain_strain(dem_data *d, double dt) {
   dem_domain_put(d);
 }
 
+/* what a box that repeats puts into particle i when it goes on at the other side: potential and kinetic energy */
+static double shift_energy(const dem_data *d, int i, int axis, double way, double speed) {
+  tdm_vec3 field = dem_field(d, i);
+  return d->mass[i] * (speed * ((&d->pace[i].velocity.x)[axis] + 0.5 * speed) - (&field.x)[axis] * way);
+}
+
 /* particle i, k boxes up along an axis */
 static void shift(dem_data *d, int i, int axis, double k) {
   double way = k * d->domain.length[axis], speed = k * d->domain_rate[axis];
+  if (d->model->energy)
+    d->energy.supplied += shift_energy(d, i, axis, way, speed);
   (&d->sphere[i].position.x)[axis] += way;
   (&d->sphere[i].velocity.x)[axis] += speed;
   (&d->pace[i].velocity.x)[axis] += speed;

@@ -14,8 +14,8 @@
 /* Read the section's "domain". */
 void dem_domain_read(dem_model *model, tdm_object *section);
 
-/* Refuse a box that at any time of the run is too narrow for the images of particles up to this radius [m], and planes
- * across a periodic direction. */
+/* Refuse a box that at any time of the run is too narrow for the images of particles up to this radius [m], planes
+ * across a periodic direction, and sources outside. */
 void dem_domain_check(const dem_model *model, double largest_radius, tdm_error *err);
 
 /* The box as at the start of the run. */

@@ -25,6 +25,10 @@ void dem_read_dimension(dem_model *m, tdm_object *section) {
   if (dimension > 3)
     tdm_object_fail(section, "dimension", "is %ld; give 3, or 2 for particles in a plane", dimension);
   m->flat = -1;
+  static const char *const keys[] = {"plane", "plane_at"};
+  for (int k = 0; k < 2 && dimension != 2; k++)
+    if (tdm_has(section, keys[k]))
+      tdm_object_fail(section, keys[k], "is for \"dimension\": 2 only; remove it, or give that");
   if (dimension != 2)
     return;
   m->driven = true;

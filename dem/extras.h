@@ -16,6 +16,11 @@ void dem_put_in_plane(dem_model *model, tdm_error *err);
 /* Accelerations of their own, and infinite masses, of the particles by the groups that their ids belong to. */
 void dem_drive_particles(dem_data *data);
 
+/* What accelerates particle i besides contacts [m/s2]. */
+static inline tdm_vec3 dem_field(const dem_data *d, int i) {
+  return d->model->driven ? tdm_add(d->model->gravity, d->drive[i].velocity) : d->model->gravity;
+}
+
 /* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */
 tdm_vec3 dem_fixed_force(const dem_data *data);
 

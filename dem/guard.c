@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STEP_LOOKS = 10, LOGGED = 10 };
+enum { STEP_LOOKS = 10, LOGGED = 10, PACE_STEPS = 10 };
 
 void dem_guard_read(dem_model *m, tdm_object *section) {
   static const char *const actions[] = {"warn", "stop"};
@@ -120,6 +120,92 @@ static tdm_status look_at_overlaps(dem_data *d, double t, tdm_error *err) {
   return tell(d, DEM_GUARD_OVERLAP, path, text, err);
 }
 
+/* ---- particles behind planes ---- */
+
+void dem_guard_begin(dem_data *d) {
+  d->guard = (dem_guard_state){
+      .leaper = d->guard.leaper, .leap = d->guard.leap, .lost = (uint64_t)dem_count_lost(d)}; /* leaps: of settling */
+}
+
+static tdm_status look_at_lost(dem_data *d, double t, tdm_error *err) {
+  const dem_model *m = d->model;
+  uint64_t lost = (uint64_t)dem_count_lost(d), known = d->guard.lost;
+  d->guard.lost = lost;
+  if (lost <= known)
+    return TDM_OK;
+  char path[TDM_PATH_MAX] = "dem", text[TDM_MESSAGE_MAX];
+  int n = 0, i = 0, w = m->nwall;
+  for (; i < d->nparticle; i++) {
+    for (w = 0; w < m->nwall && !dem_through(d, i, w);)
+      w++;
+    if (w < m->nwall)
+      break;
+  }
+  dem_where(d, i, path, &n);
+  tdm_vec3 x = d->sphere[i].position;
+  snprintf(text, sizeof text,
+           "particle %d (id %llu) went through a plane of \"%s\" to [%.6g, %.6g, %.6g] m, and %llu in all did, at "
+           "t = %.9g s, step %llu; use a stiffer material, a smaller time.dt or lower speeds",
+           n, (unsigned long long)d->id[i], m->body[m->wall[w].body].name, x.x, x.y, x.z, (unsigned long long)lost, t,
+           (unsigned long long)d->nstep);
+  return tell(d, DEM_GUARD_LOST, path, text, err);
+}
+
+/* ---- how often ---- */
+
+/* the fastest a body moves where particles are near its walls [m/s]: of a driven one what its motion gets to, which
+ * an oscillation need not show at the ends of steps */
+static double speed_of_bodies(const dem_data *d, double t, int *which) {
+  const dem_model *m = d->model;
+  double fastest = 0;
+  for (int b = 0; b < m->nbody; b++) {
+    const dem_drive *drive = &m->body[b].drive;
+    bool moves = drive->given && t > drive->start && t <= drive->end;
+    double speed = moves ? dem_drive_speed(drive, 0) : tdm_norm(d->twist[b].velocity);
+    double spin = tdm_norm(moves ? drive->angular : d->twist[b].angular), reach = 0;
+    for (size_t k = 0; spin > 0 && k < d->walls.count; k++)
+      if (m->wall[d->walls.entry[k].wall].body == b)
+        reach = fmax(reach, tdm_norm(tdm_sub(d->sphere[d->walls.entry[k].particle].position, d->pose[b].position)));
+    if (speed + spin * reach > fastest) {
+      fastest = speed + spin * reach;
+      *which = b;
+    }
+  }
+  return fastest;
+}
+
+static tdm_status tell_body(dem_data *d, int body, double way, double radius, double t, tdm_error *err) {
+  char text[TDM_MESSAGE_MAX];
+  snprintf(
+      text, sizeof text,
+      "\"%s\" moves up to %.3g m in a step, more than the smallest radius %.3g m, at t = %.9g s, step %llu: it may "
+      "pass through particles; reduce time.dt or its speed",
+      d->model->body[body].name, way, radius, t, (unsigned long long)d->nstep);
+  return tell(d, DEM_GUARD_LEAP, "dem.bodies", text, err);
+}
+
+/* Add up how far a particle and its partner can have gone towards each other. *due: so far that one may have begun to
+ * pass through the other since the last look at overlaps. */
+static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_error *err) {
+  dem_guard_state *g = &d->guard;
+  *due = false;
+  if (d->nstep < g->pace_next)
+    return TDM_OK;
+  double fastest2 = 0, smallest = INFINITY;
+  for (int i = 0; i < d->nparticle; i++) {
+    fastest2 = fmax(fastest2, tdm_dot(d->sphere[i].velocity, d->sphere[i].velocity));
+    smallest = fmin(smallest, d->sphere[i].radius);
+  }
+  int body = 0;
+  double fastest = sqrt(fastest2), bodies = speed_of_bodies(d, t, &body);
+  double speed = fastest + fmax(fastest, bodies), unseen = fmax(0.1, 1 - d->model->guard.overlap) * smallest;
+  g->way += (double)(d->nstep - g->pace_step) * dt * speed;
+  g->pace_step = d->nstep;
+  g->pace_next = d->nstep + (uint64_t)fmax(1, fmin(PACE_STEPS, floor(unseen / 3 / (speed * dt))));
+  *due = g->way > unseen;
+  return bodies * dt > smallest ? tell_body(d, body, bodies * dt, smallest, t, err) : TDM_OK;
+}
+
 /* ---- the step ---- */
 
 static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err) {
@@ -140,15 +226,19 @@ typedef struct {
   double kinetic, potential, elastic, magnitude; /* magnitude: of the potentials, for round-off [J] */
 } energies;
 
-static bool can_judge(const dem_data *d) {
+/* t, dt: of the step that ended */
+static bool can_judge(const dem_data *d, double t, double dt) {
   const dem_model *m = d->model;
   if (m->cohesion != DEM_COHESION_none || m->domain.strained || (m->domain.repeats && m->driven))
     return false;
   for (int a = 0; a < 3; a++)
     if (m->domain.periodic[a] && (&m->gravity.x)[a] != 0)
       return false;
+  double before = t - (double)m->guard.every * dt; /* the last look */
   for (int b = 0; b < m->nbody; b++)
-    if (m->body[b].coupled >= 0 || tdm_norm(d->twist[b].velocity) + tdm_norm(d->twist[b].angular) > 0)
+    if (m->body[b].coupled >= 0 ||
+        (m->body[b].drive.given && m->body[b].drive.start < t && m->body[b].drive.end > before) ||
+        tdm_norm(d->twist[b].velocity) + tdm_norm(d->twist[b].angular) > 0)
       return false;
   for (int w = 0; w < m->nwall; w++) /* belts */
     if (m->wall[w].moves)
@@ -243,13 +333,26 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
 
 tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
   uint64_t every = (uint64_t)d->model->guard.every;
-  if (d->guard.leaper && every > 0 && look_at_leap(d, t, err))
-    return err->status;
-  if (every == 0 || d->nstep % every != 0)
+  if (every == 0)
     return TDM_OK;
-  if (dem_check_finite(d, t, err) || look_at_overlaps(d, t, err))
+  if (d->guard.leaper && look_at_leap(d, t, err))
     return err->status;
+  bool due, look = d->nstep % every == 0;
+  if (look_at_pace(d, t, dt, &due, err))
+    return err->status;
+  if (look && dem_check_finite(d, t, err))
+    return err->status;
+  if (look || due) {
+    d->guard.way = 0;
+    if (look_at_overlaps(d, t, err) || look_at_lost(d, t, err))
+      return err->status;
+  }
+  if (!look)
+    return TDM_OK;
   if (d->nstep % (STEP_LOOKS * every) == 0 && look_at_step(d, t, dt, err))
     return err->status;
-  return can_judge(d) ? look_at_energy(d, t, err) : TDM_OK;
+  if (can_judge(d, t, dt))
+    return look_at_energy(d, t, err);
+  d->guard.judging = 0;
+  return TDM_OK;
 }

@@ -81,6 +81,63 @@ static void warn_start(dem_report *r, const dem_data *d, const dem_settled *sett
          dem_count_lost(d), settled->dt);
 }
 
+/* is a region for spheres up to this radius altogether behind a plane, or outside an endless cylinder? */
+static bool behind(const dem_data *d, tdm_pose frame, tdm_vec3 low, tdm_vec3 high, double radius) {
+  const dem_model *m = d->model;
+  for (int w = 0; w < m->nwall; w++) {
+    int out = 0;
+    for (int k = 0; k < 9 && dem_wall_endless(&m->wall[w]); k++) {
+      tdm_vec3 n, x = tdm_v3(k & 1 ? low.x : high.x, k & 2 ? low.y : high.y, k & 4 ? low.z : high.z);
+      if (k == 8)
+        x = tdm_scale(0.5, tdm_add(low, high));
+      out += dem_wall_gap(&m->wall[w], &d->wall[w], tdm_pose_point(frame, x), &n) <= -radius;
+    }
+    if (out == 9)
+      return true;
+  }
+  return false;
+}
+
+static void warn_behind(dem_report *r, const dem_data *d) {
+  static const char says[] = "is altogether behind a plane, which does not act on what comes there; planes are "
+                             "infinite, so move the region or the plane unless this is meant";
+  const dem_model *m = d->model;
+  char path[TDM_PATH_MAX];
+  for (int s = 0; s < m->nsource; s++) {
+    snprintf(path, sizeof path, "dem.sources[%d]", s);
+    if (behind(d, (tdm_pose){.orientation = tdm_quat_identity()}, m->source[s].low, m->source[s].high,
+               m->source[s].sizes.max))
+      warn(r, path, "%s", says);
+  }
+  for (int k = 0; k < m->npouring; k++) {
+    const dem_pouring *p = &m->pouring[k];
+    snprintf(path, sizeof path, "dem.particles[%d]", p->entry);
+    if (behind(d, p->frame, p->low, p->high, p->largest))
+      warn(r, path, "%s", says);
+  }
+}
+
+/* walls have no images: one that reaches a face of a box that repeats ends there */
+static void warn_repeats(dem_report *r, const dem_data *d) {
+  const dem_model *m = d->model;
+  double radius = dem_largest_radius(m);
+  for (int w = 0; w < m->nwall; w++)
+    for (int a = 0; a < 3; a++) {
+      tdm_vec3 up = {0, 0, 0};
+      (&up.x)[a] = 1;
+      double low, high, begin = d->domain.low[a], end = begin + d->domain.length[a];
+      if (!d->domain.periodic[a] || !dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high) ||
+          high < begin - radius || low > end + radius || (low >= begin + radius && high <= end - radius) ||
+          (low <= begin - radius && high >= end + radius))
+        continue;
+      warn(r, "dem.bodies",
+           "a wall of \"%s\" reaches a face of dem.domain, which repeats in %c, but walls do not repeat: what passes "
+           "the face loses it; let the wall reach beyond both faces by a radius, or end before them",
+           m->body[m->wall[w].body].name, "xyz"[a]);
+      break;
+    }
+}
+
 /* in two dimensions nothing falls out of the plane */
 static void warn_plane(dem_report *r, const dem_model *m) {
   double across = m->flat >= 0 ? (&m->gravity.x)[m->flat] : 0;
@@ -107,6 +164,56 @@ static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limit
          "time.dt = %g s takes %.1f steps for the shortest contact, %.3g s at %.3g m/s: 20 are recommended, for fast "
          "impacts only",
          m->dt, limits->contact / m->dt, limits->contact, limits->speed);
+}
+
+/* largest overlap of an impact of a particle with its like or with a wall, as a share of the radius */
+static double deepest_impact(const dem_model *m, int kind, double radius, double mass, double speed) {
+  const dem_pair *row = &m->pair[kind * m->nmaterial];
+  double deepest = 0;
+  for (int k = 0; k < m->nmaterial; k++) {
+    if (!row[k].given)
+      continue;
+    deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass / 2, radius / 2, speed, 0}) / radius);
+    if (m->nwall > 0)
+      deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass, radius, speed, 0}) / radius);
+  }
+  return deepest;
+}
+
+/* impacts and motions that the guard would have to tell of */
+static void warn_speed(dem_report *r, const dem_data *d, double speed) {
+  const dem_model *m = d->model;
+  double worst = 0, smallest = INFINITY, of = 0;
+  if (m->guard.every == 0 || !(speed > 0))
+    return;
+  for (int i = 0; i < d->nparticle + m->nsource; i++) {
+    const dem_source *s = i < d->nparticle ? NULL : &m->source[i - d->nparticle];
+    double radius = s ? s->sizes.max : d->sphere[i].radius;
+    int kind = s ? s->kind : d->kind[i];
+    double full = m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+    double mass = !s ? d->mass[i] : s->mass > 0 ? s->mass : full;
+    smallest = fmin(smallest, s ? s->sizes.min : radius);
+    if (i > 0 && !s && d->mass[i] == d->mass[i - 1] && kind == d->kind[i - 1])
+      continue;
+    double share = deepest_impact(m, kind, radius, mass, speed);
+    of = share > worst ? radius : of;
+    worst = fmax(worst, share);
+  }
+  if (worst > m->guard.overlap)
+    warn(r, "dem.guard.overlap",
+         "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it without damping, and "
+         "may "
+         "pass through walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the "
+         "speed is lower",
+         m->guard.overlap, of, speed, worst);
+  for (int b = 0; b < m->nbody; b++) {
+    double way = m->body[b].drive.given ? m->dt * dem_drive_speed(&m->body[b].drive, 0) : 0;
+    if (way > smallest)
+      warn(r, "dem.bodies",
+           "\"%s\" moves up to %.3g m in a step, more than the smallest radius %.3g m: it may pass through particles; "
+           "reduce time.dt or its speed",
+           m->body[b].name, way, smallest);
+  }
 }
 
 /* ---- figures ---- */
@@ -258,8 +365,13 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   json_object_set_new(r->json, "simd", json_string(m->simd));
   json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));
   warn_start(r, d, settled, nbehind);
+  warn_behind(r, d);
+  warn_repeats(r, d);
+  if (m->start && m->settle.wanted)
+    note(r, "the particles of dem.start settled again, as dem.settle asks for");
   report_limits(r, m, &limits);
   warn_step(r, m, &limits);
+  warn_speed(r, d, limits.speed);
   warn_plane(r, m);
   warn_triangles(r, m);
   report_ratios(r, d, fill.mass);
@@ -277,7 +389,8 @@ void dem_report_flow(dem_report *r, const dem_data *d) {
     snprintf(path, sizeof path, "dem.sources[%d]", s);
     if (d->source[s].blocked)
       warn(r, path,
-           "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, or "
+           "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, "
+           "or "
            "move the source",
            (unsigned long long)d->source[s].made);
   }

@@ -35,7 +35,15 @@ typedef struct {
 static tdm_status load_scene(run_state *run, tdm_error *err) {
   if (tdm_alone_read(&run->alone, err) != TDM_OK)
     return err->status;
-  return dem_run_settings_read(&run->settings, &run->alone.scene, err);
+  const dem_run_settings *s = &run->settings;
+  if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
+    return err->status;
+  tdm_alone_doubt_interval(&run->alone, s->interval, s->time.end);
+  if (s->pictures.late > 0)
+    tdm_alone_doubt(&run->alone, "output.pictures.times",
+                    "%d of %d are later than time.end = %g s: there will be no such pictures", s->pictures.late,
+                    s->pictures.late + s->pictures.ntime, s->time.end);
+  return TDM_OK;
 }
 
 static tdm_status open_results(run_state *run, tdm_error *err) {
@@ -127,8 +135,11 @@ static uint64_t least(uint64_t a, uint64_t b) {
   return a < b ? a : b;
 }
 
+/* a row on the grid; and one of the last state, which need not lie on it */
 static tdm_status write_due(run_state *run, tdm_error *err) {
-  if (run->nstep >= row_step(run) && tdm_alone_row(&run->alone, row_time(run), run->alone.values, err) != TDM_OK)
+  bool due = run->nstep >= row_step(run), last = run->nstep == tdm_total_steps(&run->settings.time);
+  double time = due ? row_time(run) : (double)run->nstep * run->settings.time.dt;
+  if ((due || last) && tdm_alone_row(&run->alone, time, run->alone.values, err) != TDM_OK)
     return err->status;
   bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
   if (frame || picture || run->settings.pictures.ntime > 0)
@@ -150,7 +161,7 @@ static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   const tdm_step step = {.t0 = (double)run->nstep * dt,
                          .t1 = (double)end * dt,
                          .nstep = end - run->nstep,
-                         .nsample = end >= row_step(run) ? 1 : 0,
+                         .nsample = end >= row_step(run) || end == tdm_total_steps(&run->settings.time),
                          .sample_time = &sample};
   tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->alone.values};
   double nparticle = d->nparticle;
@@ -283,7 +294,7 @@ static void print_scene(const run_state *run) {
   uint64_t total = tdm_total_steps(&s->time);
   printf("run\n");
   printf("  %-28s %g s in %llu steps of %g s\n", "time", s->time.end, (unsigned long long)total, s->time.dt);
-  printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, floor(s->time.end / s->interval + 1e-6) + 1);
+  printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, ceil(s->time.end / s->interval - 1e-6) + 1);
   if (s->particles_interval > 0)
     printf("  %-28s every %g s: %.0f files\n", "particles for ParaView", s->particles_interval,
            floor(s->time.end / s->particles_interval + 1e-6) + 1);

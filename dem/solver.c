@@ -65,6 +65,7 @@ typedef struct {
 
 /* the energies' channels: what names them, and the values of the present state into out; returns how many */
 static const char *const energy_channels[] = {"energy.potential", "energy.elastic", "energy.wall_work",
+                                              "energy.supplied",
 #define X(mechanism, name) "energy.dissipated." name,
                                               DEM_ENERGY_LIST(X)
 #undef X
@@ -74,10 +75,11 @@ enum { NENERGY = sizeof energy_channels / sizeof energy_channels[0] };
 static int energy_values(const dem_data *d, double *out) {
   double potential = 0;
   for (int i = 0; i < d->nparticle; i++)
-    potential -= d->mass[i] * tdm_dot(d->model->gravity, d->sphere[i].position);
+    potential -= d->mass[i] * tdm_dot(dem_field(d, i), d->sphere[i].position);
   *out++ = potential;
   *out++ = dem_energy_elastic(&d->energy);
   *out++ = d->energy.wall_work;
+  *out++ = d->energy.supplied;
   memcpy(out, d->energy.dissipated, sizeof d->energy.dissipated);
   return NENERGY;
 }
@@ -322,6 +324,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   if (!m->settle.wanted && !m->start && dem_lids_place(d) && !dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_energy_begin(&d->energy);
+  dem_guard_begin(d);
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->body_load[m->coupled_body[c]];

@@ -22,7 +22,7 @@
 static const char magic[8] = {'T', 'N', 'D', 'M', 'D', 'E', 'M', '\n'};
 
 /* Raise it when the format changes, or when the same inputs give another state. */
-enum { STATE_VERSION = 2 };
+enum { STATE_VERSION = 3 };
 
 typedef struct {
   char magic[8];
@@ -46,6 +46,7 @@ typedef struct {
   double memory_dt, strained, strain_dt;
   dem_ledger ledger;
   dem_guard_state guard;
+  dem_energy energy;
 } counters;
 
 /* a contact with a history; the columns follow */
@@ -156,7 +157,8 @@ static counters counters_of(const dem_data *d) {
                     .strained = d->strained,
                     .strain_dt = d->strain_dt,
                     .ledger = d->ledger,
-                    .guard = d->guard};
+                    .guard = d->guard,
+                    .energy = d->energy};
 }
 
 static bool save(const dem_data *d, const void *note, size_t note_size, void **bytes, size_t *size) {
@@ -349,6 +351,7 @@ static bool get_run(const reader *r, dem_data *d, counters *c) {
   d->strain_dt = c->strain_dt;
   d->ledger = c->ledger;
   d->guard = c->guard;
+  d->energy = c->energy;
   dem_domain_put(d);
   return true;
 }

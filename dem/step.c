@@ -27,11 +27,13 @@ static double begin_step(dem_data *d, const dem_integrator *integrator, double d
 }
 
 /* in the order of the chunks */
-static void add_energy(dem_data *d, double dt) {
+static void add_energy(dem_data *d, dem_share share, double dt) {
   dem_flux sum = {0};
+  if (share == DEM_ALL)
+    d->energy.fast = sum;
   for (int c = 0; c < d->nchunk; c++)
     dem_flux_add(&sum, &d->chunk_flux[c]);
-  dem_energy_step(&d->energy, &sum, dt);
+  dem_energy_step(&d->energy, share == DEM_FAST ? &d->energy.fast : &d->energy.now, &sum, dt);
 }
 
 static void end_step(dem_data *d, const dem_integrator *integrator, double dt) {
@@ -79,14 +81,17 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt, con
       m->law->walls(&task);
     touching += task.touching;
     d->chunk_flux[c] = task.flux;
-    if (integrator && d->nthread == 1)
+    if (integrator && d->nthread == 1) {
+      dem_time_spent(d->times, DEM_PHASE_CONTACTS);
       integrator->end(d, c, dt);
+      dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
+    }
   }
   if (integrator && d->nthread > 1)
     end_step(d, integrator, dt);
   d->ncontact = touching;
   if (m->energy)
-    add_energy(d, dt);
+    add_energy(d, share, dt);
   for (int b = 0; b < m->nload; b++) {
     tdm_wrench sum = {0};
     for (int c = 0; c < d->nchunk; c++) {
@@ -193,8 +198,10 @@ static bool single_step(dem_data *d, const dem_motion *motion, uint64_t k, uint6
   if (m->domain.strained && !settling)
     dem_domain_strain(d, dt);
   double moved2 = begin_step(d, integrator, dt, 0);
+  dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
   if (!find_contacts(d, moved2, dt))
     return false;
+  dem_time_spent(d->times, DEM_PHASE_LIST);
   dem_traction_clear(d);
   evaluate(d, DEM_ALL, settling, dt, integrator);
   dem_traction_add(d, 1);
@@ -218,6 +225,7 @@ bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, boo
   if (d->model->domain.open)
     dem_domain_leave(d);
   d->restart = d->restart || settling;
+  dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
   d->nstep++;
   d->since_sort++;
   d->since_list++;

@@ -258,6 +258,11 @@ static int set_stop(ida_solver *ida, double t, double t1) {
   return IDASetStopTime(ida->mem, stop);
 }
 
+static const char advice[] =
+    "A load or a force jumped or grew without bound, or the mechanism is in or near a singular position: try "
+    "mbd.corrector \"modified\", mbd.formulation \"one_step\", a larger mbd.solver.relative_tolerance, or shorter "
+    "windows";
+
 /* Start IDA again from the last good state, which IDA left in ida->y. */
 static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool again, tdm_error *err) {
   tdm_log(TDM_LOG_WARNING, "integrator_failed", "time_s=%.9g flag=%d retry=%s", t, flag, again ? "no" : "yes");
@@ -268,12 +273,9 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
     ida->data->stats.restarts++;
     return TDM_OK;
   }
-  return tdm_fail(
-      err, TDM_ERR_NUMERIC, "mbd",
-      "the integration failed at t = %.9g s in the window to %.9g s (IDA %d: %s). The load on a body jumped or "
-      "grew without bound, or the mechanism is in a singular position: try a smaller coupling.n, or a larger "
-      "mbd.solver.relative_tolerance",
-      t, t1, flag, ida->message);
+  return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                  "the integration failed at t = %.9g s in the window to %.9g s (IDA %d: %s). %s", t, t1, flag,
+                  ida->message, advice);
 }
 
 /* ---- singular positions ---- */
@@ -348,8 +350,8 @@ static double step_over(ida_solver *ida, double t, double t1) {
   double best = 0, reached = t;
   if (ida->npoint < 2)
     return t;
-  N_VScale(1, ida->y, ida->sample);
-  double here = spread_at(ida, t, ida->sample);
+  bool good = mbd_accelerations(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y));
+  double here = good ? mbd_kkt_spread(ida->kkt) : 0;
   for (int i = 0; i < 6 && here < singular * ida->regular && best < enough * here; i++) {
     double to = fmin(ida->point_t[ida->npoint - 1] + lengths[i] * last_step(ida), t1);
     extrapolate(ida, to, ida->sample);
@@ -400,42 +402,57 @@ static tdm_status samples(ida_solver *ida, double from, double t, int *next, int
   return TDM_OK;
 }
 
+/* One step from *t, or over a singular position; or a new start of the integrator there. */
+static tdm_status step(ida_solver *ida, double *t, double t1, bool *again, tdm_error *err) {
+  double reached = *t;
+  int flag = set_stop(ida, *t, t1);
+  if (flag == IDA_SUCCESS)
+    flag = IDASolve(ida->mem, t1, &reached, ida->y, ida->yp, IDA_ONE_STEP);
+  if (flag == IDA_TSTOP_RETURN)
+    reached = ida->stop;
+  double over = flag < 0 || in_trouble(ida) ? step_over(ida, reached, t1) : reached;
+  ida->over = over > reached;
+  ida->fresh = false;
+  *t = over;
+  if (flag < 0 && !ida->over) {
+    if (recover(ida, reached, t1, flag, *again, err))
+      return err->status;
+    *again = true;
+  } else if (!ida->over) {
+    remember(ida, *t);
+  }
+  mbd_accept(ida->model, ida->data, *t, N_VGetArrayPointer(ida->y));
+  return TDM_OK;
+}
+
 static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
                           void *context, tdm_error *err) {
+  /* many steps that cover hardly any of the window go nowhere */
+  const long many = 20000;
+  const double hardly = 1e-5;
   ida_solver *ida = self;
   mbd_data *data = ida->data;
-  const double *y = N_VGetArrayPointer(ida->y);
-  double t = data->t;
+  const double *y = N_VGetArrayPointer(ida->y), start = data->t;
+  double t = start, mark = start;
   int next = 0;
   bool again = false;
   ida->message[0] = 0;
-  while (t < t1) {
-    double from = t, reached = t;
-    int flag = set_stop(ida, t, t1);
-    if (flag == IDA_SUCCESS)
-      flag = IDASolve(ida->mem, t1, &reached, ida->y, ida->yp, IDA_ONE_STEP);
-    if (flag == IDA_TSTOP_RETURN)
-      reached = ida->stop;
-    double over = flag < 0 || in_trouble(ida) ? step_over(ida, reached, t1) : reached;
-    if (flag < 0 && !(over > reached)) {
-      t = reached;
-      if (recover(ida, t, t1, flag, again, err))
-        return err->status;
-      again = true;
-      continue;
-    }
-    t = over;
-    ida->fresh = false;
-    ida->over = over > reached;
-    if (!ida->over)
-      remember(ida, t);
-    mbd_accept(ida->model, data, t, y);
+  for (long nstep = 1; t < t1; nstep++) {
+    double from = t;
+    if (step(ida, &t, t1, &again, err))
+      return err->status;
     if (ida->stop_fn && ida->stop_fn(ida->stop_context))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
     if (samples(ida, from, t, &next, nsample, sample_time, sample, context, err))
       return err->status;
     if (ida->over)
       ida->npoint = 0;
+    if (nstep % many == 0 && t - mark < hardly * (t1 - start))
+      return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                      "the integration stands still at t = %.9g s: the last %ld steps cover %.3g s. %s", t, many,
+                      t - mark, advice);
+    if (nstep % many == 0)
+      mark = t;
   }
   data->t = t1;
   memcpy(data->y, y, (size_t)mbd_nunknown(ida->model) * sizeof(double));

@@ -81,8 +81,9 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
       mbd_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
   const mbd_run_settings *s = &run->settings;
-  run->total_rows = (uint64_t)(s->end / s->interval + 1e-6) + 1;
+  run->total_rows = (uint64_t)fmax(1, ceil(s->end / s->interval - 1e-6)) + 1;
   run->room = (int)fmin(s->window / s->interval + 2, (double)run->total_rows);
+  tdm_alone_doubt_interval(&run->alone, s->interval, s->end);
   return TDM_OK;
 }
 
@@ -98,7 +99,7 @@ static tdm_status start_solver(run_state *run, tdm_error *err) {
 
 /* ---- outputs ---- */
 
-/* the time of a row: the last one lies on the end, whatever rounding says */
+/* the time of a row: the last one lies on the end, on the grid or not */
 static double row_time(const run_state *run, uint64_t row) {
   return fmin((double)row * run->settings.interval, run->settings.end);
 }

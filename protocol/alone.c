@@ -3,8 +3,10 @@
 #include "protocol/log.h"
 #include "protocol/plot.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -41,22 +43,44 @@ tdm_status tdm_alone_open(tdm_alone *run, const char *const *old, tdm_error *err
   return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
 }
 
-/* The solver's doubts: printed, or refused when strict. */
-static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
+void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) {
+  assert(run->ndoubt < TDM_ALONE_DOUBTS);
+  tdm_warning *w = &run->doubt[run->ndoubt++];
+  snprintf(w->path, sizeof w->path, "%s", path);
+  va_list args;
+  va_start(args, format);
+  vsnprintf(w->message, sizeof w->message, format, args);
+  va_end(args);
+}
+
+void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end) {
+  if (interval > end * (1 + 1e-9))
+    tdm_alone_doubt(run, "output.interval",
+                    "is %g s but the run ends at %g s: the time histories have its start and its end only", interval,
+                    end);
+}
+
+static tdm_status heed(tdm_alone *run, const tdm_warning *w, tdm_error *err) {
   char quoted[TDM_MESSAGE_MAX];
-  for (int k = 0; k < run->ready.nwarning; k++) {
-    const tdm_warning *w = &run->ready.warning[k];
-    tdm_error place = {0};
-    tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
-    json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
-    tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
-            tdm_log_quote(quoted, sizeof quoted, place.message));
-    if (run->options->strict)
-      return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
-    tdm_scene_locate(&run->scene, &place);
-    fprintf(stderr, "%s: warning: %s\n", run->program->name, place.message);
-  }
+  tdm_error place = {0};
+  tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
+  json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
+  tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+          tdm_log_quote(quoted, sizeof quoted, place.message));
+  if (run->options->strict)
+    return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
+  tdm_scene_locate(&run->scene, &place);
+  fprintf(stderr, "%s: warning: %s\n", run->program->name, place.message);
   return TDM_OK;
+}
+
+/* Doubts about the settings, and the solver's: printed, or refused when strict. */
+static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
+  for (int k = 0; k < run->ndoubt && err->status == TDM_OK; k++)
+    heed(run, &run->doubt[k], err);
+  for (int k = 0; k < run->ready.nwarning && err->status == TDM_OK; k++)
+    heed(run, &run->ready.warning[k], err);
+  return err->status;
 }
 
 tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err) {

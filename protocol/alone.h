@@ -41,6 +41,8 @@ int tdm_alone_main(const tdm_alone_program *program, int argc, char **argv);
 
 /* ---- a run ---- */
 
+enum { TDM_ALONE_DOUBTS = 4 };
+
 /* Zero-initialise but for the first two; tdm_alone_free lets go of it whatever happened. */
 typedef struct {
   const tdm_alone_program *program;
@@ -49,6 +51,8 @@ typedef struct {
   tdm_results results;
   void *solver;
   tdm_ready ready;
+  int ndoubt;
+  tdm_warning doubt[TDM_ALONE_DOUBTS]; /* about the sections time and output */
   json_t *warnings;
   FILE *channels;
   double last_flush; /* wall clock [s] */
@@ -62,8 +66,13 @@ tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err);
  * in tdm_results_open. */
 tdm_status tdm_alone_open(tdm_alone *run, const char *const *old, tdm_error *err);
 
-/* Load the solver's section; `end` and `dt` [s] as in a co-simulation with n = 1. Warnings are printed, or refused when
- * strict. */
+/* Doubt a setting of the run, with printf's arguments; TDM_ALONE_DOUBTS at most, before tdm_alone_start. */
+void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Doubt an interval of the time histories that is longer than the run [s]. */
+void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end);
+
+/* Load the solver's section; `end` and `dt` [s] as in a co-simulation with n = 1. Doubts about the settings and the
+ * solver's warnings are printed, or refused when strict. */
 tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err);
 
 /* Open channels.csv, with its head; run->values are the values at the start. */

@@ -24,8 +24,12 @@ tdm_status tdm_make_directory(const char *dir, tdm_error *err) {
   snprintf(path, sizeof path, "%s/", dir);
   for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
     *slash = 0;
+    struct stat there;
     if (mkdir(path, 0777) != 0 && errno != EEXIST)
       return cannot(path, "made", err);
+    if (stat(path, &there) == 0 && !S_ISDIR(there.st_mode))
+      return tdm_fail(err, TDM_ERR_FILE, NULL,
+                      "%s: cannot be the result directory, as it is a file; give another directory with --out", path);
     *slash = '/';
   }
   return TDM_OK;

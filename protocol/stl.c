@@ -13,14 +13,15 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-enum { HEADER = 84, RECORD = 50 };                  /* bytes of a binary file's head and of a triangle */
-enum { TRIANGLES_MAX = INT_MAX / 8, TEXT_AT = 80 }; /* TEXT_AT: bytes that are looked at to tell text */
+enum { HEADER = 84, RECORD = 50 };                    /* bytes of a binary file's head and of a triangle */
+enum { TRIANGLES_MAX = INT_MAX / 8, TEXT_AT = 1024 }; /* TEXT_AT: bytes that are looked at to tell text */
 
 typedef struct {
   const char *file, *path;
   tdm_error *err;
   char *bytes; /* the whole file, a zero byte behind it */
   size_t size;
+  double scale;
   const char *at; /* text: the next byte */
   long line;
   tdm_stl *stl;
@@ -66,6 +67,20 @@ static bool usable(tdm_vec3 x) {
   return fabs(x.x) < 1e15 && fabs(x.y) < 1e15 && fabs(x.z) < 1e15;
 }
 
+/* a corner in metres; false: out of what can be computed with, told. `place` is where it stands in the file. */
+static bool place_corner(reader *r, tdm_vec3 x, const char *place, tdm_vec3 *out) {
+  *out = tdm_scale(r->scale, x);
+  if (usable(*out))
+    return true;
+  if (usable(x))
+    fail(r, TDM_ERR_SCENE, "\"scale\" = %g takes a corner of \"%s\" from [%g, %g, %g] to [%g, %g, %g] m; correct it",
+         r->scale, r->file, x.x, x.y, x.z, out->x, out->y, out->z);
+  else
+    fail(r, TDM_ERR_FILE, "\"%s\" %s at [%g, %g, %g] is no number or too large; export it again", r->file, place, x.x,
+         x.y, x.z);
+  return false;
+}
+
 static bool append(reader *r, const tdm_vec3 corner[3]) {
   tdm_stl *s = r->stl;
   if (s->count == r->capacity) {
@@ -96,19 +111,17 @@ static double number(const char *bytes) {
   return x;
 }
 
-static void read_binary(reader *r, double scale) {
+static void read_binary(reader *r) {
   uint32_t n = word(r->bytes + HEADER - 4);
   for (uint32_t t = 0; t < n; t++) {
     size_t at = HEADER + (size_t)RECORD * t + 12; /* behind the normal */
     tdm_vec3 corner[3];
     for (int k = 0; k < 3; k++, at += 12) {
       tdm_vec3 x = tdm_v3(number(r->bytes + at), number(r->bytes + at + 4), number(r->bytes + at + 8));
-      corner[k] = tdm_scale(scale, x);
-      if (!usable(corner[k])) {
-        fail(r, TDM_ERR_FILE, "\"%s\" byte %zu: triangle %u has a corner at [%g, %g, %g]; export it again", r->file, at,
-             t, x.x, x.y, x.z);
+      char place[64];
+      snprintf(place, sizeof place, "byte %zu: triangle %u, a corner", at, t);
+      if (!place_corner(r, x, place, &corner[k]))
         return;
-      }
     }
     if (!append(r, corner))
       return;
@@ -116,6 +129,11 @@ static void read_binary(reader *r, double scale) {
 }
 
 /* ---- text ---- */
+
+/* bytes of a byte order mark in front */
+static size_t mark_of(const reader *r) {
+  return strncmp(r->bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
 
 /* Go to the next word and return its length, 0 at the end. */
 static size_t next_word(reader *r) {
@@ -159,18 +177,16 @@ static bool read_number(reader *r, double *x) {
   return true;
 }
 
-static bool read_corner(reader *r, double scale, tdm_vec3 *x) {
+static bool read_corner(reader *r, tdm_vec3 *x) {
   if (!expect(r, "vertex") || !read_number(r, &x->x) || !read_number(r, &x->y) || !read_number(r, &x->z))
     return false;
-  *x = tdm_scale(scale, *x);
-  if (usable(*x))
-    return true;
-  fail(r, TDM_ERR_FILE, "\"%s\" line %ld: the vertex is no number or too large; export it again", r->file, r->line);
-  return false;
+  char place[64];
+  snprintf(place, sizeof place, "line %ld: the vertex", r->line);
+  return place_corner(r, *x, place, x);
 }
 
 /* behind the word "facet" */
-static bool read_facet(reader *r, double scale) {
+static bool read_facet(reader *r) {
   double unused;
   tdm_vec3 corner[3];
   if (!expect(r, "normal"))
@@ -181,34 +197,57 @@ static bool read_facet(reader *r, double scale) {
   if (!expect(r, "outer") || !expect(r, "loop"))
     return false;
   for (int k = 0; k < 3; k++)
-    if (!read_corner(r, scale, &corner[k]))
+    if (!read_corner(r, &corner[k]))
       return false;
   return expect(r, "endloop") && expect(r, "endfacet") && append(r, corner);
 }
 
-/* the name of a solid: whatever is left of the line */
-static void skip_line(reader *r) {
-  r->at += strcspn(r->at, "\n");
+/* is this word "facet" and the next one "normal"? */
+static bool at_facet(const reader *r, size_t n) {
+  const char *next = r->at + n + strspn(r->at + n, " \t\r\n");
+  return is(r, n, "facet") && strncasecmp(next, "normal", 6) == 0;
 }
 
-static void read_text(reader *r, double scale) {
-  r->at = r->bytes;
+/* The name of a solid: whatever is left of the line, or of a file in one line until it goes on with a facet or its
+ * end. */
+static void skip_name(reader *r) {
+  const char *end = r->at + strcspn(r->at, "\n");
+  for (size_t n; n = next_word(r), n > 0 && r->at < end && !at_facet(r, n) && !is(r, n, "endsolid");)
+    r->at += n;
+}
+
+/* the name behind "endsolid", to the end of the line; false: there are more facets in it */
+static bool skip_end(reader *r) {
+  const char *end = r->at + strcspn(r->at, "\n");
+  for (size_t n; n = next_word(r), n > 0 && r->at < end; r->at += n)
+    if (at_facet(r, n)) {
+      fail(r, TDM_ERR_FILE, "\"%s\" line %ld: another solid in the same line; export each into its own lines", r->file,
+           r->line);
+      return false;
+    }
+  return true;
+}
+
+static void read_text(reader *r) {
+  r->at = r->bytes + mark_of(r);
   r->line = 1;
   while (next_word(r) > 0) {
     if (!expect(r, "solid"))
       return;
-    skip_line(r);
+    skip_name(r);
     size_t n;
     while (n = next_word(r), is(r, n, "facet")) {
       r->at += n;
-      if (!read_facet(r, scale))
+      if (!read_facet(r))
         return;
     }
     if (!is(r, n, "endsolid")) {
       unexpected(r, n, "facet or endsolid");
       return;
     }
-    skip_line(r);
+    r->at += n;
+    if (!skip_end(r))
+      return;
   }
   if (r->at != r->bytes + r->size)
     fail(r, TDM_ERR_FILE, "\"%s\" line %ld: a zero byte in text; export it again", r->file, r->line);
@@ -216,20 +255,31 @@ static void read_text(reader *r, double scale) {
 
 /* ---- the file ---- */
 
+/* A text has no zero byte; the head of a binary file may begin with "solid", too, but a count follows it. */
 static bool looks_like_text(const reader *r) {
-  size_t n = r->size < TEXT_AT ? r->size : TEXT_AT, blank = 0;
+  size_t n = r->size < TEXT_AT ? r->size : TEXT_AT, blank = mark_of(r);
   while (blank < n && isspace((unsigned char)r->bytes[blank]))
     blank++;
   return strncasecmp(r->bytes + blank, "solid", 5) == 0 && !memchr(r->bytes, 0, n);
 }
 
-static void read_bytes(reader *r, double scale) {
+/* so small that the squares of lengths would vanish */
+static bool vanishes(const tdm_stl *s) {
+  double most = 0;
+  for (int k = 1; k < 3 * s->count; k++) {
+    tdm_vec3 d = tdm_sub(s->corner[k], s->corner[0]);
+    most = fmax(most, fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))));
+  }
+  return most < 1e-15;
+}
+
+static void read_bytes(reader *r) {
   uint32_t n = r->size >= HEADER ? word(r->bytes + HEADER - 4) : 0;
   uint64_t need = HEADER + (uint64_t)RECORD * n;
   if (r->size >= HEADER && r->size == need)
-    read_binary(r, scale);
+    read_binary(r);
   else if (looks_like_text(r))
-    read_text(r, scale);
+    read_text(r);
   else if (r->size < HEADER)
     fail(r, TDM_ERR_FILE,
          "\"%s\" is no STL file: it does not begin with \"solid\" and has %zu of the %d bytes of a "
@@ -242,13 +292,16 @@ static void read_bytes(reader *r, double scale) {
          r->file, n, (unsigned long long)need, r->size);
   if (!r->err->status && r->stl->count == 0)
     fail(r, TDM_ERR_FILE, "\"%s\" has no triangles; export the part again", r->file);
+  if (!r->err->status && vanishes(r->stl))
+    fail(r, TDM_ERR_SCENE, "\"scale\" = %g leaves nothing of \"%s\": it is smaller than 1e-15 m; correct it", r->scale,
+         r->file);
 }
 
 tdm_status tdm_stl_read(tdm_stl *stl, const char *file, double scale, const char *path, tdm_error *err) {
   *stl = (tdm_stl){0};
-  reader r = {.file = file, .path = path, .err = err, .stl = stl};
+  reader r = {.file = file, .path = path, .err = err, .scale = scale, .stl = stl};
   if (load(&r) == TDM_OK)
-    read_bytes(&r, scale);
+    read_bytes(&r);
   free(r.bytes);
   return err->status;
 }

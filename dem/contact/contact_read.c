@@ -44,12 +44,17 @@ static void read_simd(dem_model *m, tdm_object *section) {
   m->simd = "plain";
 }
 
-/* exponent and lambda of Hunt and Crossley's law, unknown keys otherwise */
+/* exponent and lambda of Hunt and Crossley's law */
 static void read_hunt_crossley(dem_model *m, tdm_object *o) {
-  static const char *const lambdas[] = {"exact", "printed", NULL};
+  static const char *const lambdas[] = {"exact", "printed", NULL}, *const keys[] = {"exponent", "lambda"};
   m->exponent = 1.5;
-  if (m->law->normal != DEM_NORMAL_hunt_crossley)
+  if (m->law->normal != DEM_NORMAL_hunt_crossley) {
+    for (int k = 0; k < 2; k++)
+      if (tdm_has(o, keys[k]))
+        tdm_object_fail(o, keys[k], "is for \"normal\": \"hunt-crossley\" only, not for \"%s\"; remove it",
+                        dem_normals[m->law->normal].name);
     return;
+  }
   m->exponent = tdm_get_number(o, "exponent", 1.5, TDM_POSITIVE);
   m->printed = choose(o, "lambda", lambdas, 0) == 1;
 }
@@ -68,6 +73,10 @@ static void check_laws(const dem_model *m, tdm_object *o) {
                     normal);
   if (m->cohesion == DEM_COHESION_jkr && m->clip)
     tdm_object_fail(o, "tail", "\"clip\" cuts the attraction that cohesion \"jkr\" is there for; use \"keep\"");
+  if (law->normal == DEM_NORMAL_hunt_crossley && m->clip)
+    tdm_object_fail(o, "tail",
+                    "\"clip\" has no meaning with normal \"hunt-crossley\", whose force ends at 0 and does not attract "
+                    "before; use \"keep\"");
   if (law->normal == DEM_NORMAL_hysteretic && m->clip)
     tdm_object_fail(o, "tail",
                     "\"clip\" has no meaning with normal \"hysteretic\", which has no damping: only "
@@ -307,9 +316,7 @@ static const normal_reader normal_readers[DEM_NORMALS] = {
 /* ---- the other families ---- */
 
 /* "friction": one number, or {"static", "dynamic"} */
-static void read_friction(tdm_object *o, const char *law, bool required, double *dynamic, double *hold) {
-  if (!required && !tdm_has(o, "friction"))
-    return;
+static void read_friction(tdm_object *o, const char *law, double *dynamic, double *hold) {
   if (json_is_object(json_object_get(o->json, "friction"))) {
     tdm_object both = tdm_get_object(o, "friction", true);
     *dynamic = tdm_get_number(&both, "dynamic", TDM_REQUIRED, TDM_NOT_NEGATIVE);
@@ -329,7 +336,8 @@ static void read_tangential(const dem_model *m, tdm_object *o, dem_pair *p) {
   dem_tangential_law t = m->law->tangential;
   const dem_law_row *law = &dem_tangentials[t];
   bool rubs = t != DEM_TANGENTIAL_none && t != DEM_TANGENTIAL_viscous;
-  read_friction(o, law->name, rubs, &p->friction, &p->static_friction);
+  if (rubs)
+    read_friction(o, law->name, &p->friction, &p->static_friction);
   if (t == DEM_TANGENTIAL_viscous)
     p->tangential_viscosity = need(o, "tangential_damping", "tangential", law, TDM_NOT_NEGATIVE);
   if (t == DEM_TANGENTIAL_spring) {
@@ -364,11 +372,21 @@ static void read_others(const dem_model *m, tdm_object *o, dem_pair *p) {
 
 /* keys of laws that the scene has not chosen are no typing errors: say what they are */
 static void refuse_unused(const dem_model *m, tdm_object *o) {
-  static const char *const keys[] = {"stiffness",          "contact_time",         "damping",
-                                     "viscosity",          "speed_floor",          "unloading_stiffness",
-                                     "adhesion_stiffness", "tangential_stiffness", "tangential_damping",
-                                     "rolling_friction",   "rolling_damping",      "twisting_friction",
-                                     "cohesion_density",   "adhesion_energy"};
+  static const char *const keys[] = {"friction",
+                                     "stiffness",
+                                     "contact_time",
+                                     "damping",
+                                     "viscosity",
+                                     "speed_floor",
+                                     "unloading_stiffness",
+                                     "adhesion_stiffness",
+                                     "tangential_stiffness",
+                                     "tangential_damping",
+                                     "rolling_friction",
+                                     "rolling_damping",
+                                     "twisting_friction",
+                                     "cohesion_density",
+                                     "adhesion_energy"};
   for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
     bool asked = false;
     for (int a = 0; a < o->nasked; a++)
@@ -468,8 +486,12 @@ void dem_pairs_check(const dem_model *m, tdm_error *err) {
 void dem_settle_pairs_read(dem_model *m, tdm_object *o) {
   bool keep = m->law->normal == DEM_NORMAL_hysteretic && !tdm_has(o, "restitution");
   double e = read_restitution(o, 0.3), dynamic = 0, hold = 0;
+  dem_tangential_law t = m->law->tangential;
   bool rubs = tdm_has(o, "friction");
-  read_friction(o, dem_tangentials[m->law->tangential].name, rubs, &dynamic, &hold);
+  if (rubs && (t == DEM_TANGENTIAL_none || t == DEM_TANGENTIAL_viscous))
+    tdm_object_fail(o, "friction", "is not read by tangential \"%s\"; remove it", dem_tangentials[t].name);
+  else if (rubs)
+    read_friction(o, dem_tangentials[m->law->tangential].name, &dynamic, &hold);
   for (int k = 0; k < m->nmaterial * m->nmaterial && !o->err->status; k++) {
     dem_pair *pair = &m->settle_pair[k];
     *pair = m->pair[k];

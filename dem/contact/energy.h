@@ -27,19 +27,23 @@ typedef struct {
   double power[DEM_ENERGIES];   /* put into the contacts [W] */
   double elastic[DEM_ENERGIES]; /* stored [J]; negative where cohesion holds */
   double wall_power;            /* of the walls on particles and contacts [W] */
+  double box_power;             /* of a strained box, through contacts with images [W] */
 } dem_flux;
 
 typedef struct {
-  dem_flux now;                    /* at the last evaluation */
+  dem_flux now;                    /* at the last evaluation; with multi-step of the slow contacts */
+  dem_flux fast;                   /* likewise of the fast ones, else 0 */
   double dissipated[DEM_ENERGIES]; /* since the start of the run [J] */
   double wall_work;                /* likewise */
+  double supplied;                 /* likewise: by the box, where it repeats (domain.c) or is strained */
 } dem_energy;
 
 /* Add another chunk's. */
 void dem_flux_add(dem_flux *sum, const dem_flux *chunk);
 
-/* Go on by dt to the flux of now; dt = 0: only remember it. */
-void dem_energy_step(dem_energy *e, const dem_flux *now, double dt);
+/* Go on by dt from the flux `of` of a share of the contacts, e->now or e->fast, to the one of now; dt = 0: only
+ * remember it. */
+void dem_energy_step(dem_energy *e, dem_flux *of, const dem_flux *now, double dt);
 
 /* Forget what was dissipated. */
 void dem_energy_begin(dem_energy *e);

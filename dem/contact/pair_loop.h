@@ -19,17 +19,24 @@ DEM_KERNEL void pair_spins(const dem_data *d, const int *i, const int *j, dem_co
   c->inverse_inertia = vd_load(inertia);
 }
 
-/* couples on the particles of pairs, lane after lane: the torque is -radius x twist */
-DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int *sink, unsigned touching, vd3 couple) {
-  double m[3][DEM_W];
+/* Forces, twists and couples of pairs, lane after lane: the torque of a couple is -radius x twist. One sum a particle
+ * and pair, so that results do not depend on which pairs share a batch. */
+DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int *sink, unsigned touching, vd3 force,
+                             vd3 twist, vd3 couple) {
+  double f[3][DEM_W], t[3][DEM_W], m[3][DEM_W];
+  vd_store(f[0], force.x), vd_store(f[1], force.y), vd_store(f[2], force.z);
+  vd_store(t[0], twist.x), vd_store(t[1], twist.y), vd_store(t[2], twist.z);
   vd_store(m[0], couple.x), vd_store(m[1], couple.y), vd_store(m[2], couple.z);
   for (int l = 0; l < DEM_W; l++) {
     if (!(touching >> l & 1))
       continue;
-    tdm_vec3 one = {m[0][l], m[1][l], m[2][l]};
+    tdm_vec3 one = {f[0][l], f[1][l], f[2][l]}, sliding = {t[0][l], t[1][l], t[2][l]},
+             turning = {m[0][l], m[1][l], m[2][l]};
     dem_push *a = &d->push[i[l]], *b = &d->push[sink[l]];
-    a->twist = tdm_axpy(-1 / d->rotor[i[l]].radius, one, a->twist);
-    b->twist = tdm_axpy(1 / d->rotor[j[l]].radius, one, b->twist);
+    a->force = tdm_add(a->force, one);
+    b->force = tdm_sub(b->force, one);
+    a->twist = tdm_add(a->twist, tdm_axpy(-1 / d->rotor[i[l]].radius, turning, sliding));
+    b->twist = tdm_add(b->twist, tdm_axpy(1 / d->rotor[j[l]].radius, turning, sliding));
   }
 }
 
@@ -42,15 +49,26 @@ DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
   }
 }
 
-/* To the nearest image, which moves along when the box is strained; s: columns of vd_sphere_difference. */
-DEM_INLINE void nearest_image(const dem_data *d, vd s[8]) {
+/* To the nearest image, which moves along when the box is strained; s: columns of vd_sphere_difference. boxes: how many
+ * boxes up the image is. */
+DEM_INLINE void nearest_image(const dem_data *d, vd s[8], vd boxes[3]) {
   for (int a = 0; a < 3; a++) {
     if (!d->domain.periodic[a])
       continue;
-    vd boxes = vd_rint(s[a] * vd_set(1 / d->domain.length[a]));
-    s[a] = s[a] - boxes * vd_set(d->domain.length[a]);
-    s[4 + a] = s[4 + a] - boxes * vd_set(d->domain_rate[a]);
+    boxes[a] = vd_rint(s[a] * vd_set(1 / d->domain.length[a]));
+    s[a] = s[a] - boxes[a] * vd_set(d->domain.length[a]);
+    s[4 + a] = s[4 + a] - boxes[a] * vd_set(d->domain_rate[a]);
   }
+}
+
+/* power of the forces on moving images: what straining the box puts in */
+DEM_INLINE void add_box_power(dem_loop_task *task, const vd boxes[3], vm touching, vd3 force) {
+  const double *rate = task->data->domain_rate;
+  vd3 speed = {boxes[0] * vd_set(rate[0]), boxes[1] * vd_set(rate[1]), boxes[2] * vd_set(rate[2])};
+  double power[DEM_W];
+  vd_store(power, vd_only(touching, vd3_dot(speed, force)));
+  for (int l = 0; l < DEM_W; l++)
+    task->flux.box_power += power[l];
 }
 
 DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
@@ -74,6 +92,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     const int *i = list->one + k, *j = list->other + k;
     if (many)
       fetch_ahead(d, j + 2 * DEM_W);
+    vd boxes[3] = {vd_set(0), vd_set(0), vd_set(0)};
     vd s[8], b[4] = {vd_set(0), vd_set(0), vd_set(0), vd_set(0)};
     vd_sphere_difference(sphere, i, j, s);
     if (constants.rubs)
@@ -81,7 +100,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     else
       b[3] = vd_radii(sphere, i) + vd_radii(sphere, j);
     if (repeats)
-      nearest_image(d, s);
+      nearest_image(d, s, boxes);
     vd3 x = {s[0], s[1], s[2]};
     vd r2 = vd3_dot(x, x), sum = b[3], far = sum;
     if (constants.more)
@@ -133,15 +152,17 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     }
     if (constants.more) /* cohesion may have opened some */
       touching += __builtin_popcount(vm_bits(c.touching));
-    if (constants.rubs) {
+    if (constants.more && m->energy && m->domain.strained)
+      add_box_power(task, boxes, c.touching, out.force);
+    if (constants.more && m->couples) {
+      push_couples(d, i, j, list->sink + k, vm_bits(c.touching), out.force, vd3_scale(share, out.twist), out.couple);
+    } else if (constants.rubs) {
       vd3 twist = vd3_scale(share, out.twist);
       vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
                     (vd[3]){twist.x, twist.y, twist.z});
     } else {
       vd_push_forces(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z});
     }
-    if (constants.more && m->couples)
-      push_couples(d, i, j, list->sink + k, vm_bits(c.touching), out.couple);
   }
   task->touching += touching;
 }

@@ -34,11 +34,12 @@ static void read_times(dem_picture_settings *s, tdm_object *o, double time_end) 
     const json_t *value = json_array_get(times, i);
     double t = json_number_value(value), before = i ? s->time[i - 1] : -1;
     char path[TDM_PATH_MAX];
-    if (!json_is_number(value) || !(t >= 0 && t <= time_end * (1 + 1e-9)) || !(t > before))
+    if (!json_is_number(value) || !(t >= 0) || !(t > before))
       tdm_fail(o->err, TDM_ERR_SCENE, tdm_path(path, o, "times", (int)i),
-               "must be a time from 0 to time.end = %g s, later than the entry before", time_end);
+               "must be a time of at least 0 s, later than the entry before");
     s->time[i] = t;
-    s->ntime++;
+    s->late += t > time_end * (1 + 1e-9);
+    s->ntime += s->late == 0;
   }
 }
 

@@ -178,8 +178,10 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
                             .domain = d->domain,
                             .nthread = d->nthread,
                             .scratch = &d->scratch};
+  dem_time_spent(d->times, DEM_PHASE_LIST);
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
+  dem_time_spent(d->times, DEM_PHASE_SEARCH);
   if (d->model->driven)
     drop_fixed(d);
   int ncolumn = d->model->columns.ncolumn;

@@ -30,7 +30,7 @@ static tdm_status energy(cpl_verify *v, const char *name, const char *normal, co
   long impacts = 0, before = 0, instants = 0;
   if (scn_rig_open(&rig, v, time / 500, err,
                    "{'gravity':[0,0,0],'contact':{'normal':'%s','tangential':'none'}," MATERIAL
-                   ",'pairs':[{'materials':['a','a'],'restitution':1,%s}],"
+                   ",'pairs':[{'materials':['a','a'],'restitution':1%s}],"
                    "'bodies':[{'name':'b','material':'a','shapes':[{'type':'box','side':'inside',"
                    "'size':[0.16,0.16,0.16]}]}],"
                    "'particles':[{'type':'list','material':'a','radius':0.02,'positions':[[-0.05,0,0]],"
@@ -59,11 +59,11 @@ static tdm_status energies(cpl_verify *v, tdm_error *err) {
   /* the shortest contact: the smallest sphere with a wall at the speed that holds all the energy */
   double mass = 4.0 / 3 * M_PI * pow(0.015, 3) * 1000, e_star = 1e7 / (2 * (1 - 0.0625));
   double hertz = 2.868 * pow(mass * mass / (0.015 * e_star * e_star * 1.5), 0.2), hooke = M_PI * sqrt(mass / 5e4);
-  if (energy(v, "hertz", "hertz", "'friction':0", hertz, CPL_AT_MOST, err) != TDM_OK)
+  if (energy(v, "hertz", "hertz", "", hertz, CPL_AT_MOST, err) != TDM_OK)
     return err->status;
   /* a linear force begins with a bend: no step of second order that does not look for it is better than (omega dt)^2 =
    * 4e-5 an impact */
-  return energy(v, "hooke", "hooke", "'stiffness':5e4", hooke, CPL_NO_LIMIT, err);
+  return energy(v, "hooke", "hooke", ",'stiffness':5e4", hooke, CPL_NO_LIMIT, err);
 }
 
 /* ---- momentum: 80 spheres that collide in the middle, with friction and damping, far from walls ---- */

@@ -79,7 +79,7 @@ static tdm_status bouncing(cpl_verify *v, double e, tdm_error *err) {
   scn_rig rig;
   scn_rig_open(&rig, v, flight, err,
                "{'gravity':[0,0,%.17g],'materials':[{'name':'a','density':2500,'young_modulus':1e13,"
-               "'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],'restitution':%.17g,'friction':0}],"
+               "'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],'restitution':%.17g}],"
                "'contact':{'tangential':'none'},"
                "'bodies':[{'name':'floor','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
                "'particles':[{'type':'list','material':'a','radius':%.17g,'positions':[[0,0,%.17g]]}]}",
@@ -118,7 +118,7 @@ static tdm_status os_hertz(cpl_verify *v, tdm_error *err) {
                      "{'gravity':[0,0,0],'materials':["
                      "{'name':'a','density':2500,'young_modulus':%.17g,'poisson_ratio':0},"
                      "{'name':'w','density':2500,'young_modulus':1e22,'poisson_ratio':0}],"
-                     "'pairs':[{'materials':['a','w'],'restitution':0.4,'friction':0}],'contact':{'tangential':'none'},"
+                     "'pairs':[{'materials':['a','w'],'restitution':0.4}],'contact':{'tangential':'none'},"
                      "'bodies':[{'name':'floor','material':'w','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
                      "'particles':[{'type':'list','material':'a','radius':0.001,'positions':[[0,0,0.00101]],"
                      "'velocity':[0,0,-1]}]}",

@@ -233,7 +233,6 @@ static const struct {
     {"--set output.particles_intervall=1", "output.particles_intervall", "did you mean \"particles_interval\""},
     {"--set output.pictures.view=xz", "output.pictures.times", "missing"},
     {"--set 'output.pictures={\"times\":[]}'", "output.pictures.times", "1 to 1000"},
-    {"--set 'output.pictures={\"times\":[2]}'", "output.pictures.times[0]", "0 to time.end"},
     {"--set 'output.pictures={\"times\":[0.1,0.05]}'", "output.pictures.times[1]", "later than"},
     {"--set 'output.pictures={\"times\":[\"soon\"]}'", "output.pictures.times[0]", "must be a time"},
     {"--set 'output.pictures={\"times\":[0],\"view\":\"up\"}'", "output.pictures.view", "\"xz\""},
@@ -314,7 +313,9 @@ START_TEST(result_directories) {
   ck_assert(!is_there("out", "particles_000002.vtp")); /* of the run before */
 
   ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/scene.json/out", dir, dir), 1);
-  expect_output("cannot be made: Not a directory");
+  expect_output("scene.json: cannot be the result directory, as it is a file");
+  ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/scene.json", dir, dir), 1);
+  expect_output("scene.json: cannot be the result directory, as it is a file");
   ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s", dir, dir), 1);
   expect_output("is the scene itself");
   char *text = read_all(".", "scene.json");
@@ -398,6 +399,31 @@ START_TEST(meshes_are_beside_the_scene) {
 }
 END_TEST
 
+/* A part of a scene's time: what lies behind its end is left away with a word, and the last state is in the tables. */
+START_TEST(a_shorter_run) {
+  setup();
+  run("out", "--set time.end=0.035 --set 'output.pictures={\"times\":[0.01,0.08]}'");
+  expect_output("output.pictures.times: 1 of 2 are later");
+  char *csv = read_all("out", "channels.csv");
+  ck_assert_ptr_nonnull(strstr(csv, "\n0.03,"));
+  ck_assert_ptr_nonnull(strstr(csv, "\n0.035,"));
+  free(csv);
+  run("short", "--set time.end=0.004");
+  expect_output("output.interval: is 0.01 s but the run ends at 0.004 s");
+  csv = read_all("short", "channels.csv");
+  ck_assert_ptr_nonnull(strstr(csv, "\n0,"));
+  ck_assert_ptr_nonnull(strstr(csv, "\n0.004,"));
+  free(csv);
+  run("whole", "--set time.end=0.03"); /* on the grid: once */
+  csv = read_all("whole", "channels.csv");
+  char *last = strstr(csv, "\n0.03,");
+  ck_assert_ptr_nonnull(last);
+  ck_assert_ptr_null(strstr(last + 1, "\n0.0"));
+  free(csv);
+  directory_remove(dir);
+}
+END_TEST
+
 /* The forces on the triangles in walls_N.vtp are the load of the body in the time histories. */
 START_TEST(forces_on_triangles) {
   setup();
@@ -473,7 +499,41 @@ START_TEST(doubts_are_told) {
 }
 END_TEST
 
+/* The benchmark's options; the forces are those of a brute-force evaluation, bit by bit, with rolling too. */
+START_TEST(the_benchmark) {
+  setup();
+  static const struct {
+    const char *options, *says;
+  } wrong[] = {{"--particles 2.5", "\"--particles 2.5\" is not understood"},
+               {"--particles 0", "is not understood"},
+               {"--steps 1e3.5", "is not understood"},
+               {"--law hertz//none", "is not understood"},
+               {"--law hertz/mindlin/none/", "is not understood"},
+               {"--law hertz/mindlin/none/none/none", "is not understood"},
+               {"--law /mindlin", "is not understood"}};
+  for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+    ck_assert_int_eq(command("tandem-dem bench %s", wrong[i].options), 1);
+    expect_output(wrong[i].says);
+  }
+  static const char *const laws[] = {"hertz/mindlin", "hertz/none", "hertz/mindlin/spring-dashpot",
+                                     "hooke/spring/constant-torque/sjkr"};
+  for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
+    int status =
+        command("env XDG_CACHE_HOME=%s tandem-dem bench --particles 400 --box 0.06 --steps 200 --law %s", dir, laws[i]);
+    ck_assert_msg(status == 0, "%s: %s", laws[i], command_output);
+    expect_output("\"force_error\": 0.0");
+  }
+  int status = command("env XDG_CACHE_HOME=%s tandem-dem bench --particles 1 --steps 200", dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  expect_output("\"coordination\": 1.0"); /* the floor */
+  write_file(dir, "bed.txt", "# x y z r\n0.01 0.01 0.01 0.01\n0.05 0.01 0.01 0.01\n\n0.01 0.01 0.01 0.01\n");
+  ck_assert_int_eq(command("tandem-dem bench --bed %s/bed.txt --box 0.1 --steps 10", dir), 1);
+  expect_output("bed.txt\", lines 2 and 5");
+  directory_remove(dir);
+}
+END_TEST
+
 TEST_MAIN("dem_run", 120, a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
           without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
           an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
-          meshes_are_beside_the_scene, forces_on_triangles, doubts_are_told)
+          meshes_are_beside_the_scene, forces_on_triangles, a_shorter_run, doubts_are_told, the_benchmark)

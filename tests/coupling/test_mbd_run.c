@@ -115,12 +115,21 @@ START_TEST(windows_and_grid_change_little) {
   for (int i = 0; i < b.nrow; i++)
     ck_assert_double_eq_tol(column(&b, "body.bob.y")[i], column(&a, "body.bob.y")[10 * i], 1e-7);
   cpl_table_free(&a);
-  cpl_table_free(&b);
   /* a grid that does not end with the run */
   run("three", "--set output.interval=0.03");
   read_channels("three", &a);
-  ck_assert_int_eq(a.nrow, 17);
+  ck_assert_int_eq(a.nrow, 18);
+  ck_assert_double_eq_tol(column(&a, "time")[16], 0.48, 1e-15);
+  ck_assert_double_eq(column(&a, "time")[17], 0.5);
+  ck_assert_double_eq_tol(column(&a, "body.bob.y")[17], column(&b, "body.bob.y")[5], 1e-5);
   cpl_table_free(&a);
+  run("four", "--set output.interval=0.7");
+  expect_output("output.interval: is 0.7 s but the run ends at 0.5 s");
+  read_channels("four", &a);
+  ck_assert_int_eq(a.nrow, 2);
+  ck_assert_double_eq(column(&a, "time")[1], 0.5);
+  cpl_table_free(&a);
+  cpl_table_free(&b);
   directory_remove(dir);
 }
 END_TEST

@@ -278,7 +278,7 @@ START_TEST(test_bad_store) {
   /* of other settling */
   refused(bed_json(0.5, 0.3, 1, name, ""), "another scene");
   refused(bed_json(0.5, 0.4, 2, name, ""), "delete the file");
-  refused(bed_json(0.5, 0.4, 1, name, ",'contact':{'tangential':'none'}"), "another scene");
+  refused(bed_json(0.5, 0.4, 1, name, ",'contact':{'tangential':'coulomb'}"), "another scene");
 
   /* cut short anywhere, and every way of damage */
   struct stat st;
@@ -320,10 +320,11 @@ END_TEST
 
 START_TEST(test_limits) {
   /* a fall over the closed box's height; the contact of two grains at that speed */
-  const char *scene = "{" MATERIAL ",'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],"
-                      "'bodies':[{'name':'box','material':'a','shapes':[{'type':'box','side':'inside',"
-                      "'size':[1,1,1.4]}]}],'particles':[{'type':'list','material':'a','radius':0.05,'mass':12,"
-                      "'positions':[[0,0,0.2]]}]%s}";
+  const char *scene =
+      "{" MATERIAL ",'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],"
+      "'bodies':[{'name':'box','material':'a','shapes':[{'type':'box','side':'inside',"
+      "'size':[1,1,1.4]}]}],'guard':{'overlap':1},'particles':[{'type':'list','material':'a','radius':0.05,'mass':12,"
+      "'positions':[[0,0,0.2]]}]%s}";
   tdm_assigned_body box = {.name = "box", .mass = 10, .state = state_at(0, 0, 0)};
   rig *r = rig_make(scene_json(scene, ""), 1e-4, 1, &box);
   ck_near(dem_expected_speed(r->data), sqrt(2 * 9.81 * 0.1 + 2 * 9.81 * 1.4), 1e-12);
@@ -347,10 +348,11 @@ START_TEST(test_limits) {
 END_TEST
 
 START_TEST(test_ratios) {
-  const char *scene = "{" MATERIAL ",'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],%s"
-                      "'bodies':[{'name':'box','material':'a','shapes':[{'type':'box','side':'inside',"
-                      "'size':[1,1,1.4]}]}],'particles':[{'type':'list','material':'a','radius':0.05,'mass':12,"
-                      "'positions':[[0,0,0.2],[0.3,0,0.2]]}]}";
+  const char *scene =
+      "{" MATERIAL ",'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],%s"
+      "'bodies':[{'name':'box','material':'a','shapes':[{'type':'box','side':'inside',"
+      "'size':[1,1,1.4]}]}],'guard':{'overlap':1},'particles':[{'type':'list','material':'a','radius':0.05,'mass':12,"
+      "'positions':[[0,0,0.2],[0.3,0,0.2]]}]}";
   session *s = open_session(scene_json(scene, ""), 1e-4);
   json_t *ratio = json_array_get(json_object_get(s->ready.report, "mass_ratios"), 0);
   ck_near(json_number_value(json_object_get(ratio, "all_particles")), 2.4, 1e-15);

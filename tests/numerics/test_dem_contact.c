@@ -8,14 +8,17 @@
 
 /* A sphere (R 10 mm, E* 1e7/(1-0.09) wall rigid-like) above a fixed floor. */
 static rig *drop(const char *tangential, const char *tail, double e, double mu, double dt, const char *motion) {
+  char friction[64] = "";
+  if (strcmp(tangential, "none") != 0)
+    snprintf(friction, sizeof friction, ",'friction':%.17g", mu);
   return rig_make(scene_json("{'gravity': [0,0,0],"
                              "'materials': [{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.3},"
                              "              {'name':'w','density':2500,'young_modulus':1e17,'poisson_ratio':0.3}],"
-                             "'pairs': [{'materials':['a','w'],'restitution':%.17g,'friction':%.17g}],"
+                             "'pairs': [{'materials':['a','w'],'restitution':%.17g%s}],"
                              "'contact': {'tangential':'%s','tail':'%s'},"
                              "'bodies': [{'name':'floor','material':'w','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
                              "'particles': [{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0.01]],%s}]}",
-                             e, mu, tangential, tail, motion),
+                             e, friction, tangential, tail, motion),
                   dt, 0, NULL);
 }
 

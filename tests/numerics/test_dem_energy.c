@@ -2,7 +2,9 @@
  * on all instruction sets, and histories that turn round with their pair. */
 #include "test_dem_support.h"
 
+#include "dem/extras.h"
 #include "dem/search/search.h"
+#include "dem/state.h"
 #include "tests/test_main.h"
 
 /* ---- every set of laws ---- */
@@ -78,14 +80,14 @@ static rig *scene_of(const laws *l, bool walls, bool energy, const char *simd, d
 /* ---- energy ---- */
 
 static double total_energy(const dem_data *d) {
-  double e = dem_energy_elastic(&d->energy) - d->energy.wall_work;
+  double e = dem_energy_elastic(&d->energy) - d->energy.wall_work - d->energy.supplied;
   for (int k = 0; k < DEM_ENERGIES; k++)
     e += d->energy.dissipated[k];
   for (int i = 0; i < d->nparticle; i++) {
     double m = d->mass[i], inertia = 0.4 * m * d->sphere[i].radius * d->sphere[i].radius;
     e += 0.5 * m * tdm_dot(d->pace[i].velocity, d->pace[i].velocity) +
          0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin) -
-         m * tdm_dot(d->model->gravity, d->sphere[i].position);
+         m * tdm_dot(dem_field(d, i), d->sphere[i].position);
   }
   return e;
 }
@@ -123,6 +125,104 @@ START_TEST(test_energy) {
     double falls = stops ? 2.5 : 12;
     ck_assert_msg(coarse < 1e-3, "%s: %g", name_of(&l), coarse);
     ck_assert_msg(fine < coarse / falls, "%s: %g, %g", name_of(&l), coarse, fine);
+  }
+}
+END_TEST
+
+static double kinetic(const dem_data *d) {
+  double e = 0;
+  for (int i = 0; i < d->nparticle; i++)
+    e += d->mass[i] * (0.5 * tdm_dot(d->pace[i].velocity, d->pace[i].velocity) +
+                       0.2 * d->sphere[i].radius * d->sphere[i].radius * tdm_dot(d->pace[i].spin, d->pace[i].spin));
+  return e;
+}
+
+/* Two spheres collide, e = 0.5: three quarters of the energy are lost, whatever is taken how often; in the middle of
+ * the contact the rest is elastic. */
+START_TEST(test_energy_of_substeps) {
+  static const double masses[] = {1, 1e-9}; /* all fast, all slow */
+  for (int k = 0; k < 2; k++) {
+    rig *r =
+        rig_make(scene_json("{'gravity':[0,0,0],'energy':true,'integrator':'multi-step','multi_step':{'substeps':5,"
+                            "'mass':%g},'materials':[{'name':'a','density':2500,'young_modulus':1e7,"
+                            "'poisson_ratio':0.25}],'pairs':[{'materials':['a','a'],'restitution':0.5}],"
+                            "'contact':{'tangential':'none'},'particles':["
+                            "{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0]],'velocity':[0.5,0,0]},"
+                            "{'type':'list','material':'a','radius':0.01,'positions':[[0.0201,0,0]],"
+                            "'velocity':[-0.5,0,0]}]}",
+                            masses[k]),
+                 2e-6, 0, NULL);
+    double start = total_energy(r->data), elastic = 0;
+    for (int s = 0; s < 4000; s++) {
+      rig_steps(r, 1);
+      elastic = fmax(elastic, dem_energy_elastic(&r->data->energy));
+      ck_relative(total_energy(r->data), start, 1e-3);
+    }
+    ck_assert_int_eq(r->data->ncontact, 0);
+    ck_assert(elastic > 0.3 * start && elastic < 0.9 * start);
+    ck_relative(r->data->energy.dissipated[DEM_ENERGY_NORMAL], start - kinetic(r->data), 1e-3);
+    ck_relative(kinetic(r->data), 0.25 * start, 5e-3);
+    rig_free(r);
+  }
+}
+END_TEST
+
+#define GRAINS                                                                                       \
+  "'energy':true,'materials':[{'name':'a','density':2500,'young_modulus':2e6,'poisson_ratio':0.3}]," \
+  "'pairs':[{'materials':['a','a'],'restitution':0.6,'friction':0.4}],"
+
+/* Forces and accelerations on particles, gravity along a direction that repeats, a box that is strained: what they put
+ * in is booked, so that the balance stays what it was, to second order in the step. */
+START_TEST(test_energy_from_outside) {
+  static const struct {
+    const char *what, *scene;
+    double gain; /* least change of kinetic energy, as a share of the start's */
+  } cases[] = {
+      {"force",
+       "{" GRAINS "'bodies':[{'name':'f','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],'particles':["
+       "{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0.0105],[0.05,0,0.012]],'velocity':[0.1,0,0],"
+       "'force':[0.05,0.01,0]},{'type':'list','material':'a','radius':0.01,'positions':[[0,0.03,0.02]],"
+       "'acceleration':[0,0,15]}]}",
+       1},
+      {"fall",
+       "{'gravity':[0,0,-200]," GRAINS "'domain':{'min':[0,0,0],'max':[0.1,0.1,0.1],'x':'periodic','y':'periodic',"
+       "'z':'periodic'},'particles':[{'type':'random','material':'a','count':30,'radius':0.01,'region':{'min':[0,0,0],"
+       "'max':[0.1,0.1,0.1]},'velocity':[0.5,0,-1]},{'type':'list','material':'a','radius':0.005,"
+       "'positions':[[0.05,0.05,0.05]],'fixed':true}]}",
+       1},
+      {"strain",
+       "{'gravity':[0,0,0]," GRAINS "'domain':{'min':[0,0,0],'max':[0.1,0.1,0.1],'x':'periodic','y':'periodic',"
+       "'z':'periodic','strain_rate':[-0.5,3,-0.5]},'particles':[{'type':'random','material':'a','count':60,"
+       "'radius':0.01,'region':{'min':[0,0,0],'max':[0.1,0.1,0.1]},'velocity':[0.2,0.3,-0.1]}]}",
+       0}};
+  static const char *const ways[] = {"{}", "{\"integrator\":\"leap-frog\"}", "{\"integrator\":\"stormer-verlet\"}",
+                                     "{\"integrator\":\"multi-step\",\"multi_step\":{\"substeps\":2,\"mass\":0.003}}"};
+  for (size_t c = 0; c < 3; c++) {
+    double off[2];
+    for (int k = 0; k < 2; k++) {
+      double dt = k ? 1e-5 : 4e-5;
+      json_t *json = scene_json("%s", cases[c].scene), *way = json_loads(ways[_i], 0, NULL);
+      json_object_update(json, way);
+      json_decref(way);
+      rig *r = rig_make(json, dt, 0, NULL);
+      for (int i = 0; c == 2 && i < r->data->nparticle; i++)
+        r->data->pace[i].velocity = tdm_scale(0.5, tdm_v3(sin(3 * i), cos(5 * i), sin(7 * i)));
+      r->data->restart = true;
+      double start = total_energy(r->data), before = kinetic(r->data), most = before;
+      off[k] = 0;
+      for (int s = 0; s < 30; s++) {
+        rig_steps(r, (long)(1e-3 / dt + 0.5));
+        most = fmax(most, kinetic(r->data));
+        off[k] = fmax(off[k], fabs(total_energy(r->data) - start));
+      }
+      off[k] /= most;
+      if (c > 0)
+        ck_assert_double_gt(fabs(r->data->energy.supplied), 0.02 * before);
+      ck_assert_msg(most >= (1 + cases[c].gain) * before, "%s: %g, %g J", cases[c].what, before, most);
+      rig_free(r);
+    }
+    ck_assert_msg(off[0] < 2e-3 && off[1] < off[0] / 3, "%s, %s: off by %g, %g", cases[c].what, ways[_i], off[0],
+                  off[1]);
   }
 }
 END_TEST
@@ -187,6 +287,71 @@ START_TEST(test_same_bits) {
 }
 END_TEST
 
+/* ---- lists ---- */
+
+/* A heap of 125 that roll and twist; `more`: how its lists are made. */
+static rig *heap(int set, const char *more) {
+  rig *r = rig_make(
+      scene_json("{'materials':[{'name':'a','density':2500,'young_modulus':2e6,'poisson_ratio':0.3}],'energy':true,"
+                 "'pairs':[{'materials':['a','a'],'restitution':0.7,'friction':0.4%s%s}],"
+                 "'contact':{'rolling':'%s','twisting':'%s'},'bodies':[{'name':'box','material':'a',"
+                 "'shapes':[{'type':'box','size':[0.0478,0.0478,0.0478],'side':'inside','center':[0.02,0.02,0.02]}]}],"
+                 "'particles':[{'type':'block','material':'a','radius':[0.0047,0.005],'count':[5,5,5],"
+                 "'corner':[0,0,0],'spacing':0.01}]%s}",
+                 set / 2 ? ",'rolling_friction':0.1" : "", set % 2 ? ",'twisting_friction':0.05" : "",
+                 dem_rollings[set / 2].name, dem_twistings[set % 2].name, more),
+      2e-5, 0, NULL);
+  for (int i = 0; i < r->data->nparticle; i++) {
+    double a = (double)(i * 7919 % 101) / 50 - 1, b = (double)(i * 6007 % 97) / 48 - 1;
+    r->data->pace[i].velocity = tdm_v3(0.3 * a, 0.3 * b, -0.3 * a * b);
+    r->data->pace[i].spin = tdm_v3(40 * b, -40 * a, 20 * a);
+  }
+  return r;
+}
+
+static void ck_same(const dem_data *a, const dem_data *b, int set, const char *what) {
+  size_t n = (size_t)a->nparticle;
+  ck_assert_msg(memcmp(a->sphere, b->sphere, n * sizeof *a->sphere) == 0 &&
+                    memcmp(a->pace, b->pace, n * sizeof *a->pace) == 0 &&
+                    memcmp(a->push, b->push, n * sizeof *a->push) == 0 &&
+                    memcmp(a->body_load, b->body_load, sizeof *a->body_load) == 0,
+                "%s/%s: %s", dem_rollings[set / 2].name, dem_twistings[set % 2].name, what);
+  ck_assert_msg(memcmp(&a->energy, &b->energy, sizeof a->energy) == 0, "%s/%s: energies, %s",
+                dem_rollings[set / 2].name, dem_twistings[set % 2].name, what);
+}
+
+/* Pairs share a batch as the lists have them: neither skin, search nor instruction set may be seen in the results. */
+START_TEST(test_lists_do_not_matter) {
+  static const char *const ways[] = {",'search':'sweep'",       ",'search':'grid'", ",'search':'all','skin':0.02",
+                                     ",'search':'verlet-1967'", ",'skin':0.004",    ",'skin':0.0001",
+                                     ",'simd':'plain'",         ",'simd':'avx2'",   ",'simd':'plain','skin':0.003"};
+  rig *plain = heap(_i, "");
+  rig_steps(plain, 400);
+  ck_assert_int_gt(plain->data->ncontact, 100);
+  for (size_t k = 0; k < sizeof ways / sizeof ways[0]; k++) {
+    if (strstr(ways[k], "avx2") && !dem_simd_here("avx2"))
+      continue;
+    rig *r = heap(_i, ways[k]);
+    rig_steps(r, 400);
+    ck_same(plain->data, r->data, _i, ways[k]);
+    rig_free(r);
+  }
+  rig *half = heap(_i, ""), *restored = heap(_i, "");
+  void *bytes;
+  size_t size;
+  tdm_error err = {0};
+  rig_steps(half, 203);
+  ck_assert(dem_state_save(half->data, &bytes, &size));
+  ck_assert_msg(!dem_state_load(restored->data, bytes, size, &err), "%s", err.message);
+  rig_steps(restored, 197);
+  ck_same(plain->data, restored->data, _i, "restored");
+  free(bytes);
+  rig_free(half);
+  rig_free(restored);
+  rig_free(plain);
+}
+END_TEST
+
 /* ---- histories ---- */
 
 START_TEST(test_histories_turn) {
@@ -243,8 +408,11 @@ int main(void) {
   TCase *all = tcase_create("sets of laws");
   tcase_set_timeout(all, 240);
   tcase_add_loop_test(all, test_energy, 0, NROW);
+  tcase_add_test(all, test_energy_of_substeps);
+  tcase_add_loop_test(all, test_energy_from_outside, 0, 4);
   tcase_add_loop_test(all, test_momentum, 0, NROW);
   tcase_add_loop_test(all, test_same_bits, 0, NROW);
+  tcase_add_loop_test(all, test_lists_do_not_matter, 0, DEM_ROLLINGS * DEM_TWISTINGS);
   tcase_add_test(all, test_histories_turn);
   suite_add_tcase(suite, all);
   return run_suite(suite);

@@ -95,7 +95,7 @@ END_TEST
 
 static rig *gas(int k, double e, const char *more) {
   return rig_make(scene_json("{'gravity':[0,0,-1],'contact':{'tangential':'none'}," MATERIAL
-                             ",'pairs':[{'materials':['a','a'],'restitution':%g,'friction':0}],"
+                             ",'pairs':[{'materials':['a','a'],'restitution':%g}],"
                              "'bodies':[{'name':'b','material':'a','shapes':[{'type':'box','side':'inside',"
                              "'size':[0.5,0.5,0.5]}]}],"
                              "'particles':[{'type':'random','material':'a','count':60,'radius':[0.02,0.04],"
@@ -144,7 +144,7 @@ START_TEST(test_energy) {
    * t_c/dt = 500. Three spheres between two walls. */
   rig *r =
       rig_make(scene_json("{'gravity':[0,0,0],'contact':{'tangential':'none'}," MATERIAL
-                          ",'pairs':[{'materials':['a','a'],'restitution':1,'friction':0}],"
+                          ",'pairs':[{'materials':['a','a'],'restitution':1}],"
                           "'bodies':[{'name':'b','material':'a','shapes':[{'type':'box','side':'inside',"
                           "'size':[0.16,0.16,0.16]}]}],"
                           "'particles':[{'type':'list','material':'a','radius':0.02,'positions':[[-0.05,0,0]],"
@@ -275,7 +275,7 @@ START_TEST(test_multi_step_is_cheaper_than_it_is_wrong) {
   } run[5] = {{0, h, 0}, {0, 4 * h, 0}, {3, 4 * h, 0.05}, {3, 4 * h, 1e9}, {3, 4 * h, 1e-9}};
   for (int n = 0; n < 5; n++) {
     rig *r = rig_make(scene_json("{'gravity':[0,0,0],'contact':{'tangential':'none'}," MATERIAL
-                                 ",'pairs':[{'materials':['a','a'],'restitution':1,'friction':0}],"
+                                 ",'pairs':[{'materials':['a','a'],'restitution':1}],"
                                  "'particles':[{'type':'list','material':'a','radius':0.1,'positions':[[0,0,0],[0,0,"
                                  "0.2195]]},{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0.11]],"
                                  "'velocity':[0,0,0.5]}]%s}",

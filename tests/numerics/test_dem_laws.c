@@ -97,7 +97,7 @@ static const impact_case impacts[] = {
 START_TEST(test_impacts) {
   const impact_case *c = &impacts[_i];
   char pair[256], contact[256];
-  snprintf(pair, sizeof pair, "%s,'friction':0.5", c->pair);
+  snprintf(pair, sizeof pair, "%s", c->pair);
   snprintf(contact, sizeof contact, "%s,'tangential':'none'", c->contact);
   rig *r = head_on(&usual, contact, pair, 1e-7);
   dem_impact impact = impact_of(&usual);
@@ -558,7 +558,12 @@ static const struct {
     {"'normal':'hooke','cohesion':'jkr'", "'stiffness':1", "dem.contact.cohesion", "hertz"},
     {"'cohesion':'jkr','tail':'clip'", "'restitution':1", "dem.contact.tail", "jkr"},
     {"'normal':'hysteretic','tail':'clip'", "'stiffness':1", "dem.contact.tail", "adhesion_stiffness"},
-    {"'exponent':2", "'restitution':1,'friction':0", "dem.contact.exponent", "unknown"},
+    {"'exponent':2", "'restitution':1,'friction':0", "dem.contact.exponent", "hunt-crossley"},
+    {"'lambda':'exact'", "'restitution':1,'friction':0", "dem.contact.lambda", "hunt-crossley"},
+    {"'normal':'hunt-crossley','tail':'clip'", "'restitution':1,'friction':0", "dem.contact.tail", "does not attract"},
+    {"'tangential':'none'", "'restitution':1,'friction':0.3", "dem.pairs[0].friction", "none of the scene's laws"},
+    {"'tangential':'viscous'", "'restitution':1,'tangential_damping':1,'friction':0.3", "dem.pairs[0].friction",
+     "none of the scene's laws"},
     {"'normal':'hooke'", "'restitution':1,'friction':0", "dem.pairs[0].stiffness", "normal \"hooke\" needs it"},
     {"'normal':'hooke'", "'stiffness':1,'friction':0", "dem.pairs[0].restitution", "missing"},
     {"'normal':'hooke'", "'stiffness':1,'contact_time':1,'restitution':1", "dem.pairs[0].contact_time", "excludes"},

@@ -135,6 +135,52 @@ START_TEST(test_binary) {
 }
 END_TEST
 
+START_TEST(test_odd_files) {
+  /* a byte order mark; all in one line; a name that contains "facet" */
+  static const char *const good[] = {
+      "\xef\xbb\xbfsolid a part\n" TRIANGLE "endsolid a part\n",
+      "solid a part facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 2 0 endloop endfacet endsolid a "
+      "part",
+      "solid\r\n" TRIANGLE "endsolid\r\n", "solid facet 7\n" TRIANGLE "endsolid facet 7\n"};
+  tdm_stl s;
+  for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+    tdm_error err = {0};
+    ck_assert_msg(!tdm_stl_read(&s, write_file(good[k], strlen(good[k])), 1, NULL, &err), "%zu: %s", k, err.message);
+    ck_assert_int_eq(s.count, 1);
+    ck_vector(s.corner[2], tdm_v3(0, 2, 0), 0);
+    tdm_stl_destroy(&s);
+  }
+  tdm_error two = {0};
+  static const char line[] = "solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 2 0 endloop "
+                             "endfacet endsolid a solid b facet normal 0 0 1 outer loop";
+  ck_assert_int_eq(tdm_stl_read(&s, write_file(line, sizeof line - 1), 1, NULL, &two), TDM_ERR_FILE);
+  ck_assert_ptr_nonnull(strstr(two.message, "another solid in the same line"));
+  tdm_stl_destroy(&s);
+
+  /* a binary file whose head is a text, cut */
+  char bytes[84 + 120];
+  memset(bytes, ' ', 80);
+  memcpy(bytes, "solid from a program", 20);
+  memcpy(bytes + 80, "\3\0\0\0", 4);
+  memset(bytes + 84, 'x', 120);
+  tdm_error cut = {0};
+  ck_assert_int_eq(tdm_stl_read(&s, write_file(bytes, sizeof bytes), 1, NULL, &cut), TDM_ERR_FILE);
+  ck_assert_msg(strstr(cut.message, "counts 3 triangles, which take 234 bytes, but it has 204") != NULL, "%s",
+                cut.message);
+  tdm_stl_destroy(&s);
+
+  /* scales with which nothing can be computed */
+  static const double scales[] = {1e20, 1e-20, 1e300, 1e-300};
+  for (int k = 0; k < 4; k++) {
+    tdm_error err = {0};
+    ck_assert_int_eq(tdm_stl_read(&s, write_file(good[0], strlen(good[0])), scales[k], NULL, &err), TDM_ERR_SCENE);
+    ck_assert_msg(strstr(err.message, "\"scale\" = 1e"), "%s", err.message);
+    tdm_stl_destroy(&s);
+  }
+  unlink(file_of("file.stl"));
+}
+END_TEST
+
 START_TEST(test_bad_files) {
   static const struct {
     const char *text, *says;
@@ -761,7 +807,7 @@ END_TEST
 
 /* ---- size ---- */
 
-TEST_MAIN("dem_mesh", 60, test_text, test_binary, test_bad_files, test_report_closed, test_report_faults, test_near,
-          test_plane, test_inclined_plane, test_rounded_plane, test_passes, test_convex, test_sharp_edge, test_fan,
-          test_concave, test_candidates, test_rough, test_drum, test_drum_corner, test_tight_drum, test_drum_outside,
-          test_cracks)
+TEST_MAIN("dem_mesh", 60, test_text, test_binary, test_odd_files, test_bad_files, test_report_closed,
+          test_report_faults, test_near, test_plane, test_inclined_plane, test_rounded_plane, test_passes, test_convex,
+          test_sharp_edge, test_fan, test_concave, test_candidates, test_rough, test_drum, test_drum_corner,
+          test_tight_drum, test_drum_outside, test_cracks)

@@ -182,9 +182,10 @@ END_TEST
 
 START_TEST(test_ready) {
   /* the solver starts with the poured bed; sources and their particles' ids come after it */
-  json_t *json = scene_json("{" GRAIN "," BOX ",'settle':{'speed':0.01},'particles':[{'type':'poured','material':'a',"
-                            "'radius':0.012,'count':40,'region':{'min':[-0.08,-0.08,0.12],'max':[0.08,0.08,0.16]}}],"
-                            "'sources':[{'name':'s','material':'a','radius':0.01,'rate':1,'position':[0,0,0.3]}]}");
+  json_t *json = scene_json(
+      "{" GRAIN "," BOX ",'settle':{'speed':0.01},'particles':[{'type':'poured','material':'a',"
+      "'radius':0.012,'count':40,'region':{'min':[-0.08,-0.08,0.12],'max':[0.08,0.08,0.16]}}],"
+      "'sources':[{'name':'s','material':'a','radius':0.01,'rate':1,'position':[0,0,0.3]}],'guard':{'overlap':1}}");
   tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1};
   void *self = NULL;
   tdm_ready ready = {0};

@@ -198,7 +198,7 @@ START_TEST(a_solver_without_a_server_gives_up) {
   expect_output("cannot connect to nonsense");
   ck_assert_int_eq(command("tandem-dem --conect ipc:///tmp/x"), 2);
   expect_output("wrong option");
-  ck_assert_int_eq(command("tandem-mbd"), 2);
+  ck_assert_int_eq(command("tandem-mbd --timeout 1"), 2);
   expect_output("no server given");
 }
 END_TEST

@@ -112,6 +112,14 @@ static const bad bads[] = {
     {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'outside',"
      "'size':[1,1,1],'lid':{'face':'+z','gap':0}}]}]}",
      "dem.bodies[0].shapes[0].lid", "inside"},
+    {"{" MATERIALS "," PAIRS ",'plane':'xz'}", "dem.plane", "\"dimension\": 2"},
+    {"{" MATERIALS "," PAIRS ",'plane_at':0.1}", "dem.plane_at", "\"dimension\": 2"},
+    {"{" MATERIALS "," PAIRS
+     ",'domain':{'min':[0,0,0],'max':[1,1,1]},'sources':[" SOURCE("'rate':1,'position':[0.5,1.5,0.5]") "]}",
+     "dem.sources[0]", "outside dem.domain in y"},
+    {"{" MATERIALS ",'contact':{'tangential':'none'},'pairs':[{'materials':['grain','grain'],'restitution':0.5}],"
+     "'settle':{'friction':0.1}}",
+     "dem.settle.friction", "not read"},
     {"{" MATERIALS "," PAIRS ",'settle':{'store':''}}", "dem.settle.store", "empty"},
     {"{" MATERIALS "," PAIRS ",'expected_speed':0}", "dem.expected_speed", "greater than 0"},
 };
@@ -233,6 +241,40 @@ START_TEST(test_ready) {
 }
 END_TEST
 
+/* doubts about scenes that may be meant so: the path and a word of the only warning */
+START_TEST(test_doubts) {
+  static const bad doubts[] = {
+      {"'bodies':[{'name':'box','material':'grain','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+       "'sources':[" SOURCE("'rate':1,'region':{'min':[0,0,-1],'max':[1,1,-0.06]}") "]",
+       "dem.sources[0]", "behind a plane"},
+      {"'bodies':[{'name':'box','material':'grain','shapes':[]},{'name':'b','material':'grain','position':[0.5,0.5,0.5]"
+       ","
+       "'shapes':[{'type':'box','side':'outside','size':[1,0.5,0.1]}]}],'gravity':[0,0,0],'domain':{'min':[0,0,0],'max'"
+       ":[1,1,1],"
+       "'x':'periodic'}," ONE("[0.5,0.5,0.8]"),
+       "dem.bodies", "repeats in x"},
+      {"'bodies':[{'name':'box','material':'grain','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+       "'expected_speed':60," ONE("[0,0,0.1]"),
+       "dem.guard.overlap", "sinks in"},
+      {"'bodies':[{'name':'box','material':'grain','shapes':[]},{'name':'b','material':'grain','shapes':[],"
+       "'motion':{'oscillation':{'amplitude':[1,0,0],'frequency':1000}}}],'expected_speed':1," ONE("[0,0,0.1]"),
+       "dem.bodies", "moves up to 0.628 m in a step"},
+  };
+  for (size_t k = 0; k < sizeof doubts / sizeof doubts[0]; k++) {
+    char scene[2048];
+    snprintf(scene, sizeof scene, "{" MATERIALS "," PAIRS ",%s}", doubts[k].scene);
+    session *s = open_session(scene, 1e-4);
+    bool told = false;
+    for (int w = 0; w < s->ready.nwarning; w++)
+      told = told || (strcmp(s->ready.warning[w].path, doubts[k].path) == 0 &&
+                      strstr(s->ready.warning[w].message, doubts[k].says));
+    ck_assert_msg(told, "%zu: %d warnings, %s: %s", k, s->ready.nwarning, s->ready.warning[0].path,
+                  s->ready.warning[0].message);
+    close_session(s);
+  }
+}
+END_TEST
+
 START_TEST(test_no_particles) {
   session *s = open_session("{" MATERIALS "," BOX ",'settle':{}}", 1e-4);
   ck_assert_int_eq(s->ready.nwarning, 0);
@@ -277,7 +319,8 @@ END_TEST
   "'sources':[{'name':'feed','material':'grain','radius':0.05,'mass':0.5,'rate':300,'start':1e-3,"                     \
   "'position':[0,0,1],'velocity':[60,0,0]},"                                                                           \
   "{'name':'stuck','material':'grain','radius':0.05,'mass':0.5,'rate':50,'position':[0,0,-0.5]}],"                     \
-  "'sinks':[{'name':'right','type':'plane','point':[0.4,0,0],'normal':[-1,0,0],'classes':[0.045]}]}"
+  "'sinks':[{'name':'right','type':'plane','point':[0.4,0,0],'normal':[-1,0,0],'classes':[0.045]}],'guard':{'overlap'" \
+  ":9}}"
 
 static double channel_of(const session *s, const outcome *out, int sample, const char *name) {
   for (int c = 0; c < s->ready.nchannel; c++)
@@ -361,5 +404,5 @@ START_TEST(test_fill) {
 }
 END_TEST
 
-TEST_MAIN("dem input", 120, test_bad_scenes, test_ready, test_no_particles, test_split_windows, test_repeatable,
-          test_fill, test_flow_channels)
+TEST_MAIN("dem input", 120, test_bad_scenes, test_ready, test_doubts, test_no_particles, test_split_windows,
+          test_repeatable, test_fill, test_flow_channels)
