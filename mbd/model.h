@@ -58,7 +58,8 @@ typedef struct {
 } mbd_part;
 
 struct mbd_model {
-  tdm_vec3 gravity; /* [m/s2] */
+  const json_t *section; /* borrowed while it is read, NULL afterwards */
+  tdm_vec3 gravity;      /* [m/s2] */
   int nbody;
   mbd_body *body; /* (nbody) */
   int njoint;
