@@ -46,6 +46,23 @@ tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_di
   return tdm_m3_tmul(tdm_quat_to_matrix(mbd_model_pose(model, body).orientation), world_direction);
 }
 
+double mbd_model_extent(const mbd_model *model) {
+  tdm_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+  for (int i = 0; i < model->nbody + 2 * model->njoint; i++) {
+    tdm_vec3 p;
+    if (i < model->nbody)
+      p = model->body[i].start.pose.position;
+    else {
+      const mbd_joint *j = &model->joint[(i - model->nbody) / 2];
+      int side = (i - model->nbody) % 2;
+      p = tdm_pose_point(mbd_model_pose(model, j->body[side]), j->arm[side]);
+    }
+    low = tdm_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+    high = tdm_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+  }
+  return tdm_norm(tdm_sub(high, low));
+}
+
 /* ---- joints, drivers and forces: the common part; the table's entry reads the rest ---- */
 
 /* Read "type" and leave the index in the table; -1 after an error. */

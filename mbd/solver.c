@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WARNINGS_MAX = 3 };
+enum { WARNINGS_MAX = 5 };
 
 typedef struct {
   tdm_participant *participant; /* borrowed, NULL without a server */
@@ -104,6 +104,27 @@ static void warn_about_assembly(solver *s) {
   }
 }
 
+/* Say so when joints lock the mechanism, or may do so by rounding. */
+static void warn_about_freedom(solver *s) {
+  if (s->assembly.near_row >= 0) {
+    mbd_origin o = mbd_origin_of(s->model, s->assembly.near_row);
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "%s", o.path);
+    snprintf(w->message, sizeof w->message,
+             "the equation \"%s\" of %s \"%s\" follows nearly, but not exactly, from the joints before it, and takes a "
+             "freedom away that the mechanism may need; make axes exactly parallel and points exactly fit, or use a "
+             "joint with more freedom",
+             o.equation, o.kind, o.name);
+  }
+  if (s->assembly.freedom <= 0 && s->model->ndriver == 0) {
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "mbd.joints");
+    snprintf(w->message, sizeof w->message,
+             "the joints leave no degree of freedom and there is no driver: nothing can move; use joints with more "
+             "freedom where it should");
+  }
+}
+
 static json_t *make_report(const solver *s) {
   const mbd_model *m = s->model;
   json_t *bodies = json_object(), *joints = json_object(), *drivers = json_object();
@@ -179,6 +200,7 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   if (!mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at the start; check joints and masses");
   warn_about_assembly(s);
+  warn_about_freedom(s);
   s->report = make_report(s);
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
 }

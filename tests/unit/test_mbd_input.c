@@ -73,13 +73,17 @@ static const bad_case cases[] = {
          "a",
          "") "],'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,1]},"
              "{'name':'j2','type':'prismatic','bodies':['ground','a'],'points':[[5,0,0],[0,0.5,0]],'axis':[0,1,0]}]}",
-     "", TDM_ERR_SCENE, "mbd.joints[0]", "joint \"j2\""},
+     "", TDM_ERR_SCENE, "mbd.joints[1]", "joint \"j2\""},
     {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1],'position':[0.5,0,0.5]},"
      "{'name':'b','mass':1,'inertia':[1,1,1],'position':[1.5,0,0.5]}],"
      "'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,0]},"
      "{'name':'j2','type':'spherical','bodies':['a','b'],'point':[1,0,1]},"
      "{'name':'far','type':'spherical','bodies':['b','ground'],'points':[[2,0,0],[9,0,0]]}]}",
      "", TDM_ERR_SCENE, "mbd.joints", "cannot be assembled"},
+    /* the start is more than a radian from where the joint wants the body */
+    {"{'bodies':[" BODY("a", "") "],'joints':[{'name':'j','type':'prismatic','bodies':['ground','a'],'point':[0,0,0],"
+                                 "'axes':[[0,0,1],[0,2,1]]}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].position", "turn by 1.11 rad"},
     {FORCE("'type':'spring','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1"), "", TDM_ERR_SCENE,
      "mbd.forces[0].type", ""},
     {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,1],[0,0,1]],'stiffness':1"), "",
