@@ -23,9 +23,18 @@ static int coordinate_channels(const mbd_model *model) {
   return n;
 }
 
+/* rotations of forces that have one */
+static int rotation_channels(const mbd_model *model) {
+  int n = 0;
+  for (int i = 0; i < model->nforce; i++)
+    n += model->force[i].ops->turns;
+  return n;
+}
+
 int mbd_output_count(const mbd_model *model) {
   return JOINT_CHANNELS * model->njoint + DRIVER_CHANNELS * model->ndriver + FORCE_CHANNELS * model->nforce +
-         BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model);
+         BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model) +
+         rotation_channels(model);
 }
 
 static tdm_channel *name(tdm_channel *c, const char *group, const char *of, const char *what, const char *unit) {
@@ -64,6 +73,8 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
     const mbd_coordinate_words *w = f->ops->value_unit ? NULL : &mbd_coordinate_table[f->coordinate];
     c = name(c, "force", f->name, "value", w ? w->effort_unit : f->ops->value_unit);
     c = name(c, "force", f->name, w ? w->name : f->ops->coordinate_name, w ? w->unit : f->ops->coordinate_unit);
+    if (f->ops->turns)
+      c = name(c, "force", f->name, "rotation", "rad");
   }
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
@@ -141,10 +152,12 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
   out = coordinates(model, data, out + JOINT_CHANNELS * model->njoint);
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
     drive(model, data, i, data->lambda, out);
-  for (int i = 0; i < model->nforce; i++, out += FORCE_CHANNELS) {
+  for (int i = 0; i < model->nforce; i++) {
     const mbd_force_value *value = mbd_force_at(model, data, i, false);
-    out[0] = value->value;
-    out[1] = value->coordinate;
+    *out++ = value->value;
+    *out++ = value->coordinate;
+    if (model->force[i].ops->turns)
+      *out++ = value->rotation;
   }
   for (int b = 0; b < model->nbody; b++) {
     if (is_coupled(model, b))
