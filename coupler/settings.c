@@ -123,6 +123,9 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error 
   if (json_object_get(sections, "dem") && !json_object_get(sections, "mbd") && !json_object_get(sections, "coupling"))
     tdm_object_fail(&root, "coupling",
                     "missing, and mbd too: particles alone are for tandem-dem run and tandem-dem check");
+  if (json_object_get(sections, "mbd") && !json_object_get(sections, "dem") && !json_object_get(sections, "coupling"))
+    tdm_object_fail(&root, "coupling",
+                    "missing, and dem too: bodies alone are for tandem-mbd run and tandem-mbd check");
   tdm_get_string(&root, "title", "");
   tdm_get_string(&root, "scenario", "");
   tdm_time time = tdm_read_time(&root);

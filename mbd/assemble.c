@@ -35,9 +35,33 @@ static void move(const mbd_model *model, double *y, const double *x, double scal
     move_body(y, b, x + 6 * b, scale);
 }
 
+/* The largest way that a driver's law prescribes at time t [m], and whether one prescribes anything but zero. */
+static double prescribed_way(const mbd_model *model, double t, bool *any) {
+  double way = 0;
+  *any = false;
+  for (int i = 0; i < model->ndriver; i++) {
+    double x = fabs(mbd_motion_at(&model->driver[i].motion, t).value);
+    *any = *any || x > 1e-9;
+    if (model->driver[i].ops->coordinate == MBD_TRANSLATION)
+      way = fmax(way, x);
+  }
+  return way;
+}
+
+/* The share of the move x (6 nbody) that Newton's linear model bears: half a radian, half the mechanism's size. */
+static double bearable(const mbd_model *model, const double *x, double size) {
+  double share = 1;
+  for (int b = 0; b < model->nbody; b++) {
+    share = fmin(share, 0.5 * size / fmax(0.5 * size, largest(x + 6 * b, 3)));
+    share = fmin(share, 0.5 / fmax(0.5, largest(x + 6 * b + 3, 3)));
+  }
+  return share;
+}
+
 /* Newton on g(q) = 0, all rows. Stops at 1e-14 or, near it, where rounding ends the progress. Returns the last |g|. */
 static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y) {
-  double last = INFINITY;
+  bool any;
+  double last = INFINITY, size = fmax(1e-9, mbd_model_extent(model) + prescribed_way(model, t, &any));
   for (int i = 0; i < ITERATIONS_MAX; i++) {
     mbd_kinematics(model, data, t, y);
     if (!mbd_kkt_fill_all(kkt, model, data, MBD_POSITION))
@@ -49,9 +73,7 @@ static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt 
     const double *x = mbd_kkt_solve(kkt, NULL);
     if (!x)
       return INFINITY;
-    /* not more than half a radian or a metre at once: Newton's linear model ends there */
-    double most = largest(x, 6 * model->nbody);
-    move(model, y, x, most > 0.5 ? 0.5 / most : 1);
+    move(model, y, x, bearable(model, x, size));
   }
   return last;
 }
@@ -91,39 +113,98 @@ mbd_origin mbd_origin_of(const mbd_model *model, int row) {
   return o;
 }
 
-/* The names of the joints and drivers with rows of |g| near the largest, at most three: "a", "b" ... */
-static void name_open(const mbd_model *model, const double *g, char *out, size_t size) {
+/* The row to blame next for the violations g: of those that others imply (`dependent`), which contradict these, the
+ * first that is open; then the one with the largest |g|. Those of the origins `named` (n) are done. -1: none is left.
+ */
+static int next_open(const mbd_model *model, const double *g, const bool *dependent, const char *const *named, int n) {
   double most = largest(g, model->nrow);
-  const char *last = NULL;
-  size_t used = 0;
-  for (int i = 0, n = 0; i < model->nrow && used < size; i++) {
-    mbd_origin o = mbd_origin_of(model, i);
-    if (!(fabs(g[i]) > 0.1 * most) || o.name == last)
+  int worst = -1;
+  for (int i = 0; i < model->nrow; i++) {
+    bool done = false;
+    for (int k = 0; k < n; k++)
+      done = done || mbd_origin_of(model, i).name == named[k];
+    if (done)
       continue;
-    bool room = n++ < 3;
-    used += (size_t)snprintf(out + used, size - used, room ? "%s%s \"%s\" (\"%s\", %.3g)" : " ...", n > 1 ? ", " : "",
-                             o.kind, o.name, o.equation, fabs(g[i]));
-    last = o.name;
-    if (!room)
-      return;
+    if (dependent[i] && fabs(g[i]) > 1e-3 * most)
+      return i;
+    if (fabs(g[i]) > 0.1 * most && (worst < 0 || fabs(g[i]) > fabs(g[worst])))
+      worst = i;
   }
+  return worst;
+}
+
+/* The joints and drivers to blame for the violations g, at most three: "a", "b" ... Returns the first one's row. */
+static int name_open(const mbd_model *model, const double *g, const bool *dependent, char *out, size_t size) {
+  enum { NAMES_MAX = 3 };
+  const char *named[NAMES_MAX];
+  int first = 0, row;
+  size_t used = 0;
+  out[0] = 0;
+  for (int n = 0; used < size && (row = next_open(model, g, dependent, named, n)) >= 0; n++) {
+    if (n == NAMES_MAX) {
+      snprintf(out + used, size - used, " ...");
+      break;
+    }
+    mbd_origin o = mbd_origin_of(model, row);
+    first = n == 0 ? row : first;
+    named[n] = o.name;
+    used += (size_t)snprintf(out + used, size - used, "%s%s \"%s\" (\"%s\", %.3g)", n > 0 ? ", " : "", o.kind, o.name,
+                             o.equation, fabs(g[row]));
+  }
+  return first;
+}
+
+/* How far body b is in y from its start in the scene [m, rad]. */
+static void moved_by(const mbd_model *model, const double *y, int b, double *moved, double *turned) {
+  tdm_pose now = mbd_body_state(y, b).pose, start = model->body[b].start.pose;
+  *moved = tdm_norm(tdm_sub(now.position, start.position));
+  *turned = tdm_norm(tdm_quat_to_rotvec(tdm_quat_mul(now.orientation, tdm_quat_conj(start.orientation))));
+}
+
+/* Refuse a start that lies farther from an assembled position than the mechanism is large, or a radian: which of
+ * several positions was meant is a guess then. Laws of drivers that do not start at zero ask for such moves. */
+static tdm_status refuse_far(const mbd_model *model, const mbd_data *data, tdm_error *err) {
+  double size = mbd_model_extent(model), most = 1, moved, turned;
+  int far = -1;
+  bool asked;
+  prescribed_way(model, data->t, &asked);
+  for (int b = 0; b < model->nbody && !asked; b++) {
+    moved_by(model, data->y, b, &moved, &turned);
+    double share = fmax(turned, moved / fmax(size, 1e-9));
+    if (share > most)
+      most = share, far = b;
+  }
+  if (far < 0)
+    return TDM_OK;
+  char path[TDM_PATH_MAX];
+  snprintf(path, sizeof path, "mbd.bodies[%d].position", far);
+  moved_by(model, data->y, far, &moved, &turned);
+  return tdm_fail(
+      err, TDM_ERR_SCENE, path,
+      "the start is too far from a position that the joints allow: body \"%s\" would have to move by %.3g m "
+      "and turn by %.3g rad, where at most the mechanism's size (%.3g m) and 1 rad are corrected; give "
+      "positions and orientations nearer to it, or check the points and axes of its joints",
+      model->body[far].name, moved, turned, size);
 }
 
 static tdm_status positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
-  double g = project_positions(model, data, kkt, data->t, data->y);
-  if (g < 1e-9)
-    return TDM_OK;
-  int row = 0;
-  for (int i = 0; i < model->nrow; i++)
-    if (fabs(mbd_kkt_b(kkt)[i]) > fabs(mbd_kkt_b(kkt)[row]))
-      row = i;
-  char open[400];
-  name_open(model, mbd_kkt_b(kkt), open, sizeof open);
-  return tdm_fail(
-      err, TDM_ERR_SCENE, mbd_origin_of(model, row).path,
-      "the mechanism cannot be assembled: its joints and drivers contradict each other, these stay open: %s; "
-      "check their points and axes, the drivers' motions and the bodies' positions",
-      open);
+  int number, near;
+  bool *dependent = calloc((size_t)model->nrow + 1, sizeof *dependent);
+  mbd_kinematics(model, data, data->t, data->y);
+  if (!dependent || !mbd_rank(model, data, dependent, &number, &near))
+    tdm_fail(err, TDM_ERR_MEMORY, "mbd.joints", "no memory for %d constraint rows", model->nrow);
+  else if (project_positions(model, data, kkt, data->t, data->y) < 1e-9)
+    refuse_far(model, data, err);
+  else {
+    char open[400];
+    int first = name_open(model, mbd_kkt_b(kkt), dependent, open, sizeof open);
+    tdm_fail(err, TDM_ERR_SCENE, mbd_origin_of(model, first).path,
+             "the mechanism cannot be assembled: its joints and drivers contradict each other, these stay open: %s; "
+             "check their points and axes, the drivers' motions and the bodies' positions",
+             open);
+  }
+  free(dependent);
+  return err->status;
 }
 
 /* ---- dependent rows ---- */
@@ -171,12 +252,12 @@ static int singular_row(const mbd_model *model, mbd_data *data, mbd_kkt *kkt) {
   size_t n = (size_t)mbd_nunknown(model);
   double *y = malloc(n * sizeof *y);
   bool *beside = calloc((size_t)model->nrow + 1, sizeof *beside);
-  int number = data->ndependent, row = -1;
+  int number = data->ndependent, row = -1, near;
   if (y && beside) {
     memcpy(y, data->y, n * sizeof *y);
     if (wiggle(model, data, kkt, y) && project_positions(model, data, kkt, data->t, y) < 1e-9) {
       mbd_kinematics(model, data, data->t, y);
-      if (!mbd_rank(model, data, beside, &number))
+      if (!mbd_rank(model, data, beside, &number, &near))
         number = data->ndependent;
     }
     for (int i = 0; i < model->nrow && number < data->ndependent && row < 0; i++)
@@ -192,17 +273,18 @@ static int singular_row(const mbd_model *model, mbd_data *data, mbd_kkt *kkt) {
 static const mbd_driver *opponent(const mbd_model *model, mbd_data *data, int row) {
   bool *dependent = calloc((size_t)model->nrow + 1, sizeof *dependent);
   const mbd_driver *found = NULL;
-  for (int i = model->njointrow, n; i < row && dependent && !found; i++)
-    if (mbd_rank_without(model, data, i, dependent, &n) && !dependent[row])
+  for (int i = model->njointrow, n, near; i < row && dependent && !found; i++)
+    if (mbd_rank_without(model, data, i, dependent, &n, &near) && !dependent[row])
       found = &model->driver[i - model->njointrow];
   free(dependent);
   return found;
 }
 
-/* Find the dependent rows. Refuses a dependent driver, and a start that is a singular position. */
-static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
+/* Find the dependent rows, and the most nearly dependent one. Refuses a dependent driver, and a start that is a
+ * singular position. */
+static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, int *near, tdm_error *err) {
   mbd_kinematics(model, data, data->t, data->y);
-  if (!mbd_rank(model, data, data->dependent, &data->ndependent))
+  if (!mbd_rank(model, data, data->dependent, &data->ndependent, near))
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd.joints", "no memory for %d constraint rows", model->nrow);
   int singular = data->ndependent > 0 ? singular_row(model, data, kkt) : -1;
   if (singular >= 0) {
@@ -231,9 +313,8 @@ static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt
 static void compare(const mbd_model *model, const double *y, mbd_assembly *a) {
   for (int b = 0; b < model->nbody; b++) {
     tdm_state now = mbd_body_state(y, b), start = model->body[b].start;
-    double moved = tdm_norm(tdm_sub(now.pose.position, start.pose.position));
-    tdm_quat turn = tdm_quat_mul(now.pose.orientation, tdm_quat_conj(start.pose.orientation));
-    double turned = tdm_norm(tdm_quat_to_rotvec(turn));
+    double moved, turned;
+    moved_by(model, y, b, &moved, &turned);
     double dv = tdm_norm(tdm_sub(now.twist.velocity, start.twist.velocity));
     double dw = tdm_norm(tdm_sub(now.twist.angular, start.twist.angular));
     if (fmax(moved, turned) > fmax(a->translation, a->rotation))
@@ -287,7 +368,7 @@ static tdm_status velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kk
                     "no velocities satisfy the joints at the start: it is a singular position; start elsewhere");
   if (data->ndependent > 0 && rates_contradict(model, data, kkt, data->y)) {
     char open[400];
-    name_open(model, mbd_kkt_b(kkt), open, sizeof open);
+    name_open(model, mbd_kkt_b(kkt), data->dependent, open, sizeof open);
     return tdm_fail(err, TDM_ERR_SCENE, "mbd.joints",
                     "joints and drivers contradict each other in their velocities at the start: %s; remove one of them",
                     open);
@@ -296,8 +377,8 @@ static tdm_status velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kk
 }
 
 tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err) {
-  *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .driver = -1};
-  if (positions(model, data, kkt, err) || find_dependent(model, data, kkt, err) ||
+  *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .driver = -1, .near_row = -1};
+  if (positions(model, data, kkt, err) || find_dependent(model, data, kkt, &assembly->near_row, err) ||
       velocities(model, data, kkt, assembly, err))
     return err->status;
   assembly->freedom = 6 * model->nbody - model->nrow + data->ndependent;

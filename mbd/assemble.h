@@ -16,6 +16,7 @@ typedef struct {
   int driver;         /* the one that contradicts the given velocities most, -1: none */
   double given;       /* rate of its coordinate in the given velocities [rad/s] */
   double prescribed;  /* and in its motion [rad/s] */
+  int near_row;       /* the most nearly dependent row, -1: none is */
 } mbd_assembly;
 
 /* where a constraint row comes from, for messages and reports */
@@ -28,7 +29,8 @@ mbd_origin mbd_origin_of(const mbd_model *model, int row);
 
 /* Move data's start state onto the constraints at data->t and find the dependent rows (data->dependent), which are left
  * out of the motion's equations from then on. Refuses, with the joints named: a mechanism that cannot be assembled or
- * contradicts itself, a redundant driver, a start in a singular position. */
+ * contradicts itself, a start that is too far from an assembled position, a redundant driver, a start in a singular
+ * position. */
 tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err);
 
 /* Put a state that is nearly consistent at time t onto the constraints, positions and velocities; no messages. false:

@@ -12,8 +12,6 @@ struct mbd_curve {
   double to_zero;         /* integral from the first point to 0 */
 };
 
-enum { POINTS_MIN = 3 };
-
 double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err) {
   *n = (int)json_array_size(array);
   double *out = calloc((size_t)*n + 1, sizeof *out);
@@ -39,8 +37,9 @@ double *mbd_load_numbers(tdm_object *o, const char *key, int *n) {
 }
 
 static bool check(const double *x, const double *y, int n, bool periodic, const char *path, tdm_error *err) {
-  if (n < POINTS_MIN)
-    tdm_fail(err, TDM_ERR_SCENE, path, "has %d points; give at least %d", n, POINTS_MIN);
+  int least = periodic ? 3 : 2;
+  if (n < least)
+    tdm_fail(err, TDM_ERR_SCENE, path, "has %d point%s; give at least %d", n, n == 1 ? "" : "s", least);
   for (int i = 1; i < n && !err->status; i++)
     if (!(x[i] > x[i - 1]))
       tdm_fail(err, TDM_ERR_SCENE, path, "point %d is at %.9g, the one before it at %.9g; give them in ascending order",
@@ -63,7 +62,7 @@ static void make(mbd_curve **curve, const gsl_interp_type *type, const double *x
     return;
   mbd_curve *c = *curve = calloc(1, sizeof *c);
   if (c)
-    c->spline = gsl_spline_alloc(type, (size_t)n);
+    c->spline = gsl_spline_alloc(n == 2 ? gsl_interp_linear : type, (size_t)n);
   if (!c || !c->spline) {
     tdm_fail(err, TDM_ERR_MEMORY, path, "no memory for %d points", n);
     return;

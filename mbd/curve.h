@@ -1,6 +1,7 @@
 /* A function of one variable through given points: GSL splines for motion laws and for tables of forces.
  *
- * Outside of its points it goes on as a straight line with the slope of its end, a periodic one repeats.
+ * Two points make a straight line. Outside of its points it goes on as a straight line with the slope of its end, a
+ * periodic one repeats.
  */
 #ifndef MBD_CURVE_H
 #define MBD_CURVE_H

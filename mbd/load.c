@@ -32,7 +32,7 @@ static int body_of(const mbd_model *model, const char *name, bool ground, const 
     const char *near = mbd_model_nearest_body(model, name, ground);
     tdm_fail(err, TDM_ERR_SCENE, path, "%s \"%s\"%s%s%s; name one of mbd.bodies%s",
              body == MBD_GROUND ? "must be a body that moves, not" : "there is no body", name,
-             near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "", ground ? " or \"ground\"" : "");
+             near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "", ground ? " or \"ground\"" : "");
     body = -2;
   }
   return body;
@@ -87,6 +87,17 @@ static const char *types_with(unsigned coordinates, char *out, size_t size) {
   return out;
 }
 
+/* true: mbd.joints has it behind the joint that is being read */
+static bool stands_later(const mbd_model *model, const char *name) {
+  const json_t *joints = json_object_get(model->section, "joints");
+  for (size_t i = (size_t)model->njoint + 1; i < json_array_size(joints); i++) {
+    const char *other = json_string_value(json_object_get(json_array_get(joints, i), "name"));
+    if (other && strcmp(other, name) == 0)
+      return true;
+  }
+  return false;
+}
+
 static const mbd_joint *joint_of(const mbd_model *model, const char *name, unsigned coordinates, const char *otherwise,
                                  const char *path, tdm_error *err) {
   char types[256];
@@ -100,12 +111,17 @@ static const mbd_joint *joint_of(const mbd_model *model, const char *name, unsig
     tdm_fail(err, TDM_ERR_SCENE, path, "the joint \"%s\" is %s; name a %s joint", name, j->ops->name, types);
     return NULL;
   }
+  if (stands_later(model, name)) {
+    tdm_fail(err, TDM_ERR_SCENE, path,
+             "the joint \"%s\" stands later in mbd.joints; move this joint behind those that it couples", name);
+    return NULL;
+  }
   const char **names = calloc((size_t)model->njoint + 1, sizeof *names);
   for (int i = 0; names && i < model->njoint; i++)
     names[i] = model->joint[i].name;
   const char *near = names ? tdm_nearest(name, names, model->njoint) : NULL;
   tdm_fail(err, TDM_ERR_SCENE, path, "there is no joint \"%s\"%s%s%s; name a %s joint of mbd.joints%s", name,
-           near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "", types, otherwise);
+           near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "", types, otherwise);
   free(names);
   return NULL;
 }
@@ -173,7 +189,7 @@ static const mbd_marker *marker_of(const mbd_body *body, const char *name, const
   if (!found)
     tdm_fail(err, TDM_ERR_SCENE, path,
              "body \"%s\" has no marker \"%s\"%s%s%s; name one of its markers, or give numbers", body->name, name,
-             near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+             near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
   free(names);
   return found;
 }

@@ -46,6 +46,23 @@ tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_di
   return tdm_m3_tmul(tdm_quat_to_matrix(mbd_model_pose(model, body).orientation), world_direction);
 }
 
+double mbd_model_extent(const mbd_model *model) {
+  tdm_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+  for (int i = 0; i < model->nbody + 2 * model->njoint; i++) {
+    tdm_vec3 p;
+    if (i < model->nbody)
+      p = model->body[i].start.pose.position;
+    else {
+      const mbd_joint *j = &model->joint[(i - model->nbody) / 2];
+      int side = (i - model->nbody) % 2;
+      p = tdm_pose_point(mbd_model_pose(model, j->body[side]), j->arm[side]);
+    }
+    low = tdm_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+    high = tdm_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+  }
+  return tdm_norm(tdm_sub(high, low));
+}
+
 /* ---- joints, drivers and forces: the common part; the table's entry reads the rest ---- */
 
 /* Read "type" and leave the index in the table; -1 after an error. */
@@ -136,6 +153,10 @@ static void load_solver(mbd_settings *s, tdm_object *section) {
   s->max_step = tdm_get_number(&o, "max_step", 0, TDM_NOT_NEGATIVE);
   s->spectral_radius = tdm_get_number(&o, "spectral_radius", 0.8, TDM_NOT_NEGATIVE);
   tdm_object_close(&o);
+  if (!o.err->status && s->modified && s->formulation == MBD_ONE_STEP)
+    tdm_object_fail(section, "corrector",
+                    "\"modified\" is for ggl and index3; one_step has no corrector of its own: remove the key, or use "
+                    "\"original\"");
   if (!o.err->status && s->max_order > 5)
     tdm_object_fail(&o, "max_order", "must be 1 to 5: backward differentiation formulas above 5 are not stable enough");
   if (!o.err->status && s->spectral_radius > 1)
@@ -190,6 +211,7 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
 
   const tdm_vec3 earth = {0, 0, -9.81};
+  m->section = json;
   tdm_object o = tdm_object_open(json, "mbd", err);
   m->gravity = tdm_get_vec3(&o, "gravity", &earth);
   load_array(&o, "bodies", true, m, mbd_body_load);
@@ -202,6 +224,7 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   if (!err->status)
     list_parts(m);
   load_solver(&m->solver, &o);
+  m->section = NULL;
   tdm_object_close(&o);
   return err->status;
 }
@@ -219,7 +242,7 @@ tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int
     if (b < 0) {
       const char *near = mbd_model_nearest_body(model, body[i].name, false);
       return tdm_fail(err, TDM_ERR_SCENE, path, "mbd.bodies has no body \"%s\"%s%s%s; name one of its bodies",
-                      body[i].name, near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+                      body[i].name, near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
     }
     for (int k = 0; k < i; k++)
       if (model->coupled[k] == b)

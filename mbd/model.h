@@ -58,7 +58,8 @@ typedef struct {
 } mbd_part;
 
 struct mbd_model {
-  tdm_vec3 gravity; /* [m/s2] */
+  const json_t *section; /* borrowed while it is read, NULL afterwards */
+  tdm_vec3 gravity;      /* [m/s2] */
   int nbody;
   mbd_body *body; /* (nbody) */
   int njoint;
@@ -98,5 +99,8 @@ const char *mbd_model_nearest_body(const mbd_model *model, const char *name, boo
 tdm_pose mbd_model_pose(const mbd_model *model, int body);
 tdm_vec3 mbd_model_arm(const mbd_model *model, int body, tdm_vec3 world_point);
 tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_direction);
+
+/* The size of the mechanism: the diagonal of the box around its bodies' centres and joint points at the start [m]. */
+double mbd_model_extent(const mbd_model *model);
 
 #endif

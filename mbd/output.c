@@ -12,7 +12,7 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 13, ENERGY_CHANNELS = 6 };
+enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 19, ENERGY_CHANNELS = 6 };
 
 /* one for each coordinate and rate that joints leave free */
 static int coordinate_channels(const mbd_model *model) {
@@ -23,9 +23,18 @@ static int coordinate_channels(const mbd_model *model) {
   return n;
 }
 
+/* rotations of forces that have one */
+static int rotation_channels(const mbd_model *model) {
+  int n = 0;
+  for (int i = 0; i < model->nforce; i++)
+    n += model->force[i].ops->turns;
+  return n;
+}
+
 int mbd_output_count(const mbd_model *model) {
   return JOINT_CHANNELS * model->njoint + DRIVER_CHANNELS * model->ndriver + FORCE_CHANNELS * model->nforce +
-         BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model);
+         BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model) +
+         rotation_channels(model);
 }
 
 static tdm_channel *name(tdm_channel *c, const char *group, const char *of, const char *what, const char *unit) {
@@ -38,8 +47,10 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
   static const char *const wrench[JOINT_CHANNELS][2] = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
                                                         {"mx", "N m"}, {"my", "N m"}, {"mz", "N m"}};
   static const char *const state[BODY_CHANNELS][2] = {
-      {"x", "m"},    {"y", "m"},    {"z", "m"},    {"qw", "1"},     {"qx", "1"},     {"qy", "1"},    {"qz", "1"},
-      {"vx", "m/s"}, {"vy", "m/s"}, {"vz", "m/s"}, {"wx", "rad/s"}, {"wy", "rad/s"}, {"wz", "rad/s"}};
+      {"x", "m"},      {"y", "m"},           {"z", "m"},           {"qw", "1"},         {"qx", "1"},
+      {"qy", "1"},     {"qz", "1"},          {"vx", "m/s"},        {"vy", "m/s"},       {"vz", "m/s"},
+      {"wx", "rad/s"}, {"wy", "rad/s"},      {"wz", "rad/s"},      {"ax", "m/s2"},      {"ay", "m/s2"},
+      {"az", "m/s2"},  {"alphax", "rad/s2"}, {"alphay", "rad/s2"}, {"alphaz", "rad/s2"}};
   for (int i = 0; i < model->njoint; i++)
     for (int k = 0; k < JOINT_CHANNELS; k++)
       c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
@@ -62,6 +73,8 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
     const mbd_coordinate_words *w = f->ops->value_unit ? NULL : &mbd_coordinate_table[f->coordinate];
     c = name(c, "force", f->name, "value", w ? w->effort_unit : f->ops->value_unit);
     c = name(c, "force", f->name, w ? w->name : f->ops->coordinate_name, w ? w->unit : f->ops->coordinate_unit);
+    if (f->ops->turns)
+      c = name(c, "force", f->name, "rotation", "rad");
   }
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
@@ -139,10 +152,12 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
   out = coordinates(model, data, out + JOINT_CHANNELS * model->njoint);
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
     drive(model, data, i, data->lambda, out);
-  for (int i = 0; i < model->nforce; i++, out += FORCE_CHANNELS) {
+  for (int i = 0; i < model->nforce; i++) {
     const mbd_force_value *value = mbd_force_at(model, data, i, false);
-    out[0] = value->value;
-    out[1] = value->coordinate;
+    *out++ = value->value;
+    *out++ = value->coordinate;
+    if (model->force[i].ops->turns)
+      *out++ = value->rotation;
   }
   for (int b = 0; b < model->nbody; b++) {
     if (is_coupled(model, b))
@@ -153,6 +168,7 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
     out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
     mbd_set3(out + 7, s.twist.velocity);
     mbd_set3(out + 10, s.twist.angular);
+    memcpy(out + 13, data->acceleration + 6 * b, 6 * sizeof *out);
     out += BODY_CHANNELS;
   }
   mbd_energies e = mbd_energies_at(model, data);

@@ -7,6 +7,9 @@
 /* a row of which elimination leaves less than this share is dependent */
 static const double least_share = 1e-9;
 
+/* and one of which it leaves less than this nearly so */
+static const double near_share = 1e-4;
+
 /* a row in echelon form: its entries, the largest of which is 1 and stands at `pivot` */
 typedef struct {
   int pivot, n;
@@ -18,6 +21,9 @@ typedef struct {
   int nv;
   echelon_row *row; /* (nrow) those that are independent so far */
   int nindependent;
+  double length; /* [m], rotations count as ways at it */
+  int near;      /* the row of least share below near_share, -1: none */
+  double share;  /* its share */
 } elimination;
 
 /* Subtract earlier rows until nothing stands at their pivots. */
@@ -62,8 +68,9 @@ static double largest_entry(const double *w, int n, int *where) {
 }
 
 /* Rows of the constraint whose first part is `part` into w (MBD_ROWS_MAX x nv, zeroed here); returns its parts. */
-static int constraint_rows(const mbd_model *model, mbd_data *data, int part, double *w, int nv, int *nrow) {
-  int parts = 0;
+static int constraint_rows(const mbd_model *model, mbd_data *data, int part, double *w, const elimination *e,
+                           int *nrow) {
+  int parts = 0, nv = e->nv;
   memset(w, 0, MBD_ROWS_MAX * (size_t)nv * sizeof *w);
   for (int first = model->part[part].row; part + parts < model->npart; parts++) {
     if (model->part[part + parts].row != first)
@@ -73,7 +80,7 @@ static int constraint_rows(const mbd_model *model, mbd_data *data, int part, dou
     for (int k = 0; k < rows->n; k++)
       for (int side = 0; side < 2; side++)
         for (int c = 0; c < 6 && rows->body[side] != MBD_GROUND; c++)
-          w[k * nv + 6 * rows->body[side] + c] += rows->G[k][6 * side + c];
+          w[k * nv + 6 * rows->body[side] + c] += rows->G[k][6 * side + c] / (c < 3 ? 1 : e->length);
   }
   return parts;
 }
@@ -82,12 +89,17 @@ static int constraint_rows(const mbd_model *model, mbd_data *data, int part, dou
 static bool eliminate(const mbd_model *model, mbd_data *data, int without, elimination *e, double *w, bool *dependent) {
   for (int part = 0, nrow = 0; part < model->npart;) {
     int first = model->part[part].row;
-    part += constraint_rows(model, data, part, w, e->nv, &nrow);
+    part += constraint_rows(model, data, part, w, e, &nrow);
     for (int k = 0; k < nrow; k++) {
       int pivot = 0;
       double *row = w + k * e->nv, before = largest_entry(row, e->nv, &pivot);
       reduce(e, row);
-      dependent[first + k] = first + k == without || !(largest_entry(row, e->nv, &pivot) > least_share * before);
+      double left = largest_entry(row, e->nv, &pivot);
+      dependent[first + k] = first + k == without || !(left > least_share * before);
+      if (!dependent[first + k] && left < e->share * before) {
+        e->near = first + k;
+        e->share = left / before;
+      }
       if (!dependent[first + k] && !keep(e, row, pivot))
         return false;
     }
@@ -95,12 +107,14 @@ static bool eliminate(const mbd_model *model, mbd_data *data, int without, elimi
   return true;
 }
 
-bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool *dependent, int *number) {
-  elimination e = {.nv = 6 * model->nbody};
+bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool *dependent, int *number, int *near) {
+  double extent = mbd_model_extent(model);
+  elimination e = {.nv = 6 * model->nbody, .length = extent > 0 ? extent : 1, .near = -1, .share = near_share};
   double *w = malloc((MBD_ROWS_MAX * (size_t)e.nv + 1) * sizeof *w);
   e.row = calloc((size_t)model->nrow + 1, sizeof *e.row);
   bool good = w && e.row && eliminate(model, data, without, &e, w, dependent);
   *number = model->nrow - e.nindependent;
+  *near = e.near;
   for (int i = 0; i < e.nindependent && e.row; i++) {
     free(e.row[i].column);
     free(e.row[i].value);
@@ -110,6 +124,6 @@ bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool 
   return good;
 }
 
-bool mbd_rank(const mbd_model *model, mbd_data *data, bool *dependent, int *number) {
-  return mbd_rank_without(model, data, -1, dependent, number);
+bool mbd_rank(const mbd_model *model, mbd_data *data, bool *dependent, int *number, int *near) {
+  return mbd_rank_without(model, data, -1, dependent, number, near);
 }

@@ -267,6 +267,7 @@ static void print_scene(const run_state *run) {
          (unsigned long long)run->total_rows, run->alone.ready.nchannel);
   printf("mbd: %s\n", mbd_solver_ops.software);
   json_t *solver = solver_settings(mbd_solver_model(run->alone.solver));
+  json_object_del(solver, "formulation"); /* the report has it */
   tdm_print_json(solver);
   json_decref(solver);
   tdm_print_json(run->alone.ready.report);

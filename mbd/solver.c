@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WARNINGS_MAX = 3 };
+enum { WARNINGS_MAX = 5 };
 
 typedef struct {
   tdm_participant *participant; /* borrowed, NULL without a server */
@@ -104,6 +104,27 @@ static void warn_about_assembly(solver *s) {
   }
 }
 
+/* Say so when joints lock the mechanism, or may do so by rounding. */
+static void warn_about_freedom(solver *s) {
+  if (s->assembly.near_row >= 0) {
+    mbd_origin o = mbd_origin_of(s->model, s->assembly.near_row);
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "%s", o.path);
+    snprintf(w->message, sizeof w->message,
+             "the equation \"%s\" of %s \"%s\" follows nearly, but not exactly, from the joints before it, and takes a "
+             "freedom away that the mechanism may need; make axes exactly parallel and points exactly fit, or use a "
+             "joint with more freedom",
+             o.equation, o.kind, o.name);
+  }
+  if (s->assembly.freedom <= 0 && s->model->ndriver == 0) {
+    tdm_warning *w = &s->warning[s->nwarning++];
+    snprintf(w->path, sizeof w->path, "mbd.joints");
+    snprintf(w->message, sizeof w->message,
+             "the joints leave no degree of freedom and there is no driver: nothing can move; use joints with more "
+             "freedom where it should");
+  }
+}
+
 static json_t *make_report(const solver *s) {
   const mbd_model *m = s->model;
   json_t *bodies = json_object(), *joints = json_object(), *drivers = json_object();
@@ -179,14 +200,15 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   if (!mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at the start; check joints and masses");
   warn_about_assembly(s);
+  warn_about_freedom(s);
   s->report = make_report(s);
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");
 }
 
-/* tells the server, if there is one, that the solver lives; true when the work is no longer wanted */
+/* tells the server, if there is one, that the solver lives; true when the work is no longer wanted, or in vain */
 static bool should_stop(void *context) {
   solver *s = context;
-  return tdm_participant_alive(s->participant) != TDM_OK;
+  return tdm_participant_alive(s->participant) != TDM_OK || s->data->turned >= 0;
 }
 
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
@@ -240,6 +262,19 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
   return TDM_OK;
 }
 
+/* A force has turned too far: says so in place of what came of it. */
+static tdm_status refuse_turned(const solver *s, tdm_error *err) {
+  char path[TDM_PATH_MAX];
+  const mbd_force *f = &s->model->force[s->data->turned];
+  snprintf(path, sizeof path, "mbd.forces[%d]", s->data->turned);
+  *err = (tdm_error){0};
+  return tdm_fail(
+      err, TDM_ERR_NUMERIC, path,
+      "the %s \"%s\" has turned by 3 rad at t = %.9g s: its torque would jump at half a turn. Take a stiffer "
+      "or more damped one, or a joint with a torsional_spring_damper, whose angle is counted over turns",
+      f->ops->name, f->name, s->data->turned_at);
+}
+
 static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
   solver *s = self;
   const mbd_model *m = s->model;
@@ -253,7 +288,10 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   }
   s->started = true;
   sample_target to = {s, result};
-  if (s->integrator->advance(s->integration, in->t1, in->nsample, in->sample_time, sample, &to, err))
+  s->integrator->advance(s->integration, in->t1, in->nsample, in->sample_time, sample, &to, err);
+  if (s->data->turned >= 0)
+    return refuse_turned(s, err);
+  if (err->status)
     return err->status;
   if (s->data->open_row >= 0) {
     mbd_origin o = mbd_origin_of(m, s->data->open_row);

@@ -35,7 +35,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   for (int b = 0; b < model->nbody; b++)
     mbd_set_body_state(d->y, b, &model->body[b].start);
   d->kin[0].A = tdm_m3_identity();
-  d->open_row = -1;
+  d->open_row = d->turned = -1;
   return d;
 }
 
@@ -65,6 +65,8 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   to->t = from->t;
   to->drift = from->drift;
   to->open_row = from->open_row;
+  to->turned = from->turned;
+  to->turned_at = from->turned_at;
   to->energy_start = from->energy_start;
   to->work = from->work;
   to->load_t0 = from->load_t0;
@@ -157,7 +159,8 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
   value->second = second;
   value->near = data->angle[i];
   value->now = data->now;
-  value->value = value->coordinate = value->rate = value->potential = value->dissipated = value->supplied = 0;
+  value->value = value->coordinate = value->rotation = value->rate = value->potential = value->dissipated =
+      value->supplied = 0;
   value->rows.n = 0;
   value->rows.second = second;
   f->ops->eval(f, &data->kin[f->body[0] + 1], &data->kin[f->body[1] + 1], value);
@@ -216,10 +219,19 @@ static void note_drift(const mbd_model *model, mbd_data *data) {
   }
 }
 
+/* [rad]; the rotation vector of a force jumps at half a turn */
+static const double rotation_limit = 3;
+
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y) {
   mbd_kinematics(model, data, t, y);
-  for (int i = 0; i < model->nforce; i++)
-    data->angle[i] = mbd_force_at(model, data, i, false)->coordinate;
+  for (int i = 0; i < model->nforce; i++) {
+    const mbd_force_value *value = mbd_force_at(model, data, i, false);
+    data->angle[i] = value->coordinate;
+    if (value->rotation > rotation_limit && data->turned < 0) {
+      data->turned = i;
+      data->turned_at = t;
+    }
+  }
   for (int i = 0; i < model->njoint; i++) {
     const mbd_joint *j = &model->joint[i];
     data->turn[i] = mbd_joint_angle(j, &data->kin[j->body[0] + 1], &data->kin[j->body[1] + 1], data->turn[i]);

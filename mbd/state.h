@@ -35,6 +35,8 @@ typedef struct {
   int ndependent;      /* constraint rows that others imply; mbd_assemble finds them */
   bool *dependent;     /* (nrow) */
   int open_row;        /* a dependent row that the motion has opened: the others do not imply it after all; -1: none */
+  int turned;          /* the first force whose rotation came near half a turn, -1: none */
+  double turned_at;    /* when [s] */
   double energy_start; /* all energies at the start [J] */
   mbd_work work;       /* up to t, or up to the sample that is being handed out */
   double drift;        /* largest constraint violation |g| over the steps since it was last read */

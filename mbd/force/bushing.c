@@ -101,7 +101,8 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
   mbd_force_apply(out, a, b, force, f->matrix[0][0], f->matrix[1][0]);
   out->value = tdm_norm(mbd_get3(force));
   out->coordinate = tdm_norm(mbd_get3(x));
+  out->rotation = tdm_norm(mbd_get3(x + 3));
 }
 
 extern const mbd_force_ops mbd_force_bushing;
-const mbd_force_ops mbd_force_bushing = {"bushing", "N", "deflection", "m", load, eval};
+const mbd_force_ops mbd_force_bushing = {"bushing", "N", "deflection", "m", load, eval, true};

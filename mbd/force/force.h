@@ -25,6 +25,7 @@ typedef struct {
   double C[MBD_PAIR][MBD_PAIR]; /* dQ/dV */
   double value;                 /* tension [N] or torque [N m] */
   double coordinate, rate;      /* length [m] or continuous angle [rad], and its rate */
+  double rotation;              /* of forces that have one [rad], 0 to pi */
   double potential;             /* energy stored [J] */
   double dissipated;            /* power turned into heat, not negative [W] */
   double supplied;              /* power brought in from outside [W] */
@@ -39,6 +40,7 @@ typedef struct {
   /* Read the keys behind name and type. */
   void (*load)(mbd_force *force, tdm_object *o, const mbd_model *model);
   void (*eval)(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value);
+  bool turns; /* it has the rotation between two frames, an output that must stay below half a turn */
 } mbd_force_ops;
 
 struct mbd_force {

@@ -35,4 +35,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_friction;
-const mbd_force_ops mbd_force_friction = {"friction", NULL, NULL, NULL, load, eval};
+const mbd_force_ops mbd_force_friction = {"friction", NULL, NULL, NULL, load, eval, false};

@@ -104,6 +104,11 @@ START_TEST(test_law_ends) {
   CLOSE(mbd_motion_at(&m, 50).value, 3, 0);
   CLOSE(mbd_motion_at(&m, 50).rate, 0, 0);
   mbd_motion_clear(&m);
+  m = motion_of("{'motion':{'type':'table','times':[0,2],'values':[1,5]}}");
+  CLOSE(mbd_motion_at(&m, 0.5).value, 2, 1e-15);
+  CLOSE(mbd_motion_at(&m, 0.5).rate, 2, 1e-15);
+  CLOSE(mbd_motion_at(&m, 0.5).acceleration, 0, 0);
+  mbd_motion_clear(&m);
   m = motion_of("{'motion':{'type':'table','times':[0,1,2],'values':[0,2,3]}}");
   ck_assert_int_eq(mbd_motion_check(&m, 0, 2, "p", "m", &err), TDM_OK);
   ck_assert_int_eq(mbd_motion_check(&m, 0, 2.001, "p", "m", &err), TDM_ERR_SCENE);

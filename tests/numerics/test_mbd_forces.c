@@ -333,6 +333,28 @@ START_TEST(test_tilting_coil) {
 }
 END_TEST
 
+/* a bushing that is wound up: its rotation, and an error before it jumps */
+START_TEST(test_bushing_turns) {
+  static const char *const formulation[] = {"'ggl'", "'index3'", "'one_step'"};
+  for (int k = 0; k < 3; k++) {
+    char scene[1024];
+    snprintf(scene, sizeof scene,
+             "{'gravity':[0,0,0],'formulation':%s,'bodies':[{'name':'b','mass':1,'inertia':[1,1,1],'position':[0,0,0],"
+             "'angular_velocity':[0,0,10]}],'forces':[{'name':'k','type':'bushing','bodies':['ground','b'],'point':"
+             "[0,0,0],'stiffness':[1,1,1,1,1,1]}],'solver':{'max_step':0.001}}",
+             formulation[k]);
+    run r;
+    run_open_good(&r, scene, "");
+    run_to(&r, 0.2);
+    CLOSE(run_value(&r, "force.k.rotation"), 10 * sin(0.2), 1e-5);
+    ck_assert_int_eq(run_step(&r, 1, NULL, 0, 0, NULL), TDM_ERR_NUMERIC);
+    ck_assert_str_eq(r.err.path, "mbd.forces[0]");
+    ck_assert_ptr_nonnull(strstr(r.err.message, "\"k\" has turned by 3 rad at t = 0.30"));
+    run_close(&r);
+  }
+}
+END_TEST
+
 TEST_MAIN("mbd forces", 120, test_cable, test_damped_cable, test_stop, test_friction, test_friction_holds,
-          test_bushing_static, test_bushing_energy, test_stiff_bushing, test_bump, test_wrench, test_tables,
-          test_tilting_coil)
+          test_bushing_static, test_bushing_energy, test_stiff_bushing, test_bushing_turns, test_bump, test_wrench,
+          test_tables, test_tilting_coil)

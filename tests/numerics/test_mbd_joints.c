@@ -116,6 +116,11 @@ START_TEST(test_planet) {
   double w = 30 * 0.2 * M_PI * cos(0.2 * M_PI * 7.3); /* of the carrier: the driver turns the ground against it */
   CLOSE(run_value(&r, "body.carrier.wz"), w, 1e-8);
   CLOSE(run_value(&r, "body.planet.wz"), w * (1 + 1 / 0.4), 1e-7);
+  double angle = 30 * sin(0.2 * M_PI * 7.3), alpha = -0.04 * M_PI * M_PI * angle;
+  CLOSE(run_value(&r, "body.planet.alphaz"), alpha * (1 + 1 / 0.4), 1e-6);
+  CLOSE(run_value(&r, "body.planet.ax"), -w * w * cos(angle) - alpha * sin(angle), 1e-6);
+  CLOSE(run_value(&r, "body.planet.ay"), -w * w * sin(angle) + alpha * cos(angle), 1e-6);
+  CLOSE(run_value(&r, "body.planet.az"), 0, 1e-9);
   run_close(&r);
 }
 END_TEST

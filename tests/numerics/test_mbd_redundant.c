@@ -74,12 +74,39 @@ START_TEST(test_door) {
 }
 END_TEST
 
+/* an axis that is not quite parallel locks the mechanism, and the user is told */
+START_TEST(test_nearly_dependent) {
+  static const char *const axis[] = {"[0,1e-8,1]", "[0,5e-5,1]", "[0,1e-12,1]"};
+  char last[256], scene[2048];
+  snprintf(last, sizeof last, "{'name':'D','type':'revolute','bodies':['rocker','ground'],'point':[2,0,0],'axis':%s}",
+           axis[_i]);
+  snprintf(scene, sizeof scene, FOUR_BAR("%s"), last);
+  run r;
+  run_open_good(&r, scene, "crank");
+  if (_i < 2) {
+    ck_assert_int_eq(freedom(&r), 0);
+    ck_assert_int_eq(r.ready.nwarning, 2);
+    ck_assert_str_eq(r.ready.warning[0].path, "mbd.joints[3]");
+    ck_assert_ptr_nonnull(strstr(r.ready.warning[0].message, "exactly parallel"));
+    ck_assert_ptr_nonnull(strstr(r.ready.warning[1].message, "nothing can move"));
+  } else {
+    ck_assert_int_eq(freedom(&r), 1);
+    ck_assert_int_eq(r.ready.nwarning, 0);
+  }
+  run_close(&r);
+}
+END_TEST
+
 static const struct {
   const char *scene, *words[3];
 } bad[] = {
     /* a coupler that cannot reach */
     {FOUR_BAR("{'name':'D','type':'revolute','bodies':['rocker','ground'],'points':[[2,0,0],[9,0,0]],'axis':[0,0,1]}"),
      {"cannot be assembled", "contradict", "joint"}},
+    /* one joint out of the plane: it comes first in the message */
+    {FOUR_BAR(
+         "{'name':'D','type':'revolute','bodies':['rocker','ground'],'points':[[2,0,0],[2,0,0.1]],'axis':[0,0,1]}"),
+     {"cannot be assembled", "stay open: joint \"D\"", "point z"}},
     /* hinges of one door on different axes */
     {"{'bodies':[" BODY("door", "0", "0", "") "],'joints':[" HINGE(
          "low", "ground", "door", "0",
@@ -166,6 +193,7 @@ int main(void) {
   tcase_set_timeout(tcase, 120);
   tcase_add_test(tcase, test_four_bar);
   tcase_add_test(tcase, test_door);
+  tcase_add_loop_test(tcase, test_nearly_dependent, 0, 3);
   tcase_add_loop_test(tcase, test_refused, 0, sizeof bad / sizeof bad[0]);
   tcase_add_test(tcase, test_singular);
   tcase_add_loop_test(tcase, test_balance, 0, 3);

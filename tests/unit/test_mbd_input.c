@@ -73,13 +73,17 @@ static const bad_case cases[] = {
          "a",
          "") "],'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,1]},"
              "{'name':'j2','type':'prismatic','bodies':['ground','a'],'points':[[5,0,0],[0,0.5,0]],'axis':[0,1,0]}]}",
-     "", TDM_ERR_SCENE, "mbd.joints[0]", "joint \"j2\""},
+     "", TDM_ERR_SCENE, "mbd.joints[1]", "joint \"j2\""},
     {"{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1],'position':[0.5,0,0.5]},"
      "{'name':'b','mass':1,'inertia':[1,1,1],'position':[1.5,0,0.5]}],"
      "'joints':[{'name':'j1','type':'spherical','bodies':['ground','a'],'point':[0,0,0]},"
      "{'name':'j2','type':'spherical','bodies':['a','b'],'point':[1,0,1]},"
      "{'name':'far','type':'spherical','bodies':['b','ground'],'points':[[2,0,0],[9,0,0]]}]}",
      "", TDM_ERR_SCENE, "mbd.joints", "cannot be assembled"},
+    /* the start is more than a radian from where the joint wants the body */
+    {"{'bodies':[" BODY("a", "") "],'joints':[{'name':'j','type':'prismatic','bodies':['ground','a'],'point':[0,0,0],"
+                                 "'axes':[[0,0,1],[0,2,1]]}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].position", "turn by 1.11 rad"},
     {FORCE("'type':'spring','bodies':['ground','box'],'points':[[0,0,0],[0,0,1]],'stiffness':1"), "", TDM_ERR_SCENE,
      "mbd.forces[0].type", ""},
     {FORCE("'type':'spring_damper','bodies':['ground','box'],'points':[[0,0,1],[0,0,1]],'stiffness':1"), "",
@@ -165,8 +169,9 @@ static const bad_case cases[] = {
      "ascending"},
     {MOTOR("'type':'table','times':[0,1,2],'values':[0,1]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.values",
      "one for each"},
-    {MOTOR("'type':'table','times':[0,1],'values':[0,1]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.times",
-     "at least 3"},
+    {MOTOR("'type':'table','times':[0],'values':[0]"), "", TDM_ERR_SCENE, "mbd.drivers[0].motion.times", "at least 2"},
+    {MOTOR("'type':'table','times':[0,1],'values':[0,0],'interpolation':'periodic'"), "", TDM_ERR_SCENE,
+     "mbd.drivers[0].motion.times", "at least 3"},
     {MOTOR("'type':'table','file':'/nowhere/law.csv'"), "", TDM_ERR_FILE, "mbd.drivers[0].motion.file", "opened"},
     {MOTOR("'type':'table','times':[0,1,2],'values':[0,1,2],'interpolation':'periodic'"), "", TDM_ERR_SCENE,
      "mbd.drivers[0].motion.times", "end where it begins"},
@@ -200,6 +205,13 @@ static const bad_case cases[] = {
      "mbd.joints[0].length", "greater than 0"},
     {JOINT("'type':'screw','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]"), "", TDM_ERR_SCENE,
      "mbd.joints[0].pitch", ""},
+    {JOINT("'type':'screw','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1],'pitch':0"), "", TDM_ERR_SCENE,
+     "mbd.joints[0].pitch", "is zero"},
+    {"{" BOX ",'joints':[{'name':'g','type':'gear','joints':['hinge','other'],'ratio':1}," HINGE("revolute") "]}", "",
+     TDM_ERR_SCENE, "mbd.joints[0].joints[0]", "stands later"},
+    {"{" BOX ",'joints':[{'name':'g','type':'gear','joints':['g','g'],'ratio':1}]}", "", TDM_ERR_SCENE,
+     "mbd.joints[0].joints[0]", "stands before this one"},
+    {"{" BOX ",'formulation':'one_step','corrector':'modified'}", "", TDM_ERR_SCENE, "mbd.corrector", "one_step"},
     {JOINT("'type':'gear','joints':['a','b'],'ratio':1"), "", TDM_ERR_SCENE, "mbd.joints[0].joints[0]",
      "stands before this one"},
     {JOINT("'type':'gear','bodies':['ground','box'],'ratio':1"), "", TDM_ERR_SCENE, "mbd.joints[0].joints", ""},
@@ -246,7 +258,7 @@ static const bad_case cases[] = {
      "mbd.bodies[0].markers[1].name", "each its own name"},
     {"{'bodies':[" BODY("a", ",'markers':[{'name':'tip','frame':'world'}]") "]}", "", TDM_ERR_SCENE,
      "mbd.bodies[0].markers[0].point", ""},
-    {MARKED("'point':'box.tipp'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"tip\""},
+    {MARKED("'point':'box.tipp'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "(did you mean \"tip\"?); name one"},
     {MARKED("'point':'bxo.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"box\""},
     {MARKED("'point':'tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "\"body.marker\""},
     {MARKED("'point':'box.tip.z'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "names no point"},
@@ -333,7 +345,7 @@ START_TEST(test_good_scene) {
               "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
       "box");
   ck_assert_int_eq(r.ready.nwarning, 0);
-  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 13 + 7);
+  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 19 + 7);
   ck_assert_str_eq(r.ready.body[0].name, "box");
   CLOSE(r.ready.body[0].mass, 10, 0);
   CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);
@@ -342,6 +354,8 @@ START_TEST(test_good_scene) {
   CLOSE(r.ready.initial[run_channel(&r, "energy.springs")], 50 + 5, 1e-9);
   ck_assert_str_eq(r.ready.channel[run_channel(&r, "joint.rail.mx")].unit, "N m");
   ck_assert_str_eq(r.ready.channel[run_channel(&r, "body.free.wz")].unit, "rad/s");
+  ck_assert_str_eq(r.ready.channel[run_channel(&r, "body.free.alphaz")].unit, "rad/s2");
+  CLOSE(r.ready.initial[run_channel(&r, "body.free.az")], -9.81, 1e-12);
   ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 7);
   for (int i = 0; i < r.ready.nchannel; i++)
     ck_assert(strpbrk(r.ready.channel[i].name, " ,\"") == NULL);
