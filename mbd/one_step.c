@@ -66,6 +66,7 @@ typedef struct {
   double *y0, *y1, *work;  /* (nunknown) */
   double from, to;         /* the step that was just accepted [s] */
   double *vdot1, *lambda1; /* (nv), (nrow) */
+  double *lambda0;         /* (nrow) at the start of the step */
   double *move;            /* (nv) D */
   double *Q;               /* (nv) */
   double *g, *g_t;         /* (nrow) */
@@ -120,7 +121,7 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   s->beta = 0.25 * (s->gamma + 0.5) * (s->gamma + 0.5);
   s->nv = 6 * model->nbody;
   s->n = s->nv + model->nrow;
-  double **arrays[] = {&s->vdot1, &s->move, &s->Q, &s->lambda1, &s->g, &s->g_t, &s->r, &s->x, &s->dx};
+  double **arrays[] = {&s->vdot1, &s->move, &s->Q, &s->lambda0, &s->lambda1, &s->g, &s->g_t, &s->r, &s->x, &s->dx};
   bool good = memory_create(&s->now, model, s->nv);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     good = (*arrays[i] = array(s->n)) && good;
@@ -141,7 +142,8 @@ static void destroy(void *self) {
   if (!s)
     return;
   memory_free(&s->now);
-  double *arrays[] = {s->vdot1, s->move, s->Q, s->lambda1, s->g, s->g_t, s->r, s->x, s->dx, s->y0, s->y1, s->work};
+  double *arrays[] = {s->vdot1, s->move, s->Q,  s->lambda0, s->lambda1, s->g,   s->g_t,
+                      s->r,     s->x,    s->dx, s->y0,      s->y1,      s->work};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(s->line.load);
@@ -489,6 +491,16 @@ static bool project(one_step *s) {
   return true;
 }
 
+/* Newton's lambda1 has an error of first order: positions and the projected velocities leave none but the accelerations
+ * to give way. Where drivers do work by it, it is that of the accelerations at y1 instead. */
+static void refine_reactions(one_step *s, double t1) {
+  if (s->model->ndriver == 0)
+    return;
+  mbd_kkt_reset(s->kkt); /* no dependence on what was before */
+  if (mbd_accelerations(s->model, s->data, s->kkt, t1, s->y1))
+    memcpy(s->lambda1, s->data->lambda, (size_t)s->model->nrow * sizeof(double));
+}
+
 /* From y0 at t to y1 at t1; false: Newton's iteration failed, only the response to the load is kept. */
 static bool step(one_step *s, double t, double t1) {
   const double h = t1 - t;
@@ -500,13 +512,16 @@ static bool step(one_step *s, double t, double t1) {
     evaluate(s, t1, s->y1);
     good = project(s);
   }
+  if (good)
+    refine_reactions(s, t1);
   swap_load(s);
   if (!good)
     s->now.step_length = 0;
   return good;
 }
 
-/* The step is over: y1 is the state, its accelerations the next step's past. Keeps vdot of the start in s->Q. */
+/* The step is over: y1 is the state, its accelerations the next step's past. Keeps vdot of the start in s->Q, its
+ * lambda in s->lambda0. */
 static void accept(one_step *s, double t1, double h) {
   const mbd_model *m = s->model;
   memcpy(s->Q, s->now.vdot, (size_t)s->nv * sizeof(double));
@@ -516,6 +531,7 @@ static void accept(one_step *s, double t1, double h) {
     s->now.rise[i] = (a1 - s->vdot1[i]) / h;
   }
   memcpy(s->now.vdot, s->vdot1, (size_t)s->nv * sizeof(double));
+  memcpy(s->lambda0, s->now.lambda, (size_t)m->nrow * sizeof(double));
   memcpy(s->now.lambda, s->lambda1, (size_t)m->nrow * sizeof(double));
   for (int c = 0; c < m->ncoupled; c++) /* from the line's start to its end */
     s->now.load[2 * c] = along(s->now.load[2 * c], h, s->now.load[2 * c + 1]);
@@ -561,11 +577,13 @@ typedef struct {
   void *context;
 } samples;
 
-/* The unknowns at time t inside the step that was just accepted; reactions are those at its end. */
+/* The unknowns at time t inside the step that was just accepted; reactions on the straight line between its ends. */
 static const double *unknowns_at(void *self, double t) {
   one_step *s = self;
-  interpolate(s, (t - s->from) / (s->to - s->from), s->to - s->from);
-  memcpy(s->work + mbd_index_lambda(s->model, 0), s->lambda1, (size_t)s->model->nrow * sizeof(double));
+  double at = (t - s->from) / (s->to - s->from), *lambda = s->work + mbd_index_lambda(s->model, 0);
+  interpolate(s, at, s->to - s->from);
+  for (int i = 0; i < s->model->nrow; i++)
+    lambda[i] = (1 - at) * s->lambda0[i] + at * s->lambda1[i];
   return s->work;
 }
 

@@ -195,6 +195,28 @@ START_TEST(test_samples) {
 }
 END_TEST
 
+/* the work of a motor that runs up a pendulum, in the balance of energies: second order */
+START_TEST(test_work) {
+  double worst[2] = {0, 0};
+  for (int fine = 0; fine < 2; fine++) {
+    run r;
+    double H = 0.01 / (1 + fine);
+    run_open_good(&r,
+                  "{'bodies':[{'name':'bob','mass':1,'inertia':[0.1,0.1,0.1],'position':[1,0,0]}],'joints':[{'name':"
+                  "'hinge','type':'revolute','bodies':['ground','bob'],'point':[0,0,0],'axis':[0,1,0]}],'drivers':[{"
+                  "'name':'motor','type':'rotational_motor','joint':'hinge','motion':{'type':'constant_rate','rate':"
+                  "10,'start':'smooth','rise':0.5}}],'formulation':'one_step'}",
+                  "bob");
+    for (int k = 0; k < 100 * (1 + fine); k++) {
+      run_to(&r, H * (k + 1));
+      worst[fine] = fmax(worst[fine], fabs(run_value(&r, "energy.balance")));
+    }
+    run_close(&r);
+  }
+  ck_assert_msg(worst[0] < 0.05 && worst[0] > 3.7 * worst[1], "balance %g, %g J of 65 J", worst[0], worst[1]);
+}
+END_TEST
+
 /* windows that max_step divides are as many short windows */
 START_TEST(test_max_step) {
   tdm_state a = state_at(DOUBLE, "'formulation':'one_step','solver':{'max_step':0.0025}", "b", 0.5, 0.01, NULL);
@@ -374,6 +396,7 @@ int main(void) {
   tcase_add_loop_test(tcase, test_impulse, 0, 3);
   tcase_add_test(tcase, test_white_noise);
   tcase_add_test(tcase, test_samples);
+  tcase_add_test(tcase, test_work);
   tcase_add_test(tcase, test_max_step);
   tcase_add_test(tcase, test_chain);
   tcase_add_test(tcase, test_redundant);
