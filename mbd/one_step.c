@@ -43,6 +43,7 @@ typedef struct {
   mbd_lu *mass;       /* of [M G^T; G 0] */
   double step_length; /* of `step` [s], 0: to be made anew */
   bool mass_made;
+  bool started; /* no step was made since the start: rise is d(Vdot)/dt yet */
 } memory;
 
 /* a load on all coupled bodies, as in mbd_data */
@@ -501,11 +502,56 @@ static void refine_reactions(one_step *s, double t1) {
     memcpy(s->lambda1, s->data->lambda, (size_t)s->model->nrow * sizeof(double));
 }
 
+/* x M x of body b's part of x (nv), at the last evaluation */
+static double by_mass(const one_step *s, int b, const double *x) {
+  tdm_vec3 along = mbd_get3(x + 6 * b), about = mbd_get3(x + 6 * b + 3);
+  return s->model->body[b].mass * tdm_dot(along, along) + tdm_dot(about, tdm_m3_mul(s->inertia[b], about));
+}
+
+/* Does the acceleration of a body change by more than itself in a step h, at the rate `rise`? Bodies that hardly take
+ * part do not count. */
+static bool stiff(const one_step *s, double h) {
+  double all = 0;
+  for (int b = 0; b < s->model->nbody; b++)
+    all += by_mass(s, b, s->now.vdot);
+  for (int b = 0; b < s->model->nbody; b++)
+    if (h * h * by_mass(s, b, s->now.rise) > by_mass(s, b, s->now.vdot) + 1e-4 * all)
+      return true;
+  return false;
+}
+
+/* The first step after a start, where `rise` is d(Vdot)/dt. Forces that are stiff in a step do not begin it with what
+ * they are now, but with what Newton's matrix lets them become. */
+static bool relax(one_step *s, double t, double h) {
+  const size_t nv = (size_t)s->nv * sizeof(double), nrow = (size_t)s->model->nrow * sizeof(double);
+  s->now.started = false;
+  evaluate(s, t, s->y0);
+  bool stiffly = stiff(s, h);
+  for (int k = 0; k < s->nv; k++)
+    s->now.rise[k] *= stiffly ? 0 : s->am - s->af;
+  if (!stiffly)
+    return true;
+  memset(s->move, 0, nv);
+  memcpy(s->vdot1, s->now.vdot, nv);
+  memcpy(s->lambda1, s->now.lambda, nrow);
+  memcpy(s->x, s->now.vdot, nv);
+  memcpy(s->x + s->nv, s->now.lambda, nrow);
+  multiply(s, s->x, s->dx);
+  if (!make_step(s, h))
+    return false;
+  mbd_lu_solve(s->now.step, s->dx);
+  memcpy(s->now.vdot, s->dx, nv);
+  memcpy(s->now.lambda, s->dx + s->nv, nrow);
+  s->now.step_length = 0;
+  return true;
+}
+
 /* From y0 at t to y1 at t1; false: Newton's iteration failed, only the response to the load is kept. */
 static bool step(one_step *s, double t, double t1) {
   const double h = t1 - t;
+  bool good = !s->now.started || relax(s, t, h);
   fit_line(s, t, h);
-  bool good = respond(s, t, h);
+  good = good && respond(s, t, h);
   swap_load(s);
   good = good && newton(s, t1, h);
   if (good) {
@@ -675,7 +721,7 @@ static tdm_status start(void *self, double t, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no consistent accelerations at the start, t = %g s; check joints and masses", t);
   for (int i = 0; i < s->nv; i++)
-    s->now.rise[i] = (s->am - s->af) * (d->acceleration[i] - s->now.vdot[i]) / moment;
+    s->now.rise[i] = (d->acceleration[i] - s->now.vdot[i]) / moment;
   for (int c = 0; c < m->ncoupled; c++) {
     tdm_wrench now = mbd_load_at(d, c, t), zero = {{0, 0, 0}, {0, 0, 0}};
     s->now.load[2 * c] = now;
@@ -683,6 +729,7 @@ static tdm_status start(void *self, double t, tdm_error *err) {
   }
   s->now.step_length = 0;
   s->now.mass_made = false;
+  s->now.started = true;
   d->t = t;
   return TDM_OK;
 }
@@ -701,6 +748,7 @@ static bool copy_memory(const one_step *s, memory *to, const memory *from) {
   memcpy(to->load, from->load, 2 * (size_t)s->model->ncoupled * sizeof *to->load);
   to->step_length = from->step_length;
   to->mass_made = from->mass_made;
+  to->started = from->started;
   return mbd_lu_copy(to->step, from->step) && mbd_lu_copy(to->mass, from->mass);
 }
 

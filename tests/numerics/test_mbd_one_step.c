@@ -144,6 +144,46 @@ START_TEST(test_impulse) {
 }
 END_TEST
 
+/* Damping far too stiff for the step, from a start out of its equilibrium, with a start in each window and without. */
+START_TEST(test_stiff_start) {
+  static const char *const force[] = {
+      "{'name':'s','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,-1]],'stiffness':1,"
+      "'damping':1e7}",
+      "{'name':'s','type':'friction','joint':'guide','limit':19.62,'velocity_scale':1e-4}"};
+  static const double radius[] = {0.8, 1, 0}, rest[] = {-9.81e-7, -5.493e-5};
+  for (int i = 0; i < 12; i++) {
+    run r;
+    char scene[1024];
+    int of = i % 2, restart = i / 2 % 2;
+    double H = of ? 1e-2 : 1e-3;
+    snprintf(
+        scene, sizeof scene,
+        "{'formulation':'one_step','restart_each_window':%s,'bodies':[{'name':'box','mass':1,'inertia':[1,1,1],"
+        "'position':[0,0,-1]}],'joints':[{'name':'guide','type':'prismatic','bodies':['ground','box'],'point':[0,0,"
+        "0],'axis':[0,0,1]}],'forces':[%s],'solver':{'spectral_radius':%g}}",
+        restart ? "true" : "false", force[of], radius[i / 4]);
+    run_open_good(&r, scene, "box");
+    for (int k = 0; k < 100; k++) {
+      run_window(&r, H * (k + 1), NULL, 0, 0, NULL);
+      double v = r.state[0].twist.velocity.z;
+      ck_assert_msg(fabs(v / rest[of] - 1) < (of ? 0.15 : 1e-3), "case %d, window %d: %g m/s", i, k, v);
+    }
+    run_close(&r);
+  }
+}
+END_TEST
+
+/* a start in each window costs no order */
+START_TEST(test_restarts) {
+  tdm_state exact = state_at(DOUBLE, "'solver':{'relative_tolerance':1e-10,'max_step':1e-3}", "b", 1, 1, NULL);
+  double error[2];
+  for (int k = 0; k < 2; k++)
+    error[k] = apart(
+        exact, state_at(DOUBLE, "'formulation':'one_step','restart_each_window':true", "b", 1, 0.005 / (1 + k), NULL));
+  ck_assert_msg(error[0] > 3.7 * error[1], "errors %g, %g", error[0], error[1]);
+}
+END_TEST
+
 /* White noise on an oscillator, constant in each window, against the exact solution: second order, and no ringing. */
 START_TEST(test_white_noise) {
   double error[2];
@@ -394,6 +434,8 @@ int main(void) {
   tcase_add_test(tcase, test_heavy_top);
   tcase_add_test(tcase, test_energy);
   tcase_add_loop_test(tcase, test_impulse, 0, 3);
+  tcase_add_test(tcase, test_stiff_start);
+  tcase_add_test(tcase, test_restarts);
   tcase_add_test(tcase, test_white_noise);
   tcase_add_test(tcase, test_samples);
   tcase_add_test(tcase, test_work);
