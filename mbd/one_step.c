@@ -76,6 +76,7 @@ typedef struct {
   tdm_mat3 *turned;        /* (nbody) dtheta = T dD */
   bool turns;              /* T is not 1 to speak of */
   part_rows *rows;         /* (npart) */
+  double rounding[2];      /* of positions and angles [m, rad] */
 } one_step;
 
 enum { ITERATIONS_MAX = 12, HALVINGS_MAX = 12 };
@@ -416,7 +417,39 @@ static bool make_step(one_step *s, double h) {
   return s->now.step_length > 0;
 }
 
-/* One correction of vdot1, lambda1 and y1; returns its size in positions, the largest [m, rad]. */
+/* The turn of a body by an error of 1 m in a row, whose part of this body is G [rad/m]: by its arm, or as its inertia
+ * lets it. */
+static double turn_by_shift(const mbd_body *body, const double *G) {
+  double along = tdm_norm(mbd_get3(G)), about = tdm_norm(mbd_get3(G + 3));
+  if (along == 0 || about == 0)
+    return 0;
+  const tdm_mat3 *inverse = &body->inverse_inertia;
+  double give = body->mass * (inverse->m[0][0] + inverse->m[1][1] + inverse->m[2][2]);
+  return fmin(along / about, give * about / along);
+}
+
+/* What rounding leaves of positions and angles, at the last evaluation. Newton's iteration goes down to it: what it
+ * leaves would add up over the steps, and one iteration more costs little. */
+static void find_rounding(one_step *s) {
+  const mbd_model *m = s->model;
+  double reach = 0, turn = 1;
+  for (int b = 0; b < m->nbody; b++)
+    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_part *part = &m->part[i];
+    const part_rows *p = &s->rows[i];
+    if (part->turn >= 0 && (part->driver || part->joint->ratio != 0))
+      turn = fmax(turn, fabs(s->data->turn[part->turn]));
+    for (int side = 0; side < 2; side++)
+      for (int k = 0; k < p->n && p->body[side] != MBD_GROUND; k++)
+        turn = fmax(turn, reach * turn_by_shift(&m->body[p->body[side]], p->G[k] + 6 * side));
+  }
+  s->rounding[0] = 4e-15 * fmax(1, reach);
+  s->rounding[1] = 4e-15 * turn;
+}
+
+/* One correction of vdot1, lambda1 and y1; returns its size in positions and angles, in units of what
+ * rounding leaves. */
 static double correct(one_step *s, double h) {
   double by_position = h * h * s->beta * (1 - s->af) / (1 - s->am);
   memcpy(s->x, s->vdot1, (size_t)s->nv * sizeof(double));
@@ -432,32 +465,28 @@ static double correct(one_step *s, double h) {
   for (int k = s->nv; k < s->n; k++)
     s->lambda1[k - s->nv] += s->dx[k];
   place_end(s, h);
-  return by_position * largest(s->dx, s->nv);
-}
-
-/* What rounding leaves of positions [m, rad]. Newton's iteration goes down to it: what it leaves would add up over the
- * steps, and one iteration more costs little. */
-static double rounding(const one_step *s) {
-  double reach = 1;
-  for (int b = 0; b < s->model->nbody; b++)
-    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
-  return 4e-15 * reach;
+  double size = 0;
+  for (int k = 0; k < s->nv; k += 3)
+    size = fmax(size, largest(s->dx + k, 3) / s->rounding[k % 6 / 3]);
+  return by_position * size;
 }
 
 /* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. */
 static bool newton(one_step *s, double t1, double h) {
-  double least = rounding(s), last = 0;
+  double last = 0;
   memcpy(s->vdot1, s->now.vdot, (size_t)s->nv * sizeof(double));
   memcpy(s->lambda1, s->now.lambda, (size_t)s->model->nrow * sizeof(double));
   place_end(s, h);
   for (int total = 0, i = 0; total < ITERATIONS_MAX; total++, i++) {
     evaluate(s, t1, s->y1);
+    if (total == 0)
+      find_rounding(s);
     if (fabs(s->now.step_length - h) > 1e-6 * h && !make_step(s, h)) /* windows differ by rounding */
       return false;
     double size = correct(s, h), rate = i > 0 ? size / last : 0;
-    if (!(size < 1e3)) /* or not a number */
+    if (!(size < 1e18)) /* or not a number */
       return false;
-    if (size <= 0.01 * least || (i > 0 && (size <= least || (rate < 0.3 && rate * size <= 0.1 * least)))) {
+    if (size <= 0.01 || (i > 0 && (size <= 1 || (rate < 0.3 && rate * size <= 0.1)))) {
       if (i > 3)
         s->now.step_length = 0; /* worn out: the next step makes its own */
       return true;
@@ -468,7 +497,7 @@ static bool newton(one_step *s, double t1, double h) {
       i = -1;
     }
   }
-  return false;
+  return last <= 100; /* it stopped where rounding did not let it go on */
 }
 
 /* Put the velocities of y1 onto the constraints, at the last evaluation, which was there. */

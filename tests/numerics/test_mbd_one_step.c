@@ -314,6 +314,50 @@ START_TEST(test_fast) {
 }
 END_TEST
 
+#define WHEEL(name, x, w) \
+  "{'name':'" name "','mass':1,'inertia':[0.1,0.1,0.1],'position':[" x ",0,0],'angular_velocity':[0,0," w "]}"
+#define SHAFT(name, wheel, x) \
+  "{'name':'" name "','type':'revolute','bodies':['ground','" wheel "'],'point':[" x ",0,0],'axis':[0,0,1]}"
+#define GEARS(w1, w2, ratio)                                                                               \
+  "{'formulation':'one_step','bodies':[" WHEEL("a", "0", w1) "," WHEEL("b", "3", w2) "],'joints':[" SHAFT( \
+      "s", "a", "0") "," SHAFT("t", "b", "3") ",{'name':'g','type':'gear','joints':['s','t'],'ratio':" ratio "}]}"
+
+/* many turns leave rounding errors in proportion to the angle */
+START_TEST(test_many_turns) {
+  run r;
+  run_open_good(&r, GEARS("100", "-270.27027027027026", "0.37"), "a");
+  for (int k = 0; k < 5000; k++)
+    run_to(&r, 1e-2 * (k + 1));
+  CLOSE(run_value(&r, "joint.s.angle"), 5000, 1e-9);
+  ck_assert_double_lt(run_value(&r, "constraint.drift"), 5e-12);
+  run_close(&r);
+}
+END_TEST
+
+/* a four-bar of a millimetre, a metre away: rounding of positions turns its links */
+START_TEST(test_small_and_far) {
+  run r;
+  double most = 0;
+  run_open_good(
+      &r,
+      "{'gravity':[0,-9.81,0],'formulation':'one_step','bodies':[{'name':'a','mass':1,'inertia':[1e-7,1e-7,1e-7],"
+      "'position':[1,0.0005,0]},{'name':'b','mass':1,'inertia':[1e-7,1e-7,1e-7],'position':[1.0005,0.00115,0]},"
+      "{'name':'c','mass':1,'inertia':[2e-7,2e-7,2e-7],'position':[1.0011,0.00055,0]}],'joints':[{'name':'p','type':"
+      "'revolute','bodies':['ground','a'],'point':[1,0,0],'axis':[0,0,1]},{'name':'q','type':'revolute','bodies':['a',"
+      "'b'],'point':[1,0.001,0],'axis':[0,0,1]},{'name':'r','type':'revolute','bodies':['b','c'],'point':[1.001,0.0013,"
+      "0],'axis':[0,0,1]},{'name':'s','type':'revolute','bodies':['c','ground'],'point':[1.0012,-0.0002,0],'axis':[0,0,"
+      "1]}]}",
+      "a");
+  for (int k = 0; k < 5000; k++) {
+    run_to(&r, 1e-5 * (k + 1));
+    most = fmax(most, run_value(&r, "constraint.drift"));
+  }
+  ck_assert_msg(most < 1e-14, "drift %g", most);
+  CLOSE(run_value(&r, "energy.balance"), 0, 1e-6);
+  ck_assert_int_eq(run_close_steps(&r), 5000); /* none was halved */
+}
+END_TEST
+
 /* a load without bounds ends the run with time and advice */
 START_TEST(test_bad_load) {
   run r;
@@ -443,6 +487,8 @@ int main(void) {
   tcase_add_test(tcase, test_chain);
   tcase_add_test(tcase, test_redundant);
   tcase_add_test(tcase, test_fast);
+  tcase_add_test(tcase, test_many_turns);
+  tcase_add_test(tcase, test_small_and_far);
   tcase_add_test(tcase, test_bad_load);
   tcase_add_loop_test(tcase, test_save, 0, 2);
   suite_add_tcase(suite, tcase);
