@@ -43,6 +43,7 @@ typedef struct {
   mbd_lu *mass;       /* of [M G^T; G 0] */
   double step_length; /* of `step` [s], 0: to be made anew */
   bool mass_made;
+  bool started; /* no step was made since the start: rise is d(Vdot)/dt yet */
 } memory;
 
 /* a load on all coupled bodies, as in mbd_data */
@@ -66,6 +67,7 @@ typedef struct {
   double *y0, *y1, *work;  /* (nunknown) */
   double from, to;         /* the step that was just accepted [s] */
   double *vdot1, *lambda1; /* (nv), (nrow) */
+  double *lambda0;         /* (nrow) at the start of the step */
   double *move;            /* (nv) D */
   double *Q;               /* (nv) */
   double *g, *g_t;         /* (nrow) */
@@ -74,6 +76,7 @@ typedef struct {
   tdm_mat3 *turned;        /* (nbody) dtheta = T dD */
   bool turns;              /* T is not 1 to speak of */
   part_rows *rows;         /* (npart) */
+  double rounding[2];      /* of positions and angles [m, rad] */
 } one_step;
 
 enum { ITERATIONS_MAX = 12, HALVINGS_MAX = 12 };
@@ -120,7 +123,7 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   s->beta = 0.25 * (s->gamma + 0.5) * (s->gamma + 0.5);
   s->nv = 6 * model->nbody;
   s->n = s->nv + model->nrow;
-  double **arrays[] = {&s->vdot1, &s->move, &s->Q, &s->lambda1, &s->g, &s->g_t, &s->r, &s->x, &s->dx};
+  double **arrays[] = {&s->vdot1, &s->move, &s->Q, &s->lambda0, &s->lambda1, &s->g, &s->g_t, &s->r, &s->x, &s->dx};
   bool good = memory_create(&s->now, model, s->nv);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     good = (*arrays[i] = array(s->n)) && good;
@@ -141,7 +144,8 @@ static void destroy(void *self) {
   if (!s)
     return;
   memory_free(&s->now);
-  double *arrays[] = {s->vdot1, s->move, s->Q, s->lambda1, s->g, s->g_t, s->r, s->x, s->dx, s->y0, s->y1, s->work};
+  double *arrays[] = {s->vdot1, s->move, s->Q,  s->lambda0, s->lambda1, s->g,   s->g_t,
+                      s->r,     s->x,    s->dx, s->y0,      s->y1,      s->work};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(s->line.load);
@@ -413,7 +417,39 @@ static bool make_step(one_step *s, double h) {
   return s->now.step_length > 0;
 }
 
-/* One correction of vdot1, lambda1 and y1; returns its size in positions, the largest [m, rad]. */
+/* The turn of a body by an error of 1 m in a row, whose part of this body is G [rad/m]: by its arm, or as its inertia
+ * lets it. */
+static double turn_by_shift(const mbd_body *body, const double *G) {
+  double along = tdm_norm(mbd_get3(G)), about = tdm_norm(mbd_get3(G + 3));
+  if (along == 0 || about == 0)
+    return 0;
+  const tdm_mat3 *inverse = &body->inverse_inertia;
+  double give = body->mass * (inverse->m[0][0] + inverse->m[1][1] + inverse->m[2][2]);
+  return fmin(along / about, give * about / along);
+}
+
+/* What rounding leaves of positions and angles, at the last evaluation. Newton's iteration goes down to it: what it
+ * leaves would add up over the steps, and one iteration more costs little. */
+static void find_rounding(one_step *s) {
+  const mbd_model *m = s->model;
+  double reach = 0, turn = 1;
+  for (int b = 0; b < m->nbody; b++)
+    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_part *part = &m->part[i];
+    const part_rows *p = &s->rows[i];
+    if (part->turn >= 0 && (part->driver || part->joint->ratio != 0))
+      turn = fmax(turn, fabs(s->data->turn[part->turn]));
+    for (int side = 0; side < 2; side++)
+      for (int k = 0; k < p->n && p->body[side] != MBD_GROUND; k++)
+        turn = fmax(turn, reach * turn_by_shift(&m->body[p->body[side]], p->G[k] + 6 * side));
+  }
+  s->rounding[0] = 4e-15 * fmax(1, reach);
+  s->rounding[1] = 4e-15 * turn;
+}
+
+/* One correction of vdot1, lambda1 and y1; returns its size in positions and angles, in units of what
+ * rounding leaves. */
 static double correct(one_step *s, double h) {
   double by_position = h * h * s->beta * (1 - s->af) / (1 - s->am);
   memcpy(s->x, s->vdot1, (size_t)s->nv * sizeof(double));
@@ -429,32 +465,28 @@ static double correct(one_step *s, double h) {
   for (int k = s->nv; k < s->n; k++)
     s->lambda1[k - s->nv] += s->dx[k];
   place_end(s, h);
-  return by_position * largest(s->dx, s->nv);
-}
-
-/* What rounding leaves of positions [m, rad]. Newton's iteration goes down to it: what it leaves would add up over the
- * steps, and one iteration more costs little. */
-static double rounding(const one_step *s) {
-  double reach = 1;
-  for (int b = 0; b < s->model->nbody; b++)
-    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
-  return 4e-15 * reach;
+  double size = 0;
+  for (int k = 0; k < s->nv; k += 3)
+    size = fmax(size, largest(s->dx + k, 3) / s->rounding[k % 6 / 3]);
+  return by_position * size;
 }
 
 /* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. */
 static bool newton(one_step *s, double t1, double h) {
-  double least = rounding(s), last = 0;
+  double last = 0;
   memcpy(s->vdot1, s->now.vdot, (size_t)s->nv * sizeof(double));
   memcpy(s->lambda1, s->now.lambda, (size_t)s->model->nrow * sizeof(double));
   place_end(s, h);
   for (int total = 0, i = 0; total < ITERATIONS_MAX; total++, i++) {
     evaluate(s, t1, s->y1);
+    if (total == 0)
+      find_rounding(s);
     if (fabs(s->now.step_length - h) > 1e-6 * h && !make_step(s, h)) /* windows differ by rounding */
       return false;
     double size = correct(s, h), rate = i > 0 ? size / last : 0;
-    if (!(size < 1e3)) /* or not a number */
+    if (!(size < 1e18)) /* or not a number */
       return false;
-    if (size <= 0.01 * least || (i > 0 && (size <= least || (rate < 0.3 && rate * size <= 0.1 * least)))) {
+    if (size <= 0.01 || (i > 0 && (size <= 1 || (rate < 0.3 && rate * size <= 0.1)))) {
       if (i > 3)
         s->now.step_length = 0; /* worn out: the next step makes its own */
       return true;
@@ -465,7 +497,7 @@ static bool newton(one_step *s, double t1, double h) {
       i = -1;
     }
   }
-  return false;
+  return last <= 100; /* it stopped where rounding did not let it go on */
 }
 
 /* Put the velocities of y1 onto the constraints, at the last evaluation, which was there. */
@@ -489,24 +521,82 @@ static bool project(one_step *s) {
   return true;
 }
 
+/* Newton's lambda1 has an error of first order: positions and the projected velocities leave none but the accelerations
+ * to give way. Where drivers do work by it, it is that of the accelerations at y1 instead. */
+static void refine_reactions(one_step *s, double t1) {
+  if (s->model->ndriver == 0)
+    return;
+  mbd_kkt_reset(s->kkt); /* no dependence on what was before */
+  if (mbd_accelerations(s->model, s->data, s->kkt, t1, s->y1))
+    memcpy(s->lambda1, s->data->lambda, (size_t)s->model->nrow * sizeof(double));
+}
+
+/* x M x of body b's part of x (nv), at the last evaluation */
+static double by_mass(const one_step *s, int b, const double *x) {
+  tdm_vec3 along = mbd_get3(x + 6 * b), about = mbd_get3(x + 6 * b + 3);
+  return s->model->body[b].mass * tdm_dot(along, along) + tdm_dot(about, tdm_m3_mul(s->inertia[b], about));
+}
+
+/* Does the acceleration of a body change by more than itself in a step h, at the rate `rise`? Bodies that hardly take
+ * part do not count. */
+static bool stiff(const one_step *s, double h) {
+  double all = 0;
+  for (int b = 0; b < s->model->nbody; b++)
+    all += by_mass(s, b, s->now.vdot);
+  for (int b = 0; b < s->model->nbody; b++)
+    if (h * h * by_mass(s, b, s->now.rise) > by_mass(s, b, s->now.vdot) + 1e-4 * all)
+      return true;
+  return false;
+}
+
+/* The first step after a start, where `rise` is d(Vdot)/dt. Forces that are stiff in a step do not begin it with what
+ * they are now, but with what Newton's matrix lets them become. */
+static bool relax(one_step *s, double t, double h) {
+  const size_t nv = (size_t)s->nv * sizeof(double), nrow = (size_t)s->model->nrow * sizeof(double);
+  s->now.started = false;
+  evaluate(s, t, s->y0);
+  bool stiffly = stiff(s, h);
+  for (int k = 0; k < s->nv; k++)
+    s->now.rise[k] *= stiffly ? 0 : s->am - s->af;
+  if (!stiffly)
+    return true;
+  memset(s->move, 0, nv);
+  memcpy(s->vdot1, s->now.vdot, nv);
+  memcpy(s->lambda1, s->now.lambda, nrow);
+  memcpy(s->x, s->now.vdot, nv);
+  memcpy(s->x + s->nv, s->now.lambda, nrow);
+  multiply(s, s->x, s->dx);
+  if (!make_step(s, h))
+    return false;
+  mbd_lu_solve(s->now.step, s->dx);
+  memcpy(s->now.vdot, s->dx, nv);
+  memcpy(s->now.lambda, s->dx + s->nv, nrow);
+  s->now.step_length = 0;
+  return true;
+}
+
 /* From y0 at t to y1 at t1; false: Newton's iteration failed, only the response to the load is kept. */
 static bool step(one_step *s, double t, double t1) {
   const double h = t1 - t;
+  bool good = !s->now.started || relax(s, t, h);
   fit_line(s, t, h);
-  bool good = respond(s, t, h);
+  good = good && respond(s, t, h);
   swap_load(s);
   good = good && newton(s, t1, h);
   if (good) {
     evaluate(s, t1, s->y1);
     good = project(s);
   }
+  if (good)
+    refine_reactions(s, t1);
   swap_load(s);
   if (!good)
     s->now.step_length = 0;
   return good;
 }
 
-/* The step is over: y1 is the state, its accelerations the next step's past. Keeps vdot of the start in s->Q. */
+/* The step is over: y1 is the state, its accelerations the next step's past. Keeps vdot of the start in s->Q, its
+ * lambda in s->lambda0. */
 static void accept(one_step *s, double t1, double h) {
   const mbd_model *m = s->model;
   memcpy(s->Q, s->now.vdot, (size_t)s->nv * sizeof(double));
@@ -516,6 +606,7 @@ static void accept(one_step *s, double t1, double h) {
     s->now.rise[i] = (a1 - s->vdot1[i]) / h;
   }
   memcpy(s->now.vdot, s->vdot1, (size_t)s->nv * sizeof(double));
+  memcpy(s->lambda0, s->now.lambda, (size_t)m->nrow * sizeof(double));
   memcpy(s->now.lambda, s->lambda1, (size_t)m->nrow * sizeof(double));
   for (int c = 0; c < m->ncoupled; c++) /* from the line's start to its end */
     s->now.load[2 * c] = along(s->now.load[2 * c], h, s->now.load[2 * c + 1]);
@@ -561,11 +652,13 @@ typedef struct {
   void *context;
 } samples;
 
-/* The unknowns at time t inside the step that was just accepted; reactions are those at its end. */
+/* The unknowns at time t inside the step that was just accepted; reactions on the straight line between its ends. */
 static const double *unknowns_at(void *self, double t) {
   one_step *s = self;
-  interpolate(s, (t - s->from) / (s->to - s->from), s->to - s->from);
-  memcpy(s->work + mbd_index_lambda(s->model, 0), s->lambda1, (size_t)s->model->nrow * sizeof(double));
+  double at = (t - s->from) / (s->to - s->from), *lambda = s->work + mbd_index_lambda(s->model, 0);
+  interpolate(s, at, s->to - s->from);
+  for (int i = 0; i < s->model->nrow; i++)
+    lambda[i] = (1 - at) * s->lambda0[i] + at * s->lambda1[i];
   return s->work;
 }
 
@@ -657,7 +750,7 @@ static tdm_status start(void *self, double t, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no consistent accelerations at the start, t = %g s; check joints and masses", t);
   for (int i = 0; i < s->nv; i++)
-    s->now.rise[i] = (s->am - s->af) * (d->acceleration[i] - s->now.vdot[i]) / moment;
+    s->now.rise[i] = (d->acceleration[i] - s->now.vdot[i]) / moment;
   for (int c = 0; c < m->ncoupled; c++) {
     tdm_wrench now = mbd_load_at(d, c, t), zero = {{0, 0, 0}, {0, 0, 0}};
     s->now.load[2 * c] = now;
@@ -665,6 +758,7 @@ static tdm_status start(void *self, double t, tdm_error *err) {
   }
   s->now.step_length = 0;
   s->now.mass_made = false;
+  s->now.started = true;
   d->t = t;
   return TDM_OK;
 }
@@ -683,6 +777,7 @@ static bool copy_memory(const one_step *s, memory *to, const memory *from) {
   memcpy(to->load, from->load, 2 * (size_t)s->model->ncoupled * sizeof *to->load);
   to->step_length = from->step_length;
   to->mass_made = from->mass_made;
+  to->started = from->started;
   return mbd_lu_copy(to->step, from->step) && mbd_lu_copy(to->mass, from->mass);
 }
 

@@ -144,6 +144,46 @@ START_TEST(test_impulse) {
 }
 END_TEST
 
+/* Damping far too stiff for the step, from a start out of its equilibrium, with a start in each window and without. */
+START_TEST(test_stiff_start) {
+  static const char *const force[] = {
+      "{'name':'s','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,-1]],'stiffness':1,"
+      "'damping':1e7}",
+      "{'name':'s','type':'friction','joint':'guide','limit':19.62,'velocity_scale':1e-4}"};
+  static const double radius[] = {0.8, 1, 0}, rest[] = {-9.81e-7, -5.493e-5};
+  for (int i = 0; i < 12; i++) {
+    run r;
+    char scene[1024];
+    int of = i % 2, restart = i / 2 % 2;
+    double H = of ? 1e-2 : 1e-3;
+    snprintf(
+        scene, sizeof scene,
+        "{'formulation':'one_step','restart_each_window':%s,'bodies':[{'name':'box','mass':1,'inertia':[1,1,1],"
+        "'position':[0,0,-1]}],'joints':[{'name':'guide','type':'prismatic','bodies':['ground','box'],'point':[0,0,"
+        "0],'axis':[0,0,1]}],'forces':[%s],'solver':{'spectral_radius':%g}}",
+        restart ? "true" : "false", force[of], radius[i / 4]);
+    run_open_good(&r, scene, "box");
+    for (int k = 0; k < 100; k++) {
+      run_window(&r, H * (k + 1), NULL, 0, 0, NULL);
+      double v = r.state[0].twist.velocity.z;
+      ck_assert_msg(fabs(v / rest[of] - 1) < (of ? 0.15 : 1e-3), "case %d, window %d: %g m/s", i, k, v);
+    }
+    run_close(&r);
+  }
+}
+END_TEST
+
+/* a start in each window costs no order */
+START_TEST(test_restarts) {
+  tdm_state exact = state_at(DOUBLE, "'solver':{'relative_tolerance':1e-10,'max_step':1e-3}", "b", 1, 1, NULL);
+  double error[2];
+  for (int k = 0; k < 2; k++)
+    error[k] = apart(
+        exact, state_at(DOUBLE, "'formulation':'one_step','restart_each_window':true", "b", 1, 0.005 / (1 + k), NULL));
+  ck_assert_msg(error[0] > 3.7 * error[1], "errors %g, %g", error[0], error[1]);
+}
+END_TEST
+
 /* White noise on an oscillator, constant in each window, against the exact solution: second order, and no ringing. */
 START_TEST(test_white_noise) {
   double error[2];
@@ -192,6 +232,28 @@ START_TEST(test_samples) {
     run_close(&b);
   }
   ck_assert_msg(error[0] < 4e-3 && error[0] > 3.7 * error[1], "errors %g, %g", error[0], error[1]);
+}
+END_TEST
+
+/* the work of a motor that runs up a pendulum, in the balance of energies: second order */
+START_TEST(test_work) {
+  double worst[2] = {0, 0};
+  for (int fine = 0; fine < 2; fine++) {
+    run r;
+    double H = 0.01 / (1 + fine);
+    run_open_good(&r,
+                  "{'bodies':[{'name':'bob','mass':1,'inertia':[0.1,0.1,0.1],'position':[1,0,0]}],'joints':[{'name':"
+                  "'hinge','type':'revolute','bodies':['ground','bob'],'point':[0,0,0],'axis':[0,1,0]}],'drivers':[{"
+                  "'name':'motor','type':'rotational_motor','joint':'hinge','motion':{'type':'constant_rate','rate':"
+                  "10,'start':'smooth','rise':0.5}}],'formulation':'one_step'}",
+                  "bob");
+    for (int k = 0; k < 100 * (1 + fine); k++) {
+      run_to(&r, H * (k + 1));
+      worst[fine] = fmax(worst[fine], fabs(run_value(&r, "energy.balance")));
+    }
+    run_close(&r);
+  }
+  ck_assert_msg(worst[0] < 0.05 && worst[0] > 3.7 * worst[1], "balance %g, %g J of 65 J", worst[0], worst[1]);
 }
 END_TEST
 
@@ -249,6 +311,50 @@ START_TEST(test_fast) {
       CLOSE(r.state[0].twist.angular.y, 1047.1975511965977, 0.01);
     ck_assert_int_eq(run_close_steps(&r), 500); /* none was halved */
   }
+}
+END_TEST
+
+#define WHEEL(name, x, w) \
+  "{'name':'" name "','mass':1,'inertia':[0.1,0.1,0.1],'position':[" x ",0,0],'angular_velocity':[0,0," w "]}"
+#define SHAFT(name, wheel, x) \
+  "{'name':'" name "','type':'revolute','bodies':['ground','" wheel "'],'point':[" x ",0,0],'axis':[0,0,1]}"
+#define GEARS(w1, w2, ratio)                                                                               \
+  "{'formulation':'one_step','bodies':[" WHEEL("a", "0", w1) "," WHEEL("b", "3", w2) "],'joints':[" SHAFT( \
+      "s", "a", "0") "," SHAFT("t", "b", "3") ",{'name':'g','type':'gear','joints':['s','t'],'ratio':" ratio "}]}"
+
+/* many turns leave rounding errors in proportion to the angle */
+START_TEST(test_many_turns) {
+  run r;
+  run_open_good(&r, GEARS("100", "-270.27027027027026", "0.37"), "a");
+  for (int k = 0; k < 5000; k++)
+    run_to(&r, 1e-2 * (k + 1));
+  CLOSE(run_value(&r, "joint.s.angle"), 5000, 1e-9);
+  ck_assert_double_lt(run_value(&r, "constraint.drift"), 5e-12);
+  run_close(&r);
+}
+END_TEST
+
+/* a four-bar of a millimetre, a metre away: rounding of positions turns its links */
+START_TEST(test_small_and_far) {
+  run r;
+  double most = 0;
+  run_open_good(
+      &r,
+      "{'gravity':[0,-9.81,0],'formulation':'one_step','bodies':[{'name':'a','mass':1,'inertia':[1e-7,1e-7,1e-7],"
+      "'position':[1,0.0005,0]},{'name':'b','mass':1,'inertia':[1e-7,1e-7,1e-7],'position':[1.0005,0.00115,0]},"
+      "{'name':'c','mass':1,'inertia':[2e-7,2e-7,2e-7],'position':[1.0011,0.00055,0]}],'joints':[{'name':'p','type':"
+      "'revolute','bodies':['ground','a'],'point':[1,0,0],'axis':[0,0,1]},{'name':'q','type':'revolute','bodies':['a',"
+      "'b'],'point':[1,0.001,0],'axis':[0,0,1]},{'name':'r','type':'revolute','bodies':['b','c'],'point':[1.001,0.0013,"
+      "0],'axis':[0,0,1]},{'name':'s','type':'revolute','bodies':['c','ground'],'point':[1.0012,-0.0002,0],'axis':[0,0,"
+      "1]}]}",
+      "a");
+  for (int k = 0; k < 5000; k++) {
+    run_to(&r, 1e-5 * (k + 1));
+    most = fmax(most, run_value(&r, "constraint.drift"));
+  }
+  ck_assert_msg(most < 1e-14, "drift %g", most);
+  CLOSE(run_value(&r, "energy.balance"), 0, 1e-6);
+  ck_assert_int_eq(run_close_steps(&r), 5000); /* none was halved */
 }
 END_TEST
 
@@ -372,12 +478,17 @@ int main(void) {
   tcase_add_test(tcase, test_heavy_top);
   tcase_add_test(tcase, test_energy);
   tcase_add_loop_test(tcase, test_impulse, 0, 3);
+  tcase_add_test(tcase, test_stiff_start);
+  tcase_add_test(tcase, test_restarts);
   tcase_add_test(tcase, test_white_noise);
   tcase_add_test(tcase, test_samples);
+  tcase_add_test(tcase, test_work);
   tcase_add_test(tcase, test_max_step);
   tcase_add_test(tcase, test_chain);
   tcase_add_test(tcase, test_redundant);
   tcase_add_test(tcase, test_fast);
+  tcase_add_test(tcase, test_many_turns);
+  tcase_add_test(tcase, test_small_and_far);
   tcase_add_test(tcase, test_bad_load);
   tcase_add_loop_test(tcase, test_save, 0, 2);
   suite_add_tcase(suite, tcase);
