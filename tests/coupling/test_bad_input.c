@@ -141,6 +141,8 @@ START_TEST(command_lines) {
   expect_output("PATH=VALUE");
   ck_assert_int_eq(command("tandem run no_such_scenario"), 1);
   expect_output("neither a scene file nor a scenario");
+  ck_assert_int_eq(command("tandem check " TANDEM_SOURCE_DIR "/scenarios/mbd/fourbar_a02/scene.json"), 1);
+  expect_output("bodies alone are for tandem-mbd run and tandem-mbd check");
   ck_assert_int_eq(command("tandem verify colision"), 2);
   expect_output("did you mean \"collision\"");
   ck_assert_int_eq(command("tandem --help"), 0);
