@@ -81,6 +81,10 @@ typedef struct {
 
 enum { ITERATIONS_MAX = 12, HALVINGS_MAX = 12 };
 
+/* how far a body should and may turn in a step [rad] */
+static const double turn_wanted = 1, turn_most = 1.5;
+static const double steps_most = 1e7; /* in a window */
+
 /* ---- life ---- */
 
 static double *array(int n) {
@@ -575,14 +579,24 @@ static bool relax(one_step *s, double t, double h) {
   return true;
 }
 
-/* From y0 at t to y1 at t1; false: Newton's iteration failed, only the response to the load is kept. */
+/* Has no body turned too far for angles to be counted, by joints and springs to the nearest turn? Two bodies turn
+ * against each other by the sum at most, so by less than half a turn. */
+static bool turned_little(const one_step *s) {
+  for (int b = 0; b < s->model->nbody; b++)
+    if (!(tdm_norm(mbd_get3(s->move + 6 * b + 3)) <= turn_most))
+      return false;
+  return true;
+}
+
+/* From y0 at t to y1 at t1; false: Newton's iteration failed or a body turned too far, only the response to the load is
+ * kept. */
 static bool step(one_step *s, double t, double t1) {
   const double h = t1 - t;
   bool good = !s->now.started || relax(s, t, h);
   fit_line(s, t, h);
   good = good && respond(s, t, h);
   swap_load(s);
-  good = good && newton(s, t1, h);
+  good = good && newton(s, t1, h) && turned_little(s);
   if (good) {
     evaluate(s, t1, s->y1);
     good = project(s);
@@ -706,19 +720,34 @@ static tdm_status advance_by(one_step *s, double t, double t1, samples *to, int 
   return advance_by(s, middle, t1, to, halvings + 1, err);
 }
 
+/* The number of even steps to go on with over `rest` [s]: none longer than `longest` (0: no limit), and no body turns
+ * by much more than turn_wanted in one. */
+static double steps_for(const one_step *s, double rest, double longest) {
+  double n = longest > 0 ? rest / longest : 0;
+  for (int b = 0; b < s->model->nbody; b++)
+    n = fmax(n, rest * tdm_norm(mbd_get3(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_W)) / turn_wanted);
+  return fmax(1, ceil(n * (1 - 1e-9)));
+}
+
 static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
                           void *context, tdm_error *err) {
   one_step *s = self;
   mbd_data *data = s->data;
-  const double t0 = data->t, longest = s->model->solver.max_step;
-  long n = longest > 0 ? (long)ceil((t1 - t0) / longest * (1 - 1e-9)) : 1;
+  const double window = t1 - data->t, max_step = s->model->solver.max_step;
+  const double longest = max_step > 0 || nsample < 2 ? max_step : window / nsample;
   samples to = {0, nsample, sample_time, sample, context};
   memcpy(s->y0, data->y, (size_t)mbd_nunknown(s->model) * sizeof(double));
   memcpy(s->y1, data->y, (size_t)mbd_nunknown(s->model) * sizeof(double));
-  for (long i = 0; i < n; i++) {
-    double from = t0 + (double)i / (double)n * (t1 - t0),
-           end = i + 1 < n ? t0 + (double)(i + 1) / (double)n * (t1 - t0) : t1;
-    if (advance_by(s, from, end, &to, 0, err))
+  for (double t = data->t, end; t < t1; t = end) {
+    double n = steps_for(s, t1 - t, longest);
+    if (n > steps_most)
+      return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                      "at t = %.9g s the rest of a window, %.3g s, needs %.3g steps, one for each radian that the "
+                      "fastest body turns or each mbd.solver.max_step; more than %.0e are not tried. Check velocities "
+                      "and loads, or try a smaller coupling.n",
+                      t, t1 - t, n, steps_most);
+    end = n > 1 ? t + (t1 - t) / n : t1;
+    if (advance_by(s, t, end, &to, 0, err))
       return err->status;
   }
   data->t = t1;
