@@ -107,12 +107,15 @@ tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
   for (int c = 0; c < run->ready.nchannel; c++)
     fprintf(run->channels, ",%s [%s]", run->ready.channel[c].name, run->ready.channel[c].unit);
   fputc('\n', run->channels);
+  run->moved = calloc((size_t)run->ready.nchannel + 1, sizeof *run->moved);
   return TDM_OK;
 }
 
 tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err) {
   tdm_write_row(run->channels, t, values, run->ready.nchannel);
   run->nrow++;
+  for (int c = 0; c < run->ready.nchannel && run->moved; c++)
+    run->moved[c] = run->moved[c] || values[c] != 0;
   double now = tdm_clock();
   if (now - run->last_flush > flush_interval) {
     run->last_flush = now;
@@ -138,18 +141,27 @@ static bool wanted(const char *channel, const char *const *of) {
   return !of;
 }
 
+/* Some channel of the plot is not zero throughout. */
+static bool any_moved(const tdm_alone *run, const char *const *of) {
+  bool any = false;
+  for (int c = 0; c < run->ready.nchannel && run->moved; c++)
+    any = any || (run->moved[c] && wanted(run->ready.channel[c].name, of));
+  return any;
+}
+
 tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
   enum { PANELS = 16, CURVES = 24 };
   tdm_plot plot[PANELS] = {0};
   tdm_curve curve[PANELS][CURVES];
   char using[PANELS][CURVES][16];
   int nplot = 0;
+  bool some = any_moved(run, of); /* then what is zero throughout is left out */
   for (int c = 0; c < run->ready.nchannel; c++) {
     const tdm_channel *channel = &run->ready.channel[c];
     int k = 0;
     while (k < nplot && strcmp(plot[k].ylabel, channel->unit) != 0)
       k++;
-    if (k == PANELS || !wanted(channel->name, of))
+    if (k == PANELS || !wanted(channel->name, of) || (some && !run->moved[c]))
       continue;
     if (k == nplot)
       plot[nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = channel->unit, .curve = curve[k]};
@@ -195,6 +207,7 @@ void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
 }
 
 void tdm_alone_free(tdm_alone *run) {
+  free(run->moved);
   tdm_log_open(NULL, run->program->ops->role);
   tdm_results_close(&run->results);
   run->program->ops->destroy(run->solver);

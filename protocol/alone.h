@@ -57,6 +57,7 @@ typedef struct {
   FILE *channels;
   double last_flush; /* wall clock [s] */
   uint64_t nrow;     /* rows of the time histories */
+  bool *moved;       /* (nchannel) not zero in every row so far; NULL: out of memory */
   double *values;    /* (nchannel) */
 } tdm_alone;
 
@@ -82,7 +83,7 @@ tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_err
 void tdm_alone_close(tdm_alone *run, tdm_error *err);
 
 /* Plot the channels whose names begin with one of `of` (NULL-terminated; NULL: all channels) as NAME.png and NAME.svg,
- * a panel a unit. Nothing to plot is no error. */
+ * a panel a unit; what is zero throughout is left out. Nothing to plot is no error. */
 tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err);
 
 /* A new object with tandem, software, scene, machine, report, warnings, status and error. */
