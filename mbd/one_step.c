@@ -525,14 +525,35 @@ static bool project(one_step *s) {
   return true;
 }
 
+/* V^T H V + g_tt of row k of a part at the last evaluation */
+static double row_bias(const one_step *s, const mbd_rows *rows, int k) {
+  double V[MBD_PAIR], sum = rows->g_tt[k];
+  mbd_pair_twist(&s->data->kin[rows->body[0] + 1], &s->data->kin[rows->body[1] + 1], V);
+  for (int i = 0; i < MBD_PAIR; i++)
+    for (int j = 0; j < MBD_PAIR; j++)
+      sum += V[i] * rows->H[k][i][j] * V[j];
+  return sum;
+}
+
 /* Newton's lambda1 has an error of first order: positions and the projected velocities leave none but the accelerations
  * to give way. Where drivers do work by it, it is that of the accelerations at y1 instead. */
-static void refine_reactions(one_step *s, double t1) {
-  if (s->model->ndriver == 0)
-    return;
-  mbd_kkt_reset(s->kkt); /* no dependence on what was before */
-  if (mbd_accelerations(s->model, s->data, s->kkt, t1, s->y1))
-    memcpy(s->lambda1, s->data->lambda, (size_t)s->model->nrow * sizeof(double));
+static bool refine_reactions(one_step *s, double t1) {
+  const mbd_model *m = s->model;
+  if (m->ndriver == 0)
+    return true;
+  evaluate(s, t1, s->y1);
+  memcpy(s->r, s->Q, (size_t)s->nv * sizeof(double));
+  memset(s->r + s->nv, 0, (size_t)m->nrow * sizeof(double));
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(m, s->data, i, true);
+    for (int k = 0; k < rows->n; k++)
+      if (!s->data->dependent[rows->first + k])
+        s->r[s->nv + rows->first + k] -= row_bias(s, rows, k);
+  }
+  if (!solve_mass(s, s->r))
+    return false;
+  memcpy(s->lambda1, s->x + s->nv, (size_t)m->nrow * sizeof(double));
+  return true;
 }
 
 /* x M x of body b's part of x (nv), at the last evaluation */
@@ -599,10 +620,8 @@ static bool step(one_step *s, double t, double t1) {
   good = good && newton(s, t1, h) && turned_little(s);
   if (good) {
     evaluate(s, t1, s->y1);
-    good = project(s);
+    good = project(s) && refine_reactions(s, t1);
   }
-  if (good)
-    refine_reactions(s, t1);
   swap_load(s);
   if (!good)
     s->now.step_length = 0;
