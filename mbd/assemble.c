@@ -67,6 +67,7 @@ static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt 
     if (!mbd_kkt_fill_all(kkt, model, data, MBD_POSITION))
       return INFINITY;
     double g = largest(mbd_kkt_b(kkt), model->nrow);
+    size = i == 0 ? fmax(size, g) : size; /* what is open has to be bridged */
     if (g < 1e-14 || (g < 1e-11 && g >= 0.5 * last))
       return g;
     last = g;

@@ -46,21 +46,35 @@ tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_di
   return tdm_m3_tmul(tdm_quat_to_matrix(mbd_model_pose(model, body).orientation), world_direction);
 }
 
+/* a box around points */
+typedef struct {
+  tdm_vec3 low, high;
+} box;
+
+static void stretch(box *b, tdm_vec3 p) {
+  b->low = tdm_v3(fmin(b->low.x, p.x), fmin(b->low.y, p.y), fmin(b->low.z, p.z));
+  b->high = tdm_v3(fmax(b->high.x, p.x), fmax(b->high.y, p.y), fmax(b->high.z, p.z));
+}
+
 double mbd_model_extent(const mbd_model *model) {
-  tdm_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
-  for (int i = 0; i < model->nbody + 2 * model->njoint; i++) {
-    tdm_vec3 p;
-    if (i < model->nbody)
-      p = model->body[i].start.pose.position;
-    else {
-      const mbd_joint *j = &model->joint[(i - model->nbody) / 2];
-      int side = (i - model->nbody) % 2;
-      p = tdm_pose_point(mbd_model_pose(model, j->body[side]), j->arm[side]);
-    }
-    low = tdm_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
-    high = tdm_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+  const box empty = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  box of[2] = {empty, empty}; /* points on the ground, and on bodies */
+  double extent = 0;
+  for (int b = 0; b < model->nbody; b++) {
+    const mbd_body *body = &model->body[b];
+    const tdm_mat3 *J = &body->inertia;
+    stretch(&of[1], body->start.pose.position);
+    extent = fmax(extent, sqrt(0.5 * (J->m[0][0] + J->m[1][1] + J->m[2][2]) / body->mass));
   }
-  return tdm_norm(tdm_sub(high, low));
+  for (int i = 0; i < model->njoint; i++)
+    for (int side = 0; side < 2; side++) {
+      const mbd_joint *j = &model->joint[i];
+      stretch(&of[j->body[side] != MBD_GROUND], tdm_pose_point(mbd_model_pose(model, j->body[side]), j->arm[side]));
+    }
+  for (int k = 0; k < 2; k++)
+    if (of[k].low.x <= of[k].high.x)
+      extent = fmax(extent, tdm_norm(tdm_sub(of[k].high, of[k].low)));
+  return extent;
 }
 
 /* ---- joints, drivers and forces: the common part; the table's entry reads the rest ---- */

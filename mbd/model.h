@@ -100,7 +100,8 @@ tdm_pose mbd_model_pose(const mbd_model *model, int body);
 tdm_vec3 mbd_model_arm(const mbd_model *model, int body, tdm_vec3 world_point);
 tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_direction);
 
-/* The size of the mechanism: the diagonal of the box around its bodies' centres and joint points at the start [m]. */
+/* The size of the mechanism at the start [m]: the diagonal of the box around the bodies' centres and their joint
+ * points, that of the one around the joint points of the ground, or a radius of gyration, whichever is largest. */
 double mbd_model_extent(const mbd_model *model);
 
 #endif

@@ -80,6 +80,14 @@ static const bad_case cases[] = {
      "{'name':'j2','type':'spherical','bodies':['a','b'],'point':[1,0,1]},"
      "{'name':'far','type':'spherical','bodies':['b','ground'],'points':[[2,0,0],[9,0,0]]}]}",
      "", TDM_ERR_SCENE, "mbd.joints", "cannot be assembled"},
+    /* the start is 30 m from its joint, or 99 m from the end of a rod */
+    {"{'bodies':[" BODY("a",
+                        "") "],'joints':[{'name':'j','type':'spherical','bodies':['ground','a'],'points':[[30,0,0],"
+                            "[0,0,0]]}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].position", "move by 30 m"},
+    {"{'bodies':[" BODY("a", "") "],'joints':[{'name':'j','type':'rod','bodies':['ground','a'],'points':[[1,0,0],"
+                                 "[0,0,0]],'length':100}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].position", "move by 99 m"},
     /* the start is more than a radian from where the joint wants the body */
     {"{'bodies':[" BODY("a", "") "],'joints':[{'name':'j','type':'prismatic','bodies':['ground','a'],'point':[0,0,0],"
                                  "'axes':[[0,0,1],[0,2,1]]}]}",
