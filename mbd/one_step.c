@@ -730,7 +730,7 @@ static tdm_status advance_by(one_step *s, double t, double t1, samples *to, int 
   if (halvings == HALVINGS_MAX)
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "the integration failed at t = %.9g s with steps down to %.3g s. The load on a body jumped or grew "
-                    "without bound, or the mechanism is in a singular position: try a smaller coupling.n or "
+                    "without bound, or the mechanism is in a singular position: try shorter windows or a smaller "
                     "mbd.solver.max_step",
                     t, t1 - t);
   double middle = 0.5 * (t + t1);
@@ -763,7 +763,7 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
       return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                       "at t = %.9g s the rest of a window, %.3g s, needs %.3g steps, one for each radian that the "
                       "fastest body turns or each mbd.solver.max_step; more than %.0e are not tried. Check velocities "
-                      "and loads, or try a smaller coupling.n",
+                      "and loads, or try shorter windows",
                       t, t1 - t, n, steps_most);
     end = n > 1 ? t + (t1 - t) / n : t1;
     if (advance_by(s, t, end, &to, 0, err))
