@@ -26,10 +26,13 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->state_end = calloc(nbody, sizeof *loop->state_end);
   loop->mean = calloc(nbody, sizeof *loop->mean);
   loop->history = calloc(nbody, sizeof *loop->history);
+  loop->left = calloc(nbody, sizeof *loop->left);
+  loop->path_start = calloc(nbody, sizeof *loop->path_start);
+  loop->path_end = calloc(nbody, sizeof *loop->path_end);
   loop->load = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->load);
   loop->packed = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->packed);
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
-      !loop->packed)
+      !loop->packed || !loop->left || !loop->path_start || !loop->path_end)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_start[i] = session->body[i].state;
@@ -44,6 +47,9 @@ void cpl_loop_free(cpl_loop *loop) {
   free(loop->state_end);
   free(loop->mean);
   free(loop->history);
+  free(loop->left);
+  free(loop->path_start);
+  free(loop->path_end);
   free(loop->load);
   free(loop->packed);
   *loop = (cpl_loop){0};
@@ -136,7 +142,11 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
 }
 
 tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err) {
-  tdm_step step = {.nstate = loop->nbody, .start = loop->state_start, .end = loop->state_end};
+  return cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err);
+}
+
+tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err) {
+  tdm_step step = {.nstate = loop->nbody, .start = start, .end = end};
   tdm_status status = exchange(loop, CPL_DEM, &step, err);
   if (status != TDM_OK)
     return status;

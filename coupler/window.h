@@ -27,13 +27,15 @@ typedef struct cpl_loop {
   uint64_t next_sample;  /* number of the next output time on the grid */
 
   /* the bodies */
-  tdm_state *state_start;       /* (nbody) at t0 */
-  tdm_state *state_end;         /* (nbody) at t1, once MBD has solved */
-  tdm_wrench *mean;             /* (nbody) mean load over the window, once DEM has solved */
-  cpl_history *history;         /* (nbody) */
-  tdm_wrench *load;             /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
-  tdm_wrench *packed;           /* the same without gaps, as it is sent */
-  tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
+  tdm_state *state_start;           /* (nbody) at t0 */
+  tdm_state *state_end;             /* (nbody) at t1, once MBD has solved */
+  tdm_wrench *mean;                 /* (nbody) mean load over the window, once DEM has solved */
+  cpl_history *history;             /* (nbody) */
+  tdm_pose *left;                   /* (nbody) dem-first: where DEM left the bodies at t0 */
+  tdm_state *path_start, *path_end; /* (nbody) dem-first: their path through the window */
+  tdm_wrench *load;                 /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
+  tdm_wrench *packed;               /* the same without gaps, as it is sent */
+  tdm_result result[CPL_NROLE];     /* last results; their arrays live in the session's buffers */
 } cpl_loop;
 
 /* Set up the loop after both solvers are READY. */
@@ -52,5 +54,8 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);
 
 /* DEM over the window along the path from state_start to state_end: sets mean. */
 tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err);
+
+/* The same along another path (nbody states at t0 and t1). */
+tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err);
 
 #endif

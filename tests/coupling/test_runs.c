@@ -48,6 +48,36 @@ static void read_body(cpl_table *t, const char *out) {
   ck_assert_msg(cpl_table_read(t, file, &err) == TDM_OK, "%s", err.message);
 }
 
+/* largest difference of the box's height in two runs [m] */
+static double apart(const char *a, const char *b) {
+  cpl_table one, two;
+  tdm_error err = {0};
+  double most = 0;
+  read_body(&one, a);
+  read_body(&two, b);
+  const double *z1 = cpl_table_column(&one, "z", &err), *z2 = cpl_table_column(&two, "z", &err);
+  ck_assert_msg(z1 && z2 && one.nrow == two.nrow, "%s", err.message);
+  for (int i = 0; i < one.nrow; i++)
+    most = fmax(most, fabs(z1[i] - z2[i]));
+  cpl_table_free(&one);
+  cpl_table_free(&two);
+  return most;
+}
+
+/* The scheme that lets DEM go first comes to the same motion, the nearer the shorter its windows. */
+START_TEST(dem_first_follows_the_same_motion) {
+  setup();
+  run("fine", "--set coupling.n=1");
+  run("first1", "--set coupling.n=1 --set coupling.scheme=dem-first");
+  run("first5", "--set coupling.n=5 --set coupling.scheme=dem-first");
+  run("again", "--set coupling.n=5 --set coupling.scheme=dem-first --set coupling.transport=inproc");
+  expect_same("first5", "again", "body_box.csv");
+  ck_assert_double_lt(apart("fine", "first1"), 2e-5);
+  ck_assert_double_lt(apart("fine", "first5"), 5e-5);
+  ck_assert_int_eq(command("tandem check %s/scene.json --set coupling.scheme=dem-first", dir), 0);
+}
+END_TEST
+
 START_TEST(runs_are_bit_identical) {
   setup();
   run("one", "");
@@ -427,9 +457,9 @@ START_TEST(the_summary_tells_how_it_went) {
 }
 END_TEST
 
-TEST_MAIN("runs", 120, runs_are_bit_identical, the_grid_does_not_depend_on_n, the_last_window_is_shorter,
-          loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
-          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went, ctrl_c_while_settling_as_threads,
-          a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal, an_installed_tandem_finds_its_own,
-          result_directories_are_guarded, a_report_plots_and_keeps_the_logs, check_tells_what_would_run,
-          a_full_disk_leaves_readable_results)
+TEST_MAIN("runs", 120, runs_are_bit_identical, dem_first_follows_the_same_motion, the_grid_does_not_depend_on_n,
+          the_last_window_is_shorter, loads_are_means_between_output_times, an_empty_box_is_an_oscillator,
+          ctrl_c_keeps_what_was_computed, a_solver_killed_at_a_random_window, the_summary_tells_how_it_went,
+          ctrl_c_while_settling_as_threads, a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal,
+          an_installed_tandem_finds_its_own, result_directories_are_guarded, a_report_plots_and_keeps_the_logs,
+          check_tells_what_would_run, a_full_disk_leaves_readable_results)

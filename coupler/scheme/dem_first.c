@@ -1,0 +1,59 @@
+/* dem-first: DEM goes first on a predicted path, MBD follows with the load of the same window.
+ *
+ *   window k:  path of a body from where DEM left it to   r + H v + H^2/2 a,  exp(H w + H^2/2 alpha) q,
+ *              with pose, twist and acceleration that MBD has at t_k
+ *              DEM  moves the bodies along it and returns the mean load of its n steps
+ *              MBD  integrates the same window under that mean; its state wins
+ *
+ * No load is extrapolated, so nothing overshoots where loads jump. The prediction leaves DEM's bodies O(H^3) away from
+ * MBD's; they never jump there: the next path begins where the last one ended. The first window is that of `hold`,
+ * whose load at t = 0 is known, since MBD has no acceleration under a load before.
+ */
+#include "coupler/window.h"
+
+/* Pose and twist after the time h under a constant acceleration (linear, angular). */
+static tdm_state predict(const tdm_state *state, const double *acceleration, double h) {
+  tdm_vec3 a = {acceleration[0], acceleration[1], acceleration[2]};
+  tdm_vec3 alpha = {acceleration[3], acceleration[4], acceleration[5]};
+  const tdm_twist *twist = &state->twist;
+  tdm_vec3 moved = tdm_axpy(0.5 * h * h, a, tdm_scale(h, twist->velocity));
+  tdm_vec3 turned = tdm_axpy(0.5 * h * h, alpha, tdm_scale(h, twist->angular));
+  tdm_state next;
+  next.pose.position = tdm_add(state->pose.position, moved);
+  next.pose.orientation = tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(turned), state->pose.orientation));
+  next.twist.velocity = tdm_axpy(h, a, twist->velocity);
+  next.twist.angular = tdm_axpy(h, alpha, twist->angular);
+  return next;
+}
+
+static tdm_status advance(cpl_loop *loop, tdm_error *err) {
+  if (loop->window == 0) {
+    if (cpl_scheme_hold.advance(loop, err) != TDM_OK)
+      return err->status;
+    for (int i = 0; i < loop->nbody; i++)
+      loop->left[i] = loop->state_end[i].pose;
+    return TDM_OK;
+  }
+  for (int i = 0; i < loop->nbody; i++) {
+    const double *acceleration = loop->result[CPL_MBD].acceleration + 6 * i;
+    loop->path_start[i] = (tdm_state){loop->left[i], loop->state_start[i].twist};
+    loop->path_end[i] = predict(&loop->state_start[i], acceleration, loop->t1 - loop->t0);
+    loop->left[i] = loop->path_end[i].pose;
+  }
+  if (cpl_solve_dem_along(loop, loop->path_start, loop->path_end, err) != TDM_OK)
+    return err->status;
+  for (int i = 0; i < loop->nbody; i++) {
+    loop->load[i * CPL_HISTORY_MAX] = loop->mean[i];
+    cpl_history_push(&loop->history[i], loop->t1, loop->mean[i]);
+  }
+  return cpl_solve_mbd(loop, 1, err);
+}
+
+static const char *const of_mbd[] = {"acceleration", NULL};
+
+const cpl_scheme cpl_scheme_dem_first = {
+    .name = "dem-first",
+    .summary = "DEM first on a predicted path, MBD on the mean load of the same window",
+    .needs = {[CPL_MBD] = of_mbd},
+    .advance = advance,
+};
