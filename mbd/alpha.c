@@ -1,0 +1,490 @@
+#include "mbd/alpha.h"
+
+#include "mbd/residual.h"
+#include "mbd/tangent.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ITERATIONS_MAX = 12 };
+
+/* ---- evaluation ---- */
+
+/* Kinematics, forces, inertia and rows at (t, y). */
+static void evaluate(mbd_alpha *s, double t, const double *y) {
+  const mbd_model *m = s->model;
+  mbd_kinematics(m, s->data, t, y);
+  mbd_generalised_forces(m, s->data, t, s->Q);
+  for (int b = 0; b < m->nbody; b++)
+    s->inertia[b] = mbd_inertia_world(&m->body[b], &s->data->kin[b + 1]);
+  memset(s->g, 0, (size_t)m->nrow * sizeof(double));
+  memset(s->g_t, 0, (size_t)m->nrow * sizeof(double));
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(m, s->data, i, false);
+    mbd_alpha_rows *p = &s->rows[i];
+    *p = (mbd_alpha_rows){.body = {rows->body[0], rows->body[1]}, .first = rows->first, .n = rows->n};
+    memset(p->G, 0, (size_t)rows->n * sizeof rows->G[0]);
+    for (int k = 0; k < rows->n; k++) {
+      if (s->data->dependent[rows->first + k]) /* no equation: lambda stays 0 */
+        continue;
+      memcpy(p->G[k], rows->G[k], sizeof rows->G[k]);
+      s->g[rows->first + k] += rows->g[k];
+      s->g_t[rows->first + k] += rows->g_t[k];
+    }
+  }
+  s->data->stats.residuals++;
+}
+
+/* out = [M x + G^T l; G x] with (x, l) = in, at the last evaluation */
+static void multiply(const mbd_alpha *s, const double *in, double *out) {
+  const double *lambda = in + s->nv;
+  double *row = out + s->nv;
+  memset(row, 0, (size_t)s->model->nrow * sizeof(double));
+  for (int b = 0; b < s->model->nbody; b++) {
+    mbd_set3(out + 6 * b, tdm_scale(s->model->body[b].mass, mbd_get3(in + 6 * b)));
+    mbd_set3(out + 6 * b + 3, tdm_m3_mul(s->inertia[b], mbd_get3(in + 6 * b + 3)));
+  }
+  for (int i = 0; i < s->model->npart; i++) {
+    const mbd_alpha_rows *p = &s->rows[i];
+    for (int side = 0; side < 2; side++)
+      for (int c = 0; c < 6 && p->body[side] != MBD_GROUND; c++)
+        for (int k = 0; k < p->n; k++) {
+          double G = p->G[k][6 * side + c];
+          out[6 * p->body[side] + c] += G * lambda[p->first + k];
+          row[p->first + k] += G * in[6 * p->body[side] + c];
+        }
+  }
+}
+
+/* An entry of a derivative by the poses into Newton's matrix, whose unknowns change D: dtheta = T dD. */
+static void add_turned(void *context, int row, int col, double value) {
+  mbd_alpha *s = context;
+  if (!s->turns || col % 6 < 3) {
+    mbd_lu_add(s->now.step, row, col, value);
+    return;
+  }
+  for (int j = 0; j < 3; j++)
+    mbd_lu_add(s->now.step, row, col - col % 6 + 3 + j, value * s->turned[col / 6].m[col % 6 - 3][j]);
+}
+
+/* G and G^T into a matrix; G by `add` */
+static void add_rows(mbd_alpha *s, mbd_lu *to, mbd_entry_fn add, void *context) {
+  for (int i = 0; i < s->model->npart; i++) {
+    const mbd_alpha_rows *p = &s->rows[i];
+    for (int side = 0; side < 2; side++)
+      for (int c = 0; c < 6 && p->body[side] != MBD_GROUND; c++)
+        for (int k = 0; k < p->n; k++) {
+          int row = s->nv + p->first + k, col = 6 * p->body[side] + c;
+          add(context, row, col, p->G[k][6 * side + c]);
+          mbd_lu_add(to, col, row, p->G[k][6 * side + c]);
+        }
+  }
+  for (int i = 0; i < s->model->nrow; i++)
+    if (s->data->dependent[i])
+      mbd_lu_add(to, s->nv + i, s->nv + i, 1);
+}
+
+static double largest(const double *x, int n) {
+  double most = 0;
+  for (int i = 0; i < n; i++)
+    if (!(fabs(x[i]) <= most))
+      most = fabs(x[i]);
+  return most;
+}
+
+static bool make_mass(mbd_alpha *s) {
+  mbd_lu_clear(s->now.mass);
+  mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, (mbd_weights){.mass = 1}, mbd_lu_add, s->now.mass);
+  add_rows(s, s->now.mass, mbd_lu_add, s->now.mass);
+  s->data->stats.jacobians++;
+  return s->now.mass_made = mbd_lu_factor(s->now.mass);
+}
+
+/* Solve [M G^T; G 0] x = r at the last evaluation into s->x: old factors, improved until the equations of now hold. */
+static bool solve_mass(mbd_alpha *s, const double *r) {
+  for (int attempt = 0; attempt < 2; attempt++) {
+    if ((attempt == 1 || !s->now.mass_made) && !make_mass(s))
+      return false;
+    memset(s->x, 0, (size_t)s->n * sizeof(double));
+    double last = INFINITY;
+    for (int i = 0; i < 6; i++) {
+      multiply(s, s->x, s->dx);
+      for (int k = 0; k < s->n; k++)
+        s->dx[k] = r[k] - s->dx[k];
+      mbd_lu_solve(s->now.mass, s->dx);
+      for (int k = 0; k < s->n; k++)
+        s->x[k] += s->dx[k];
+      double change = largest(s->dx, s->nv), size = largest(s->x, s->nv);
+      if (change <= 1e-11 * size)
+        return true;
+      if (!(change < 0.1 * last))
+        break;
+      last = change;
+    }
+    if (attempt == 1) /* as good as rounding lets it be */
+      return tdm_finite(s->x, s->n);
+  }
+  return false;
+}
+
+/* ---- the load ---- */
+
+/* The line over [t, t + h] with the mean and first moment of the window's mbd_alpha_load: exact for its eight
+ * coefficients by Gauss's rule with five points. */
+static void fit_line(mbd_alpha *s, double t, double h) {
+  static const double point[5] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831, 0.9061798459386640};
+  static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
+                                   0.2369268850561891};
+  const mbd_data *d = s->data;
+  s->line.t0 = t;
+  s->line.t1 = t + h;
+  s->line.n = d->nload > 0 ? 2 : 0;
+  for (int c = 0; c < s->model->ncoupled; c++) {
+    tdm_wrench mean = {{0, 0, 0}, {0, 0, 0}}, moment = mean;
+    for (int k = 0; k < 5; k++) {
+      tdm_wrench w = mbd_load_at(d, c, t + 0.5 * h * (1 + point[k]));
+      mean = mbd_alpha_along(mean, 0.5 * weight[k], w);
+      moment = mbd_alpha_along(moment, 0.5 * weight[k] * point[k], w);
+    }
+    s->line.load[2 * c] = mbd_alpha_along(mean, -3, moment);
+    s->line.load[2 * c + 1] = (tdm_wrench){tdm_scale(6, moment.force), tdm_scale(6, moment.moment)};
+  }
+}
+
+/* Exchange data's load and the step's. */
+static void swap_load(mbd_alpha *s) {
+  mbd_data *d = s->data;
+  mbd_alpha_load other = {d->load_t0, d->load_t1, d->nload, d->load};
+  d->load_t0 = s->line.t0;
+  d->load_t1 = s->line.t1;
+  d->nload = s->line.n;
+  d->load = s->line.load;
+  s->line = other;
+}
+
+/* The jump of the load (order 0) or its slope (1) from the last step's end to the line into s->r; false: none. */
+static bool load_jump(mbd_alpha *s, double h, int order) {
+  const mbd_model *m = s->model;
+  bool jumps = false;
+  memset(s->r, 0, (size_t)s->n * sizeof(double));
+  for (int c = 0; c < m->ncoupled; c++) {
+    tdm_wrench zero = {{0, 0, 0}, {0, 0, 0}}, *now = &s->now.load[2 * c + order];
+    tdm_wrench to = s->line.n ? mbd_alpha_along(zero, order == 1 ? 1 / h : 1, s->line.load[2 * c + order]) : zero;
+    tdm_wrench jump = mbd_alpha_along(to, -1, *now);
+    mbd_set3(s->r + 6 * m->coupled[c], jump.force);
+    mbd_set3(s->r + 6 * m->coupled[c] + 3, jump.moment);
+    jumps = jumps || tdm_norm(jump.force) > 0 || tdm_norm(jump.moment) > 0;
+    *now = to;
+  }
+  return jumps;
+}
+
+/* Vdot and the rise at (t, y0) respond to the jump from the last step's load to the line. */
+static bool respond(mbd_alpha *s, double t, double h) {
+  bool evaluated = false;
+  for (int order = 0; order < 2; order++) {
+    if (!load_jump(s, h, order))
+      continue;
+    if (!evaluated)
+      evaluate(s, t, s->y0);
+    evaluated = true;
+    if (!solve_mass(s, s->r))
+      return false;
+    for (int i = 0; i < s->nv; i++)
+      if (order == 0)
+        s->now.vdot[i] += s->x[i];
+      else
+        s->now.rise[i] += (s->am - s->af) * s->x[i];
+    for (int i = 0; i < s->model->nrow && order == 0; i++)
+      s->now.lambda[i] += s->x[s->nv + i];
+  }
+  return true;
+}
+
+/* ---- poses ---- */
+
+void mbd_alpha_place(const mbd_model *model, double *y, const double *y0, const double *move) {
+  for (int b = 0; b < model->nbody; b++) {
+    const double *from = y0 + MBD_BODY_UNKNOWNS * b, *d = move + 6 * b;
+    double *to = y + MBD_BODY_UNKNOWNS * b;
+    for (int i = 0; i < 3; i++)
+      to[MBD_R + i] = from[MBD_R + i] + d[i];
+    tdm_quat q = tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(mbd_get3(d + 3)), mbd_quat_of(y0, b)));
+    to[MBD_P] = q.w;
+    to[MBD_P + 1] = q.x;
+    to[MBD_P + 2] = q.y;
+    to[MBD_P + 3] = q.z;
+  }
+}
+
+/* y1 from y0 and vdot1 over h */
+static void place_end(mbd_alpha *s, double h) {
+  for (int b = 0; b < s->model->nbody; b++)
+    for (int i = 0; i < 6; i++) {
+      int k = 6 * b + i, v = MBD_BODY_UNKNOWNS * b + MBD_V + i;
+      double vdot = s->now.vdot[k], a = vdot + h * s->now.rise[k];
+      double a1 = ((1 - s->af) * s->vdot1[k] + s->af * vdot - s->am * a) / (1 - s->am);
+      s->move[k] = h * s->y0[v] + h * h * ((0.5 - s->beta) * a + s->beta * a1);
+      s->y1[v] = s->y0[v] + h * ((1 - s->gamma) * a + s->gamma * a1);
+    }
+  mbd_alpha_place(s->model, s->y1, s->y0, s->move);
+}
+
+/* ---- a step ---- */
+
+/* T of each body, T = 1 + (1 - cos a)/a^2 [D] + (a - sin a)/a^3 [D]^2, a = |D|, where it is far enough from 1 to slow
+ * Newton down. */
+static void turn_tangents(mbd_alpha *s) {
+  s->turns = false;
+  for (int b = 0; b < s->model->nbody; b++) {
+    tdm_vec3 D = mbd_get3(s->move + 6 * b + 3);
+    double a = tdm_norm(D), first = a > 1e-3 ? (1 - cos(a)) / (a * a) : 0.5;
+    double second = a > 1e-2 ? (a - sin(a)) / (a * a * a) : 1.0 / 6;
+    tdm_mat3 skew = tdm_m3_skew(D), square = mbd_skew2(D, D);
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        s->turned[b].m[i][j] = (i == j) + first * skew.m[i][j] + second * square.m[i][j];
+    s->turns = s->turns || a > 0.02;
+  }
+}
+
+/* Newton's matrix at the last evaluation. */
+static bool make_step(mbd_alpha *s, double h) {
+  double b = h * (1 - s->af) / (1 - s->am);
+  turn_tangents(s);
+  mbd_weights all = {1, b * s->gamma, b * h * s->beta};
+  mbd_lu_clear(s->now.step);
+  if (s->turns) {
+    mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, (mbd_weights){.stiffness = all.stiffness}, add_turned, s);
+    all.stiffness = 0;
+  }
+  mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, all, mbd_lu_add, s->now.step);
+  add_rows(s, s->now.step, add_turned, s);
+  s->now.step_length = mbd_lu_factor(s->now.step) ? h : 0;
+  s->data->stats.jacobians++;
+  return s->now.step_length > 0;
+}
+
+/* The turn of a body by an error of 1 m in a row, whose part of this body is G [rad/m]: by its arm, or as its inertia
+ * lets it. */
+static double turn_by_shift(const mbd_body *body, const double *G) {
+  double along = tdm_norm(mbd_get3(G)), about = tdm_norm(mbd_get3(G + 3));
+  if (along == 0 || about == 0)
+    return 0;
+  const tdm_mat3 *inverse = &body->inverse_inertia;
+  double give = body->mass * (inverse->m[0][0] + inverse->m[1][1] + inverse->m[2][2]);
+  return fmin(along / about, give * about / along);
+}
+
+/* What rounding leaves of positions and angles, at the last evaluation. Newton's iteration goes down to it: what it
+ * leaves would add up over the steps, and one iteration more costs little. */
+static void find_rounding(mbd_alpha *s) {
+  const mbd_model *m = s->model;
+  double reach = 0, turn = 1;
+  for (int b = 0; b < m->nbody; b++)
+    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_part *part = &m->part[i];
+    const mbd_alpha_rows *p = &s->rows[i];
+    if (part->turn >= 0 && (part->driver || part->joint->ratio != 0))
+      turn = fmax(turn, fabs(s->data->turn[part->turn]));
+    for (int side = 0; side < 2; side++)
+      for (int k = 0; k < p->n && p->body[side] != MBD_GROUND; k++)
+        turn = fmax(turn, reach * turn_by_shift(&m->body[p->body[side]], p->G[k] + 6 * side));
+  }
+  s->rounding[0] = 4e-15 * fmax(1, reach);
+  s->rounding[1] = 4e-15 * turn;
+}
+
+/* One correction of vdot1, lambda1 and y1; returns its size in positions and angles, in units of what
+ * rounding leaves. */
+static double correct(mbd_alpha *s, double h) {
+  double by_position = h * h * s->beta * (1 - s->af) / (1 - s->am);
+  memcpy(s->x, s->vdot1, (size_t)s->nv * sizeof(double));
+  memcpy(s->x + s->nv, s->lambda1, (size_t)s->model->nrow * sizeof(double));
+  multiply(s, s->x, s->dx);
+  for (int k = 0; k < s->nv; k++)
+    s->dx[k] = s->Q[k] - s->dx[k];
+  for (int k = s->nv; k < s->n; k++)
+    s->dx[k] = -s->g[k - s->nv] / by_position;
+  mbd_lu_solve(s->now.step, s->dx);
+  for (int k = 0; k < s->nv; k++)
+    s->vdot1[k] += s->dx[k];
+  for (int k = s->nv; k < s->n; k++)
+    s->lambda1[k - s->nv] += s->dx[k];
+  place_end(s, h);
+  double size = 0;
+  for (int k = 0; k < s->nv; k += 3)
+    size = fmax(size, largest(s->dx + k, 3) / s->rounding[k % 6 / 3]);
+  return by_position * size;
+}
+
+/* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. */
+static bool newton(mbd_alpha *s, double t1, double h) {
+  double last = 0;
+  memcpy(s->vdot1, s->now.vdot, (size_t)s->nv * sizeof(double));
+  memcpy(s->lambda1, s->now.lambda, (size_t)s->model->nrow * sizeof(double));
+  place_end(s, h);
+  for (int total = 0, i = 0; total < ITERATIONS_MAX; total++, i++) {
+    evaluate(s, t1, s->y1);
+    if (total == 0)
+      find_rounding(s);
+    if (fabs(s->now.step_length - h) > 1e-6 * h && !make_step(s, h)) /* windows differ by rounding */
+      return false;
+    double size = correct(s, h), rate = i > 0 ? size / last : 0;
+    if (!(size < 1e18)) /* or not a number */
+      return false;
+    if (size <= 0.01 || (i > 0 && (size <= 1 || (rate < 0.3 && rate * size <= 0.1)))) {
+      if (i > 3)
+        s->now.step_length = 0; /* worn out: the next step makes its own */
+      return true;
+    }
+    last = size;
+    if (rate > 0.3) { /* the matrix does not fit here */
+      s->now.step_length = 0;
+      i = -1;
+    }
+  }
+  return last <= 100; /* it stopped where rounding did not let it go on */
+}
+
+/* Put the velocities of y1 onto the constraints, at the last evaluation, which was there. */
+static bool project(mbd_alpha *s) {
+  if (s->model->nrow == 0)
+    return true;
+  for (int b = 0; b < s->model->nbody; b++)
+    memcpy(s->x + 6 * b, s->y1 + MBD_BODY_UNKNOWNS * b + MBD_V, 6 * sizeof(double));
+  memset(s->x + s->nv, 0, (size_t)s->model->nrow * sizeof(double));
+  multiply(s, s->x, s->r);
+  memset(s->r, 0, (size_t)s->nv * sizeof(double));
+  for (int k = s->nv; k < s->n; k++)
+    s->r[k] = -s->r[k] - s->g_t[k - s->nv];
+  if (largest(s->r + s->nv, s->model->nrow) == 0)
+    return true;
+  if (!solve_mass(s, s->r))
+    return false;
+  for (int b = 0; b < s->model->nbody; b++)
+    for (int i = 0; i < 6; i++)
+      s->y1[MBD_BODY_UNKNOWNS * b + MBD_V + i] += s->x[6 * b + i];
+  return true;
+}
+
+/* V^T H V + g_tt of row k of a part at the last evaluation */
+static double row_bias(const mbd_alpha *s, const mbd_rows *rows, int k) {
+  double V[MBD_PAIR], sum = rows->g_tt[k];
+  mbd_pair_twist(&s->data->kin[rows->body[0] + 1], &s->data->kin[rows->body[1] + 1], V);
+  for (int i = 0; i < MBD_PAIR; i++)
+    for (int j = 0; j < MBD_PAIR; j++)
+      sum += V[i] * rows->H[k][i][j] * V[j];
+  return sum;
+}
+
+/* Newton's lambda1 has an error of first order: positions and the projected velocities leave none but the accelerations
+ * to give way. Where drivers do work by it, it is that of the accelerations at y1 instead. */
+static bool refine_reactions(mbd_alpha *s, double t1) {
+  const mbd_model *m = s->model;
+  if (m->ndriver == 0)
+    return true;
+  evaluate(s, t1, s->y1);
+  memcpy(s->r, s->Q, (size_t)s->nv * sizeof(double));
+  memset(s->r + s->nv, 0, (size_t)m->nrow * sizeof(double));
+  for (int i = 0; i < m->npart; i++) {
+    const mbd_rows *rows = mbd_part_at(m, s->data, i, true);
+    for (int k = 0; k < rows->n; k++)
+      if (!s->data->dependent[rows->first + k])
+        s->r[s->nv + rows->first + k] -= row_bias(s, rows, k);
+  }
+  if (!solve_mass(s, s->r))
+    return false;
+  memcpy(s->lambda1, s->x + s->nv, (size_t)m->nrow * sizeof(double));
+  return true;
+}
+
+/* x M x of body b's part of x (nv), at the last evaluation */
+static double by_mass(const mbd_alpha *s, int b, const double *x) {
+  tdm_vec3 along = mbd_get3(x + 6 * b), about = mbd_get3(x + 6 * b + 3);
+  return s->model->body[b].mass * tdm_dot(along, along) + tdm_dot(about, tdm_m3_mul(s->inertia[b], about));
+}
+
+/* Does the acceleration of a body change by more than itself in a step h, at the rate `rise`? Bodies that hardly take
+ * part do not count. */
+static bool stiff(const mbd_alpha *s, double h) {
+  double all = 0;
+  for (int b = 0; b < s->model->nbody; b++)
+    all += by_mass(s, b, s->now.vdot);
+  for (int b = 0; b < s->model->nbody; b++)
+    if (h * h * by_mass(s, b, s->now.rise) > by_mass(s, b, s->now.vdot) + 1e-4 * all)
+      return true;
+  return false;
+}
+
+/* The first step after a start, where `rise` is d(Vdot)/dt. Forces that are stiff in a step do not begin it with what
+ * they are now, but with what Newton's matrix lets them become. */
+static bool relax(mbd_alpha *s, double t, double h) {
+  const size_t nv = (size_t)s->nv * sizeof(double), nrow = (size_t)s->model->nrow * sizeof(double);
+  s->now.started = false;
+  evaluate(s, t, s->y0);
+  bool stiffly = stiff(s, h);
+  for (int k = 0; k < s->nv; k++)
+    s->now.rise[k] *= stiffly ? 0 : s->am - s->af;
+  if (!stiffly)
+    return true;
+  memset(s->move, 0, nv);
+  memcpy(s->vdot1, s->now.vdot, nv);
+  memcpy(s->lambda1, s->now.lambda, nrow);
+  memcpy(s->x, s->now.vdot, nv);
+  memcpy(s->x + s->nv, s->now.lambda, nrow);
+  multiply(s, s->x, s->dx);
+  if (!make_step(s, h))
+    return false;
+  mbd_lu_solve(s->now.step, s->dx);
+  memcpy(s->now.vdot, s->dx, nv);
+  memcpy(s->now.lambda, s->dx + s->nv, nrow);
+  s->now.step_length = 0;
+  return true;
+}
+
+/* Has no body turned too far for angles to be counted, by joints and springs to the nearest turn? Two bodies turn
+ * against each other by the sum at most, so by less than half a turn. */
+static bool turned_little(const mbd_alpha *s) {
+  for (int b = 0; b < s->model->nbody; b++)
+    if (!(tdm_norm(mbd_get3(s->move + 6 * b + 3)) <= mbd_turn_most))
+      return false;
+  return true;
+}
+
+bool mbd_alpha_step(mbd_alpha *s, double t, double t1) {
+  const double h = t1 - t;
+  bool good = !s->now.started || relax(s, t, h);
+  fit_line(s, t, h);
+  good = good && respond(s, t, h);
+  swap_load(s);
+  good = good && newton(s, t1, h) && turned_little(s);
+  if (good) {
+    evaluate(s, t1, s->y1);
+    good = project(s) && refine_reactions(s, t1);
+  }
+  swap_load(s);
+  if (!good)
+    s->now.step_length = 0;
+  return good;
+}
+
+void mbd_alpha_accept(mbd_alpha *s, double t1, double h) {
+  const mbd_model *m = s->model;
+  memcpy(s->Q, s->now.vdot, (size_t)s->nv * sizeof(double));
+  for (int i = 0; i < s->nv; i++) {
+    double vdot = s->now.vdot[i], a = vdot + h * s->now.rise[i];
+    double a1 = ((1 - s->af) * s->vdot1[i] + s->af * vdot - s->am * a) / (1 - s->am);
+    s->now.rise[i] = (a1 - s->vdot1[i]) / h;
+  }
+  memcpy(s->now.vdot, s->vdot1, (size_t)s->nv * sizeof(double));
+  memcpy(s->lambda0, s->now.lambda, (size_t)m->nrow * sizeof(double));
+  memcpy(s->now.lambda, s->lambda1, (size_t)m->nrow * sizeof(double));
+  for (int c = 0; c < m->ncoupled; c++) /* from the line's start to its end */
+    s->now.load[2 * c] = mbd_alpha_along(s->now.load[2 * c], h, s->now.load[2 * c + 1]);
+  memcpy(s->y1 + mbd_index_lambda(m, 0), s->lambda1, (size_t)m->nrow * sizeof(double));
+  s->data->stats.steps++;
+  mbd_accept(m, s->data, t1, s->y1);
+}
