@@ -4,24 +4,6 @@
 
 #define TIGHT "'solver':{'relative_tolerance':1e-10}"
 
-static void run_on(run *r, double end, double h) {
-  while (r->t < end - 0.5 * h)
-    run_to(r, r->t + h);
-}
-
-/* at the start */
-static double first(const run *r, const char *name) {
-  return r->ready.initial[run_channel(r, name)];
-}
-
-static double first_energy(const run *r) {
-  return first(r, "energy.kinetic") + first(r, "energy.potential") + first(r, "energy.springs");
-}
-
-static double energy(const run *r) {
-  return run_value(r, "energy.kinetic") + run_value(r, "energy.potential") + run_value(r, "energy.springs");
-}
-
 #define SLIDER(mass, velocity, force)                                                                              \
   "'bodies':[{'name':'b','mass':" mass ",'inertia':[1,1,1],'position':[0,0,0],'velocity':[0,0," velocity "]}],"    \
   "'joints':[{'name':'rail','type':'prismatic','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]}],'forces':" \

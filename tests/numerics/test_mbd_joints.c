@@ -6,25 +6,6 @@
 
 #define TIGHT "'solver':{'relative_tolerance':1e-10}"
 
-/* In windows of h to `end`. */
-static void run_on(run *r, double end, double h) {
-  while (r->t < end - 0.5 * h)
-    run_to(r, r->t + h);
-}
-
-/* at the start */
-static double first(const run *r, const char *name) {
-  return r->ready.initial[run_channel(r, name)];
-}
-
-static double first_energy(const run *r) {
-  return first(r, "energy.kinetic") + first(r, "energy.potential") + first(r, "energy.springs");
-}
-
-static double energy(const run *r) {
-  return run_value(r, "energy.kinetic") + run_value(r, "energy.potential") + run_value(r, "energy.springs");
-}
-
 /* A nut falls along a screw: (m + I/p^2) a = -m g with p = pitch/2pi; 40 turns */
 START_TEST(test_screw) {
   run r;

@@ -187,6 +187,47 @@ START_TEST(test_balance) {
 }
 END_TEST
 
+/* Index 3 with velocities in the error test shortens its steps to nothing: an error with advice, not an endless run. */
+START_TEST(test_standstill) {
+  run r;
+  run_open_good(&r,
+                "{'formulation':'index3','corrector':'original','bodies':[{'name':'a','mass':1,'inertia':[0.1,0.1,0.1],"
+                "'position':[1,0,0]}],'joints':[{'name':'h','type':'revolute','bodies':['ground','a'],'point':[0,0,0],"
+                "'axis':[0,1,0]}]}",
+                "a");
+  tdm_status status = TDM_OK;
+  for (int i = 1; i <= 100 && status == TDM_OK; i++)
+    status = run_step(&r, 0.01 * i, NULL, 0, 0, NULL);
+  ck_assert_int_eq(status, TDM_ERR_NUMERIC);
+  ck_assert_msg(strstr(r.err.message, "corrector") != NULL, "%s", r.err.message);
+  run_close(&r);
+}
+END_TEST
+
+/* IDA that forgets its history at each window takes more steps to the same motion. */
+START_TEST(test_restart) {
+  static const char *const restart[] = {"false", "true"};
+  long steps[2];
+  double angle[2];
+  for (int k = 0; k < 2; k++) {
+    char scene[1024];
+    snprintf(
+        scene, sizeof scene,
+        "{'gravity':[0,-9.81,0],'restart_each_window':%s,'bodies':[" BODY("a", "0.5", "0", "") "],'joints':[" HINGE(
+            "A", "ground", "a", "0", "0") "],'solver':{'relative_tolerance':1e-9}}",
+        restart[k]);
+    run r;
+    run_open_good(&r, scene, "a");
+    for (int i = 1; i <= 50; i++)
+      run_to(&r, 0.02 * i);
+    angle[k] = tdm_quat_to_rotvec(r.state[0].pose.orientation).z;
+    steps[k] = run_close_steps(&r);
+  }
+  CLOSE(angle[1], angle[0], 1e-6);
+  ck_assert_int_gt(steps[1], 2 * steps[0]);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("mbd_redundant");
   TCase *tcase = tcase_create("redundant");
@@ -196,6 +237,8 @@ int main(void) {
   tcase_add_loop_test(tcase, test_nearly_dependent, 0, 3);
   tcase_add_loop_test(tcase, test_refused, 0, sizeof bad / sizeof bad[0]);
   tcase_add_test(tcase, test_singular);
+  tcase_add_test(tcase, test_standstill);
+  tcase_add_test(tcase, test_restart);
   tcase_add_loop_test(tcase, test_balance, 0, 3);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);

@@ -128,6 +128,26 @@ static inline double run_value(const run *r, const char *name) {
   return r->channel[run_channel(r, name)];
 }
 
+/* In windows of h to `end`. */
+static inline void run_on(run *r, double end, double h) {
+  while (r->t < end - 0.5 * h)
+    run_to(r, r->t + h);
+}
+
+/* A channel at the start. */
+static inline double first(const run *r, const char *name) {
+  return r->ready.initial[run_channel(r, name)];
+}
+
+/* Kinetic energy, and what gravity and springs store: at the start, and at sample 0 of the last window. */
+static inline double first_energy(const run *r) {
+  return first(r, "energy.kinetic") + first(r, "energy.potential") + first(r, "energy.springs");
+}
+
+static inline double energy(const run *r) {
+  return run_value(r, "energy.kinetic") + run_value(r, "energy.potential") + run_value(r, "energy.springs");
+}
+
 /* The row of a CSV file of tests/reference/mbd whose first column is t, into out (n columns). */
 static inline void reference_row(const char *file, double t, double *out, int n) {
   char path[512], line[1024];
