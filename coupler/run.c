@@ -2,6 +2,7 @@
 
 #include "coupler/check.h"
 #include "coupler/record.h"
+#include "coupler/scheme/scheme.h"
 #include "coupler/window.h"
 #include "protocol/log.h"
 #include "protocol/progress.h"
@@ -178,6 +179,7 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
 
 static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error *err) {
   const cpl_settings *s = &run->settings;
+  const cpl_scheme *scheme = run->session.scheme ? run->session.scheme : s->scheme;
   struct utsname machine = {0};
   uname(&machine);
   char name[4096];
@@ -186,11 +188,11 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
   json_t *json = json_pack(
       "{s:s, s:s, s:{s:f, s:f, s:I, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
       "tandem", TANDEM_VERSION, "scene", name, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
-      (json_int_t)s->n, "coupling.scheme", s->scheme ? s->scheme->name : "", "output.interval", s->output_interval,
-      "machine", "system", machine.sysname, "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN),
-      "windows", (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s", "all", r->wall, "setup", r->setup,
-      "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling", cpl_run_coupling(r), "dem_exchange",
-      r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
+      (json_int_t)s->n, "coupling.scheme", scheme ? scheme->name : "", "output.interval", s->output_interval, "machine",
+      "system", machine.sysname, "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "windows",
+      (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s", "all", r->wall, "setup", r->setup, "dem",
+      r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling", cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM],
+      "mbd_exchange", r->exchange[CPL_MBD]);
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];

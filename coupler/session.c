@@ -248,27 +248,65 @@ tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const 
   return err->status;
 }
 
-/* Whether the scheme needs a capability of a role. */
-static bool needs(const cpl_session *s, int role, const char *capability) {
-  const char *const *list = s->settings->scheme->needs[role];
-  while (list && *list && strcmp(*list, capability) != 0)
+static bool has(const cpl_session *s, int role, const char *capability) {
+  size_t i;
+  json_t *entry;
+  json_array_foreach(s->partner[role].capabilities, i, entry) {
+    const char *name = json_string_value(entry);
+    if (name && strcmp(name, capability) == 0)
+      return true;
+  }
+  return false;
+}
+
+/* The first capability that a scheme needs and a role's solver lacks; NULL: none. */
+static const char *lacks(const cpl_session *s, int role, const cpl_scheme *scheme) {
+  const char *const *need = scheme->needs[role];
+  while (need && *need && has(s, role, *need))
+    need++;
+  return need ? *need : NULL;
+}
+
+static bool listed(const char *const *list, const char *name) {
+  while (list && *list && strcmp(*list, name) != 0)
     list++;
   return list && *list;
 }
 
-static tdm_status check_capabilities(cpl_session *s, int role, tdm_error *err) {
-  const char *const *need = s->settings->scheme->needs[role];
-  for (; need && *need; need++) {
-    bool has = false;
-    size_t i;
-    json_t *entry;
-    json_array_foreach(s->partner[role].capabilities, i,
-                       entry) if (json_string_value(entry) && strcmp(json_string_value(entry), *need) == 0) has = true;
-    if (!has)
-      return tdm_fail(
-          err, TDM_ERR_SCENE, "coupling.scheme",
-          "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or solver",
-          s->settings->scheme->name, *need, cpl_session_name(s, (cpl_role)role));
+/* What RESULT may carry beside the exchange's own. */
+static const struct {
+  const char *name;
+  bool always;   /* asked for whatever the scheme, for the ledger */
+  bool per_body; /* empty without coupled bodies */
+} extras[] = {
+    {"acceleration", false, true}, {"mobility", false, false}, {"interface", true, true}, {"energy", true, false}};
+enum { NEXTRA = sizeof extras / sizeof extras[0] };
+
+bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
+  for (int i = 0; i < NEXTRA; i++)
+    if (strcmp(extras[i].name, extra) == 0)
+      return listed(s->scheme->needs[role], extra) || (extras[i].always && has(s, role, extra));
+  return false;
+}
+
+/* The scheme of the scene, or its fallback when a solver lacks what that needs. */
+static tdm_status choose_scheme(cpl_session *s, tdm_error *err) {
+  const cpl_scheme *wanted = s->settings->scheme, *fallback = s->settings->fallback;
+  s->scheme = wanted;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    const char *missing = lacks(s, r, s->scheme);
+    if (!missing)
+      continue;
+    if (!fallback || s->scheme == fallback)
+      return tdm_fail(err, TDM_ERR_SCENE, s->scheme == wanted ? "coupling.scheme" : "coupling.fallback",
+                      "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or "
+                      "solver%s",
+                      s->scheme->name, missing, cpl_session_name(s, (cpl_role)r),
+                      fallback ? "" : ", or name one that does without it as coupling.fallback");
+    tdm_log(TDM_LOG_WARNING, "fallback", "scheme=%s lacks=%s of=%s takes=%s", wanted->name, missing, cpl_role_names[r],
+            fallback->name);
+    s->scheme = fallback;
+    r = -1; /* what it needs, of both */
   }
   return TDM_OK;
 }
@@ -293,14 +331,15 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
       json_pack("{s:O, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", json_object_get(scene->root, cpl_role_names[role]),
                 "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
                 set->interpolation == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
-  if (message && role == CPL_MBD && (needs(s, role, "acceleration") || needs(s, role, "mobility"))) {
-    json_t *results = json_array();
-    if (needs(s, role, "acceleration"))
-      json_array_append_new(results, json_string("acceleration"));
-    if (needs(s, role, "mobility"))
-      json_array_append_new(results, json_string("mobility"));
-    json_object_set_new(message, "results", results);
-  }
+  json_t *results = json_array();
+  for (int i = 0; i < NEXTRA; i++)
+    if (cpl_session_asks(s, (cpl_role)role, extras[i].name))
+      json_array_append_new(results, json_string(extras[i].name));
+  if (json_array_size(results) > 0)
+    json_object_set(message, "results", results);
+  json_decref(results);
+  if (listed(s->scheme->needs[role], "restore"))
+    json_object_set_new(message, "restores", json_true());
   tdm_status status = tdm_control_write(&s->out, TDM_ASSIGN, 0, message, err);
   if (status == TDM_OK)
     status = send_to(s, role, err);
@@ -360,14 +399,14 @@ static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
 /* What the scheme asked of mbd for the start. */
 static void read_mobility(cpl_session *s, tdm_object *ready, tdm_error *err) {
   const int nbody = s->settings->nbody;
-  if (needs(s, CPL_MBD, "acceleration")) {
+  if (cpl_session_asks(s, CPL_MBD, "acceleration")) {
     s->acceleration = calloc(6 * (size_t)nbody + 1, sizeof *s->acceleration);
     if (!s->acceleration)
       tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     else
       tdm_get_numbers(ready, "acceleration", s->acceleration, 6 * nbody, true);
   }
-  if (!needs(s, CPL_MBD, "mobility") || err->status)
+  if (!cpl_session_asks(s, CPL_MBD, "mobility") || err->status)
     return;
   tdm_object o = tdm_get_object(ready, "mobility", true);
   s->mobility = (tdm_mobility){.nbody = nbody, .nfree = (int)tdm_get_integer(&o, "nfree", TDM_REQUIRED_INT, 0)};
@@ -419,10 +458,12 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
     while (!s->partner[r].connected)
       if (wait_for(s, r, TDM_HELLO, &header, err) != TDM_OK)
         return err->status;
+  if (choose_scheme(s, err) != TDM_OK)
+    return err->status;
   /* mbd first: its READY has the bodies that dem needs */
   for (int r = 0; r < CPL_NROLE; r++) {
-    if (check_capabilities(s, r, err) != TDM_OK || assign(s, r, scene, err) != TDM_OK ||
-        wait_for(s, r, TDM_READY, &header, err) != TDM_OK || read_ready(s, r, &header, err) != TDM_OK)
+    if (assign(s, r, scene, err) != TDM_OK || wait_for(s, r, TDM_READY, &header, err) != TDM_OK ||
+        read_ready(s, r, &header, err) != TDM_OK)
       return err->status;
     tdm_log(TDM_LOG_INFO, "ready", "role=%s channels=%d", cpl_role_names[r], s->partner[r].nchannel);
   }
@@ -442,11 +483,13 @@ static tdm_status check_result(const cpl_session *s, int role, const tdm_step *s
                     (unsigned long long)r->window, r->nbody, r->nstate, r->nload, r->nsample, r->nchannel,
                     (unsigned long long)step->window, step->nbody, nstate, nload, step->nsample,
                     s->partner[role].nchannel);
-  if ((r->nacceleration > 0) != (role == CPL_MBD && step->nbody > 0 && needs(s, role, "acceleration")) ||
-      r->has_mobility != (role == CPL_MBD && needs(s, role, "mobility")))
-    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
-                    "malformed RESULT: %s accelerations and %s mobility, not as ASSIGN asked",
-                    r->nacceleration > 0 ? "with" : "without", r->has_mobility ? "with" : "without");
+  const bool came[NEXTRA] = {r->nacceleration > 0, r->has_mobility, r->ninterface > 0, r->has_energy};
+  for (int i = 0; i < NEXTRA; i++) {
+    bool some = step->nbody > 0 || !extras[i].per_body;
+    if (came[i] != (some && cpl_session_asks(s, (cpl_role)role, extras[i].name)))
+      return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %s \"%s\", not as ASSIGN asked",
+                      came[i] ? "with" : "without", extras[i].name);
+  }
   if (!(fabs(r->t - step->t1) <= 1e-9 * (step->t1 - step->t0) + 1e-15 * fabs(step->t1)))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: it reached %g s, asked for %g s", r->t, step->t1);
   return TDM_OK;

@@ -29,6 +29,7 @@ typedef struct {
 typedef struct {
   tdm_transport *transport;
   const cpl_settings *settings;
+  const struct cpl_scheme *scheme; /* of the settings, or their fallback; from the start on */
   cpl_partner partner[CPL_NROLE];
   tdm_assigned_body *body; /* (nbody) from mbd's READY; names are dem's */
   tdm_wrench *load;        /* (nbody) from dem's READY: at the start */
@@ -46,6 +47,9 @@ tdm_status cpl_session_open(cpl_session *session, const cpl_settings *settings, 
 
 /* Wait for HELLO of both, assign mbd, then dem with mbd's bodies: after this both are READY. */
 tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_error *err);
+
+/* Whether a role's RESULTs carry "acceleration", "mobility", "interface" or "energy" in this run. */
+bool cpl_session_asks(const cpl_session *session, cpl_role role, const char *extra);
 
 /* One STEP and its RESULT. The result's arrays live until the next step of the same role. */
 tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step *step, tdm_result *result,

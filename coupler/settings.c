@@ -96,6 +96,10 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   s->n = tdm_get_integer(&o, "n", TDM_REQUIRED_INT, 1);
   int scheme = tdm_get_choice(&o, "scheme", names, nscheme, 0);
   s->scheme = cpl_schemes[scheme < 0 ? 0 : scheme];
+  if (tdm_has(&o, "fallback")) {
+    int fallback = tdm_get_choice(&o, "fallback", names, nscheme, 0);
+    s->fallback = fallback < 0 ? NULL : cpl_schemes[fallback];
+  }
   s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
   s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
   s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);

@@ -20,6 +20,7 @@ typedef struct {
   double dt;       /* DEM step [s] */
   long n;          /* DEM steps a window */
   const struct cpl_scheme *scheme;
+  const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
   cpl_transport_kind transport;
   tdm_interpolation interpolation; /* of positions inside a window, on the DEM side */
   double timeout;                  /* silence after which a solver counts as hanging [s] */

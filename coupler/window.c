@@ -80,7 +80,7 @@ static void open_window(cpl_loop *loop) {
 tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   open_window(loop);
   uint64_t first_sample = loop->next_sample - (uint64_t)loop->nsample;
-  tdm_status status = loop->settings->scheme->advance(loop, err);
+  tdm_status status = loop->session->scheme->advance(loop, err);
   if (status != TDM_OK)
     return status;
   status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);

@@ -172,19 +172,18 @@ void tdm_error_from_json(const json_t *json, tdm_error *err) {
 /* ---- STEP and RESULT ---- */
 
 /* what a RESULT has behind its channels: bits of the u16 at 36 */
-enum { HAS_ACCELERATION = 1, HAS_MOBILITY = 2 };
+enum { HAS_ACCELERATION = 1, HAS_MOBILITY = 2, HAS_INTERFACE = 4, HAS_ENERGY = 8, HAS_ALL = 15 };
+
+/* what a STEP has behind its sample times: bits of the u16 at 40 */
+enum { HAS_PROXY = 1 };
+
+_Static_assert(sizeof(tdm_interface) == TDM_INTERFACE_DOUBLES * sizeof(double), "sent as doubles");
 
 /* Cut the next n doubles off a block. */
 static void *cut(double **at, size_t n) {
   double *part = *at;
   *at += n;
   return part;
-}
-
-/* doubles behind the fixed block */
-static size_t step_doubles(const tdm_step *s) {
-  return 2 * (size_t)s->nstate * TDM_STATE_DOUBLES + (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES +
-         (size_t)s->nsample;
 }
 
 /* ---- the reduced model ---- */
@@ -229,26 +228,17 @@ void tdm_mobility_copy(double *block, const tdm_mobility *mobility) {
       memcpy(cut(&block, size[i]), *part[i], size[i] * sizeof(double));
 }
 
-/* ---- RESULT ---- */
+/* ---- STEP ---- */
 
-/* but for the reduced model */
-static size_t result_doubles(const tdm_result *r) {
-  size_t sample = (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nchannel;
-  if (r->nload > 0)
-    sample += (size_t)r->nbody * TDM_WRENCH_DOUBLES;
-  return (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES +
-         (size_t)r->nsample * sample + 6 * (size_t)r->nacceleration;
-}
+enum { PROXY_DOUBLES = 6 + TDM_WRENCH_DOUBLES + 12 }; /* a body, besides the reduced model */
 
-/* Returns where the reduced model begins. */
-static double *result_point(tdm_result *r, double *at) {
-  r->state = cut(&at, (size_t)r->nstate * TDM_STATE_DOUBLES);
-  r->load = cut(&at, (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES);
-  r->sample_state = cut(&at, (size_t)r->nsample * (size_t)r->nstate * TDM_STATE_DOUBLES);
-  r->sample_load = cut(&at, (size_t)r->nsample * (r->nload > 0 ? (size_t)r->nbody : 0) * TDM_WRENCH_DOUBLES);
-  r->channel = cut(&at, (size_t)r->nsample * (size_t)r->nchannel);
-  r->acceleration = cut(&at, 6 * (size_t)r->nacceleration);
-  return at;
+/* doubles behind the fixed block */
+static size_t step_doubles(const tdm_step *s) {
+  size_t n = 2 * (size_t)s->nstate * TDM_STATE_DOUBLES + (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES +
+             (size_t)s->nsample;
+  if (s->has_proxy)
+    n += (size_t)s->nbody * PROXY_DOUBLES + tdm_mobility_doubles(&s->proxy.mobility);
+  return n;
 }
 
 static tdm_status check_counts(const tdm_header *header, const uint32_t *counts, int n, tdm_error *err) {
@@ -275,6 +265,7 @@ static tdm_status copy_doubles(tdm_frame *store, const tdm_header *header, size_
 
 tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
   assert(s->nstate == 0 || s->nstate == s->nbody);
+  assert(!s->has_proxy || (s->nstate == s->nbody && s->proxy.mobility.nbody == s->nbody));
   tdm_status status = header_write(frame, TDM_STEP, s->window, TDM_STEP_BYTES + 8 * step_doubles(s), err);
   if (status != TDM_OK)
     return status;
@@ -286,23 +277,33 @@ tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
   at = put_u32(at, (uint32_t)s->nstate);
   at = put_u32(at, (uint32_t)s->nload);
   at = put_u32(at, (uint32_t)s->nsample);
-  at = put_u64(at, 0);
+  const uint16_t extra[4] = {s->has_proxy ? HAS_PROXY : 0, (uint16_t)(s->has_proxy ? s->proxy.mobility.nfree : 0)};
+  at = put(at, extra, sizeof extra);
   at = put(at, s->start, (size_t)s->nstate * sizeof(tdm_state));
   at = put(at, s->end, (size_t)s->nstate * sizeof(tdm_state));
   at = put(at, s->load, (size_t)s->nbody * (size_t)s->nload * sizeof(tdm_wrench));
-  put(at, s->sample_time, (size_t)s->nsample * sizeof(double));
+  at = put(at, s->sample_time, (size_t)s->nsample * sizeof(double));
+  if (!s->has_proxy)
+    return TDM_OK;
+  at = put(at, s->proxy.acceleration, 6 * (size_t)s->nbody * sizeof(double));
+  at = put(at, s->proxy.load, (size_t)s->nbody * sizeof(tdm_wrench));
+  at = put(at, s->proxy.correction, 12 * (size_t)s->nbody * sizeof(double));
+  /* a frame's doubles lie at multiples of 8 behind malloc's alignment */
+  tdm_mobility_copy((double *)(void *)at, &s->proxy.mobility);
   return TDM_OK;
 }
 
 tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store, tdm_error *err) {
   uint32_t counts[4];
+  uint16_t extra[4];
   *s = (tdm_step){.window = header->window};
   if (header->size < TDM_STEP_BYTES)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %zu bytes", header->size);
   const uint8_t *at = get(header->payload, &s->t0, 8);
   at = get(at, &s->t1, 8);
   at = get(at, &s->nstep, 8);
-  get(at, counts, sizeof counts);
+  at = get(at, counts, sizeof counts);
+  get(at, extra, sizeof extra);
   tdm_status status = check_counts(header, counts, 4, err);
   if (status != TDM_OK)
     return status;
@@ -313,6 +314,11 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
   if (!(s->t1 > s->t0) || !isfinite(s->t1 - s->t0) || s->nstep == 0 || (s->nstate != 0 && s->nstate != s->nbody))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a window from %g s to %g s in %llu steps", s->t0,
                     s->t1, (unsigned long long)s->nstep);
+  s->has_proxy = extra[0] == HAS_PROXY;
+  s->proxy.mobility = (tdm_mobility){.nbody = s->nbody, .nfree = extra[1]};
+  if (extra[0] > HAS_PROXY || extra[1] > (s->has_proxy ? TDM_FREE_MAX : 0) || (s->has_proxy && s->nstate == 0))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %u, %u where the proxy is announced", extra[0],
+                    extra[1]);
   status = copy_doubles(store, header, TDM_STEP_BYTES, step_doubles(s), err);
   if (status != TDM_OK)
     return status;
@@ -322,8 +328,39 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
   s->start = cut(&data, (size_t)s->nstate * TDM_STATE_DOUBLES);
   s->end = cut(&data, (size_t)s->nstate * TDM_STATE_DOUBLES);
   s->load = cut(&data, (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES);
-  s->sample_time = data;
+  s->sample_time = cut(&data, (size_t)s->nsample);
+  if (s->has_proxy) {
+    s->proxy.acceleration = cut(&data, 6 * (size_t)s->nbody);
+    s->proxy.load = cut(&data, (size_t)s->nbody * TDM_WRENCH_DOUBLES);
+    s->proxy.correction = cut(&data, 12 * (size_t)s->nbody);
+    tdm_mobility_point(&s->proxy.mobility, data);
+  }
   return TDM_OK;
+}
+
+/* ---- RESULT ---- */
+
+/* but for the reduced model */
+static size_t result_doubles(const tdm_result *r) {
+  size_t sample = (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nchannel;
+  if (r->nload > 0)
+    sample += (size_t)r->nbody * TDM_WRENCH_DOUBLES;
+  return (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES +
+         (size_t)r->nsample * sample + 6 * (size_t)r->nacceleration + (size_t)r->ninterface * TDM_INTERFACE_DOUBLES +
+         (r->has_energy ? sizeof(tdm_energy) / sizeof(double) : 0);
+}
+
+/* Returns where the reduced model begins. */
+static double *result_point(tdm_result *r, double *at) {
+  r->state = cut(&at, (size_t)r->nstate * TDM_STATE_DOUBLES);
+  r->load = cut(&at, (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES);
+  r->sample_state = cut(&at, (size_t)r->nsample * (size_t)r->nstate * TDM_STATE_DOUBLES);
+  r->sample_load = cut(&at, (size_t)r->nsample * (r->nload > 0 ? (size_t)r->nbody : 0) * TDM_WRENCH_DOUBLES);
+  r->channel = cut(&at, (size_t)r->nsample * (size_t)r->nchannel);
+  r->acceleration = cut(&at, 6 * (size_t)r->nacceleration);
+  r->body = cut(&at, (size_t)r->ninterface * TDM_INTERFACE_DOUBLES);
+  r->energy = cut(&at, r->has_energy ? sizeof(tdm_energy) / sizeof(double) : 0);
+  return at;
 }
 
 tdm_status tdm_result_layout(tdm_result *r, tdm_frame *store, tdm_error *err) {
@@ -350,9 +387,10 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
   at = put_u32(at, (uint32_t)r->nload);
   at = put_u32(at, (uint32_t)r->nsample);
   at = put_u32(at, (uint32_t)r->nchannel);
-  const uint16_t extra[2] = {
-      (uint16_t)((r->nacceleration > 0 ? HAS_ACCELERATION : 0) | (r->has_mobility ? HAS_MOBILITY : 0)),
-      (uint16_t)(r->has_mobility ? r->mobility.nfree : 0)};
+  const uint16_t extra[2] = {(uint16_t)((r->nacceleration > 0 ? HAS_ACCELERATION : 0) |
+                                        (r->has_mobility ? HAS_MOBILITY : 0) | (r->ninterface > 0 ? HAS_INTERFACE : 0) |
+                                        (r->has_energy ? HAS_ENERGY : 0)),
+                             (uint16_t)(r->has_mobility ? r->mobility.nfree : 0)};
   at = put(at, extra, sizeof extra);
   at = put(at, r->state, (size_t)r->nstate * sizeof(tdm_state));
   at = put(at, r->load, (size_t)r->nbody * (size_t)r->nload * sizeof(tdm_wrench));
@@ -361,7 +399,9 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
     at = put(at, r->sample_load, (size_t)r->nsample * (size_t)r->nbody * sizeof(tdm_wrench));
   at = put(at, r->channel, (size_t)r->nsample * (size_t)r->nchannel * sizeof(double));
   at = put(at, r->acceleration, 6 * (size_t)r->nacceleration * sizeof(double));
-  if (r->has_mobility) /* a frame's doubles lie at multiples of 8 behind malloc's alignment */
+  at = put(at, r->body, (size_t)r->ninterface * sizeof *r->body);
+  at = put(at, r->energy, r->has_energy ? sizeof *r->energy : 0);
+  if (r->has_mobility)
     tdm_mobility_copy((double *)(void *)at, &r->mobility);
   return TDM_OK;
 }
@@ -388,10 +428,12 @@ tdm_status tdm_result_read(tdm_result *r, const tdm_header *header, tdm_frame *s
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %d states of %d bodies", r->nstate, r->nbody);
   r->nacceleration = extra[0] & HAS_ACCELERATION ? r->nstate : 0;
   r->has_mobility = extra[0] & HAS_MOBILITY;
+  r->ninterface = extra[0] & HAS_INTERFACE ? r->nbody : 0;
+  r->has_energy = extra[0] & HAS_ENERGY;
   r->mobility = (tdm_mobility){.nbody = r->nbody, .nfree = extra[1]};
-  if (extra[0] > (HAS_ACCELERATION | HAS_MOBILITY) || extra[1] > (r->has_mobility ? TDM_FREE_MAX : 0))
+  if (extra[0] > HAS_ALL || extra[1] > (r->has_mobility ? TDM_FREE_MAX : 0))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
-                    "malformed RESULT: %u, %u where accelerations and mobility are announced", extra[0], extra[1]);
+                    "malformed RESULT: %u, %u where what follows the channels is announced", extra[0], extra[1]);
   size_t n = result_doubles(r) + (r->has_mobility ? tdm_mobility_doubles(&r->mobility) : 0);
   status = copy_doubles(store, header, TDM_RESULT_BYTES, n, err);
   if (status != TDM_OK)

@@ -42,8 +42,9 @@ enum {
   TDM_FRAME_MAX = 64 * 1024 * 1024, /* larger frames are refused */
   TDM_STEP_BYTES = 48,              /* fixed blocks behind the header */
   TDM_RESULT_BYTES = 40,
-  TDM_COUNT_MAX = 1 << 20, /* of any count in STEP or RESULT */
-  TDM_FREE_MAX = 32        /* independent velocities of a reduced model */
+  TDM_COUNT_MAX = 1 << 20,                                               /* of any count in STEP or RESULT */
+  TDM_FREE_MAX = 32,                                                     /* independent velocities of a reduced model */
+  TDM_INTERFACE_DOUBLES = 3 * TDM_WRENCH_DOUBLES + TDM_STATE_DOUBLES + 2 /* of a tdm_interface */
 };
 
 typedef struct {
@@ -84,21 +85,6 @@ void tdm_error_from_json(const json_t *json, tdm_error *err);
 
 /* ---- STEP and RESULT ---- */
 
-/* One window, as the solver gets it. Arrays belong to the message buffer and live until the next receive. */
-typedef struct {
-  uint64_t window;           /* from 0 */
-  double t0, t1;             /* start and end of the window [s] */
-  uint64_t nstep;            /* DEM steps in it, at least 1 */
-  int nbody;                 /* coupled bodies, in the order of ASSIGN */
-  int nstate;                /* nbody, or 0 when no path is sent (to mbd) */
-  int nload;                 /* coefficients of the load polynomial, 0 when no load is sent (to dem) */
-  int nsample;               /* output times inside (t0, t1] */
-  const tdm_state *start;    /* (nstate) bodies at t0 */
-  const tdm_state *end;      /* (nstate) bodies at t1 */
-  const tdm_wrench *load;    /* (nbody x nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
-  const double *sample_time; /* (nsample) [s], ascending */
-} tdm_step;
-
 /* The reduced model of a mechanism at the end of a window, in its f independent velocities u' (PROTOCOL.md, section 6);
  * k coupled bodies. Matrices row by row, SI units, world axes. */
 typedef struct {
@@ -114,6 +100,47 @@ typedef struct {
   double *J_rate;       /* (6k x f) dJ/dt along the motion */
   double *B_rate;       /* (f x 6k) dB/dt */
 } tdm_mobility;
+
+/* What lets DEM carry the mechanism through a window (PROTOCOL.md, section 7). */
+typedef struct {
+  const double *acceleration; /* (nbody x 6) of v and w at t0, with the loads `load` */
+  const tdm_wrench *load;     /* (nbody) loads at t0 that the accelerations belong to */
+  const double *correction;   /* (nbody x 12) what the path is to be changed by at t1: way [m], turn [rad], rates */
+  tdm_mobility mobility;      /* at t0 */
+} tdm_proxy;
+
+/* One window, as the solver gets it. Arrays belong to the message buffer and live until the next receive. */
+typedef struct {
+  uint64_t window;           /* from 0 */
+  double t0, t1;             /* start and end of the window [s] */
+  uint64_t nstep;            /* DEM steps in it, at least 1 */
+  int nbody;                 /* coupled bodies, in the order of ASSIGN */
+  int nstate;                /* nbody, or 0 when no path is sent (to mbd) */
+  int nload;                 /* coefficients of the load polynomial, 0 when no load is sent (to dem) */
+  int nsample;               /* output times inside (t0, t1] */
+  const tdm_state *start;    /* (nstate) bodies at t0 */
+  const tdm_state *end;      /* (nstate) bodies at t1 */
+  const tdm_wrench *load;    /* (nbody x nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
+  const double *sample_time; /* (nsample) [s], ascending */
+  bool has_proxy;            /* to dem with the capability: `end` means nothing, the bodies move as `proxy` says */
+  tdm_proxy proxy;
+} tdm_step;
+
+/* What DEM knows of a coupled body's part in a window. Doubles only. */
+typedef struct {
+  /* (1/H) times the integral of W P_j(2s - 1) dt, P_j Legendre's polynomials, W acting as the integrator's own kicks:
+   * moment[0] H is exactly the impulse on the body */
+  tdm_wrench moment[3];
+  tdm_state end; /* where DEM has the body at t1: by its proxy, without drift that is being closed; else by the path */
+  double work;   /* of the load on the body along that [J] */
+  double blending; /* of the load along the closing of drift [J] */
+} tdm_interface;
+
+/* Mechanical energy inside a solver, the coupling load's work not counted as supplied. */
+typedef struct {
+  double stored;   /* kinetic, potential, elastic; NaN: not looked at in this window [J] */
+  double supplied; /* since the start by what is not the other solver: motors, prescribed bodies, newcomers [J] */
+} tdm_energy;
 
 /* What a solver gives back: mbd states, dem loads. For a solver written with participant.h the arrays are there,
  * zeroed, with their sizes set. */
@@ -134,6 +161,10 @@ typedef struct {
   tdm_wrench *sample_load; /* (nsample x nbody, only if nload > 0) mean since the sample time before */
   double *channel;         /* (nsample x nchannel) at the sample times */
   double *acceleration;    /* (nacceleration x 6) of v and w at t1, with the load at the end of the window */
+  int ninterface;          /* nbody if ASSIGN asks for "interface", else 0 */
+  bool has_energy;         /* ASSIGN asks for "energy" */
+  tdm_interface *body;     /* (ninterface) */
+  tdm_energy *energy;      /* (1 if has_energy) */
   tdm_mobility mobility;   /* if has_mobility; to be sent: the solver's own arrays */
 } tdm_result;
 

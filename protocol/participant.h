@@ -55,6 +55,8 @@ typedef struct {
   int nbody;
   const tdm_assigned_body *body; /* (nbody) entry i stands at coupling.bodies[i].<role> in the scene */
   bool acceleration, mobility;   /* READY and RESULT are to carry these (mbd with the capability) */
+  bool interface, energy;        /* RESULT is to carry these (dem; any role) */
+  bool restores;                 /* SAVE and RESTORE will come, perhaps in every window */
 } tdm_assignment;
 
 /* A further output that is sampled on the output grid. */
