@@ -48,7 +48,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   size_t nbody = (size_t)settings->nbody + 1;                                  /* + 1: never an empty allocation */
   double steps = fmin((double)settings->n, (double)cpl_total_steps(settings)); /* of the longest window */
   double samples = ceil(steps * settings->dt / settings->output_interval) + 2;
-  *loop = (cpl_loop){.settings = settings, .session = session, .record = record, .nbody = settings->nbody};
+  *loop = (cpl_loop){
+      .settings = settings, .scheme = session->scheme, .session = session, .record = record, .nbody = settings->nbody};
   for (int r = 0; r < CPL_NROLE; r++) { /* a window's RESULT must fit into a frame */
     double row = session->partner[r].nchannel + TDM_STATE_DOUBLES * (double)settings->nbody;
     if (samples > TDM_COUNT_MAX || 8 * samples * row > TDM_FRAME_MAX / 2)
@@ -81,12 +82,12 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
     loop->radius[i] = cpl_body_radius(&session->body[i]);
     cpl_history_push(&loop->history[i], 0, session->load[i]); /* the first load is DEM's at t = 0 */
   }
-  return session->scheme->open ? session->scheme->open(loop, err) : TDM_OK;
+  return loop->scheme->open ? loop->scheme->open(loop, err) : TDM_OK;
 }
 
 void cpl_loop_free(cpl_loop *loop) {
   if (loop->own)
-    loop->session->scheme->close(loop);
+    loop->scheme->close(loop);
   free(loop->dem_end);
   free(loop->radius);
   free(loop->sample_time);
@@ -131,7 +132,7 @@ static void adapt(cpl_loop *loop) {
     if (is > 0)
       worst = fmax(worst, is / allowed);
   }
-  loop->n = cpl_adapt_next(s, loop->session->scheme->mismatch_order, loop->n, worst);
+  loop->n = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, worst);
 }
 
 /* The ends of the next window, and the output times in it. */
@@ -162,7 +163,7 @@ static void open_window(cpl_loop *loop) {
 tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   open_window(loop);
   uint64_t first_sample = loop->next_sample - (uint64_t)loop->nsample;
-  tdm_status status = loop->session->scheme->advance(loop, err);
+  tdm_status status = loop->scheme->advance(loop, err);
   if (status != TDM_OK)
     return status;
   if (loop->settings->adapt.on)

@@ -22,6 +22,7 @@ typedef struct {
 
 typedef struct cpl_loop {
   const cpl_settings *settings;
+  const cpl_scheme *scheme;
   cpl_session *session;
   struct cpl_record *record;
   int nbody;

@@ -103,8 +103,8 @@ START_TEST(scan) {
   dir = directory_make();
   write_file(dir, "scene.json", scene);
   double last = 0;
-  for (int n = 12; n <= 800; n *= 2) {
-    char options[512];
+  for (int n = atoi(getenv("FROM")); n <= atoi(getenv("TO")); n *= 2) {
+    char options[2048];
     snprintf(options, sizeof options, "--set coupling.n=%d %s", n, getenv("SCAN"));
     double e = error(options);
     printf("%s n=%d error %.3e order %.2f\n", getenv("SCAN"), n, e, log2(e / last));
