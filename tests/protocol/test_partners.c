@@ -8,12 +8,13 @@
 #include <time.h>
 
 /* A free body of 1 kg, started at 1 m/s; dem is a foreign solver. */
-static const char scene[] = "{\"time\": {\"end\": 0.2, \"dt\": 1e-4},\n"
-                            " \"coupling\": {\"n\": 1, \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}],\n"
-                            "  \"timeout\": 1.5, \"solvers\": {\"dem\": \"SOLVER\"}},\n"
-                            " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
-                            "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
-                            " \"dem\": {\"stiffness\": 100}}\n";
+static const char scene[] =
+    "{\"time\": {\"end\": 0.2, \"dt\": 1e-4},\n"
+    " \"coupling\": {\"n\": 1, \"fallback\": \"lommen\", \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}],\n"
+    "  \"timeout\": 1.5, \"solvers\": {\"dem\": \"SOLVER\"}},\n"
+    " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
+    "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
+    " \"dem\": {\"stiffness\": 100}}\n";
 
 static const char *dir;
 
