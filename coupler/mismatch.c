@@ -17,6 +17,10 @@ void cpl_apart(const tdm_state *a, const tdm_state *b, double radius, double H, 
   memcpy(out, parts, sizeof parts);
 }
 
+double cpl_speed(const tdm_state *state, double radius) {
+  return hypot(tdm_norm(state->twist.velocity), radius * tdm_norm(state->twist.angular));
+}
+
 double cpl_length(int n, const double *values) {
   double sum = 0;
   for (int i = 0; i < n; i++)

@@ -14,6 +14,9 @@ double cpl_body_radius(const tdm_assigned_body *body);
  */
 void cpl_apart(const tdm_state *a, const tdm_state *b, double radius, double H, double out[CPL_APART]);
 
+/* Speed of the centre of mass and of what lies at the radius [m/s]. */
+double cpl_speed(const tdm_state *state, double radius);
+
 /* Root of the sum of squares. */
 double cpl_length(int n, const double *values);
 

@@ -18,14 +18,14 @@ typedef struct {
 /* Windows whose length follows their own error (coupling.n is "auto"): adapt.h. */
 typedef struct {
   bool on;
-  double tolerance; /* largest mismatch of a window, as a share of the motion in it */
+  double tolerance; /* largest mismatch of a window, as a share of cpl_motion */
   double absolute;  /* and beside that [m] */
   long n_min, n_max;
 } cpl_auto;
 
 /* Scheme iterative. */
 typedef struct {
-  double tolerance; /* largest residual, as a share of the motion in the window */
+  double tolerance; /* largest residual, as a share of cpl_motion */
   double absolute;  /* and beside that [m] */
   int most;         /* iterations a window */
   cpl_accelerator_kind accelerator;

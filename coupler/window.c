@@ -65,6 +65,7 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->state_end = calloc(nbody, sizeof *loop->state_end);
   loop->dem_end = calloc(nbody, sizeof *loop->dem_end);
   loop->radius = calloc(nbody, sizeof *loop->radius);
+  loop->speed = calloc(nbody, sizeof *loop->speed);
   loop->mean = calloc(nbody, sizeof *loop->mean);
   loop->history = calloc(nbody, sizeof *loop->history);
   loop->left = calloc(nbody, sizeof *loop->left);
@@ -75,11 +76,13 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   if (cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
-      !loop->packed || !loop->left || !loop->path_start || !loop->path_end || !loop->dem_end || !loop->radius)
+      !loop->packed || !loop->left || !loop->path_start || !loop->path_end || !loop->dem_end || !loop->radius ||
+      !loop->speed)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_start[i] = session->body[i].state;
     loop->radius[i] = cpl_body_radius(&session->body[i]);
+    loop->speed[i] = cpl_speed(&session->body[i].state, loop->radius[i]);
     cpl_history_push(&loop->history[i], 0, session->load[i]); /* the first load is DEM's at t = 0 */
   }
   return loop->scheme->open ? loop->scheme->open(loop, err) : TDM_OK;
@@ -90,6 +93,7 @@ void cpl_loop_free(cpl_loop *loop) {
     loop->scheme->close(loop);
   free(loop->dem_end);
   free(loop->radius);
+  free(loop->speed);
   free(loop->sample_time);
   free(loop->state_start);
   free(loop->state_end);
@@ -120,17 +124,20 @@ static long limit_turn(const cpl_loop *loop, long n) {
   return (double)n <= limit ? n : limit > 1 ? (long)limit : 1;
 }
 
+double cpl_motion(const cpl_loop *loop, int body) {
+  double speed = cpl_speed(&loop->state_end[body], loop->radius[body]);
+  return (loop->t1 - loop->t0) * fmax(speed, loop->speed[body]);
+}
+
 /* How long the next window is to be, from what both solvers made of this one. */
 static void adapt(cpl_loop *loop) {
   const cpl_auto *s = &loop->settings->adapt;
-  const double H = loop->t1 - loop->t0;
-  double worst = 0, apart[CPL_APART], moved[CPL_APART];
+  double worst = 0, apart[CPL_APART];
   for (int i = 0; i < loop->nbody; i++) {
-    cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], H, apart);
-    cpl_apart(&loop->state_end[i], &loop->state_start[i], loop->radius[i], H, moved);
-    double allowed = s->tolerance * cpl_length(CPL_APART, moved) + s->absolute, is = cpl_length(CPL_APART, apart);
+    cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], loop->t1 - loop->t0, apart);
+    double is = cpl_length(CPL_APART, apart);
     if (is > 0)
-      worst = fmax(worst, is / allowed);
+      worst = fmax(worst, is / (s->tolerance * cpl_motion(loop, i) + s->absolute));
   }
   loop->n = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, worst);
 }
@@ -168,6 +175,8 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
     return status;
   if (loop->settings->adapt.on)
     adapt(loop);
+  for (int i = 0; i < loop->nbody; i++)
+    loop->speed[i] = fmax(loop->speed[i], cpl_speed(&loop->state_end[i], loop->radius[i]));
   status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
   if (loop->proxy_block)

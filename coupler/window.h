@@ -42,6 +42,7 @@ typedef struct cpl_loop {
   tdm_state *state_end;             /* (nbody) at t1, once MBD has solved */
   tdm_state *dem_end;               /* (nbody) at t1, as DEM foresaw it; schemes with a mismatch_order */
   double *radius;                   /* (nbody) by which turns count as ways [m] */
+  double *speed;                    /* (nbody) largest so far [m/s] */
   tdm_wrench *mean;                 /* (nbody) mean load over the window, once DEM has solved */
   cpl_history *history;             /* (nbody) */
   tdm_pose *left;                   /* (nbody) dem-first: where DEM left the bodies at t0 */
@@ -66,6 +67,9 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err);
 bool cpl_loop_done(const cpl_loop *loop);
 
 /* ---- what schemes use ---- */
+
+/* The way [m] that a body makes in the window at its largest speed until t1; turns count at its radius. */
+double cpl_motion(const cpl_loop *loop, int body);
 
 /* MBD over the window under loop->load (its first `ncoefficient` entries a body): sets state_end. */
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);

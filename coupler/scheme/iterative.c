@@ -81,14 +81,13 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
     return err->status;
   *excess = 0;
   for (int i = 0; i < loop->nbody; i++) {
-    double moved[CPL_APART], *residual = it->residual + CPL_APART * i;
-    cpl_apart(&loop->state_end[i], &loop->state_start[i], loop->radius[i], H, moved);
+    double *residual = it->residual + CPL_APART * i;
     cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], H, residual);
     for (int k = 0; k < CPL_APART; k++)
       residual[k] -= c[CPL_APART * i + k];
     double is = cpl_length(CPL_APART, residual);
     if (is > 0)
-      *excess = fmax(*excess, is / (s->tolerance * cpl_length(CPL_APART, moved) + s->absolute));
+      *excess = fmax(*excess, is / (s->tolerance * cpl_motion(loop, i) + s->absolute));
   }
   return TDM_OK;
 }
