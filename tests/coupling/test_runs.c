@@ -426,7 +426,7 @@ END_TEST
 START_TEST(check_tells_what_would_run) {
   setup();
   ck_assert_int_eq(command("tandem check %s/scene.json --out %s/out", dir, dir), 0);
-  static const char *const words[] = {"500 DEM steps",      "100 windows",   "lommen",
+  static const char *const words[] = {"500 DEM steps",      "100 windows",   "proxy",
                                       "degrees_of_freedom", "rayleigh_step", "\"box\" (mbd) is \"tub\" (dem), 5 kg",
                                       "0 warnings"};
   for (int i = 0; i < 7; i++)
