@@ -278,7 +278,8 @@ static void from_moments(const tdm_wrench *moment, uint64_t nstep, int ncoeffici
 
 tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err) {
   const uint64_t nstep = loop->step1 - loop->step0;
-  tdm_step step = {.nstate = loop->nbody, .start = loop->state_start, .end = loop->state_start, .has_proxy = true};
+  tdm_step step = {
+      .nstate = loop->nbody, .start = loop->state_start, .end = loop->state_start, .has_proxy = loop->nbody > 0};
   step.proxy = loop->proxy;
   if (correction)
     step.proxy.correction = correction;

@@ -406,7 +406,21 @@ START_TEST(a_fast_turn_shortens_windows) {
 }
 END_TEST
 
-START_TEST(what_cannot_adapt_is_refused) {
+START_TEST(nothing_coupled) {
+  setup(slide);
+  static const char *const schemes[] = {"proxy", "iterative", "dem-first", "lommen"};
+  char line[256];
+  for (int i = 0; i < 4; i++) {
+    snprintf(line, sizeof line, "--set coupling.bodies=[] --set coupling.n=%s --set coupling.scheme=%s",
+             i < 3 ? "auto" : "100", schemes[i]);
+    run(line);
+    expect_output("0.2 s simulated");
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(nothing_coupled, what_cannot_adapt_is_refused) {
   setup(slide);
   static const struct {
     const char *options, *what;
