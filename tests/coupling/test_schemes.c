@@ -420,7 +420,7 @@ START_TEST(nothing_coupled) {
 }
 END_TEST
 
-START_TEST(nothing_coupled, what_cannot_adapt_is_refused) {
+START_TEST(what_cannot_adapt_is_refused) {
   setup(slide);
   static const struct {
     const char *options, *what;
@@ -446,4 +446,4 @@ END_TEST
 TEST_MAIN("schemes", 120, orders_of_a_slider, orders_of_two_sliders, orders_of_a_swing, proxy_at_long_windows,
           two_bodies_in_one_piece, iterations_make_up_for_a_proxy_of_masses_alone,
           a_window_that_does_not_converge_is_told, windows_find_their_length, a_fast_turn_shortens_windows,
-          what_cannot_adapt_is_refused)
+          nothing_coupled, what_cannot_adapt_is_refused)
