@@ -38,7 +38,7 @@ typedef enum {
 /* settings of the integrator, scene keys "formulation" ... and "solver" */
 typedef struct {
   mbd_formulation_id formulation;
-  bool named; /* the scene has "formulation" or "corrector" */
+  bool named;                /* the scene has "formulation" or "corrector" */
   bool modified;             /* corrector: velocities are out of the error test and weigh little in Newton's */
   bool restart_each_window;  /* forget the history at the start of each window */
   double relative_tolerance; /* of positions, Euler parameters and velocities */
