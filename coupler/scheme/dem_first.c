@@ -2,7 +2,8 @@
  *
  *   window k:  path of a body from where DEM left it to   r + H v + H^2/2 a,  exp(H w + H^2/2 alpha) q,
  *              with pose, twist and acceleration that MBD has at t_k
- *              DEM  moves the bodies along it and returns the mean load of its n steps
+ *              DEM  moves the bodies along it and returns the mean load of its steps: by their kicks if it has the
+ *                   capability "interface", else that of [L18] Eq. 2, which is late by half a step
  *              MBD  integrates the same window under that mean; its state wins
  *
  * No load is extrapolated, so nothing overshoots where loads jump. The prediction leaves DEM's bodies O(H^3) away from
@@ -46,7 +47,8 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   if (cpl_solve_dem_along(loop, loop->path_start, loop->path_end, err) != TDM_OK)
     return err->status;
   for (int i = 0; i < loop->nbody; i++) {
-    loop->load[i * CPL_HISTORY_MAX] = loop->mean[i];
+    bool told = loop->result[CPL_DEM].ninterface > 0;
+    loop->load[i * CPL_HISTORY_MAX] = told ? loop->result[CPL_DEM].body[i].moment[0] : loop->mean[i];
     cpl_history_push(&loop->history[i], loop->t1, loop->mean[i]);
   }
   return cpl_solve_mbd(loop, 1, err);
