@@ -3,8 +3,8 @@
  * A box that is narrower than the sphere in it: both faces press on the sphere all the time, by a linear law. So box
  * and sphere are two masses on linear springs. The box slides along x on a spring and damper, alone or with a second
  * one, or hangs on a hinge. DEM's step of 1e-5 s is 1/5700 of the fastest period: its own error (1e-7; 1e-4 where
- * lommen and hold use plain means of n values) is small against that of windows of 0.5 to 8 ms. The error is the rms of x over
- * 0.2 s beside the rms of x.
+ * lommen and hold use plain means of n values) is small against that of windows of 0.5 to 8 ms. The error is the rms of
+ * x over 0.2 s beside the rms of x.
  */
 #include "coupler/table.h"
 #include "tests/command.h"
