@@ -15,6 +15,7 @@
 #include "dem/settle.h"
 #include "dem/state.h"
 #include "dem/step.h"
+#include "dem/supply.h"
 #include "protocol/log.h"
 
 #include <stdio.h>
@@ -325,6 +326,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_energy_begin(&d->energy);
   dem_guard_begin(d);
+  dem_supply_begin(d);
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->body_load[m->coupled_body[c]];
@@ -429,6 +431,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
   }
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
+  if (result->has_energy)
+    *result->energy = dem_supply_look(d);
   return dem_check_finite(d, step->t1, err);
 }
 
@@ -475,7 +479,7 @@ const dem_data *dem_solver_data(const void *self) {
   const dem_solver *s = self;
   return s->data;
 }
-static const char *const capabilities[] = {"restore"};
+static const char *const capabilities[] = {"restore", "energy"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,

@@ -15,7 +15,7 @@ mbd_energies mbd_energies_at(const mbd_model *model, mbd_data *data) {
 
 /* A driver's row moves at G V = -g_t under the reaction -G^T lambda: it brings in lambda g_t. */
 mbd_work mbd_power_at(const mbd_model *model, mbd_data *data, double t, const double *y) {
-  mbd_work p = {0, 0};
+  mbd_work p = {0};
   mbd_kinematics(model, data, t, y);
   for (int i = 0; i < model->nforce; i++) {
     const mbd_force_value *f = mbd_force_at(model, data, i, false);
@@ -29,15 +29,20 @@ mbd_work mbd_power_at(const mbd_model *model, mbd_data *data, double t, const do
   for (int i = 0; i < model->ncoupled && data->nload > 0; i++) {
     const mbd_kin *k = &data->kin[model->coupled[i] + 1];
     tdm_wrench load = mbd_load_at(data, i, t);
-    p.supplied += tdm_dot(load.force, k->v) + tdm_dot(load.moment, k->w);
+    p.coupled += tdm_dot(load.force, k->v) + tdm_dot(load.moment, k->w);
   }
+  p.supplied += p.coupled;
   return p;
+}
+
+mbd_work mbd_work_add(mbd_work a, mbd_work b) {
+  return (mbd_work){a.supplied + b.supplied, a.coupled + b.coupled, a.dissipated + b.dissipated};
 }
 
 mbd_work mbd_work_over(const mbd_model *model, mbd_data *data, double from, double to, mbd_unknowns_fn unknowns,
                        void *context) {
   const double place[] = {0.5 - 0.5 * sqrt(0.6), 0.5, 0.5 + 0.5 * sqrt(0.6)}, weight[] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
-  mbd_work work = {0, 0};
+  mbd_work work = {0};
   if (model->nforce == 0 && model->ndriver == 0 && (model->ncoupled == 0 || data->nload == 0))
     return work;
   for (int i = 0; i < 3; i++) {
@@ -45,6 +50,7 @@ mbd_work mbd_work_over(const mbd_model *model, mbd_data *data, double from, doub
     const double *y = unknowns(context, t);
     mbd_work p = y ? mbd_power_at(model, data, t, y) : work;
     work.supplied += weight[i] * (to - from) * p.supplied;
+    work.coupled += weight[i] * (to - from) * p.coupled;
     work.dissipated += weight[i] * (to - from) * p.dissipated;
   }
   return work;

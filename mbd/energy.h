@@ -20,6 +20,9 @@ mbd_work mbd_power_at(const mbd_model *model, mbd_data *data, double t, const do
 /* Hands out the unknowns at time t inside the last step; NULL: none. */
 typedef const double *(*mbd_unknowns_fn)(void *context, double t);
 
+/* Sum of two works. */
+mbd_work mbd_work_add(mbd_work a, mbd_work b);
+
 /* Work from time `from` to `to` inside the last step, by Gauss' rule with three points (exact to order 5); nothing is
  * evaluated where nothing can do work. */
 mbd_work mbd_work_over(const mbd_model *model, mbd_data *data, double from, double to, mbd_unknowns_fn unknowns,

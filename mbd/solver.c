@@ -1,5 +1,6 @@
 #include "mbd/solver.h"
 
+#include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/output.h"
 #include "mbd/reduced.h"
@@ -275,6 +276,15 @@ static tdm_status refuse_turned(const solver *s, tdm_error *err) {
       f->ops->name, f->name, s->data->turned_at);
 }
 
+/* Stored at the end of a window; supplied by what is not the coupling load. */
+static tdm_energy energy_now(solver *s, double t) {
+  mbd_kinematics(s->model, s->data, t, s->data->y);
+  mbd_energies e = mbd_energies_at(s->model, s->data);
+  return (tdm_energy){.kinetic = e.kinetic,
+                      .stored = e.kinetic + e.potential + e.springs,
+                      .supplied = s->data->work.supplied - s->data->work.coupled};
+}
+
 static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_error *err) {
   solver *s = self;
   const mbd_model *m = s->model;
@@ -302,6 +312,8 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   }
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
+  if (result->has_energy)
+    *result->energy = energy_now(s, in->t1);
   return linearise(s, in->t1, result->acceleration, &result->mobility, err);
 }
 
@@ -343,7 +355,7 @@ const mbd_stats *mbd_solver_stats(void *self) {
   return &s->data->stats;
 }
 
-static const char *const capabilities[] = {"restore", "acceleration", "mobility"};
+static const char *const capabilities[] = {"restore", "acceleration", "mobility", "energy"};
 
 const tdm_solver_ops mbd_solver_ops = {
     .capabilities = capabilities,
