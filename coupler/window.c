@@ -6,6 +6,41 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- the mechanism at the window's start ---- */
+
+/* Keep what MBD says of the mechanism at the end of a window; `acceleration` (nbody x 6) under loop->load there. */
+static void keep_proxy(cpl_loop *loop, const double *acceleration, const tdm_mobility *mobility) {
+  const size_t n = (size_t)loop->nbody;
+  double *at = loop->proxy_block;
+  loop->proxy = (tdm_proxy){.acceleration = at, .load = (tdm_wrench *)(void *)(at + 6 * n)};
+  memcpy(at, acceleration, 6 * n * sizeof *at);
+  at += 6 * n;
+  for (size_t i = 0; i < n; i++) {
+    tdm_wrench end = {0};
+    for (int j = 0; j < loop->nload; j++) {
+      const tdm_wrench *c = &loop->load[i * CPL_HISTORY_MAX + (size_t)j];
+      end.force = tdm_add(end.force, c->force);
+      end.moment = tdm_add(end.moment, c->moment);
+    }
+    memcpy(at + 6 * i, &end, sizeof end);
+  }
+  at += 6 * n;
+  loop->proxy.correction = at; /* zeros */
+  at += 12 * n;
+  loop->proxy.mobility = *mobility;
+  tdm_mobility_copy(at, mobility);
+  tdm_mobility_point(&loop->proxy.mobility, at);
+}
+
+/* Room for the largest, and the start of the run; false: no memory. */
+static bool make_proxy(cpl_loop *loop, const cpl_session *session) {
+  const tdm_mobility largest = {.nbody = loop->nbody, .nfree = TDM_FREE_MAX};
+  loop->proxy_block = calloc(24 * (size_t)loop->nbody + tdm_mobility_doubles(&largest) + 1, sizeof(double));
+  if (loop->proxy_block)
+    keep_proxy(loop, session->acceleration, &session->mobility);
+  return loop->proxy_block;
+}
+
 tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, struct cpl_record *record,
                          tdm_error *err) {
   size_t nbody = (size_t)settings->nbody + 1;                                  /* + 1: never an empty allocation */
@@ -31,6 +66,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->path_end = calloc(nbody, sizeof *loop->path_end);
   loop->load = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->load);
   loop->packed = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->packed);
+  if (cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
       !loop->packed || !loop->left || !loop->path_start || !loop->path_end)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
@@ -52,6 +89,7 @@ void cpl_loop_free(cpl_loop *loop) {
   free(loop->path_end);
   free(loop->load);
   free(loop->packed);
+  free(loop->proxy_block);
   *loop = (cpl_loop){0};
 }
 
@@ -85,6 +123,8 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
     return status;
   status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
+  if (loop->proxy_block)
+    keep_proxy(loop, loop->result[CPL_MBD].acceleration, &loop->result[CPL_MBD].mobility);
   loop->window++;
   return status;
 }
@@ -127,6 +167,7 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
   for (int i = 0; i < loop->nbody; i++)
     for (int j = 0; j < ncoefficient; j++)
       loop->packed[i * ncoefficient + j] = loop->load[i * CPL_HISTORY_MAX + j];
+  loop->nload = ncoefficient;
   tdm_step step = {.nload = ncoefficient, .load = loop->packed};
   tdm_status status = exchange(loop, CPL_MBD, &step, err);
   if (status != TDM_OK)
@@ -145,9 +186,8 @@ tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err) {
   return cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err);
 }
 
-tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err) {
-  tdm_step step = {.nstate = loop->nbody, .start = start, .end = end};
-  tdm_status status = exchange(loop, CPL_DEM, &step, err);
+static tdm_status solve_dem(cpl_loop *loop, tdm_step *step, tdm_error *err) {
+  tdm_status status = exchange(loop, CPL_DEM, step, err);
   if (status != TDM_OK)
     return status;
   for (int i = 0; i < loop->nbody; i++) {
@@ -155,5 +195,36 @@ tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm
     if (!tdm_finite((const double *)(const void *)&loop->mean[i], TDM_WRENCH_DOUBLES))
       return not_finite(loop, CPL_DEM, i, "a load", err);
   }
+  return TDM_OK;
+}
+
+tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err) {
+  tdm_step step = {.nstate = loop->nbody, .start = start, .end = end};
+  return solve_dem(loop, &step, err);
+}
+
+/* Coefficients in s = (t - t0)/H of m0 + 3 m1 P1(2s - 1) + 5 m2 P2(2s - 1). */
+static void from_moments(const tdm_wrench *moment, int n, tdm_wrench *out) {
+  const double *m0 = (const double *)(const void *)&moment[0], *m1 = (const double *)(const void *)&moment[1];
+  const double *m2 = (const double *)(const void *)&moment[2];
+  for (int i = 0; i < TDM_WRENCH_DOUBLES; i++) {
+    double slope = n > 1 ? 3 * m1[i] : 0, bend = n > 2 ? 5 * m2[i] : 0;
+    const double c[CPL_HISTORY_MAX] = {m0[i] - slope + bend, 2 * slope - 6 * bend, 6 * bend};
+    for (int j = 0; j < n; j++)
+      ((double *)(void *)&out[j])[i] = c[j];
+  }
+}
+
+tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err) {
+  const uint64_t nstep = loop->step1 - loop->step0;
+  tdm_step step = {.nstate = loop->nbody, .start = loop->state_start, .end = loop->state_start, .has_proxy = true};
+  step.proxy = loop->proxy;
+  if (correction)
+    step.proxy.correction = correction;
+  if (solve_dem(loop, &step, err) != TDM_OK)
+    return err->status;
+  loop->nload = nstep == 1 ? 1 : nstep < 4 ? 2 : 3;
+  for (int i = 0; i < loop->nbody; i++)
+    from_moments(loop->result[CPL_DEM].body[i].moment, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
   return TDM_OK;
 }

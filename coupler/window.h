@@ -34,8 +34,11 @@ typedef struct cpl_loop {
   tdm_pose *left;                   /* (nbody) dem-first: where DEM left the bodies at t0 */
   tdm_state *path_start, *path_end; /* (nbody) dem-first: their path through the window */
   tdm_wrench *load;                 /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
-  tdm_wrench *packed;               /* the same without gaps, as it is sent */
-  tdm_result result[CPL_NROLE];     /* last results; their arrays live in the session's buffers */
+  int nload;                        /* its coefficients; of the last window until there are new ones */
+  tdm_proxy proxy;                  /* the mechanism at t0, if the scheme needs it; points into proxy_block */
+  double *proxy_block;
+  tdm_wrench *packed;           /* the same without gaps, as it is sent */
+  tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
 } cpl_loop;
 
 /* Set up the loop after both solvers are READY. */
@@ -51,6 +54,12 @@ bool cpl_loop_done(const cpl_loop *loop);
 
 /* MBD over the window under loop->load (its first `ncoefficient` entries a body): sets state_end. */
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);
+
+/* DEM over the window with a proxy: it carries the mechanism, as MBD left it, through the window itself, and ends
+ * beside that by `correction` (nbody x 12, see tdm_proxy; NULL: zeros). Sets mean, and load to the polynomial with the
+ * moments that DEM found (nload coefficients: the mean alone for one step a window, a line for two and three). Where
+ * the proxy went stands in the interface of DEM's result. */
+tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err);
 
 /* DEM over the window along the path from state_start to state_end: sets mean. */
 tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err);

@@ -11,6 +11,9 @@
 #include "dem/flow.h"
 #include "dem/geometry/walls.h"
 #include "dem/guard.h"
+#include "dem/integrate.h"
+#include "dem/limits.h"
+#include "dem/proxy.h"
 #include "dem/report.h"
 #include "dem/settle.h"
 #include "dem/state.h"
@@ -51,6 +54,8 @@ typedef struct {
   tdm_participant *participant; /* borrowed; NULL: no server */
   dem_motion *motion;           /* (ncoupled) paths of the present window */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
+  dem_proxy *proxy;
+  double contact_time; /* the shortest that is expected [s] */
   int nchannel;
   tdm_channel *channel; /* (nchannel) */
   double *initial;      /* (nchannel) */
@@ -327,6 +332,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_energy_begin(&d->energy);
   dem_guard_begin(d);
   dem_supply_begin(d);
+  s->contact_time = dem_limits_expected(d).contact;
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->body_load[m->coupled_body[c]];
@@ -363,19 +369,27 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   s->data = dem_data_create(s->model);
   s->motion = calloc((size_t)assignment->nbody + 1, sizeof *s->motion);
   s->load = calloc((size_t)assignment->nbody + 1, sizeof *s->load);
-  if (!s->data || !s->motion || !s->load || !make_channels(s))
+  s->proxy = dem_proxy_create(s->model);
+  if (!s->data || !s->motion || !s->load || !s->proxy || !make_channels(s))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", s->model->nparticle);
   return start(s, ready, err);
 }
 
 /* ---- step ---- */
 
-/* the bodies' paths of this window */
-static tdm_status make_paths(dem_solver *s, const tdm_step *step, tdm_error *err) {
+/* the bodies' paths of this window, or the mechanism that carries them */
+static tdm_status make_paths(dem_solver *s, const tdm_step *step, double dt, tdm_error *err) {
   const dem_model *m = s->model;
   if (step->nbody != m->ncoupled || step->nstate != m->ncoupled)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP has states of %d bodies, ASSIGN had %d", step->nstate,
                     m->ncoupled);
+  if (step->has_proxy && m->integrator->kick)
+    return tdm_fail(err, TDM_ERR_SCENE, "dem.integrator",
+                    "\"%s\" cannot carry the mechanism of a scheme with a proxy; take \"verlet\", or another "
+                    "coupling.scheme",
+                    m->integrator->name);
+  if (step->has_proxy)
+    return dem_proxy_begin(s->proxy, s->data, step, dt, s->contact_time, err);
   for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window */
     s->motion[c] = dem_motion_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
   return TDM_OK;
@@ -394,20 +408,58 @@ static double step_time(const dem_data *d, const tdm_step *step, uint64_t k, dou
   return fabs(t - own) < 1e-3 * dt ? own : t;
 }
 
+/* The load on coupled body c as a kick at s in [0, 1], with the share `weight` of the window, into its moments. */
+static void add_moments(tdm_interface *body, double weight, double s, const tdm_wrench *load) {
+  const double x = 2 * s - 1, legendre[] = {1, x, 1.5 * x * x - 0.5};
+  for (int j = 0; j < 3; j++) {
+    body->moment[j].force = tdm_axpy(weight * legendre[j], load->force, body->moment[j].force);
+    body->moment[j].moment = tdm_axpy(weight * legendre[j], load->moment, body->moment[j].moment);
+  }
+}
+
+/* Step k of n is done (0: the window begins): what the loads on the coupled bodies did as kicks. */
+static void add_kicks(dem_solver *s, const tdm_step *step, uint64_t k, tdm_result *result) {
+  const uint64_t n = step->nstep;
+  const double at = (double)k / (double)n, weight = (k == 0 || k == n ? 0.5 : 1) / (double)n;
+  for (int c = 0; c < result->ninterface; c++) {
+    tdm_interface *body = &result->body[c];
+    const tdm_wrench *load = &s->data->body_load[s->model->coupled_body[c]];
+    add_moments(body, weight, at, load);
+    if (step->has_proxy)
+      continue; /* it knows */
+    tdm_twist twist = dem_motion_twist(&s->motion[c], at);
+    body->work +=
+        weight * (step->t1 - step->t0) * (tdm_dot(load->force, twist.velocity) + tdm_dot(load->moment, twist.angular));
+    body->end = step->end[c];
+  }
+}
+
+/* step k of the window */
+static bool advance(dem_solver *s, const tdm_step *step, uint64_t k, double dt) {
+  if (!step->has_proxy)
+    return dem_step(s->data, s->motion, k, step->nstep, false, dt);
+  dem_proxy_drift(s->proxy, s->data);
+  bool good = dem_step(s->data, NULL, k, step->nstep, false, dt);
+  dem_proxy_kick(s->proxy, s->data);
+  return good;
+}
+
 static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, tdm_error *err) {
   dem_solver *s = self;
   dem_data *d = s->data;
   const dem_model *m = s->model;
-  if (make_paths(s, step, err))
-    return err->status;
   double dt = window_dt(m, step);
+  if (make_paths(s, step, dt, err))
+    return err->status;
   memset(s->load, 0, (size_t)m->ncoupled * sizeof *s->load);
+  add_kicks(s, step, 0, result);
   int sample = 0;
 
   for (uint64_t k = 1; k <= step->nstep; k++) {
     d->traction.wanted = m->triangle_forces && k == step->nstep; /* runs end windows where they write files */
-    if (!dem_step(d, s->motion, k, step->nstep, false, dt))
+    if (!advance(s, step, k, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    add_kicks(s, step, k, result);
 
     /* [L18] Eq. 2: the mean of the n samples after each step */
     for (int c = 0; c < m->ncoupled; c++)
@@ -429,6 +481,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     if (tdm_participant_alive(s->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
+  if (step->has_proxy)
+    dem_proxy_end(s->proxy, d, result->ninterface > 0 ? result->body : NULL);
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
   if (result->has_energy)
@@ -466,6 +520,7 @@ static void destroy(void *self) {
   for (int k = 0; k < TDM_SLOTS_MAX; k++)
     dem_data_destroy(&s->slot[k].data);
   json_decref(s->report.json);
+  dem_proxy_destroy(&s->proxy);
   dem_data_destroy(&s->data);
   dem_model_destroy(&s->model);
   free(s->channel);
@@ -479,7 +534,7 @@ const dem_data *dem_solver_data(const void *self) {
   const dem_solver *s = self;
   return s->data;
 }
-static const char *const capabilities[] = {"restore", "energy"};
+static const char *const capabilities[] = {"restore", "interface", "proxy", "energy"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,

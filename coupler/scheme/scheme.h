@@ -23,6 +23,6 @@ typedef struct cpl_scheme {
 
 extern const cpl_scheme *const cpl_schemes[]; /* NULL-terminated; the first is the default */
 
-extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold, cpl_scheme_dem_first;
+extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold, cpl_scheme_dem_first, cpl_scheme_proxy;
 
 #endif

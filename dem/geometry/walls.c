@@ -16,6 +16,13 @@ void dem_walls_put(dem_data *d) {
     put(d, w);
 }
 
+void dem_coupled_walls_put(dem_data *d) {
+  const dem_model *m = d->model;
+  for (int w = 0; w < m->nwall; w++)
+    if (m->body[m->wall[w].body].coupled >= 0)
+      put(d, w);
+}
+
 void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n) {
   const dem_model *m = d->model;
   double s = (double)k / (double)n;
@@ -24,9 +31,7 @@ void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t
     d->pose[b] = dem_motion_pose(&motion[c], s);
     d->twist[b] = dem_motion_twist(&motion[c], s);
   }
-  for (int w = 0; w < m->nwall; w++)
-    if (m->body[m->wall[w].body].coupled >= 0)
-      put(d, w);
+  dem_coupled_walls_put(d);
 }
 
 void dem_bodies_drive(dem_data *d, double t) {

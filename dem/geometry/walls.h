@@ -11,6 +11,9 @@ void dem_bodies_move(dem_data *data, const dem_motion *motion, uint64_t k, uint6
 /* Bring the driven bodies and their walls to time t [s]. */
 void dem_bodies_drive(dem_data *data, double t);
 
+/* Put the walls of the coupled bodies where their poses say. */
+void dem_coupled_walls_put(dem_data *data);
+
 /* Put the walls of all bodies where the poses say. */
 void dem_walls_put(dem_data *data);
 

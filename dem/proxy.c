@@ -1,0 +1,406 @@
+/* The mechanism inside a window: see proxy.h. */
+#include "dem/proxy.h"
+
+#include "dem/geometry/walls.h"
+
+#include <gsl/gsl_linalg.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Hermite's cubic between two ends of an interval; rotations as rotation vectors. */
+typedef struct {
+  tdm_twist value0, rate0, value1, rate1; /* "velocity": way [m], "angular": turn [rad]; rates a second */
+} cubic;
+
+typedef struct {
+  tdm_state start, now;  /* by the proxy alone */
+  tdm_twist mid;         /* twist of the last step's middle */
+  cubic drift, correct;  /* over blend_time, over the window */
+  double work, blending; /* [J] */
+} carried;
+
+struct dem_proxy {
+  int k6, f, capacity; /* 6 bodies; independent velocities; room for so many */
+  double dt, H, blend_time, tau;
+  bool turns;      /* J and B turn with the (one) body */
+  bool path_turns; /* so does the velocity that drivers prescribe */
+  carried *body;   /* (k6 / 6) */
+  double *W0, *W;  /* (k6) loads at the start, now */
+  double *V;       /* (k6) scratch */
+  double *Vt, *at; /* (k6) prescribed part of the twists at the start, and its rate */
+  double *J, *B, *J_rate, *B_rate;
+  double *z;         /* (2f) delta u, dt (u' - u'_0) */
+  double *u1;        /* (f) u'_0 */
+  double *E;         /* (2f x 2f) flow over dt */
+  double *p;         /* (2f) its constant part */
+  double *work_area; /* (2f) */
+  double *block;     /* all of the above from W0 on */
+  gsl_matrix *L, *exponential;
+};
+
+/* ---- memory ---- */
+
+/* Room for f independent velocities. */
+static bool reserve(dem_proxy *x, int f) {
+  if (x->block && f <= x->capacity)
+    return true;
+  const size_t k = (size_t)x->k6, n = (size_t)f;
+  free(x->block);
+  gsl_matrix_free(x->L);
+  gsl_matrix_free(x->exponential);
+  x->L = gsl_matrix_alloc(2 * n + 1, 2 * n + 1);
+  x->exponential = gsl_matrix_alloc(2 * n + 1, 2 * n + 1);
+  const struct {
+    double **at;
+    size_t n;
+  } arrays[] = {{&x->W0, k},    {&x->W, k},         {&x->V, k},          {&x->Vt, k},           {&x->at, k},
+                {&x->J, k * n}, {&x->B, k * n},     {&x->J_rate, k * n}, {&x->B_rate, k * n},   {&x->z, 2 * n},
+                {&x->u1, n},    {&x->E, 4 * n * n}, {&x->p, 2 * n},      {&x->work_area, 2 * n}};
+  size_t all = 1, narray = sizeof arrays / sizeof arrays[0];
+  for (size_t i = 0; i < narray; i++)
+    all += arrays[i].n;
+  double *at = x->block = calloc(all, sizeof *x->block);
+  for (size_t i = 0; i < narray && at; at += arrays[i++].n)
+    *arrays[i].at = at;
+  x->capacity = f;
+  return x->block && x->L && x->exponential;
+}
+
+dem_proxy *dem_proxy_create(const dem_model *model) {
+  dem_proxy *x = calloc(1, sizeof *x);
+  if (!x)
+    return NULL;
+  x->k6 = 6 * model->ncoupled;
+  x->body = calloc((size_t)model->ncoupled + 1, sizeof *x->body);
+  if (!x->body)
+    dem_proxy_destroy(&x);
+  return x;
+}
+
+void dem_proxy_destroy(dem_proxy **proxy) {
+  dem_proxy *x = *proxy;
+  if (!x)
+    return;
+  gsl_matrix_free(x->L);
+  gsl_matrix_free(x->exponential);
+  free(x->body);
+  free(x->block);
+  free(x);
+  *proxy = NULL;
+}
+
+/* ---- small pieces ---- */
+
+static tdm_vec3 vec(const double *a) {
+  return (tdm_vec3){a[0], a[1], a[2]};
+}
+
+static void set(double *a, tdm_vec3 v) {
+  a[0] = v.x, a[1] = v.y, a[2] = v.z;
+}
+
+static tdm_twist twist_of(const double *a) {
+  return (tdm_twist){vec(a), vec(a + 3)};
+}
+
+static tdm_twist add_twists(tdm_twist a, tdm_twist b) {
+  return (tdm_twist){tdm_add(a.velocity, b.velocity), tdm_add(a.angular, b.angular)};
+}
+
+static tdm_twist along(double s, tdm_twist a, tdm_twist b) {
+  return (tdm_twist){tdm_axpy(s, a.velocity, b.velocity), tdm_axpy(s, a.angular, b.angular)};
+}
+
+static double power(const double *load, tdm_twist t) {
+  return tdm_dot(vec(load), t.velocity) + tdm_dot(vec(load + 3), t.angular);
+}
+
+/* the world's turn that takes orientation b to a */
+static tdm_vec3 turn_between(tdm_quat a, tdm_quat b) {
+  return tdm_quat_to_rotvec(tdm_quat_mul(a, tdm_quat_conj(b)));
+}
+
+static tdm_quat turned(tdm_vec3 turn, tdm_quat q) {
+  return tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(turn), q));
+}
+
+/* Value and rate at time t of the cubic over T. */
+static void cubic_at(const cubic *c, double T, double t, tdm_twist *value, tdm_twist *rate) {
+  double s = t < T ? t / T : 1;
+  double v0 = (1 + 2 * s) * (1 - s) * (1 - s), r0 = T * s * (1 - s) * (1 - s), v1 = s * s * (3 - 2 * s);
+  double r1 = T * s * s * (s - 1), dv = 6 * s * (1 - s) / T, d0 = (1 - s) * (1 - 3 * s), d1 = s * (3 * s - 2);
+  const tdm_twist none = {0};
+  *value = along(v0, c->value0, along(r0, c->rate0, along(v1, c->value1, along(r1, c->rate1, none))));
+  *rate = along(-dv, c->value0, along(d0, c->rate0, along(dv, c->value1, along(d1, c->rate1, none))));
+}
+
+static void gather(const dem_proxy *x, const dem_data *d) {
+  for (int c = 0; 6 * c < x->k6; c++)
+    memcpy(x->W + 6 * c, &d->body_load[d->model->coupled_body[c]], 6 * sizeof(double));
+}
+
+/* ---- the window's start ---- */
+
+/* Is `rate` (6 rows, n columns, row by row) that of vectors that turn with omega? */
+static bool turns_with(tdm_vec3 omega, const double *a, const double *rate, int n) {
+  double off = 0, all = 0;
+  for (int half = 0; half < 2; half++)
+    for (int j = 0; j < n; j++) {
+      const double *row = a + 3 * half * n + j, *r = rate + 3 * half * n + j;
+      tdm_vec3 turning = tdm_cross(omega, (tdm_vec3){row[0], row[n], row[2 * n]});
+      tdm_vec3 apart = tdm_sub((tdm_vec3){r[0], r[n], r[2 * n]}, turning);
+      off += tdm_dot(apart, apart);
+      all += tdm_dot(turning, turning);
+    }
+  return off <= 1e-6 * all;
+}
+
+/* The reduced model; without one the mobility alone stands for a mechanism of 6k independent velocities. */
+static bool take_model(dem_proxy *x, const tdm_step *step) {
+  const tdm_proxy *in = &step->proxy;
+  const tdm_mobility *m = &in->mobility;
+  const int k = x->k6;
+  double any = 0;
+  for (int i = 0; i < k * k; i++)
+    any = fmax(any, fabs(m->Y[i]));
+  const bool alone = m->nfree == 0 && any > 0;
+  const int f = x->f = alone ? k : m->nfree;
+  if (!reserve(x, f))
+    return false;
+  memset(x->J, 0, 4 * (size_t)(k * f) * sizeof(double)); /* J, B and their rates */
+  if (alone) {
+    memcpy(x->B, m->Y, (size_t)(k * k) * sizeof(double));
+    for (int i = 0; i < k; i++) {
+      x->J[i * k + i] = 1;
+      x->u1[i] = ((const double *)(const void *)&step->start[i / 6].twist)[i % 6];
+    }
+  } else if (f > 0) {
+    const size_t size = (size_t)(k * f) * sizeof(double);
+    memcpy(x->J, m->J, size);
+    memcpy(x->B, m->B, size);
+    memcpy(x->J_rate, m->J_rate, size);
+    memcpy(x->B_rate, m->B_rate, size);
+    memcpy(x->u1, m->velocity, (size_t)f * sizeof(double));
+  }
+  memset(x->z, 0, 2 * (size_t)f * sizeof(double));
+  return true;
+}
+
+/* What drivers prescribe: V - J u', and its rate a - J u'' - (dJ/dt) u'. */
+static void take_prescribed(dem_proxy *x, const tdm_step *step, const double *u2) {
+  const int k = x->k6, f = x->f;
+  for (int i = 0; i < k; i++) {
+    x->Vt[i] = ((const double *)(const void *)&step->start[i / 6].twist)[i % 6];
+    x->at[i] = step->proxy.acceleration[i];
+    for (int j = 0; j < f; j++) {
+      x->Vt[i] -= x->J[i * f + j] * x->u1[j];
+      x->at[i] -= x->J[i * f + j] * u2[j] + x->J_rate[i * f + j] * x->u1[j];
+    }
+  }
+  const tdm_vec3 omega = step->start[0].twist.angular;
+  const bool rests = tdm_dot(omega, omega) == 0;
+  x->turns = k == 6 && f > 0 && (rests ? f == 1 : turns_with(omega, x->J, x->J_rate, f));
+  x->path_turns = k == 6 && !rests && turns_with(omega, x->Vt, x->at, 1);
+}
+
+/* Flow over dt of (delta u, dt (u' - u'_0), 1): increments of velocities times dt, so that all entries are lengths. */
+static void take_flow(dem_proxy *x, const tdm_mobility *m, const double *u2) {
+  const int f = x->f, n = 2 * f;
+  const double dt = x->dt;
+  const bool linear = m->nfree > 0; /* with stiffness and damping */
+  gsl_matrix_set_zero(x->L);
+  gsl_matrix_view view = gsl_matrix_submatrix(x->L, 0, 0, (size_t)n + 1, (size_t)n + 1);
+  gsl_matrix_view out = gsl_matrix_submatrix(x->exponential, 0, 0, (size_t)n + 1, (size_t)n + 1);
+  double any = 0;
+  for (int i = 0; i < f; i++) {
+    gsl_matrix_set(&view.matrix, (size_t)i, (size_t)(f + i), 1);
+    gsl_matrix_set(&view.matrix, (size_t)i, (size_t)n, dt * x->u1[i]);
+    gsl_matrix_set(&view.matrix, (size_t)(f + i), (size_t)n, dt * dt * u2[i]);
+    for (int j = 0; linear && j < f; j++) {
+      double stiffness = dt * dt * m->stiffness[i * f + j], damping = dt * m->damping[i * f + j];
+      any = fmax(any, fmax(fabs(stiffness), fabs(damping)));
+      gsl_matrix_set(&view.matrix, (size_t)(f + i), (size_t)j, -stiffness);
+      gsl_matrix_set(&view.matrix, (size_t)(f + i), (size_t)(f + j), -damping);
+    }
+  }
+  if (any > 0) {
+    gsl_linalg_exponential_ss(&view.matrix, &out.matrix, GSL_PREC_DOUBLE);
+  } else { /* I + L + L^2/2 is all of it */
+    gsl_matrix_memcpy(&out.matrix, &view.matrix);
+    for (int i = 0; i <= n; i++)
+      *gsl_matrix_ptr(&out.matrix, (size_t)i, (size_t)i) += 1;
+    for (int i = 0; i < f; i++)
+      *gsl_matrix_ptr(&out.matrix, (size_t)i, (size_t)n) += 0.5 * dt * dt * u2[i];
+  }
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++)
+      x->E[i * n + j] = gsl_matrix_get(&out.matrix, (size_t)i, (size_t)j);
+    x->p[i] = gsl_matrix_get(&out.matrix, (size_t)i, (size_t)n);
+  }
+}
+
+/* Where the bodies stand away from the multibody solver's, and where they are to end beside the proxy. */
+static void take_drift(dem_proxy *x, const dem_data *d, const tdm_step *step) {
+  for (int c = 0; 6 * c < x->k6; c++) {
+    const int b = d->model->coupled_body[c];
+    const tdm_state *start = &step->start[c];
+    const double *correction = step->proxy.correction + 12 * c;
+    carried *to = &x->body[c];
+    *to = (carried){.start = *start, .now = *start, .mid = start->twist};
+    to->drift.value0.velocity = tdm_sub(d->pose[b].position, start->pose.position);
+    to->drift.value0.angular = turn_between(d->pose[b].orientation, start->pose.orientation);
+    to->drift.rate0.velocity = tdm_sub(d->twist[b].velocity, start->twist.velocity);
+    to->drift.rate0.angular = tdm_sub(d->twist[b].angular, start->twist.angular);
+    to->correct.value1 = twist_of(correction);
+    to->correct.rate1 = twist_of(correction + 6);
+  }
+}
+
+tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step, double dt, double contact_time,
+                           tdm_error *err) {
+  x->dt = dt;
+  x->H = dt * (double)step->nstep;
+  x->tau = 0;
+  x->blend_time = fmax(x->H, fmax(isfinite(contact_time) ? 0.5 * contact_time : 0, 10 * dt));
+  if (!take_model(x, step))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a mechanism of %d degrees of freedom", x->f);
+  const double *u2 = step->proxy.mobility.nfree > 0 ? step->proxy.mobility.acceleration : step->proxy.acceleration;
+  memcpy(x->W0, step->proxy.load, (size_t)x->k6 * sizeof(double));
+  if (x->k6 > 0)
+    take_prescribed(x, step, u2);
+  if (x->f > 0)
+    take_flow(x, &step->proxy.mobility, u2);
+  take_drift(x, d, step);
+  gather(x, d);
+  return TDM_OK;
+}
+
+/* ---- in a step ---- */
+
+/* J u' into V, J taken at time tau and with the body turned by `turn` since the start. */
+static void twists(const dem_proxy *x, double tau, tdm_quat turn, double *V) {
+  const int k = x->k6, f = x->f;
+  for (int i = 0; i < k; i++) {
+    double sum = 0;
+    for (int j = 0; j < f; j++) {
+      double J = x->J[i * f + j] + (x->turns ? 0 : tau * x->J_rate[i * f + j]);
+      sum += J * (x->u1[j] + x->z[f + j] / x->dt);
+    }
+    V[i] = sum;
+  }
+  for (int half = 0; half < 2 && x->turns; half++)
+    set(V + 3 * half, tdm_quat_rotate(turn, vec(V + 3 * half)));
+  for (int half = 0; half < 2 && x->path_turns; half++)
+    set(V + 3 * half, tdm_add(vec(V + 3 * half), tdm_quat_rotate(turn, vec(x->Vt + 3 * half))));
+  for (int i = 0; i < k && !x->path_turns; i++)
+    V[i] += x->Vt[i] + tau * x->at[i];
+}
+
+/* how far the (one) body has turned since the start */
+static tdm_quat turn_so_far(const dem_proxy *x) {
+  const carried *b = &x->body[0];
+  return tdm_quat_mul(b->now.pose.orientation, tdm_quat_conj(b->start.pose.orientation));
+}
+
+/* delta u' += h B (W - W_0) */
+static void push(dem_proxy *x, double h, tdm_quat turn) {
+  const int k = x->k6, f = x->f;
+  double *extra = x->V;
+  for (int i = 0; i < k; i++)
+    extra[i] = x->W[i] - x->W0[i];
+  for (int half = 0; half < 2 && x->turns; half++)
+    set(extra + 3 * half, tdm_quat_rotate(tdm_quat_conj(turn), vec(extra + 3 * half)));
+  for (int j = 0; j < f; j++) {
+    double sum = 0;
+    for (int i = 0; i < k; i++)
+      sum += (x->B[j * k + i] + (x->turns ? 0 : x->tau * x->B_rate[j * k + i])) * extra[i];
+    x->z[f + j] += h * x->dt * sum;
+  }
+}
+
+/* Half a kick, and the work that it does: load times the mean of the twists before and after. */
+static void half_kick(dem_proxy *x) {
+  const tdm_quat turn = x->k6 == 6 ? turn_so_far(x) : tdm_quat_identity();
+  const double h = 0.5 * x->dt;
+  for (int after = 0; after < 2; after++) {
+    if (after)
+      push(x, h, turn);
+    twists(x, x->tau, turn, x->V);
+    for (int c = 0; 6 * c < x->k6; c++) {
+      tdm_twist value, rate, more;
+      carried *b = &x->body[c];
+      b->now.twist = twist_of(x->V + 6 * c);
+      b->work += 0.5 * h * power(x->W + 6 * c, b->now.twist);
+      cubic_at(&b->drift, x->blend_time, x->tau, &value, &rate);
+      cubic_at(&b->correct, x->H, x->tau, &value, &more);
+      b->blending += 0.5 * h * power(x->W + 6 * c, add_twists(rate, more));
+    }
+  }
+}
+
+/* Put body c where the proxy, drift and correction have it, with a twist of the proxy. */
+static void put(const dem_proxy *x, dem_data *d, int c, tdm_twist twist) {
+  const carried *b = &x->body[c];
+  const int to = d->model->coupled_body[c];
+  tdm_twist drift, drift_rate, way, way_rate;
+  cubic_at(&b->drift, x->blend_time, x->tau, &drift, &drift_rate);
+  cubic_at(&b->correct, x->H, x->tau, &way, &way_rate);
+  way = add_twists(drift, way);
+  d->pose[to].position = tdm_add(b->now.pose.position, way.velocity);
+  d->pose[to].orientation = turned(way.angular, b->now.pose.orientation);
+  d->twist[to] = add_twists(twist, add_twists(drift_rate, way_rate));
+}
+
+void dem_proxy_drift(dem_proxy *x, dem_data *d) {
+  const int f = x->f, n = 2 * f;
+  const double dt = x->dt;
+  half_kick(x);
+
+  /* the flow; the mean velocity over the step moves the poses */
+  double *next = x->work_area;
+  for (int i = 0; i < n; i++) {
+    next[i] = x->p[i];
+    for (int j = 0; j < n; j++)
+      next[i] += x->E[i * n + j] * x->z[j];
+  }
+  for (int j = 0; j < f; j++) /* mean of u' - u'_0, times dt */
+    x->z[f + j] = next[j] - x->z[j] - dt * x->u1[j];
+  tdm_quat middle = tdm_quat_identity();
+  if (x->k6 == 6)
+    middle = tdm_quat_mul(tdm_quat_from_rotvec(tdm_scale(0.5 * dt, x->body[0].mid.angular)), turn_so_far(x));
+  twists(x, x->tau + 0.5 * dt, middle, x->V);
+  for (int c = 0; 6 * c < x->k6; c++) {
+    carried *b = &x->body[c];
+    b->mid = twist_of(x->V + 6 * c);
+    b->now.pose.position = tdm_axpy(dt, b->mid.velocity, b->now.pose.position);
+    b->now.pose.orientation = turned(tdm_scale(dt, b->mid.angular), b->now.pose.orientation);
+  }
+  memcpy(x->z, next, (size_t)n * sizeof *next);
+  x->tau += dt;
+
+  /* contacts see the velocity predicted for the end of the step */
+  const tdm_quat turn = x->k6 == 6 ? turn_so_far(x) : tdm_quat_identity();
+  push(x, 0.5 * dt, turn);
+  twists(x, x->tau, turn, x->V);
+  memcpy(x->z, next, (size_t)n * sizeof *next);
+  for (int c = 0; 6 * c < x->k6; c++)
+    put(x, d, c, twist_of(x->V + 6 * c));
+  dem_coupled_walls_put(d);
+}
+
+void dem_proxy_kick(dem_proxy *x, const dem_data *d) {
+  gather(x, d);
+  half_kick(x);
+}
+
+void dem_proxy_end(dem_proxy *x, dem_data *d, tdm_interface *body) {
+  for (int c = 0; 6 * c < x->k6; c++) {
+    const carried *b = &x->body[c];
+    put(x, d, c, b->now.twist);
+    if (body) {
+      body[c].end = b->now;
+      body[c].work = b->work;
+      body[c].blending = b->blending;
+    }
+  }
+}
