@@ -104,8 +104,8 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
 }
 
 static tdm_status plot_histories(report *r, tdm_error *err) {
-  static const char *const patterns[] = {"body_*.csv", "mbd.csv", "dem.csv"};
-  for (int i = 0; i < 3 && err->status == TDM_OK; i++) {
+  static const char *const patterns[] = {"body_*.csv", "ledger.csv", "mbd.csv", "dem.csv"};
+  for (int i = 0; i < 4 && err->status == TDM_OK; i++) {
     char pattern[4352];
     glob_t found;
     snprintf(pattern, sizeof pattern, "%s/%s", r->dir, patterns[i]);

@@ -6,6 +6,7 @@
 #define CPL_WINDOW_H
 
 #include "coupler/extrapolate.h"
+#include "coupler/ledger.h"
 #include "coupler/scheme/scheme.h"
 #include "coupler/session.h"
 #include "coupler/settings.h"
@@ -37,7 +38,9 @@ typedef struct cpl_loop {
   int nload;                        /* its coefficients; of the last window until there are new ones */
   tdm_proxy proxy;                  /* the mechanism at t0, if the scheme needs it; points into proxy_block */
   double *proxy_block;
-  tdm_wrench *packed;           /* the same without gaps, as it is sent */
+  tdm_wrench *packed;                   /* the same without gaps, as it is sent */
+  const tdm_state *dem_start, *dem_end; /* (nbody) the path that DEM was last sent along */
+  cpl_ledger ledger;
   tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
 } cpl_loop;
 

@@ -1,6 +1,7 @@
 /* Stored energy: see stored.h. */
 #include "dem/stored.h"
 
+#include "dem/contact/theory.h"
 #include "dem/domain.h"
 #include "dem/extras.h"
 #include "dem/geometry/walls.h"
