@@ -13,7 +13,8 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
          s->dt);
   printf("  %-28s n = %ld: %llu windows of %g s\n", "windows", s->n, (unsigned long long)cpl_total_windows(s),
          (double)s->n * s->dt);
-  printf("  %-28s %s: %s\n", "scheme", s->scheme->name, s->scheme->summary);
+  printf("  %-28s %s: %s\n", session->scheme == s->scheme ? "scheme" : "scheme (the fallback)", session->scheme->name,
+         session->scheme->summary);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->output_interval,
          floor((double)cpl_total_steps(s) * s->dt / s->output_interval + 1e-6) + 1);
   for (int i = 0; i < s->nbody; i++)

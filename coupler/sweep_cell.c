@@ -1,4 +1,5 @@
 /* One cell of a sweep: run it, compare it, decide whether it is ok, unstable or failed. */
+#include "coupler/scheme/scheme.h"
 #include "coupler/sweep.h"
 
 #include "coupler/table.h"
@@ -50,7 +51,7 @@ json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const cha
   json_t *scheme = value_at(&scene, "coupling.scheme");
   if (json_is_null(scheme)) {
     json_decref(scheme);
-    scheme = json_string("lommen");
+    scheme = json_string(cpl_schemes[0]->name);
   }
   json_t *row = json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"),
                           "n", value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status,

@@ -446,7 +446,7 @@ START_TEST(the_summary_tells_how_it_went) {
   ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
   static const char *const words[] = {"\"status\": \"TDM_OK\"",
                                       "\"windows\": 100",
-                                      "\"coupling.scheme\": \"lommen\"",
+                                      "\"coupling.scheme\": \"proxy\"",
                                       "tandem-dem",
                                       "tandem-mbd",
                                       "\"setup\"",

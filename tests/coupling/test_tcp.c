@@ -9,12 +9,12 @@
 #include <sys/socket.h>
 
 /* A free body of 1 kg; dem is the dummy with one spring. */
-static const char scene[] =
-    "{\"time\": {\"end\": 0.2, \"dt\": 1e-4}, \"coupling\": {\"n\": 10, \"transport\": \"tcp\",\n"
-    " \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}], \"timeout\": 5},\n"
-    " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
-    "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
-    " \"dem\": {\"stiffness\": 100}}\n";
+static const char scene[] = "{\"time\": {\"end\": 0.2, \"dt\": 1e-4}, \"coupling\": {\"fallback\": \"lommen\", \"n\": "
+                            "10, \"transport\": \"tcp\",\n"
+                            " \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}], \"timeout\": 5},\n"
+                            " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
+                            "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
+                            " \"dem\": {\"stiffness\": 100}}\n";
 
 static const char *dir;
 static int port;

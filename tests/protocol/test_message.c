@@ -73,6 +73,52 @@ START_TEST(step_round_trip) {
 }
 END_TEST
 
+/* a STEP with a proxy of f freedoms for the two bodies; `block` has its numbers */
+static tdm_step step_with_proxy(int f, double *block) {
+  tdm_step s = example_step();
+  s.nload = 0;
+  s.has_proxy = true;
+  for (int i = 0; i < 2000; i++)
+    block[i] = 3000 + i;
+  s.proxy = (tdm_proxy){.acceleration = block,
+                        .load = (const tdm_wrench *)(const void *)(block + 12),
+                        .correction = block + 24,
+                        .mobility = {.nbody = 2, .nfree = f}};
+  tdm_mobility_point(&s.proxy.mobility, block + 48);
+  return s;
+}
+
+START_TEST(proxy_round_trip) {
+  tdm_frame frame = {0}, store = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  double block[2000];
+  for (int f = 0; f <= 4; f += 2) {
+    tdm_step out = step_with_proxy(f, block), in;
+    size_t n = 48 + tdm_mobility_doubles(&out.proxy.mobility);
+    ck_assert_int_eq(tdm_step_write(&frame, &out, &err), TDM_OK);
+    ck_assert_uint_eq(frame.size, TDM_HEADER_BYTES + TDM_STEP_BYTES + 8 * (52 + 3 + n));
+    ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+    ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_OK);
+    ck_assert(in.has_proxy);
+    ck_assert_int_eq(in.proxy.mobility.nfree, f);
+    ck_assert_mem_eq(in.sample_time, out.sample_time, 3 * sizeof(double));
+    ck_assert_mem_eq(in.proxy.acceleration, block, n * sizeof(double)); /* one block, in wire order */
+    ck_assert_ptr_eq(in.proxy.mobility.B_rate + 12 * f, in.proxy.acceleration + n);
+    frame.data[TDM_HEADER_BYTES + 40] ^= 2; /* something else is announced */
+    ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
+    frame.data[TDM_HEADER_BYTES + 40] ^= 3; /* nothing is */
+    ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
+    frame.data[TDM_HEADER_BYTES + 40] ^= 1;
+    frame.data[TDM_HEADER_BYTES + 42] = TDM_FREE_MAX + 1; /* too much freedom */
+    ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
+    err = (tdm_error){0};
+  }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+}
+END_TEST
+
 START_TEST(result_round_trip) {
   tdm_frame frame = {0}, store = {0}, store2 = {0};
   tdm_error err = {0};
@@ -105,8 +151,8 @@ END_TEST
 static tdm_result extended_result(int k, int f, tdm_frame *store, double *block) {
   tdm_error err = {0};
   tdm_result out = {.window = 5, .t = 2, .nbody = k, .nstate = k, .nsample = 1, .nchannel = 1};
-  out.nacceleration = k;
-  out.has_mobility = true;
+  out.nacceleration = out.ninterface = k;
+  out.has_mobility = out.has_energy = true;
   out.mobility = (tdm_mobility){.nbody = k, .nfree = f};
   ck_assert_int_eq(tdm_result_layout(&out, store, &err), TDM_OK);
   for (size_t i = 0; i < store->size / 8; i++)
@@ -133,7 +179,11 @@ START_TEST(mobility_round_trip) {
     ck_assert_int_eq(in.nacceleration, 2);
     ck_assert(in.has_mobility);
     ck_assert_int_eq(in.mobility.nfree, f);
+    ck_assert_int_eq(in.ninterface, 2);
+    ck_assert(in.has_energy);
     ck_assert_mem_eq(in.acceleration, out.acceleration, 12 * sizeof(double));
+    ck_assert_mem_eq(in.body, out.body, 2 * sizeof *in.body);
+    ck_assert_mem_eq(in.energy, out.energy, sizeof *in.energy);
     ck_assert_mem_eq(in.mobility.Y, block, n * sizeof(double)); /* one block, in wire order */
     ck_assert_ptr_eq(in.mobility.B_rate + 12 * f, in.mobility.Y + n);
     frame.data[TDM_HEADER_BYTES + 36] ^= 4; /* something else is announced */
@@ -185,15 +235,15 @@ END_TEST
 START_TEST(any_damage_is_survived) {
   tdm_frame frame = {0}, store = {0};
   tdm_error err = {0};
-  tdm_step step = example_step();
-  double block[2000];
-  for (int kind = 0; kind < 3; kind++) {
+  double block[2000], other[2000];
+  for (int kind = 0; kind < 4; kind++) {
+    tdm_step step = kind == 3 ? step_with_proxy(1, other) : example_step();
     tdm_result result = extended_result(1, 2, &store, block);
-    if (kind < 2)
+    if (kind != 2)
       ck_assert_int_eq(tdm_step_write(&frame, &step, &err), TDM_OK);
     else
       ck_assert_int_eq(tdm_result_write(&frame, &result, &err), TDM_OK);
-    frame.data[6] = kind == 0 ? TDM_STEP : TDM_RESULT;
+    frame.data[6] = kind == 0 || kind == 3 ? TDM_STEP : TDM_RESULT;
     for (size_t i = 0; i < frame.size; i++)
       for (int bit = 0; bit < 8; bit++) {
         tdm_header header;
@@ -255,5 +305,5 @@ START_TEST(errors_travel) {
 }
 END_TEST
 
-TEST_MAIN("message", 60, control_round_trip, step_round_trip, result_round_trip, mobility_round_trip,
+TEST_MAIN("message", 60, control_round_trip, step_round_trip, proxy_round_trip, result_round_trip, mobility_round_trip,
           malformed_headers_are_refused, any_damage_is_survived, absurd_steps_are_refused, errors_travel)

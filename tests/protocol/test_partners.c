@@ -8,12 +8,13 @@
 #include <time.h>
 
 /* A free body of 1 kg, started at 1 m/s; dem is a foreign solver. */
-static const char scene[] = "{\"time\": {\"end\": 0.2, \"dt\": 1e-4},\n"
-                            " \"coupling\": {\"n\": 1, \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}],\n"
-                            "  \"timeout\": 1.5, \"solvers\": {\"dem\": \"SOLVER\"}},\n"
-                            " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
-                            "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
-                            " \"dem\": {\"stiffness\": 100}}\n";
+static const char scene[] =
+    "{\"time\": {\"end\": 0.2, \"dt\": 1e-4},\n"
+    " \"coupling\": {\"n\": 1, \"fallback\": \"lommen\", \"bodies\": [{\"mbd\": \"mass\", \"dem\": \"mass\"}],\n"
+    "  \"timeout\": 1.5, \"solvers\": {\"dem\": \"SOLVER\"}},\n"
+    " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"mass\", \"mass\": 1,\n"
+    "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
+    " \"dem\": {\"stiffness\": 100}}\n";
 
 static const char *dir;
 
@@ -63,6 +64,23 @@ START_TEST(unknown_key_of_a_foreign_section) {
   expect_output("dem.stifness");
   expect_output("did you mean \"stiffness\"");
   expect_output("scene.json:6:2:"); /* --set made it: the place is its parent's */
+  directory_remove(dir);
+}
+END_TEST
+
+/* The dummy has no capabilities: what a scheme needs is refused by name, or the scene's fallback is taken. */
+START_TEST(a_scheme_that_a_solver_cannot_serve) {
+  setup();
+  const char *const run = "tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver %s";
+  ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=proxy"), 1);
+  expect_output("coupling.scheme: the scheme proxy needs the capability \"interface\", which");
+  ck_assert_int_eq(command(run, dir, dir, ""), 0);
+  ck_assert_int_eq(command("cat %s/out/summary.json %s/out/server.log", dir, dir), 0);
+  expect_output("\"coupling.scheme\": \"lommen\"");
+  expect_output("scheme=proxy lacks=interface of=dem takes=lommen");
+  ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=dem-first"), 0); /* needs mbd's accelerations only */
+  ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=none"), 1);
+  expect_output("coupling.fallback");
   directory_remove(dir);
 }
 END_TEST
@@ -203,6 +221,7 @@ START_TEST(a_solver_without_a_server_gives_up) {
 }
 END_TEST
 
-TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section, faults_are_named,
-          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
-          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
+TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section,
+          a_scheme_that_a_solver_cannot_serve, faults_are_named, a_fast_turn_is_refused, what_was_computed_is_kept,
+          a_deaf_solver_is_ended, a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers,
+          a_solver_without_a_server_gives_up)
