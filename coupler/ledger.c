@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum {
-  LOOKS = 3, /* in a row before the guard speaks */
+  LOOKS = 3, /* in a row before the guard speaks; one is enough at the end of the run */
   BODY_COLUMNS = 12,
   ENERGY_COLUMNS = 2
 };
@@ -91,6 +91,39 @@ static double residual_of(const cpl_ledger_body *b) {
   return b->work[CPL_MBD] - b->work[CPL_DEM];
 }
 
+/* ---- energy ---- */
+
+/* The largest energy so far, without the zero of the potentials [J]. */
+static double largest_energy(const cpl_ledger *l) {
+  return l->looks > 0 ? l->kinetic + l->potential[1] - l->potential[0] : NAN;
+}
+
+/* Both solvers were looked at: the balance, and by how much it has risen. True: by more than the guard allows. */
+static bool look(cpl_ledger *l) {
+  double stored = 0, kinetic = 0, supplied = 0, blending = 0, size = 0;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    stored += l->energy[r].stored;
+    kinetic += l->energy[r].kinetic;
+    supplied += l->energy[r].supplied;
+    size += fabs(l->energy[r].stored) + fabs(l->energy[r].supplied);
+  }
+  for (int i = 0; i < l->nbody; i++)
+    blending += l->body[i].blending;
+  double now = stored - supplied + blending;
+  if (l->looks++ == 0)
+    l->start = l->lowest = now;
+  l->balance = now - l->start;
+  l->lowest = fmin(l->lowest, now);
+  l->kinetic = fmax(l->kinetic, kinetic);
+  l->potential[0] = fmin(l->potential[0], stored - kinetic);
+  l->potential[1] = fmax(l->potential[1], stored - kinetic);
+  double rise = now - l->lowest, most = largest_energy(l);
+  if (!(rise > round_off * size))
+    return false;
+  l->rise = fmax(l->rise, rise / most);
+  return rise > l->settings->guard.energy * most + round_off * size;
+}
+
 /* ---- the file ---- */
 
 static void write_row(cpl_ledger *l, double time) {
@@ -144,8 +177,10 @@ tdm_status cpl_ledger_begin(cpl_ledger *l, const cpl_settings *settings, const c
   l->nbody = settings->nbody;
   for (int r = 0; r < CPL_NROLE; r++) {
     l->has_energy[r] = cpl_session_asks(session, (cpl_role)r, "energy");
-    l->energy[r] = (tdm_energy){NAN, NAN, 0};
+    l->energy[r] = session->partner[r].energy;
   }
+  if (!isnan(l->energy[CPL_MBD].stored + l->energy[CPL_DEM].stored))
+    look(l);
   write_header(l);
   write_row(l, 0);
   return TDM_OK;
@@ -157,38 +192,7 @@ void cpl_ledger_free(cpl_ledger *l) {
   *l = (cpl_ledger){0};
 }
 
-/* ---- energy ---- */
-
-/* The largest energy so far, without the zero of the potentials [J]. */
-static double largest_energy(const cpl_ledger *l) {
-  return l->looks > 0 ? l->kinetic + l->potential[1] - l->potential[0] : NAN;
-}
-
-/* Both solvers were looked at: the balance, and by how much it has risen. True: by more than the guard allows. */
-static bool look(cpl_ledger *l) {
-  double stored = 0, kinetic = 0, supplied = 0, blending = 0, size = 0;
-  for (int r = 0; r < CPL_NROLE; r++) {
-    stored += l->energy[r].stored;
-    kinetic += l->energy[r].kinetic;
-    supplied += l->energy[r].supplied;
-    size += fabs(l->energy[r].stored) + fabs(l->energy[r].supplied);
-  }
-  for (int i = 0; i < l->nbody; i++)
-    blending += l->body[i].blending;
-  double now = stored - supplied + blending;
-  if (l->looks++ == 0)
-    l->start = l->lowest = now;
-  l->balance = now - l->start;
-  l->lowest = fmin(l->lowest, now);
-  l->kinetic = fmax(l->kinetic, kinetic);
-  l->potential[0] = fmin(l->potential[0], stored - kinetic);
-  l->potential[1] = fmax(l->potential[1], stored - kinetic);
-  double rise = now - l->lowest, most = largest_energy(l);
-  if (!(rise > round_off * size))
-    return false;
-  l->rise = fmax(l->rise, rise / most);
-  return rise > l->settings->guard.energy * most + round_off * size;
-}
+/* ---- the guard ---- */
 
 /* the body through which most energy came */
 static int worst_body(const cpl_ledger *l) {
@@ -235,7 +239,8 @@ static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
   if (!both)
     return TDM_OK;
   l->rises = look(l) ? l->rises + 1 : 0;
-  return l->rises >= LOOKS && l->settings->guard.action != CPL_GUARD_OFF ? tell(l, loop, err) : TDM_OK;
+  bool enough = l->rises >= (cpl_loop_done(loop) ? 1 : LOOKS);
+  return enough && l->settings->guard.action != CPL_GUARD_OFF ? tell(l, loop, err) : TDM_OK;
 }
 
 /* ---- a window ---- */

@@ -53,6 +53,7 @@ typedef struct {
   dem_data *data;
   tdm_participant *participant; /* borrowed; NULL: no server */
   dem_motion *motion;           /* (ncoupled) paths of the present window */
+  tdm_energy energy;            /* at the start */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
   dem_proxy *proxy;
   double contact_time; /* the shortest that is expected [s] */
@@ -345,6 +346,8 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_report_flow(&s->report, d);
   channel_values(d, s->initial);
 
+  s->energy = dem_supply_look(d);
+  ready->energy = &s->energy;
   ready->load = s->load;
   ready->nchannel = s->nchannel;
   ready->channel = s->channel;
