@@ -53,9 +53,10 @@ json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const cha
     json_decref(scheme);
     scheme = json_string(cpl_schemes[0]->name);
   }
-  json_t *row = json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"),
-                          "n", value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status,
-                          "reason", reason, "wall_s", "simulated_s", "window_s", "r2", r2, "nse", nse, "energy_residual");
+  json_t *row =
+      json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"), "n",
+                value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status, "reason",
+                reason, "wall_s", "simulated_s", "window_s", "r2", r2, "nse", nse, "energy_residual");
   tdm_scene_destroy(&scene);
   return row;
 }
