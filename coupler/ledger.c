@@ -217,13 +217,11 @@ static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
            "(\"coupling.guard.action\": \"warn\" goes on)",
            l->start + l->balance - l->lowest, s->guard.energy, largest_energy(l), (unsigned long long)loop->window,
            loop->t1, body);
-  bool first = isnan(l->gained_at);
-  if (first)
-    l->gained_at = loop->t1;
   if (s->guard.action == CPL_GUARD_STOP)
     return tdm_fail(err, TDM_ERR_NUMERIC, "coupling.n", "%s", text);
-  if (first)
+  if (!l->told)
     tdm_log(TDM_LOG_WARNING, "guard", "message=%s further=not_logged", tdm_log_quote(quoted, sizeof quoted, text));
+  l->told = true;
   return TDM_OK;
 }
 
@@ -239,6 +237,8 @@ static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
   if (!both)
     return TDM_OK;
   l->rises = look(l) ? l->rises + 1 : 0;
+  if (l->rises > 0 && isnan(l->gained_at))
+    l->gained_at = loop->t1;
   bool enough = l->rises >= (cpl_loop_done(loop) ? 1 : LOOKS);
   return enough && l->settings->guard.action != CPL_GUARD_OFF ? tell(l, loop, err) : TDM_OK;
 }
@@ -247,8 +247,9 @@ static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
 
 tdm_status cpl_ledger_window(cpl_ledger *l, const cpl_loop *loop, uint64_t first_sample, tdm_error *err) {
   const double interval = l->settings->output_interval;
+  const double end = loop->t1 - 1e-6 * l->settings->dt; /* times are multiples of two steps, which round apart */
   int k = 0;
-  for (; k < loop->nsample && loop->sample_time[k] < loop->t1; k++)
+  for (; k < loop->nsample && loop->sample_time[k] < end; k++)
     write_row(l, (double)(first_sample + (uint64_t)k) * interval);
   double residual = 0;
   for (int i = 0; i < l->nbody; i++) {

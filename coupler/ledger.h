@@ -45,7 +45,8 @@ typedef struct {
   double rise;                  /* largest of G over its lowest, as a share of the largest energy */
   double residual;              /* largest magnitude of all bodies' interface residual so far [J] */
   int rises;                    /* looks in a row with more than the guard allows */
-  double gained_at;             /* when the guard spoke first [s]; NaN: it has not */
+  double gained_at;             /* the first look at that [s]; NaN: none */
+  bool told;                    /* the guard has warned */
 } cpl_ledger;
 
 /* Opens the books: writes the header and the row of t = 0 into `file` (borrowed). */

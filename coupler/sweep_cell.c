@@ -89,7 +89,7 @@ static void look_for_instability(const cpl_cell *cell, json_t *row, const json_t
     snprintf(reason, sizeof reason, "particles left at %.4g s", loss);
     judge(row, "unstable", reason);
   } else if (!isnan(growth)) {
-    snprintf(reason, sizeof reason, "the energy grew without a source until %.4g s", growth);
+    snprintf(reason, sizeof reason, "the energy grew without a source at %.4g s", growth);
     judge(row, "unstable", reason);
   }
   cpl_table_free(&dem);

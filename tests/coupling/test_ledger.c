@@ -58,7 +58,7 @@ static const char floating[] =
     " \"dem\": {\"gravity\": [0, 0, -9.81], \"materials\": [{\"name\": \"m\", \"density\": 2500, \"young_modulus\": "
     "5e6, "
     "\"poisson_ratio\": 0.2}],\n"
-    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 1, \"friction\": 0.5}],\n"
+    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 1, \"friction\": 0}],\n"
     "  \"bodies\": [{\"name\": \"cube\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": [0.2, 0.2, "
     "0.2], "
     "\"side\": \"outside\"}]}],\n"
@@ -125,9 +125,9 @@ START_TEST(impulse_and_balance_of_a_floating_cube) {
   const double *px = column(&ledger, "cube.impulse.x"), *pz = column(&ledger, "cube.impulse.z");
   const double *balance = column(&ledger, "balance"), *dem = column(&ledger, "cube.work.dem"),
                *mbd = column(&ledger, "cube.work.mbd");
-  for (int i = 0; i < ledger.nrow; i++) { /* windows end on output times: what came in is there, exactly */
-    ck_assert_double_eq_tol(px[i], 0.05 * (vx[i] - 0.1), 1e-9);
-    ck_assert_double_eq_tol(pz[i], 0.05 * (vz[i] - 0.3 + 9.81 * t[i]), 1e-9);
+  for (int i = 0; i < ledger.nrow; i++) { /* windows end on output times; the tolerance is MBD's */
+    ck_assert_double_eq_tol(px[i], 0.05 * (vx[i] - 0.1), 1e-7);
+    ck_assert_double_eq_tol(pz[i], 0.05 * (vz[i] - 0.3 + 9.81 * t[i]), 1e-7);
   }
   int last = ledger.nrow - 1;
   ck_assert_double_gt(px[last], 0.04); /* it was hit */
