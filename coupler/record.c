@@ -9,7 +9,7 @@
 static const double flush_interval = 1; /* [s] wall clock: what a reader of a running run lags behind */
 
 /* what an earlier run may have left */
-static const char *const old_files[] = {"body_*",       "mbd.*",  "dem.*",      "comparison.*",
+static const char *const old_files[] = {"body_*",       "mbd.*",  "dem.*",      "ledger.*", "comparison.*",
                                         "summary.json", "time.*", "index.html", NULL};
 
 tdm_status cpl_record_open(cpl_record *record, const char *dir, const char *scene, tdm_error *err) {
@@ -56,16 +56,18 @@ tdm_status cpl_record_begin(cpl_record *record, const cpl_session *s, tdm_error 
     fputc('\n', f);
     tdm_write_row(f, 0, p->initial, p->nchannel);
   }
-  return TDM_OK;
+  record->ledger = tdm_results_file(&record->results, "ledger.csv", err);
+  return err->status;
 }
 
-/* every open file of the record, NULLs among them; index 0 … nbody + CPL_NROLE - 1 */
+/* every open file of the record, NULLs among them; index 0 … nbody + CPL_NROLE */
 static FILE **file_at(cpl_record *record, int i) {
-  return i < record->nbody ? &record->body[i] : &record->channel[i - record->nbody];
+  int channel = i - record->nbody;
+  return channel < 0 ? &record->body[i] : channel < CPL_NROLE ? &record->channel[channel] : &record->ledger;
 }
 
 static tdm_status flush_all(cpl_record *record, tdm_error *err) {
-  for (int i = 0; i < record->nbody + CPL_NROLE; i++) {
+  for (int i = 0; i <= record->nbody + CPL_NROLE; i++) {
     FILE *f = *file_at(record, i);
     if (f && (fflush(f) != 0 || ferror(f)))
       return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: a time history cannot be written: %s; what is there stays readable",
@@ -100,7 +102,7 @@ tdm_status cpl_record_close(cpl_record *record, tdm_error *err) {
   tdm_error late = {0};
   if (record->body)
     flush_all(record, &late);
-  for (int i = 0; record->body && i < record->nbody + CPL_NROLE; i++)
+  for (int i = 0; record->body && i <= record->nbody + CPL_NROLE; i++)
     if (*file_at(record, i)) {
       fclose(*file_at(record, i));
       *file_at(record, i) = NULL;

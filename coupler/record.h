@@ -2,6 +2,7 @@
  *
  *   body_<name>.csv  per coupled body (mbd's name): pose, twist, and the mean load since the row before
  *   mbd.csv, dem.csv further outputs that the solvers announce (joint reactions, energies, particle sums)
+ *   ledger.csv       impulse, work, drift and energy (ledger.h)
  *   scene.json       the scene with all overrides
  *   summary.json     settings, versions, wall times, warnings, how the run ended
  *   server.log, mbd.log, dem.log
@@ -16,6 +17,7 @@ typedef struct cpl_record {
   tdm_results results;      /* the directory; its log is server.log */
   FILE **body;              /* (nbody) */
   FILE *channel[CPL_NROLE]; /* NULL when a solver has no channels */
+  FILE *ledger;             /* its rows are the ledger's */
   int nbody, nchannel[CPL_NROLE];
   double interval;
   double last_flush;

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,9 +75,18 @@ static void add_column(panels *p, const char *file, const char *head, int column
   p->plot[i].ncurve++;
 }
 
+/* gnuplot refuses a panel without a single number, such as an energy that nobody could look at */
+static bool has_numbers(const cpl_table *table, int column) {
+  bool some = false;
+  for (int i = 0; column < table->ncolumn && i < table->nrow; i++)
+    some = some || isfinite(table->data[(size_t)column * (size_t)table->nrow + (size_t)i]);
+  return some;
+}
+
 static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
   const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
   char picture[128], *line = NULL;
+  cpl_table table = {0};
   size_t size = 0;
   snprintf(picture, sizeof picture, "%.*s", (int)(strlen(file) - strlen(".csv")), file);
   FILE *f = fopen(path, "r");
@@ -85,11 +95,11 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be read: %s", path, f ? "it is empty" : strerror(errno));
   if (f)
     fclose(f);
-  if (err->status == TDM_OK) {
+  if (err->status == TDM_OK && cpl_table_read(&table, path, err) == TDM_OK) {
     int column = 0;
     for (char *rest = line, *cell; (cell = strsep(&rest, ",")) != NULL;) {
       cell[strcspn(cell, "\r\n")] = 0;
-      if (++column > 1)
+      if (++column > 1 && has_numbers(&table, column - 1))
         add_column(p, file, cell, column);
     }
     tdm_error plot = {0};
@@ -98,14 +108,15 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
     else if (p->nplot > 0)
       fprintf(stderr, "tandem: notice: %s\n", plot.message);
   }
+  cpl_table_free(&table);
   free(line);
   free(p);
   return err->status;
 }
 
 static tdm_status plot_histories(report *r, tdm_error *err) {
-  static const char *const patterns[] = {"body_*.csv", "mbd.csv", "dem.csv"};
-  for (int i = 0; i < 3 && err->status == TDM_OK; i++) {
+  static const char *const patterns[] = {"body_*.csv", "ledger.csv", "mbd.csv", "dem.csv"};
+  for (int i = 0; i < 4 && err->status == TDM_OK; i++) {
     char pattern[4352];
     glob_t found;
     snprintf(pattern, sizeof pattern, "%s/%s", r->dir, patterns[i]);

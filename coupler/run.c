@@ -213,6 +213,8 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
   }
   json_object_set_new(json, "solvers", solvers);
   json_object_set(json, "warnings", run->session.warnings);
+  if (run->loop.ledger.settings)
+    json_object_set_new(json, "ledger", cpl_ledger_summary(&run->loop.ledger));
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
   if (err->status != TDM_OK)
     json_object_set_new(json, "error", json_string(err->message));

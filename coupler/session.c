@@ -424,6 +424,13 @@ static void read_mobility(cpl_session *s, tdm_object *ready, tdm_error *err) {
   tdm_get_numbers(&o, "numbers", block, (int)n, true);
 }
 
+static void read_energy(cpl_session *s, int role, tdm_object *ready) {
+  double numbers[3] = {NAN, NAN, 0}; /* of a tdm_energy, in order */
+  if (cpl_session_asks(s, (cpl_role)role, "energy") && tdm_has(ready, "energy"))
+    tdm_get_numbers(ready, "energy", numbers, 3, true);
+  s->partner[role].energy = (tdm_energy){numbers[0], numbers[1], numbers[2]};
+}
+
 static tdm_status read_ready(cpl_session *s, int role, const tdm_header *header, tdm_error *err) {
   cpl_partner *p = &s->partner[role];
   json_t *json = NULL;
@@ -435,6 +442,7 @@ static tdm_status read_ready(cpl_session *s, int role, const tdm_header *header,
     } else
       read_loads(s, &ready, err);
     read_channels(p, &ready, err);
+    read_energy(s, role, &ready);
     json_t *warnings = tdm_get_array(&ready, "warnings", false);
     if (warnings)
       json_array_extend(s->warnings, warnings);

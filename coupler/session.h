@@ -21,6 +21,7 @@ typedef struct {
   tdm_channel *channel; /* (nchannel) from READY */
   double *initial;      /* (nchannel) values at the start */
   json_t *report;       /* from READY */
+  tdm_energy energy;    /* from READY: at the start; NaN when not known */
   tdm_frame store;      /* arrays of its last RESULT */
   double step_time;     /* its own work on all windows [s] */
   double trip_time;     /* from sending STEPs to having RESULTs [s]: its work and the exchange */

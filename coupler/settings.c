@@ -125,6 +125,14 @@ static void check_adaptive(const cpl_settings *s, tdm_object *coupling) {
                       schemes[i]->name);
 }
 
+static void read_guard(cpl_settings *s, tdm_object *coupling) {
+  static const char *const actions[] = {"stop", "warn", "off"};
+  tdm_object o = tdm_get_object(coupling, "guard", false);
+  s->guard.energy = tdm_get_number(&o, "energy", 0.1, TDM_POSITIVE);
+  s->guard.action = (cpl_guard_action)tdm_get_choice(&o, "action", actions, 3, CPL_GUARD_STOP);
+  tdm_object_close(&o);
+}
+
 static void read_coupling(cpl_settings *s, tdm_object *root) {
   static const char *const transports[] = {"ipc", "tcp", "inproc"};
   static const char *const interpolations[] = {"linear", "hermite"};
@@ -151,6 +159,7 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
     tdm_object_fail(&o, "timeout", "is %g s, but solvers give a sign of life every 0.5 s only; take at least 1",
                     s->timeout);
   s->join_timeout = tdm_get_number(&o, "join_timeout", 300, TDM_POSITIVE);
+  read_guard(s, &o);
   read_address(s, &o);
   read_solvers(s, &o);
   read_bodies(s, &o);

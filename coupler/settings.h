@@ -11,6 +11,14 @@ extern const char *const cpl_role_names[CPL_NROLE]; /* "mbd", "dem": also the na
 
 typedef enum { CPL_IPC, CPL_TCP, CPL_INPROC } cpl_transport_kind;
 
+typedef enum { CPL_GUARD_STOP, CPL_GUARD_WARN, CPL_GUARD_OFF } cpl_guard_action;
+
+/* What is done when energy appears from nowhere (ledger.h). */
+typedef struct {
+  double energy; /* largest rise, as a share of the largest energy so far */
+  cpl_guard_action action;
+} cpl_guard;
+
 typedef struct {
   const char *name[CPL_NROLE]; /* what each solver calls the body */
 } cpl_body_names;
@@ -41,6 +49,7 @@ typedef struct {
   cpl_iterative iterative;
   const struct cpl_scheme *scheme;
   const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
+  cpl_guard guard;
   cpl_transport_kind transport;
   tdm_interpolation interpolation; /* of positions inside a window, on the DEM side */
   double timeout;                  /* silence after which a solver counts as hanging [s] */

@@ -2,7 +2,8 @@
  *
  *   out/bed_<hash>        the settled bed that cells share (one for each combination of other settings)
  *   out/cells/<name>/     result directory of a cell, its comparison, and row.json, which --resume reads
- *   out/sweep.json, sweep.csv, table.html, heat_<state>.png, cost.png
+ *   out/sweep.json, sweep.csv, table.html, heat_<state>.png, heat_energy.png, cost.png,
+ *                         price.png
  *
  * A cell that fails or is unstable is a result, not a failure of the sweep.
  */

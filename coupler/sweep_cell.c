@@ -4,13 +4,13 @@
 
 #include "coupler/table.h"
 #include "protocol/log.h"
+#include "protocol/results.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const double load_span = 0.02;   /* [s] of the means of F_20ms */
-static const double growth_limit = 0.1; /* energy gained, against the span of the energies */
+static const double load_span = 0.02; /* [s] of the means of F_20ms */
 
 static json_t *number(double x) {
   return isfinite(x) ? json_real(x) : json_null();
@@ -53,9 +53,10 @@ json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const cha
     json_decref(scheme);
     scheme = json_string(cpl_schemes[0]->name);
   }
-  json_t *row = json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"),
-                          "n", value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status,
-                          "reason", reason, "wall_s", "simulated_s", "r2", r2, "nse", nse, "energy_residual");
+  json_t *row =
+      json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"), "n",
+                value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status, "reason",
+                reason, "wall_s", "simulated_s", "window_s", "r2", r2, "nse", nse, "energy_residual");
   tdm_scene_destroy(&scene);
   return row;
 }
@@ -76,83 +77,22 @@ static double time_of_loss(const cpl_table *dem) {
   return NAN;
 }
 
-/* Energies of both solvers on the output grid; all NULL when a solver does not give them. */
-typedef struct {
-  const double *body_kinetic, *body_potential, *body_springs, *kinetic, *com[3];
-  double mass, gravity[3];
-} energies;
-
-static bool find_energies(energies *e, const cpl_table *mbd, const cpl_table *dem, const json_t *scene,
-                          const json_t *summary) {
-  static const char *const com[] = {"particles.com.x", "particles.com.y", "particles.com.z"};
-  const json_t *mass = tdm_scene_value(summary, "solvers.dem.report.particle_mass");
-  const json_t *gravity = tdm_scene_value(scene, "dem.gravity");
-  *e = (energies){.gravity = {0, 0, -9.81}, .mass = json_number_value(mass)};
-  e->body_kinetic = cpl_table_column(mbd, "energy.kinetic", NULL);
-  e->body_potential = cpl_table_column(mbd, "energy.potential", NULL);
-  e->body_springs = cpl_table_column(mbd, "energy.springs", NULL); /* not of every solver */
-  e->kinetic = cpl_table_column(dem, "particles.kinetic_energy", NULL);
-  for (int k = 0; k < 3; k++) {
-    e->com[k] = cpl_table_column(dem, com[k], NULL);
-    if (gravity)
-      e->gravity[k] = json_number_value(json_array_get(gravity, (size_t)k));
-  }
-  /* a motor or a source supplies energy: no verdict then */
-  bool supplied = tdm_scene_value(scene, "mbd.drivers[0]") || tdm_scene_value(scene, "dem.sources[0]");
-  return !supplied && e->body_kinetic && e->body_potential && e->kinetic && e->com[0] && e->com[1] && e->com[2];
-}
-
-/* The first time at which the mechanical energy has grown without a source, or NAN: by more than a share of the span
- * that kinetic and potential energy have over the run. The energy stored in contacts is not counted: it is small
- * against that. */
-static double time_of_growth(const cpl_table *mbd, const cpl_table *dem, const json_t *scene, const json_t *summary) {
-  energies e;
-  if (!find_energies(&e, mbd, dem, scene, summary))
-    return NAN;
-  const double *time = cpl_table_column(dem, "time", NULL);
-  int n = mbd->nrow < dem->nrow ? mbd->nrow : dem->nrow;
-  double start = 0, span = 0, kinetic_most = 0, potential_least = INFINITY, potential_most = -INFINITY;
-  for (int pass = 0; pass < 2; pass++)
-    for (int i = 0; i < n; i++) {
-      double kinetic = e.body_kinetic[i] + e.kinetic[i],
-             potential = e.body_potential[i] + (e.body_springs ? e.body_springs[i] : 0);
-      for (int k = 0; k < 3; k++)
-        potential -= e.mass * e.gravity[k] * e.com[k][i];
-      if (i == 0)
-        start = kinetic + potential;
-      if (!isfinite(kinetic + potential) || (pass == 1 && kinetic + potential - start > growth_limit * span))
-        return time[i];
-      kinetic_most = fmax(kinetic_most, kinetic);
-      potential_least = fmin(potential_least, potential);
-      potential_most = fmax(potential_most, potential);
-      span = kinetic_most + potential_most - potential_least;
-    }
-  return NAN;
-}
-
-static void look_for_instability(const cpl_cell *cell, json_t *row) {
+static void look_for_instability(const cpl_cell *cell, json_t *row, const json_t *summary) {
   char file[4352], reason[160];
-  cpl_table mbd = {0}, dem = {0};
-  snprintf(file, sizeof file, "%s/scene.json", cell->dir);
-  json_t *scene = json_load_file(file, 0, NULL);
-  snprintf(file, sizeof file, "%s/summary.json", cell->dir);
-  json_t *summary = json_load_file(file, 0, NULL);
-  snprintf(file, sizeof file, "%s/mbd.csv", cell->dir);
-  cpl_table_read(&mbd, file, NULL);
+  cpl_table dem = {0};
   snprintf(file, sizeof file, "%s/dem.csv", cell->dir);
   cpl_table_read(&dem, file, NULL);
-  double loss = time_of_loss(&dem), growth = time_of_growth(&mbd, &dem, scene, summary);
+  double loss = time_of_loss(&dem);
+  const json_t *gained = tdm_scene_value(summary, "ledger.gained_at_s");
+  double growth = json_is_number(gained) ? json_number_value(gained) : NAN;
   if (!isnan(loss) && !(growth < loss)) {
     snprintf(reason, sizeof reason, "particles left at %.4g s", loss);
     judge(row, "unstable", reason);
   } else if (!isnan(growth)) {
-    snprintf(reason, sizeof reason, "the energy grew without a source from %.4g s on", growth);
+    snprintf(reason, sizeof reason, "the energy grew without a source at %.4g s", growth);
     judge(row, "unstable", reason);
   }
-  cpl_table_free(&mbd);
   cpl_table_free(&dem);
-  json_decref(scene);
-  json_decref(summary);
 }
 
 /* ---- numbers ---- */
@@ -187,8 +127,14 @@ json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
                              err.message);
   json_object_set_new(row, "wall_s", json_real(result.wall)); /* also of a failed cell: it was tried */
   json_object_set_new(row, "simulated_s", json_real(result.simulated));
-  if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC))
-    look_for_instability(cell, row);
+  if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC)) {
+    json_t *summary = tdm_results_read(cell->dir, "summary.json", &(tdm_error){0});
+    const json_t *residual = tdm_scene_value(summary, "ledger.energy_residual");
+    look_for_instability(cell, row, summary);
+    json_object_set_new(row, "energy_residual", residual ? json_copy((json_t *)residual) : json_null());
+    json_object_set_new(row, "window_s", json_real((result.loop - result.step[CPL_DEM]) / (double)result.windows));
+    json_decref(summary);
+  }
   tdm_scene scene = {0};
   const cpl_scenario *scenario = cell_scene(o, cell, &scene);
   cpl_comparison c = {0};

@@ -85,6 +85,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
     loop->speed[i] = cpl_speed(&session->body[i].state, loop->radius[i]);
     cpl_history_push(&loop->history[i], 0, session->load[i]); /* the first load is DEM's at t = 0 */
   }
+  if (cpl_ledger_begin(&loop->ledger, settings, session, record->ledger, err) != TDM_OK)
+    return err->status;
   return loop->scheme->open ? loop->scheme->open(loop, err) : TDM_OK;
 }
 
@@ -105,6 +107,7 @@ void cpl_loop_free(cpl_loop *loop) {
   free(loop->load);
   free(loop->packed);
   free(loop->proxy_block);
+  cpl_ledger_free(&loop->ledger);
   *loop = (cpl_loop){0};
 }
 
@@ -178,6 +181,8 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   for (int i = 0; i < loop->nbody; i++)
     loop->speed[i] = fmax(loop->speed[i], cpl_speed(&loop->state_end[i], loop->radius[i]));
   status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);
+  if (status == TDM_OK)
+    status = cpl_ledger_window(&loop->ledger, loop, first_sample, err);
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
   if (loop->proxy_block)
     keep_proxy(loop, loop->result[CPL_MBD].acceleration, &loop->result[CPL_MBD].mobility);
@@ -256,6 +261,8 @@ static tdm_status solve_dem(cpl_loop *loop, tdm_step *step, tdm_error *err) {
 
 tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err) {
   tdm_step step = {.nstate = loop->nbody, .start = start, .end = end};
+  loop->sent_start = start;
+  loop->sent_end = end;
   return solve_dem(loop, &step, err);
 }
 

@@ -6,6 +6,7 @@
 #define CPL_WINDOW_H
 
 #include "coupler/extrapolate.h"
+#include "coupler/ledger.h"
 #include "coupler/scheme/scheme.h"
 #include "coupler/session.h"
 #include "coupler/settings.h"
@@ -53,7 +54,9 @@ typedef struct cpl_loop {
   double *proxy_block;
   void *own; /* the scheme's */
   cpl_iterations iterations;
-  tdm_wrench *packed;           /* the same without gaps, as it is sent */
+  tdm_wrench *packed;                     /* load without gaps, as it is sent */
+  const tdm_state *sent_start, *sent_end; /* (nbody) the path that DEM was last sent along */
+  cpl_ledger ledger;
   tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
 } cpl_loop;
 

@@ -8,6 +8,7 @@
 #include "dem/integrate.h"
 #include "dem/search/pairs.h"
 #include "dem/step.h"
+#include "dem/supply.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -304,6 +305,7 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   dst->strain_dt = src->strain_dt;
   dst->guard = src->guard;
   dst->ledger = src->ledger;
+  dst->supply = src->supply;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;
   dst->nrebuild = src->nrebuild;
@@ -371,6 +373,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->position_at_list[i] = newcomer->position;
   dem_data_end(d);
   dem_exact_add(&d->ledger.mass, newcomer->mass);
+  dem_supply_flow(d, i, 1);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
   d->pairs.first[i + 1] = d->pairs.first[i];
@@ -433,6 +436,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
     if (number[i] < 0) {
       d->ledger.removed++;
       dem_exact_add(&d->ledger.mass, -d->mass[i]);
+      dem_supply_flow(d, i, -1);
       continue;
     }
     d->push[number[i]] = d->push[i];

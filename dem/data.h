@@ -90,6 +90,13 @@ typedef struct {
   dem_exact mass;            /* created less removed, without round-off [kg] */
 } dem_ledger;
 
+/* Energy that came in from elsewhere than the coupled bodies (supply.h). */
+typedef struct {
+  double flow, driven; /* since the start of the run [J] */
+  double power;        /* of the driven bodies at the last step [W] */
+  uint64_t next_look;  /* step from which on the energy may be looked at again */
+} dem_supply;
+
 /* What the guard saw last (guard.h). */
 typedef enum {
   DEM_GUARD_LEAP,
@@ -133,6 +140,7 @@ typedef struct dem_data {
   const dem_model *model; /* borrowed */
   uint64_t nstep;         /* steps since the start of the run */
   dem_ledger ledger;
+  dem_supply supply;
 
   /* particles, (nparticle) each, room for (capacity) */
   int nparticle, capacity;

@@ -5,6 +5,8 @@
 #include "dem/domain.h"
 #include "dem/geometry/walls.h"
 #include "dem/limits.h"
+#include "dem/stored.h"
+#include "dem/supply.h"
 #include "protocol/log.h"
 
 #include <stdio.h>
@@ -222,92 +224,24 @@ static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err)
 
 /* ---- energy ---- */
 
-typedef struct {
-  double kinetic, potential, elastic, magnitude; /* magnitude: of the potentials, for round-off [J] */
-} energies;
-
 /* t, dt: of the step that ended */
 static bool can_judge(const dem_data *d, double t, double dt) {
   const dem_model *m = d->model;
-  if (m->cohesion != DEM_COHESION_none || m->domain.strained || (m->domain.repeats && m->driven))
+  if (!dem_supply_known(m))
     return false;
-  for (int a = 0; a < 3; a++)
-    if (m->domain.periodic[a] && (&m->gravity.x)[a] != 0)
-      return false;
   double before = t - (double)m->guard.every * dt; /* the last look */
   for (int b = 0; b < m->nbody; b++)
     if (m->body[b].coupled >= 0 ||
         (m->body[b].drive.given && m->body[b].drive.start < t && m->body[b].drive.end > before) ||
         tdm_norm(d->twist[b].velocity) + tdm_norm(d->twist[b].angular) > 0)
       return false;
-  for (int w = 0; w < m->nwall; w++) /* belts */
-    if (m->wall[w].moves)
-      return false;
   return true;
-}
-
-static double elastic_of(const dem_data *d, int kind, int partner, dem_impact at, double overlap) {
-  const dem_model *m = d->model;
-  return overlap > 0 ? dem_normal_elastic(m, &m->pair[kind * m->nmaterial + partner], at, overlap) : 0;
-}
-
-/* listed pair k; nothing holds two particles that are fixed together */
-static double elastic_of_pair(const dem_data *d, int i, int k) {
-  const dem_model *m = d->model;
-  int j = d->pairs.other[k];
-  const dem_sphere *a = &d->sphere[i], *b = &d->sphere[j];
-  double sum = a->radius + b->radius, per_mass = a->inverse_mass + b->inverse_mass;
-  dem_impact at = {.mass = 1 / per_mass, .radius = a->radius * b->radius / sum};
-  if (m->law->normal == DEM_NORMAL_hysteretic)
-    at.deepest = d->pairs.history[(size_t)m->columns.normal * d->pairs.capacity + (size_t)k];
-  double overlap = sum - tdm_norm(dem_between(d, a->position, b->position));
-  return per_mass > 0 ? elastic_of(d, d->kind[i], d->kind[j], at, overlap) : 0;
-}
-
-static bool same_contact(const dem_data *d, size_t k, size_t other) {
-  const dem_wall_entry *a = &d->walls.entry[k], *b = &d->walls.entry[other];
-  return a->wall == b->wall && a->particle == b->particle;
-}
-
-/* listed wall k; of the triangles of a mesh the first that is listed stands for all */
-static double elastic_of_wall(const dem_data *d, size_t k) {
-  const dem_model *m = d->model;
-  const dem_wall_entry *e = &d->walls.entry[k];
-  if (k > 0 && same_contact(d, k - 1, k))
-    return 0;
-  const dem_sphere *s = &d->sphere[e->particle];
-  tdm_vec3 n;
-  double overlap = s->radius - dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n);
-  dem_impact at = {.mass = 1 / s->inverse_mass, .radius = s->radius};
-  for (size_t part = k; part < d->walls.count && same_contact(d, k, part); part++)
-    at.deepest = fmax(at.deepest, dem_wall_deepest_so_far(d, part));
-  bool held = s->inverse_mass == 0 || overlap >= 2 * s->radius;
-  return held ? 0 : elastic_of(d, d->kind[e->particle], m->body[m->wall[e->wall].body].material, at, overlap);
-}
-
-static energies energies_now(const dem_data *d) {
-  const dem_model *m = d->model;
-  energies e = {0};
-  for (int i = 0; i < d->nparticle; i++) {
-    const dem_sphere *s = &d->sphere[i];
-    tdm_vec3 g = m->driven ? tdm_add(m->gravity, d->drive[i].velocity) : m->gravity;
-    double fall = d->mass[i] * tdm_dot(g, s->position), inertia = 0.4 * d->mass[i] * s->radius * s->radius;
-    e.potential -= fall;
-    e.magnitude += fabs(fall);
-    e.kinetic += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
-    e.kinetic += 0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
-    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1] && d->pairs.other[k] < d->nparticle; k++)
-      e.elastic += elastic_of_pair(d, i, k);
-  }
-  for (size_t k = 0; k < d->walls.count; k++)
-    e.elastic += elastic_of_wall(d, k);
-  return e;
 }
 
 static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   dem_guard_state *g = &d->guard;
   uint64_t flow = d->ledger.created + d->ledger.removed;
-  energies e = energies_now(d);
+  dem_stored e = dem_stored_now(d);
   double all = e.kinetic + e.potential + e.elastic;
   if (!g->judging || g->flow != flow) {
     g->judging = 1;

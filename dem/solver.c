@@ -18,6 +18,7 @@
 #include "dem/settle.h"
 #include "dem/state.h"
 #include "dem/step.h"
+#include "dem/supply.h"
 #include "protocol/log.h"
 
 #include <stdio.h>
@@ -52,6 +53,7 @@ typedef struct {
   dem_data *data;
   tdm_participant *participant; /* borrowed; NULL: no server */
   dem_motion *motion;           /* (ncoupled) paths of the present window */
+  tdm_energy energy;            /* at the start */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
   dem_proxy *proxy;
   double contact_time; /* the shortest that is expected [s] */
@@ -330,6 +332,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_energy_begin(&d->energy);
   dem_guard_begin(d);
+  dem_supply_begin(d);
   s->contact_time = dem_limits_expected(d).contact;
   dem_report_make(&s->report, d, &settled, nbehind);
   for (int c = 0; c < m->ncoupled; c++)
@@ -343,6 +346,8 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_report_flow(&s->report, d);
   channel_values(d, s->initial);
 
+  s->energy = dem_supply_look(d);
+  ready->energy = &s->energy;
   ready->load = s->load;
   ready->nchannel = s->nchannel;
   ready->channel = s->channel;
@@ -485,6 +490,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     dem_proxy_end(s->proxy, d, result->ninterface > 0 ? result->body : NULL);
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
+  if (result->has_energy)
+    *result->energy = dem_supply_look(d);
   return dem_check_finite(d, step->t1, err);
 }
 
@@ -532,7 +539,7 @@ const dem_data *dem_solver_data(const void *self) {
   const dem_solver *s = self;
   return s->data;
 }
-static const char *const capabilities[] = {"restore", "interface", "proxy"};
+static const char *const capabilities[] = {"restore", "interface", "proxy", "energy"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,

@@ -22,7 +22,7 @@
 static const char magic[8] = {'T', 'N', 'D', 'M', 'D', 'E', 'M', '\n'};
 
 /* Raise it when the format changes, or when the same inputs give another state. */
-enum { STATE_VERSION = 3 };
+enum { STATE_VERSION = 4 };
 
 typedef struct {
   char magic[8];
@@ -45,6 +45,7 @@ typedef struct {
   double skin;
   double memory_dt, strained, strain_dt;
   dem_ledger ledger;
+  dem_supply supply;
   dem_guard_state guard;
   dem_energy energy;
 } counters;
@@ -157,6 +158,7 @@ static counters counters_of(const dem_data *d) {
                     .strained = d->strained,
                     .strain_dt = d->strain_dt,
                     .ledger = d->ledger,
+                    .supply = d->supply,
                     .guard = d->guard,
                     .energy = d->energy};
 }
@@ -350,6 +352,7 @@ static bool get_run(const reader *r, dem_data *d, counters *c) {
   d->strain_steps = c->strain_steps;
   d->strain_dt = c->strain_dt;
   d->ledger = c->ledger;
+  d->supply = c->supply;
   d->guard = c->guard;
   d->energy = c->energy;
   dem_domain_put(d);

@@ -7,6 +7,7 @@
 #include "dem/guard.h"
 #include "dem/integrate.h"
 #include "dem/search/pairs.h"
+#include "dem/supply.h"
 
 #include <string.h>
 
@@ -224,6 +225,8 @@ bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, boo
     return false;
   if (d->model->domain.open)
     dem_domain_leave(d);
+  if (d->model->ndriven > 0 && !settling)
+    dem_supply_step(d, dt);
   d->restart = d->restart || settling;
   dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
   d->nstep++;

@@ -382,8 +382,7 @@ static const double *unknowns_at(void *self, double t) {
 
 /* `work` and what is done from time `from` to `to` inside the last step. */
 static mbd_work work_until(ida_solver *ida, mbd_work work, double from, double to) {
-  mbd_work more = mbd_work_over(ida->model, ida->data, from, to, unknowns_at, ida);
-  return (mbd_work){work.supplied + more.supplied, work.dissipated + more.dissipated};
+  return mbd_work_add(work, mbd_work_over(ida->model, ida->data, ida->kkt, from, to, unknowns_at, ida));
 }
 
 /* Hand out the samples in the last step, from time `from` to t. */

@@ -137,8 +137,7 @@ static const double *unknowns_at(void *self, double t) {
 
 /* `work` and what is done from the start of the step to time t. */
 static mbd_work work_until(mbd_alpha *s, mbd_work work, double t) {
-  mbd_work more = mbd_work_over(s->model, s->data, s->from, t, unknowns_at, s);
-  return (mbd_work){work.supplied + more.supplied, work.dissipated + more.dissipated};
+  return mbd_work_add(work, mbd_work_over(s->model, s->data, s->kkt, s->from, t, unknowns_at, s));
 }
 
 static tdm_status give_samples(mbd_alpha *s, samples *to, double t, double t1, tdm_error *err) {

@@ -1,5 +1,6 @@
 #include "mbd/solver.h"
 
+#include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/output.h"
 #include "mbd/reduced.h"
@@ -24,6 +25,7 @@ typedef struct {
   mbd_reduced *reduced;    /* NULL: not asked for */
   double *rate;            /* (6 ncoupled) accelerations at the start */
   tdm_mobility mobility;   /* at the start */
+  tdm_energy energy;       /* at the start */
   tdm_assigned_body *body; /* (ncoupled) */
   int nchannel;
   tdm_channel *channel; /* (nchannel) */
@@ -151,6 +153,15 @@ static json_t *make_report(const solver *s) {
                    s->assembly.angular);
 }
 
+/* Stored at time t; supplied by what is not the coupling load. */
+static tdm_energy energy_now(solver *s, double t) {
+  mbd_kinematics(s->model, s->data, t, s->data->y);
+  mbd_energies e = mbd_energies_at(s->model, s->data);
+  return (tdm_energy){.kinetic = e.kinetic,
+                      .stored = e.kinetic + e.potential + e.springs,
+                      .supplied = s->data->work.supplied - s->data->work.coupled};
+}
+
 /* Accelerations of the coupled bodies (6 ncoupled) and the reduced model at (t, data->y), as far as asked for. */
 static tdm_status linearise(solver *s, double t, double *acceleration, tdm_mobility *mobility, tdm_error *err) {
   const mbd_model *m = s->model;
@@ -233,7 +244,9 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
       linearise_start(s, assignment, err) ||
       s->integrator->create(&s->integration, s->model, s->data, s->kkt, should_stop, s, err))
     return err->status;
+  s->energy = energy_now(s, assignment->time_start);
   *ready = (tdm_ready){.body = s->body,
+                       .energy = &s->energy,
                        .acceleration = s->rate,
                        .mobility = &s->mobility,
                        .nchannel = s->nchannel,
@@ -304,6 +317,8 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   }
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
+  if (result->has_energy)
+    *result->energy = energy_now(s, in->t1);
   return linearise(s, in->t1, result->acceleration, &result->mobility, err);
 }
 
@@ -345,7 +360,7 @@ const mbd_stats *mbd_solver_stats(void *self) {
   return &s->data->stats;
 }
 
-static const char *const capabilities[] = {"restore", "acceleration", "mobility"};
+static const char *const capabilities[] = {"restore", "acceleration", "mobility", "energy"};
 
 const tdm_solver_ops mbd_solver_ops = {
     .capabilities = capabilities,

@@ -22,6 +22,7 @@ typedef struct {
 /* done on the mechanism since the start [J], or a power [W] */
 typedef struct {
   double supplied;   /* by drivers, applied forces, loads on coupled bodies */
+  double coupled;    /* the share of the latter */
   double dissipated; /* turned into heat */
 } mbd_work;
 

@@ -138,7 +138,8 @@ typedef struct {
 
 /* Mechanical energy inside a solver, the coupling load's work not counted as supplied. */
 typedef struct {
-  double stored;   /* kinetic, potential, elastic; NaN: not looked at in this window [J] */
+  double kinetic;  /* NaN: not looked at in this window [J] */
+  double stored;   /* kinetic, potential, elastic; NaN likewise [J] */
   double supplied; /* since the start by what is not the other solver: motors, prescribed bodies, newcomers [J] */
 } tdm_energy;
 

@@ -76,6 +76,7 @@ typedef struct {
   const tdm_wrench *load;        /* dem: (nbody) load on each coupled body at the start */
   const double *acceleration;    /* (nbody x 6) without load, if the assignment asks for it */
   const tdm_mobility *mobility;  /* at the start, without load, if the assignment asks for it */
+  const tdm_energy *energy;      /* at the start, if the assignment asks for it; NULL: not known then */
   int nchannel;
   const tdm_channel *channel; /* (nchannel) */
   const double *initial;      /* (nchannel) values at the start */

@@ -55,17 +55,20 @@ START_TEST(a_grid_and_its_rows) {
                        dir, dir, dir);
   ck_assert_msg(status == 0, "%s", command_output);
   expect_output("[8/8]");
+  expect_output("all nse >= 0.999"); /* named, or that there is none */
+  expect_output("price of a window, hold");
   json_t *rows = rows_of("rows.json");
   ck_assert_uint_eq(json_array_size(rows), 8);
   size_t i;
   json_t *row;
   int good = 0;
   json_array_foreach(rows, i, row) {
-    static const char *const keys[] = {"dt",     "n",           "scheme", "settings", "status",         "reason",
-                                       "wall_s", "simulated_s", "r2",     "nse",      "energy_residual"};
-    for (int k = 0; k < 11; k++)
+    static const char *const keys[] = {"dt",     "n",           "scheme", "settings", "status",          "reason",
+                                       "wall_s", "simulated_s", "r2",     "nse",      "energy_residual", "window_s"};
+    for (int k = 0; k < 12; k++)
       ck_assert_msg(json_object_get(row, keys[k]) != NULL, "no %s", keys[k]);
-    ck_assert(json_is_null(json_object_get(row, "energy_residual")));
+    double residual = json_number_value(json_object_get(row, "energy_residual"));
+    ck_assert(json_number_value(json_object_get(row, "window_s")) > 0);
     json_t *r2 = json_object_get(row, "r2"), *nse = json_object_get(row, "nse");
     ck_assert(json_object_get(r2, "x") && json_object_get(r2, "v") && json_object_get(r2, "F") &&
               json_object_get(r2, "F_20ms"));
@@ -75,22 +78,20 @@ START_TEST(a_grid_and_its_rows) {
     if (json_integer_value(json_object_get(row, "n")) == 1) {
       ck_assert_msg(strcmp(text(row, "status"), "ok") == 0, "%s: %s", text(row, "status"), text(row, "reason"));
       ck_assert_double_gt(json_number_value(json_object_get(nse, "x")), 0.99);
+      ck_assert(residual > 0 && residual < 0.01);
       good++;
     } else { /* windows of 0.1 s with a fill twice as heavy as the box */
       ck_assert_str_eq(text(row, "status"), "unstable");
+      ck_assert_double_gt(residual, 0.1);
       ck_assert_ptr_nonnull(strstr(text(row, "reason"), " s"));
     }
   }
   ck_assert_int_eq(good, 4);
   json_decref(rows);
-  static const char *const files[] = {"sweep.json",
-                                      "sweep.csv",
-                                      "table.html",
-                                      "cost.png",
-                                      "heat_x.png",
-                                      "heat_v.png",
-                                      "cells/dt=2e-4_n=1_scheme=lommen/comparison.png"};
-  for (int k = 0; k < 7; k++)
+  static const char *const files[] = {"sweep.json", "sweep.csv",  "table.html",
+                                      "cost.png",   "price.png",  "heat_energy.png",
+                                      "heat_x.png", "heat_v.png", "cells/dt=2e-4_n=1_scheme=lommen/comparison.png"};
+  for (int k = 0; k < 9; k++)
     ck_assert_msg(command("test -s %s/s/%s", dir, files[k]) == 0, "no %s", files[k]);
   ck_assert_int_eq(command("sh -c 'test $(ls -d %s/s/bed_* | wc -l) = 1'", dir), 0); /* one bed for all cells */
   directory_remove(dir);

@@ -1,0 +1,289 @@
+/* The ledger: see ledger.h. */
+#include "coupler/ledger.h"
+
+#include "coupler/window.h"
+#include "protocol/log.h"
+#include "protocol/results.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+  LOOKS = 3, /* in a row before the guard speaks; one is enough at the end of the run */
+  BODY_COLUMNS = 12,
+  ENERGY_COLUMNS = 2
+};
+static const double round_off = 1e-9; /* of the sums that the balance is made of */
+
+/* columns of a body, behind its name */
+static const char *const body_columns[BODY_COLUMNS] = {"impulse.x [N s]",
+                                                       "impulse.y [N s]",
+                                                       "impulse.z [N s]",
+                                                       "angular_impulse.x [N m s]",
+                                                       "angular_impulse.y [N m s]",
+                                                       "angular_impulse.z [N m s]",
+                                                       "work.dem [J]",
+                                                       "work.mbd [J]",
+                                                       "residual [J]",
+                                                       "blending [J]",
+                                                       "drift [m]",
+                                                       "drift_angle [rad]"};
+
+/* ---- one body ---- */
+
+/* turn from one orientation to another, world axes [rad] */
+static tdm_vec3 turn_of(tdm_quat from, tdm_quat to) {
+  return tdm_quat_to_rotvec(tdm_quat_mul(to, tdm_quat_conj(from)));
+}
+
+/* coefficients in s of the parabola with the values v0, v1 at the ends and a mean */
+static void parabola(tdm_vec3 v0, tdm_vec3 v1, tdm_vec3 mean, tdm_vec3 *out) {
+  out[0] = v0;
+  out[1] = tdm_sub(tdm_scale(6, mean), tdm_add(tdm_scale(4, v0), tdm_scale(2, v1)));
+  out[2] = tdm_sub(tdm_scale(3, tdm_add(v0, v1)), tdm_scale(6, mean));
+}
+
+double cpl_work_along(const tdm_state *start, const tdm_state *end, double duration, const tdm_wrench *load,
+                      int nload) {
+  tdm_vec3 velocity[3], angular[3];
+  tdm_vec3 way = tdm_sub(end->pose.position, start->pose.position);
+  tdm_vec3 turn = turn_of(start->pose.orientation, end->pose.orientation);
+  parabola(start->twist.velocity, end->twist.velocity, tdm_scale(1 / duration, way), velocity);
+  parabola(start->twist.angular, end->twist.angular, tdm_scale(1 / duration, turn), angular);
+  double work = 0;
+  for (int j = 0; j < nload; j++)
+    for (int k = 0; k < 3; k++)
+      work += (tdm_dot(load[j].force, velocity[k]) + tdm_dot(load[j].moment, angular[k])) / (j + k + 1);
+  return duration * work;
+}
+
+static void add_impulse(cpl_ledger_body *b, double h, const tdm_wrench *mean) {
+  b->impulse.force = tdm_axpy(h, mean->force, b->impulse.force);
+  b->impulse.moment = tdm_axpy(h, mean->moment, b->impulse.moment);
+}
+
+/* DEM's side without its own word: the mean load along the path that was asked for */
+static double work_of_mean(const tdm_wrench *mean, const tdm_state *start, const tdm_state *end) {
+  tdm_vec3 way = tdm_sub(end->pose.position, start->pose.position);
+  tdm_vec3 turn = turn_of(start->pose.orientation, end->pose.orientation);
+  return tdm_dot(mean->force, way) + tdm_dot(mean->moment, turn);
+}
+
+static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, int i) {
+  const tdm_result *dem = &loop->result[CPL_DEM];
+  const tdm_interface *own = dem->ninterface > 0 ? &dem->body[i] : NULL;
+  const tdm_state *there = own ? &own->end : &loop->sent_end[i], *here = &loop->state_end[i];
+  const double h = loop->t1 - loop->t0;
+  add_impulse(b, h, own ? &own->moment[0] : &loop->mean[i]);
+  b->work[CPL_DEM] += own ? own->work : work_of_mean(&loop->mean[i], &loop->sent_start[i], there);
+  b->blending += own ? own->blending : 0;
+  b->work[CPL_MBD] += cpl_work_along(&loop->state_start[i], here, h, &loop->load[i * CPL_HISTORY_MAX], loop->nload);
+  double drift = tdm_norm(tdm_sub(here->pose.position, there->pose.position));
+  double angle = tdm_norm(turn_of(there->pose.orientation, here->pose.orientation));
+  b->drift = fmax(b->drift, drift);
+  b->angle = fmax(b->angle, angle);
+  b->most_drift = fmax(b->most_drift, drift);
+  b->most_angle = fmax(b->most_angle, angle);
+}
+
+static double residual_of(const cpl_ledger_body *b) {
+  return b->work[CPL_MBD] - b->work[CPL_DEM];
+}
+
+/* ---- energy ---- */
+
+/* The largest energy so far, without the zero of the potentials [J]. */
+static double largest_energy(const cpl_ledger *l) {
+  return l->looks > 0 ? l->kinetic + l->potential[1] - l->potential[0] : NAN;
+}
+
+/* Both solvers were looked at: the balance, and by how much it has risen. True: by more than the guard allows. */
+static bool look(cpl_ledger *l) {
+  double stored = 0, kinetic = 0, supplied = 0, blending = 0, size = 0;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    stored += l->energy[r].stored;
+    kinetic += l->energy[r].kinetic;
+    supplied += l->energy[r].supplied;
+    size += fabs(l->energy[r].stored) + fabs(l->energy[r].supplied);
+  }
+  for (int i = 0; i < l->nbody; i++)
+    blending += l->body[i].blending;
+  double now = stored - supplied + blending;
+  if (l->looks++ == 0)
+    l->start = l->lowest = now;
+  l->balance = now - l->start;
+  l->lowest = fmin(l->lowest, now);
+  l->kinetic = fmax(l->kinetic, kinetic);
+  l->potential[0] = fmin(l->potential[0], stored - kinetic);
+  l->potential[1] = fmax(l->potential[1], stored - kinetic);
+  double rise = now - l->lowest, most = largest_energy(l);
+  if (!(rise > round_off * size))
+    return false;
+  l->rise = fmax(l->rise, rise / most);
+  return rise > l->settings->guard.energy * most + round_off * size;
+}
+
+/* ---- the file ---- */
+
+static void write_row(cpl_ledger *l, double time) {
+  double *at = l->row;
+  for (int i = 0; i < l->nbody; i++) {
+    cpl_ledger_body *b = &l->body[i];
+    memcpy(at, &b->impulse, sizeof b->impulse);
+    at += TDM_WRENCH_DOUBLES;
+    *at++ = b->work[CPL_DEM];
+    *at++ = b->work[CPL_MBD];
+    *at++ = residual_of(b);
+    *at++ = b->blending;
+    *at++ = b->drift;
+    *at++ = b->angle;
+    b->drift = b->angle = 0;
+  }
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (l->has_energy[r])
+      *at++ = l->energy[r].stored;
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (l->has_energy[r])
+      *at++ = l->energy[r].supplied;
+  if (l->has_energy[CPL_MBD] && l->has_energy[CPL_DEM])
+    *at++ = l->looks > 0 ? l->balance : NAN;
+  tdm_write_row(l->file, time, l->row, (int)(at - l->row));
+}
+
+static void write_header(const cpl_ledger *l) {
+  static const char *const energy[ENERGY_COLUMNS] = {"energy", "supplied"};
+  fputs("time [s]", l->file);
+  for (int i = 0; i < l->nbody; i++)
+    for (int c = 0; c < BODY_COLUMNS; c++)
+      fprintf(l->file, ",%s.%s", l->settings->body[i].name[CPL_MBD], body_columns[c]);
+  for (int c = 0; c < ENERGY_COLUMNS; c++)
+    for (int r = 0; r < CPL_NROLE; r++)
+      if (l->has_energy[r])
+        fprintf(l->file, ",%s.%s [J]", energy[c], cpl_role_names[r]);
+  if (l->has_energy[CPL_MBD] && l->has_energy[CPL_DEM])
+    fputs(",balance [J]", l->file);
+  fputc('\n', l->file);
+}
+
+tdm_status cpl_ledger_begin(cpl_ledger *l, const cpl_settings *settings, const cpl_session *session, FILE *file,
+                            tdm_error *err) {
+  size_t nbody = (size_t)settings->nbody;
+  *l = (cpl_ledger){.settings = settings, .file = file, .gained_at = NAN, .potential = {INFINITY, -INFINITY}};
+  l->body = calloc(nbody + 1, sizeof *l->body);
+  l->row = calloc(BODY_COLUMNS * nbody + CPL_NROLE * ENERGY_COLUMNS + 1, sizeof *l->row);
+  if (!l->body || !l->row)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  l->nbody = settings->nbody;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    l->has_energy[r] = cpl_session_asks(session, (cpl_role)r, "energy");
+    l->energy[r] = session->partner[r].energy;
+  }
+  if (!isnan(l->energy[CPL_MBD].stored + l->energy[CPL_DEM].stored))
+    look(l);
+  write_header(l);
+  write_row(l, 0);
+  return TDM_OK;
+}
+
+void cpl_ledger_free(cpl_ledger *l) {
+  free(l->body);
+  free(l->row);
+  *l = (cpl_ledger){0};
+}
+
+/* ---- the guard ---- */
+
+/* the body through which most energy came */
+static int worst_body(const cpl_ledger *l) {
+  int worst = 0;
+  for (int i = 1; i < l->nbody; i++)
+    if (residual_of(&l->body[i]) > residual_of(&l->body[worst]))
+      worst = i;
+  return worst;
+}
+
+static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
+  char text[TDM_MESSAGE_MAX], quoted[TDM_MESSAGE_MAX], body[320] = "";
+  const cpl_settings *s = l->settings;
+  int worst = worst_body(l);
+  if (l->nbody > 0)
+    snprintf(body, sizeof body, "; at body \"%.200s\" MBD got %.3g J more than DEM gave", s->body[worst].name[CPL_MBD],
+             residual_of(&l->body[worst]));
+  snprintf(text, sizeof text,
+           "the energy of bodies and particles has risen by %.3g J without a source, more than coupling.guard.energy = "
+           "%g of the %.3g J there were, in the window %llu that ends at %.9g s%s; the coupling is unstable: take a "
+           "smaller coupling.n, or \"proxy\" or \"iterative\" as coupling.scheme, or a smaller time.dt "
+           "(\"coupling.guard.action\": \"warn\" goes on)",
+           l->start + l->balance - l->lowest, s->guard.energy, largest_energy(l), (unsigned long long)loop->window,
+           loop->t1, body);
+  if (s->guard.action == CPL_GUARD_STOP)
+    return tdm_fail(err, TDM_ERR_NUMERIC, "coupling.n", "%s", text);
+  if (!l->told)
+    tdm_log(TDM_LOG_WARNING, "guard", "message=%s further=not_logged", tdm_log_quote(quoted, sizeof quoted, text));
+  l->told = true;
+  return TDM_OK;
+}
+
+static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
+  bool both = true;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    const tdm_energy *e = l->has_energy[r] ? loop->result[r].energy : NULL;
+    bool seen = e && !isnan(e->stored);
+    if (seen)
+      l->energy[r] = *e;
+    both = both && seen;
+  }
+  if (!both)
+    return TDM_OK;
+  l->rises = look(l) ? l->rises + 1 : 0;
+  if (l->rises > 0 && isnan(l->gained_at))
+    l->gained_at = loop->t1;
+  bool enough = l->rises >= (cpl_loop_done(loop) ? 1 : LOOKS);
+  return enough && l->settings->guard.action != CPL_GUARD_OFF ? tell(l, loop, err) : TDM_OK;
+}
+
+/* ---- a window ---- */
+
+tdm_status cpl_ledger_window(cpl_ledger *l, const cpl_loop *loop, uint64_t first_sample, tdm_error *err) {
+  const double interval = l->settings->output_interval;
+  const double end = loop->t1 - 1e-6 * l->settings->dt; /* times are multiples of two steps, which round apart */
+  int k = 0;
+  for (; k < loop->nsample && loop->sample_time[k] < end; k++)
+    write_row(l, (double)(first_sample + (uint64_t)k) * interval);
+  double residual = 0;
+  for (int i = 0; i < l->nbody; i++) {
+    enter_body(&l->body[i], loop, i);
+    residual += residual_of(&l->body[i]);
+  }
+  l->residual = fmax(l->residual, fabs(residual));
+  judge(l, loop, err);
+  for (; k < loop->nsample; k++)
+    write_row(l, (double)(first_sample + (uint64_t)k) * interval);
+  return err->status;
+}
+
+/* ---- the final figures ---- */
+
+static json_t *number(double x) {
+  return isfinite(x) ? json_real(x) : json_null();
+}
+
+json_t *cpl_ledger_summary(const cpl_ledger *l) {
+  json_t *bodies = json_object();
+  for (int i = 0; i < l->nbody; i++) {
+    const cpl_ledger_body *b = &l->body[i];
+    json_object_set_new(bodies, l->settings->body[i].name[CPL_MBD],
+                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "impulse_Ns",
+                                  tdm_numbers_to_json(&b->impulse.force.x, 3), "angular_impulse_Nms",
+                                  tdm_numbers_to_json(&b->impulse.moment.x, 3), "work_dem_J", number(b->work[CPL_DEM]),
+                                  "work_mbd_J", number(b->work[CPL_MBD]), "residual_J", number(residual_of(b)),
+                                  "blending_J", number(b->blending), "largest_drift_m", number(b->most_drift),
+                                  "largest_drift_rad", number(b->most_angle)));
+  }
+  double most = largest_energy(l);
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "energy_residual", number(l->residual / most), "energy_rise",
+                   l->looks > 0 ? number(l->rise) : json_null(), "largest_energy_J", number(most), "balance_J",
+                   l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s", number(l->gained_at), "bodies",
+                   bodies);
+}

@@ -1,0 +1,69 @@
+/* The ledger: what goes through the interface in every window, whatever the scheme, and whether energy appears from
+ * nowhere. README.md has the equations.
+ *
+ *   impulse    of the load on a body, m0 H from DEM's kicks (mean H from a DEM solver without "interface")
+ *   work       of the load that DEM found along DEM's path of the body, and of the load that MBD felt along MBD's;
+ *              the interface residual is what the second has more
+ *   blending   work of the load along the closing of drift
+ *   drift      between the two end states of a window
+ *   balance    G = stored - supplied + blending of both solvers, from its first value on: friction and damping lower
+ * it, nothing may raise it
+ *
+ * ledger.csv has sums since the start, drifts as the largest since the row before, energies as last looked at, all as
+ * of the end of the last window that was over at the row's time.
+ */
+#ifndef CPL_LEDGER_H
+#define CPL_LEDGER_H
+
+#include "coupler/session.h"
+
+#include <stdio.h>
+
+struct cpl_loop;
+
+/* Sums since the start, of one body. */
+typedef struct {
+  tdm_wrench impulse;               /* [N s], [N m s] */
+  double work[CPL_NROLE], blending; /* [J] */
+  double drift, angle;              /* largest since the row before [m], [rad] */
+  double most_drift, most_angle;    /* largest of the run */
+} cpl_ledger_body;
+
+typedef struct {
+  const cpl_settings *settings;
+  FILE *file; /* ledger.csv, borrowed */
+  int nbody;
+  cpl_ledger_body *body; /* (nbody) */
+  double *row;           /* of the file */
+  bool has_energy[CPL_NROLE];
+  tdm_energy energy[CPL_NROLE]; /* as last looked at */
+  uint64_t looks;               /* at both */
+  double start, balance;        /* G at the first look, and its growth since [J] */
+  double lowest;                /* G so far [J] */
+  double kinetic;               /* largest of both so far [J] */
+  double potential[2];          /* least and greatest of what is stored otherwise [J] */
+  double rise;                  /* largest of G over its lowest, as a share of the largest energy */
+  double residual;              /* largest magnitude of all bodies' interface residual so far [J] */
+  int rises;                    /* looks in a row with more than the guard allows */
+  double gained_at;             /* the first look at that [s]; NaN: none */
+  bool told;                    /* the guard has warned */
+} cpl_ledger;
+
+/* Opens the books: writes the header and the row of t = 0 into `file` (borrowed). */
+tdm_status cpl_ledger_begin(cpl_ledger *ledger, const cpl_settings *settings, const cpl_session *session, FILE *file,
+                            tdm_error *err);
+void cpl_ledger_free(cpl_ledger *ledger);
+
+/* Enter the window that the loop has solved; its first output time has the number first_sample. TDM_ERR_NUMERIC: energy
+ * has appeared from nowhere (coupling.guard). */
+tdm_status cpl_ledger_window(cpl_ledger *ledger, const struct cpl_loop *loop, uint64_t first_sample, tdm_error *err);
+
+/* The final figures for summary.json (new reference). */
+json_t *cpl_ledger_summary(const cpl_ledger *ledger);
+
+/* Work of W(s) = sum_j load[j] s^j, s = (t - t0)/duration, on a body that goes from start to end: its velocity is that
+ * of the cubic Hermite path between the two states, its angular velocity likewise the parabola with the values at both
+ * ends whose mean is the turn. In closed form; nload at most CPL_HISTORY_MAX [J]. */
+double cpl_work_along(const tdm_state *start, const tdm_state *end, double duration, const tdm_wrench *load, int nload);
+
+#endif

@@ -1,0 +1,229 @@
+/* The ledger: work in closed form, impulse, balance, and runs that gain energy. */
+#include "coupler/ledger.h"
+#include "coupler/table.h"
+#include "protocol/results.h"
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <math.h>
+
+/* ---- work in closed form ---- */
+
+static tdm_vec3 hermite_velocity(const tdm_state *a, const tdm_state *b, double h, double s) {
+  tdm_vec3 way = tdm_scale(6 * s * (1 - s) / h, tdm_sub(b->pose.position, a->pose.position));
+  way = tdm_axpy((1 - s) * (1 - 3 * s), a->twist.velocity, way);
+  return tdm_axpy(s * (3 * s - 2), b->twist.velocity, way);
+}
+
+START_TEST(work_is_the_integral_along_the_path) {
+  const double h = 0.25;
+  tdm_quat q0 = tdm_quat_from_rotvec(tdm_v3(0.3, -0.2, 0.5));
+  tdm_vec3 axis = tdm_v3(0, 0.6, 0.8);
+  double angle = 0.4, rate0 = 1.1, rate1 = 2.3;
+  tdm_state a = {{{1, 2, 3}, q0}, {{0.5, -1, 2}, tdm_scale(rate0, axis)}};
+  tdm_state b = {{{1.2, 1.9, 3.3}, tdm_quat_mul(tdm_quat_from_rotvec(tdm_scale(angle, axis)), q0)},
+                 {{-0.7, 0.4, 1}, tdm_scale(rate1, axis)}};
+  const tdm_wrench load[3] = {{{10, -3, 2}, {1, 2, 3}}, {{-40, 7, 5}, {0.3, -2, 1}}, {{25, 1, -60}, {-4, 1, 0.5}}};
+  for (int n = 1; n <= 3; n++) {
+    const int cells = 2000;
+    double sum = 0;
+    for (int i = 0; i <= cells; i++) { /* Simpson */
+      double s = (double)i / cells, weight = i == 0 || i == cells ? 1 : i % 2 ? 4 : 2;
+      tdm_vec3 f = {0, 0, 0}, m = {0, 0, 0};
+      for (int j = n - 1; j >= 0; j--) {
+        f = tdm_add(tdm_scale(s, f), load[j].force);
+        m = tdm_add(tdm_scale(s, m), load[j].moment);
+      }
+      double w = 6 * s * (1 - s) * angle / h + (1 - s) * (1 - 3 * s) * rate0 + s * (3 * s - 2) * rate1;
+      sum += weight * (tdm_dot(f, hermite_velocity(&a, &b, h, s)) + w * tdm_dot(m, axis));
+    }
+    ck_assert_double_eq_tol(cpl_work_along(&a, &b, h, load, n), h * sum / (3 * cells), 1e-10);
+  }
+  /* a constant load: force times way, moment times turn, whatever the twists */
+  double work = tdm_dot(load[0].force, tdm_v3(0.2, -0.1, 0.3)) + angle * tdm_dot(load[0].moment, axis);
+  ck_assert_double_eq_tol(cpl_work_along(&a, &b, h, load, 1), work, 1e-13);
+}
+END_TEST
+
+/* ---- runs ---- */
+
+/* a cube that floats, hit by a particle; %s: restitution, further settings of dem and of the coupling */
+static const char floating[] =
+    "{\"time\": {\"end\": 0.02, \"dt\": 2e-5},\n"
+    " \"coupling\": {\"n\": 10, \"bodies\": [{\"mbd\": \"cube\", \"dem\": \"cube\"}]},\n"
+    " \"output\": {\"interval\": 2e-4},\n"
+    " \"mbd\": {\"gravity\": [0, 0, -9.81], \"bodies\": [{\"name\": \"cube\", \"mass\": 0.05, \"inertia\": [1e-4, "
+    "1e-4, "
+    "1e-4], \"position\": [0.1, 0, 0], \"velocity\": [0.1, 0, 0.3]}]},\n"
+    " \"dem\": {\"gravity\": [0, 0, -9.81], \"materials\": [{\"name\": \"m\", \"density\": 2500, \"young_modulus\": "
+    "5e6, "
+    "\"poisson_ratio\": 0.2}],\n"
+    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 1, \"friction\": 0}],\n"
+    "  \"bodies\": [{\"name\": \"cube\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": [0.2, 0.2, "
+    "0.2], "
+    "\"side\": \"outside\"}]}],\n"
+    "  \"particles\": [{\"type\": \"list\", \"material\": \"m\", \"radius\": 0.01, \"mass\": 0.02, \"positions\": "
+    "[[-0.011, 0.02, 0]], \"velocity\": [2, 0, 0]}]}}\n";
+
+/* 20 particles twice as heavy as the box that holds them on a spring */
+static const char heavy[] =
+    "{\"time\": {\"end\": 1.5, \"dt\": 2e-4},\n"
+    " \"coupling\": {\"n\": 250, \"scheme\": \"lommen\", \"bodies\": [{\"mbd\": \"box\", \"dem\": \"box\"}]},\n"
+    " \"mbd\": {\"bodies\": [{\"name\": \"box\", \"mass\": 10, \"inertia\": [1, 1, 1], \"position\": [0, 0, 0]}],\n"
+    "  \"joints\": [{\"name\": \"guide\", \"type\": \"prismatic\", \"bodies\": [\"ground\", \"box\"], \"point\": [0, "
+    "0, "
+    "0], \"axis\": [0, 0, 1]}],\n"
+    "  \"forces\": [{\"name\": \"spring\", \"type\": \"spring_damper\", \"bodies\": [\"ground\", \"box\"],\n"
+    "   \"points\": [[0, 0, 3], [0, 0, 0]], \"stiffness\": 500, \"damping\": 50, \"preload\": 10}]},\n"
+    " \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, \"young_modulus\": 1e7, \"poisson_ratio\": "
+    "0.2}],\n"
+    "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 0.9, \"friction\": 0.5}],\n"
+    "  \"bodies\": [{\"name\": \"box\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": [0.3, 0.3, "
+    "0.8], "
+    "\"side\": \"inside\"}]}],\n"
+    "  \"particles\": [{\"type\": \"random\", \"material\": \"m\", \"count\": 20, \"radius\": 0.05, \"total_mass\": "
+    "20,\n"
+    "   \"region\": {\"min\": [-0.15, -0.15, -0.4], \"max\": [0.15, 0.15, 0.4]}}],\n"
+    "  \"settle\": {\"speed\": 5e-3}}}\n";
+
+/* the summary's ledger (borrowed from *summary) */
+static const json_t *ledger_of(const char *dir, json_t **summary) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/out", dir);
+  *summary = tdm_results_read(path, "summary.json", NULL);
+  ck_assert_ptr_nonnull(*summary);
+  const json_t *ledger = json_object_get(*summary, "ledger");
+  ck_assert_ptr_nonnull(ledger);
+  return ledger;
+}
+
+static double figure(const json_t *ledger, const char *key) {
+  return json_number_value(json_object_get(ledger, key));
+}
+
+static void read_csv(const char *dir, const char *name, cpl_table *t) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/out/%s", dir, name);
+  ck_assert_int_eq(cpl_table_read(t, path, NULL), TDM_OK);
+}
+
+static const double *column(const cpl_table *t, const char *name) {
+  const double *c = cpl_table_column(t, name, NULL);
+  ck_assert_msg(c != NULL, "no column %s", name);
+  return c;
+}
+
+START_TEST(impulse_and_balance_of_a_floating_cube) {
+  const char *dir = directory_make();
+  write_file(dir, "scene.json", floating);
+  ck_assert_msg(command("tandem run %s/scene.json --out %s/out", dir, dir) == 0, "%s", command_output);
+  cpl_table ledger = {0}, body = {0};
+  read_csv(dir, "ledger.csv", &ledger);
+  read_csv(dir, "body_cube.csv", &body);
+  ck_assert_int_eq(ledger.nrow, body.nrow);
+  const double *t = column(&body, "time"), *vx = column(&body, "vx"), *vz = column(&body, "vz");
+  const double *px = column(&ledger, "cube.impulse.x"), *pz = column(&ledger, "cube.impulse.z");
+  const double *balance = column(&ledger, "balance"), *dem = column(&ledger, "cube.work.dem"),
+               *mbd = column(&ledger, "cube.work.mbd");
+  for (int i = 0; i < ledger.nrow; i++) { /* windows end on output times; the tolerance is MBD's */
+    ck_assert_double_eq_tol(px[i], 0.05 * (vx[i] - 0.1), 1e-7);
+    ck_assert_double_eq_tol(pz[i], 0.05 * (vz[i] - 0.3 + 9.81 * t[i]), 1e-7);
+  }
+  int last = ledger.nrow - 1;
+  ck_assert_double_gt(px[last], 0.04); /* it was hit */
+  ck_assert_double_gt(dem[last], 0.02);
+  ck_assert_double_eq_tol(mbd[last], dem[last], 1e-5 * dem[last]);
+  ck_assert_double_eq(balance[0], 0);
+  json_t *summary;
+  const json_t *figures = ledger_of(dir, &summary);
+  double most = figure(figures, "largest_energy_J");
+  ck_assert_double_gt(most, 0.02);
+  ck_assert_double_eq_tol(balance[last], 0, 1e-3 * most); /* e = 1: nothing is lost, nothing comes */
+  ck_assert_double_lt(figure(figures, "energy_rise"), 5e-3);
+  ck_assert_double_lt(figure(figures, "energy_residual"), 1e-5);
+  json_decref(summary);
+  cpl_table_free(&ledger);
+  cpl_table_free(&body);
+  ck_assert_int_eq(command("sh -c 'cp %s/out/ledger.csv %s/first.csv'", dir, dir), 0);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out", dir, dir), 0);
+  ck_assert_int_eq(command("cmp %s/out/ledger.csv %s/first.csv", dir, dir), 0);
+  ck_assert_msg(command("tandem report %s/out", dir) == 0, "%s", command_output);
+  ck_assert_int_eq(command("test -s %s/out/ledger.png", dir), 0);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_run_that_gains_energy_stops) {
+  const char *dir = directory_make();
+  json_t *summary;
+  write_file(dir, "scene.json", heavy);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed", dir, dir, dir), 1);
+  expect_output("coupling.n: the energy of bodies and particles has risen by");
+  expect_output("at body \"box\"");
+  expect_output("take a smaller coupling.n");
+  const json_t *figures = ledger_of(dir, &summary);
+  ck_assert_double_gt(figure(figures, "gained_at_s"), 0);
+  ck_assert_double_lt(figure(summary, "simulated_s"), 1.5);
+  ck_assert_str_eq(json_string_value(json_object_get(summary, "status")), "TDM_ERR_NUMERIC");
+  json_decref(summary);
+  /* only told */
+  command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed --set coupling.guard.action=warn", dir,
+          dir, dir);
+  ck_assert_ptr_null(strstr(command_output, "has risen"));
+  figures = ledger_of(dir, &summary);
+  ck_assert_double_gt(figure(figures, "gained_at_s"), 0);
+  json_decref(summary);
+  ck_assert_int_eq(command("grep -q 'event=guard.*has risen' %s/out/server.log", dir), 0);
+  /* short windows: nothing rises, and what both sides worked agrees */
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed --set coupling.n=5 "
+                           "--set coupling.scheme=proxy",
+                           dir, dir, dir),
+                   0);
+  figures = ledger_of(dir, &summary);
+  ck_assert_double_lt(figure(figures, "energy_rise"), 0.01);
+  ck_assert_double_lt(figure(figures, "energy_residual"), 1e-3);
+  json_decref(summary);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_run_that_ends_with_energy_gained_has_failed) {
+  const char *dir = directory_make();
+  write_file(dir, "scene.json", heavy);
+  /* three windows: too few for three looks in a row */
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.n=1000 --set time.end=0.6", dir, dir),
+                   1);
+  expect_output("has risen by");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(without_energies_there_is_no_verdict) {
+  const char *dir = directory_make();
+  json_t *summary;
+  write_file(dir, "scene.json",
+             "{\"time\": {\"end\": 0.1, \"dt\": 1e-3}, \"coupling\": {\"n\": 5, \"scheme\": \"lommen\", \"bodies\": "
+             "[{\"mbd\": \"b\", \"dem\": \"b\"}], \"solvers\": {\"dem\": \"dummy_solver\"}},\n"
+             " \"mbd\": {\"bodies\": [{\"name\": \"b\", \"mass\": 1, \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], "
+             "\"velocity\": [1, 0, 0]}], \"gravity\": [0, 0, 0]},\n"
+             " \"dem\": {\"stiffness\": 100}}");
+  ck_assert_msg(command("tandem run %s/scene.json --out %s/out", dir, dir) == 0, "%s", command_output);
+  const json_t *figures = ledger_of(dir, &summary);
+  ck_assert(json_is_null(json_object_get(figures, "energy_residual")));
+  ck_assert(json_is_null(json_object_get(figures, "gained_at_s")));
+  const json_t *body = json_object_get(json_object_get(figures, "bodies"), "b");
+  ck_assert_double_lt(figure(body, "work_dem_J"), -0.1); /* the spring slows the body down */
+  ck_assert_double_eq_tol(figure(body, "work_mbd_J"), figure(body, "work_dem_J"), 0.05);
+  json_decref(summary);
+  cpl_table t = {0};
+  read_csv(dir, "ledger.csv", &t);
+  ck_assert(cpl_table_column(&t, "energy.mbd", NULL) && !cpl_table_column(&t, "energy.dem", NULL) &&
+            !cpl_table_column(&t, "balance", NULL));
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("ledger", 60, work_is_the_integral_along_the_path, impulse_and_balance_of_a_floating_cube,
+          a_run_that_gains_energy_stops, a_run_that_ends_with_energy_gained_has_failed,
+          without_energies_there_is_no_verdict)
