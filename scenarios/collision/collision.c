@@ -62,26 +62,36 @@ static tdm_status read_result(const char *dir, double m_p, collision_result *res
   return err->status;
 }
 
-static tdm_status run_case(cpl_verify *v, int i, const char *wall_mass, collision_result *result, tdm_error *err) {
-  char name[64], mass[64], wall[64], dir[4096];
-  double m_p = table_1[i].m_p;
-  snprintf(name, sizeof name, "m_p=%g%s%s", m_p, wall_mass ? " wall_mass=" : "", wall_mass ? wall_mass : "");
-  snprintf(mass, sizeof mass, "dem.particles[0].mass=%g", m_p);
-  snprintf(wall, sizeof wall, "dem.contact.wall_mass=%s", wall_mass ? wall_mass : "body");
-  const char *const set[] = {mass, wall, NULL};
-  if (cpl_verify_run(v, name, set, dir, sizeof dir, err) != TDM_OK || read_result(dir, m_p, result, err) != TDM_OK)
+typedef enum { LOMMEN, PROXY, WALL_MASS, NSERIES } series;
+
+static void name_case(cpl_verify_case *c, int i, series what) {
+  static const char *const more[NSERIES] = {[LOMMEN] = "", [PROXY] = " scheme=proxy", [WALL_MASS] = " wall_mass=1e8"};
+  snprintf(c->name, sizeof c->name, "m_p=%g%s", table_1[i].m_p, more[what]);
+  cpl_verify_case_set(c, "dem.particles[0].mass=%g", table_1[i].m_p);
+  cpl_verify_case_set(c, "coupling.scheme=%s", what == PROXY ? "proxy" : "lommen");
+  cpl_verify_case_set(c, "dem.contact.wall_mass=%s", what == WALL_MASS ? "1e8" : "body");
+}
+
+static tdm_status measure_case(cpl_verify *v, const cpl_verify_case *c, int i, series what, collision_result *result,
+                               tdm_error *err) {
+  double m_p = table_1[i].m_p, v_p, v_c;
+  if (c->err.status != TDM_OK) {
+    *err = c->err;
     return err->status;
-  cpl_limit_kind kind = !wall_mass && body_mass / m_p >= limit_ratio ? CPL_AT_MOST : CPL_NO_LIMIT;
-  cpl_verify_measure(v, "error_particle_percent", name, result->error_particle, kind, limit_percent);
-  cpl_verify_measure(v, "error_body_percent", name, result->error_body, kind, limit_percent);
-  if (!wall_mass) {
-    cpl_verify_measure(v, "steps_per_contact", name, result->steps, CPL_NO_LIMIT, 0);
+  }
+  if (read_result(c->dir, m_p, result, err) != TDM_OK)
+    return err->status;
+  cpl_limit_kind kind = what != WALL_MASS && body_mass / m_p >= limit_ratio ? CPL_AT_MOST : CPL_NO_LIMIT;
+  cpl_verify_about(v, c);
+  cpl_verify_measure(v, "error_particle_percent", c->name, result->error_particle, kind, limit_percent);
+  cpl_verify_measure(v, "error_body_percent", c->name, result->error_body, kind, limit_percent);
+  if (what != WALL_MASS) {
+    cpl_verify_measure(v, "steps_per_contact", c->name, result->steps, CPL_NO_LIMIT, 0);
     return TDM_OK;
   }
-  double v_p, v_c;
   theory(m_p, &v_p, &v_c);
-  cpl_verify_measure(v, "paper_particle_percent", name, 100 * (table_1[i].paper_v_p / v_p - 1), CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "paper_body_percent", name, 100 * (table_1[i].paper_v_c / v_c - 1), CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_particle_percent", c->name, 100 * (table_1[i].paper_v_p / v_p - 1), CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_body_percent", c->name, 100 * (table_1[i].paper_v_c / v_c - 1), CPL_NO_LIMIT, 0);
   return TDM_OK;
 }
 
@@ -135,15 +145,14 @@ static void plot(cpl_verify *v) {
 }
 
 tdm_status scn_collision(cpl_verify *v, tdm_error *err) {
-  collision_result true_mass[NCASE] = {{0}}, wall_mass[NCASE] = {{0}};
-  for (int i = 0; i < NCASE; i++)
-    if (run_case(v, i, NULL, &true_mass[i], err) != TDM_OK)
-      return err->status;
-  for (int i = 0; i < NCASE; i++)
-    if (run_case(v, i, "1e8", &wall_mass[i], err) != TDM_OK)
-      return err->status;
-  if (write_table(v, true_mass, wall_mass, err) != TDM_OK)
-    return err->status;
-  plot(v);
-  return TDM_OK;
+  cpl_verify_case run[NSERIES * NCASE] = {0};
+  collision_result result[NSERIES][NCASE] = {0};
+  for (int k = 0; k < NSERIES * NCASE; k++)
+    name_case(&run[k], k % NCASE, (series)(k / NCASE));
+  cpl_verify_run_many(v, NSERIES * NCASE, run, 0, err);
+  for (int k = 0; err->status == TDM_OK && k < NSERIES * NCASE; k++)
+    measure_case(v, &run[k], k % NCASE, (series)(k / NCASE), &result[k / NCASE][k % NCASE], err);
+  if (err->status == TDM_OK && write_table(v, result[LOMMEN], result[WALL_MASS], err) == TDM_OK)
+    plot(v);
+  return err->status;
 }
