@@ -203,14 +203,19 @@ tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm
   return solve_dem(loop, &step, err);
 }
 
-/* Coefficients in s = (t - t0)/H of m0 + 3 m1 P1(2s - 1) + 5 m2 P2(2s - 1). */
-static void from_moments(const tdm_wrench *moment, int n, tdm_wrench *out) {
+/* Coefficients in s = (t - t0)/H of the load m0 + 3 m1 P1(x) + c2 P2(x), x = 2s - 1, that has the moments of nstep
+ * steps' kicks. m0 and m1 are what a free body's velocity and place at the end depend on, and stay exact. Kicks of a
+ * constant load have a second moment m0/nstep^2: it is taken out, and c2 is that of the parabola through kicks that lie
+ * on one: c2 = (m2 - m0/nstep^2)/(9/4 (<x^4> - <x^2>^2)), <> the mean with the kicks' weights; 5 m2 for many steps. */
+static void from_moments(const tdm_wrench *moment, uint64_t nstep, int ncoefficient, tdm_wrench *out) {
   const double *m0 = (const double *)(const void *)&moment[0], *m1 = (const double *)(const void *)&moment[1];
   const double *m2 = (const double *)(const void *)&moment[2];
+  const double q = 1 / ((double)nstep * (double)nstep), x2 = 1.0 / 3 + 2 * q / 3;
+  const double x4 = 0.2 + 4 * q / 3 - 8 * q * q / 15, norm = 2.25 * (x4 - x2 * x2);
   for (int i = 0; i < TDM_WRENCH_DOUBLES; i++) {
-    double slope = n > 1 ? 3 * m1[i] : 0, bend = n > 2 ? 5 * m2[i] : 0;
+    double slope = ncoefficient > 1 ? 3 * m1[i] : 0, bend = ncoefficient > 2 ? (m2[i] - q * m0[i]) / norm : 0;
     const double c[CPL_HISTORY_MAX] = {m0[i] - slope + bend, 2 * slope - 6 * bend, 6 * bend};
-    for (int j = 0; j < n; j++)
+    for (int j = 0; j < ncoefficient; j++)
       ((double *)(void *)&out[j])[i] = c[j];
   }
 }
@@ -225,6 +230,6 @@ tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_err
     return err->status;
   loop->nload = nstep == 1 ? 1 : nstep < 4 ? 2 : 3;
   for (int i = 0; i < loop->nbody; i++)
-    from_moments(loop->result[CPL_DEM].body[i].moment, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
+    from_moments(loop->result[CPL_DEM].body[i].moment, nstep, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
   return TDM_OK;
 }

@@ -28,7 +28,7 @@ static size_t layout(dem_data *d, char *block) {
   PLACE(pose, nb);
   PLACE(twist, nb);
   PLACE(body_load, nl);
-  PLACE(body_inverse, nb);
+  PLACE(mobility, nb);
   PLACE(pose_at_list, nb);
   PLACE(margin, nb);
   PLACE(reach, nb);
@@ -190,12 +190,6 @@ bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
   return true;
 }
 
-void dem_set_body_mass(dem_data *d, int i, double mass) {
-  assert(i >= 0 && i < d->model->ncoupled);
-  if (d->model->wall_mass == 0)
-    d->body_inverse[d->model->coupled_body[i]] = 1 / mass;
-}
-
 /* particles and bodies as the model has them at the start */
 static void begin(dem_data *d) {
   const dem_model *m = d->model;
@@ -219,7 +213,7 @@ static void begin(dem_data *d) {
   for (int b = 0; b < m->nbody; b++) {
     d->pose[b] = m->body[b].start.pose;
     d->twist[b] = m->body[b].start.twist;
-    d->body_inverse[b] = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
+    d->mobility[b].per_mass = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
   }
   dem_bodies_drive(d, m->time_start);
   dem_lids_away(d);

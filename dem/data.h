@@ -10,6 +10,7 @@
 #define DEM_DATA_H
 
 #include "dem/exact.h"
+#include "dem/mobility.h"
 #include "dem/model.h"
 #include "dem/scratch.h"
 #include "dem/search/search.h"
@@ -153,7 +154,7 @@ typedef struct dem_data {
   tdm_pose *pose;         /* now */
   tdm_twist *twist;       /* now */
   tdm_wrench *body_load;  /* (model.nload) of the particles, about the body's centre of mass, world */
-  double *body_inverse;   /* 1/mass for the damping [1/kg]; 0: cannot be moved */
+  dem_mobility *mobility; /* for the damping */
   tdm_pose *pose_at_list; /* when the lists were built */
   double *margin;         /* smallest gap - radius of a particle that is not listed with this body's walls [m] */
   double *reach;          /* largest distance of a particle's centre from the centre of mass at the list [m] */
@@ -244,10 +245,6 @@ void dem_data_end(dem_data *data);
 
 /* Room for n particles. False: no memory, nothing changed. */
 bool dem_data_reserve(dem_data *data, int n);
-
-/* Mass of coupled body i [kg], inf: cannot be moved. Used from the next force on; ignored when the scene gives
- * contact.wall_mass. */
-void dem_set_body_mass(dem_data *data, int i, double mass);
 
 /* The particle after the last one of a chunk. */
 static inline int dem_chunk_end(const dem_data *d, int c) {

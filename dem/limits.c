@@ -173,12 +173,7 @@ static void add_particle(dem_limits *l, const dem_model *m, int kind, double rad
 
 /* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */
 static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at, double overlap) {
-  double normal = dem_normal_stiffness(m, pair, at, overlap), tangential = 0;
-  if (m->law->tangential == DEM_TANGENTIAL_mindlin)
-    tangential = 8 * pair->shear * sqrt(at.radius * overlap);
-  if (m->law->tangential == DEM_TANGENTIAL_spring)
-    tangential = pair->tangential_stiffness;
-  return fmax(normal, 3.5 * tangential);
+  return fmax(dem_normal_stiffness(m, pair, at, overlap), 3.5 * dem_tangential_stiffness(m, pair, at, overlap));
 }
 
 /* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */

@@ -1,6 +1,7 @@
 /* The mechanism inside a window: see proxy.h. */
 #include "dem/proxy.h"
 
+#include "dem/geometry/wall_stiffness.h"
 #include "dem/geometry/walls.h"
 
 #include <gsl/gsl_linalg.h>
@@ -29,12 +30,13 @@ struct dem_proxy {
   double *V;       /* (k6) scratch */
   double *Vt, *at; /* (k6) prescribed part of the twists at the start, and its rate */
   double *J, *B, *J_rate, *B_rate;
-  double *z;         /* (2f) delta u, dt (u' - u'_0) */
-  double *u1;        /* (f) u'_0 */
-  double *E;         /* (2f x 2f) flow over dt */
-  double *p;         /* (2f) its constant part */
-  double *work_area; /* (2f) */
-  double *block;     /* all of the above from W0 on */
+  double *z;             /* (2f) delta u, dt (u' - u'_0) */
+  double *u1;            /* (f) u'_0 */
+  double *E;             /* (2f x 2f) flow over dt */
+  double *p;             /* (2f) its constant part */
+  double *work_area;     /* (2f) */
+  double *J_now, *B_now; /* at the end of the step */
+  double *block;         /* all of the above from W0 on */
   gsl_matrix *L, *exponential;
 };
 
@@ -53,9 +55,14 @@ static bool reserve(dem_proxy *x, int f) {
   const struct {
     double **at;
     size_t n;
-  } arrays[] = {{&x->W0, k},    {&x->W, k},         {&x->V, k},          {&x->Vt, k},           {&x->at, k},
-                {&x->J, k * n}, {&x->B, k * n},     {&x->J_rate, k * n}, {&x->B_rate, k * n},   {&x->z, 2 * n},
-                {&x->u1, n},    {&x->E, 4 * n * n}, {&x->p, 2 * n},      {&x->work_area, 2 * n}};
+  } arrays[] = {{&x->W0, k},         {&x->W, k},
+                {&x->V, k},          {&x->Vt, k},
+                {&x->at, k},         {&x->J, k * n},
+                {&x->B, k * n},      {&x->J_rate, k * n},
+                {&x->B_rate, k * n}, {&x->z, 2 * n},
+                {&x->u1, n},         {&x->E, 4 * n * n},
+                {&x->p, 2 * n},      {&x->work_area, 2 * n},
+                {&x->J_now, k * n},  {&x->B_now, k * n}};
   size_t all = 1, narray = sizeof arrays / sizeof arrays[0];
   for (size_t i = 0; i < narray; i++)
     all += arrays[i].n;
@@ -277,55 +284,65 @@ tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step
 
 /* ---- in a step ---- */
 
-/* J u' into V, J taken at time tau and with the body turned by `turn` since the start. */
-static void twists(const dem_proxy *x, double tau, tdm_quat turn, double *V) {
+/* J and B at time tau, the body turned by `turn` since the start, into J_now and B_now. */
+static void turn_model(dem_proxy *x, double tau, tdm_quat turn) {
+  const int k = x->k6, f = x->f;
+  if (!x->turns) {
+    for (int i = 0; i < k * f; i++) {
+      x->J_now[i] = x->J[i] + tau * x->J_rate[i];
+      x->B_now[i] = x->B[i] + tau * x->B_rate[i];
+    }
+    return;
+  }
+  for (int half = 0; half < 2; half++)
+    for (int j = 0; j < f; j++) {
+      const double *J = x->J + 3 * half * f + j;
+      tdm_vec3 column = tdm_quat_rotate(turn, (tdm_vec3){J[0], J[f], J[2 * f]});
+      double *now = x->J_now + 3 * half * f + j;
+      now[0] = column.x, now[f] = column.y, now[2 * f] = column.z;
+      set(x->B_now + j * k + 3 * half, tdm_quat_rotate(turn, vec(x->B + j * k + 3 * half)));
+    }
+}
+
+/* Twists of the bodies at time tau, with J_now, into V. */
+static void twists(dem_proxy *x, double tau, tdm_quat turn) {
   const int k = x->k6, f = x->f;
   for (int i = 0; i < k; i++) {
-    double sum = 0;
-    for (int j = 0; j < f; j++) {
-      double J = x->J[i * f + j] + (x->turns ? 0 : tau * x->J_rate[i * f + j]);
-      sum += J * (x->u1[j] + x->z[f + j] / x->dt);
-    }
-    V[i] = sum;
+    x->V[i] = x->path_turns ? 0 : x->Vt[i] + tau * x->at[i];
+    for (int j = 0; j < f; j++)
+      x->V[i] += x->J_now[i * f + j] * (x->u1[j] + x->z[f + j] / x->dt);
   }
-  for (int half = 0; half < 2 && x->turns; half++)
-    set(V + 3 * half, tdm_quat_rotate(turn, vec(V + 3 * half)));
   for (int half = 0; half < 2 && x->path_turns; half++)
-    set(V + 3 * half, tdm_add(vec(V + 3 * half), tdm_quat_rotate(turn, vec(x->Vt + 3 * half))));
-  for (int i = 0; i < k && !x->path_turns; i++)
-    V[i] += x->Vt[i] + tau * x->at[i];
+    set(x->V + 3 * half, tdm_add(vec(x->V + 3 * half), tdm_quat_rotate(turn, vec(x->Vt + 3 * half))));
 }
 
 /* how far the (one) body has turned since the start */
 static tdm_quat turn_so_far(const dem_proxy *x) {
   const carried *b = &x->body[0];
-  return tdm_quat_mul(b->now.pose.orientation, tdm_quat_conj(b->start.pose.orientation));
+  return x->k6 == 6 ? tdm_quat_mul(b->now.pose.orientation, tdm_quat_conj(b->start.pose.orientation))
+                    : tdm_quat_identity();
 }
 
 /* delta u' += h B (W - W_0) */
-static void push(dem_proxy *x, double h, tdm_quat turn) {
+static void push(dem_proxy *x, double h) {
   const int k = x->k6, f = x->f;
-  double *extra = x->V;
-  for (int i = 0; i < k; i++)
-    extra[i] = x->W[i] - x->W0[i];
-  for (int half = 0; half < 2 && x->turns; half++)
-    set(extra + 3 * half, tdm_quat_rotate(tdm_quat_conj(turn), vec(extra + 3 * half)));
   for (int j = 0; j < f; j++) {
     double sum = 0;
     for (int i = 0; i < k; i++)
-      sum += (x->B[j * k + i] + (x->turns ? 0 : x->tau * x->B_rate[j * k + i])) * extra[i];
+      sum += x->B_now[j * k + i] * (x->W[i] - x->W0[i]);
     x->z[f + j] += h * x->dt * sum;
   }
 }
 
 /* Half a kick, and the work that it does: load times the mean of the twists before and after. */
 static void half_kick(dem_proxy *x) {
-  const tdm_quat turn = x->k6 == 6 ? turn_so_far(x) : tdm_quat_identity();
+  const tdm_quat turn = turn_so_far(x);
   const double h = 0.5 * x->dt;
+  turn_model(x, x->tau, turn);
   for (int after = 0; after < 2; after++) {
     if (after)
-      push(x, h, turn);
-    twists(x, x->tau, turn, x->V);
+      push(x, h);
+    twists(x, x->tau, turn);
     for (int c = 0; 6 * c < x->k6; c++) {
       tdm_twist value, rate, more;
       carried *b = &x->body[c];
@@ -351,6 +368,19 @@ static void put(const dem_proxy *x, dem_data *d, int c, tdm_twist twist) {
   d->twist[to] = add_twists(twist, add_twists(drift_rate, way_rate));
 }
 
+/* The contacts' effective mass: Y = J B of each body. */
+static void tell_mobilities(const dem_proxy *x, dem_data *d) {
+  const int k = x->k6, f = x->f;
+  for (int c = 0; 6 * c < k; c++) {
+    double Y[36] = {0};
+    for (int i = 0; i < 6; i++)
+      for (int l = 0; l < 6; l++)
+        for (int j = 0; j < f; j++)
+          Y[6 * i + l] += x->J_now[(6 * c + i) * f + j] * x->B_now[j * k + 6 * c + l];
+    dem_set_body_mobility(d, c, Y);
+  }
+}
+
 void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   const int f = x->f, n = 2 * f;
   const double dt = x->dt;
@@ -365,10 +395,10 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   }
   for (int j = 0; j < f; j++) /* mean of u' - u'_0, times dt */
     x->z[f + j] = next[j] - x->z[j] - dt * x->u1[j];
-  tdm_quat middle = tdm_quat_identity();
-  if (x->k6 == 6)
-    middle = tdm_quat_mul(tdm_quat_from_rotvec(tdm_scale(0.5 * dt, x->body[0].mid.angular)), turn_so_far(x));
-  twists(x, x->tau + 0.5 * dt, middle, x->V);
+  const double middle = x->tau + 0.5 * dt;
+  tdm_quat turn = x->k6 > 0 ? turned(tdm_scale(0.5 * dt, x->body[0].mid.angular), turn_so_far(x)) : tdm_quat_identity();
+  turn_model(x, middle, turn);
+  twists(x, middle, turn);
   for (int c = 0; 6 * c < x->k6; c++) {
     carried *b = &x->body[c];
     b->mid = twist_of(x->V + 6 * c);
@@ -379,13 +409,19 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   x->tau += dt;
 
   /* contacts see the velocity predicted for the end of the step */
-  const tdm_quat turn = x->k6 == 6 ? turn_so_far(x) : tdm_quat_identity();
-  push(x, 0.5 * dt, turn);
-  twists(x, x->tau, turn, x->V);
+  turn = turn_so_far(x);
+  turn_model(x, x->tau, turn);
+  push(x, 0.5 * dt);
+  twists(x, x->tau, turn);
   memcpy(x->z, next, (size_t)n * sizeof *next);
   for (int c = 0; 6 * c < x->k6; c++)
     put(x, d, c, twist_of(x->V + 6 * c));
   dem_coupled_walls_put(d);
+  tell_mobilities(x, d);
+}
+
+double dem_proxy_rate2(const dem_proxy *x, const dem_data *d) {
+  return dem_walls_rate2(d, x->f, x->J_now, x->B_now);
 }
 
 void dem_proxy_kick(dem_proxy *x, const dem_data *d) {

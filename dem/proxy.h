@@ -40,6 +40,9 @@ void dem_proxy_drift(dem_proxy *proxy, dem_data *data);
 /* Half a kick by the new loads. */
 void dem_proxy_kick(dem_proxy *proxy, const dem_data *data);
 
+/* Largest square of a frequency of the bodies on the springs of their contacts now (dem_walls_rate2) [1/s2]. */
+double dem_proxy_rate2(const dem_proxy *proxy, const dem_data *data);
+
 /* After the last step: gives the bodies their velocities at the end, and tells where they went, and works. */
 void dem_proxy_end(dem_proxy *proxy, dem_data *data, tdm_interface *body);
 

@@ -2,7 +2,8 @@
  *
  *   window k:  DEM  integrates the f independent velocities of the mechanism, as MBD linearised it at t_k, beside the
  *                   particles, under the load that its contacts make (dem/proxy.h); returns the load's moments m_j
- *              MBD  integrates the same window under  W(s) = m0 + 3 m1 P1(2s-1) + 5 m2 P2(2s-1);  its state wins
+ *              MBD  integrates the same window under the parabola with these moments (cpl_solve_dem_proxy); its state
+ *                   wins
  *
  * The particles feel the inertia, springs and dampers of what holds them within the window: no added-mass instability,
  * whatever their mass. What both sides make of the same window differs by what the linearisation leaves out: an

@@ -189,6 +189,17 @@ double dem_normal_stiffness(const dem_model *m, const dem_pair *p, dem_impact i,
   return exponent_of(m) * dem_normal_force(m, p, i, overlap) / overlap;
 }
 
+double dem_tangential_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  switch (m->law->tangential) {
+  case DEM_TANGENTIAL_mindlin:
+    return 8 * p->shear * sqrt(i.radius * overlap);
+  case DEM_TANGENTIAL_spring:
+    return p->tangential_stiffness;
+  default:
+    return 0;
+  }
+}
+
 double dem_normal_elastic(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
   double force = dem_normal_force(m, p, i, overlap);
   if (m->law->normal == DEM_NORMAL_hysteretic)

@@ -26,6 +26,9 @@ double dem_normal_restitution(const dem_model *model, const dem_pair *pair, dem_
 /* Largest slope of the force at an overlap [N/m]; impact.speed does not matter. */
 double dem_normal_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
+/* The same of the tangential force where the law has a spring, else 0 [N/m]. */
+double dem_tangential_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
+
 /* The force there at rest, without cohesion, and the energy that is stored [N], [J]; impact.speed does not matter. */
 double dem_normal_force(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 double dem_normal_elastic(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);

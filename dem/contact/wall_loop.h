@@ -87,7 +87,7 @@ DEM_INLINE void close_entry(const dem_wall_contacts *list, size_t k, const int n
 DEM_INLINE bool left_out(const dem_loop_task *task, const dem_sphere *s, int body) {
   if (task->share != DEM_ALL && (task->share == DEM_FAST) != (s->inverse_mass * task->model->multi_step.mass > 1))
     return true;
-  return s->inverse_mass == 0 && (task->settling || task->data->body_inverse[body] == 0); /* neither can move */
+  return s->inverse_mass == 0 && (task->settling || task->data->mobility[body].per_mass == 0); /* neither can move */
 }
 
 /* One contact of entry k, on the wall's surface at `gap` from the particle's centre, into the batch. */
@@ -107,8 +107,9 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
   double arm = gap / s->radius;
   tdm_vec3 v = r.rubs ? tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity) : s->velocity;
   v = tdm_sub(v, wall_v);
-  /* a held body is immovable; a coupled one has its own mass */
-  double per_mass = s->inverse_mass + (task->settling ? 0 : d->body_inverse[body]);
+  /* bodies are held while settling */
+  double per_mass =
+      task->settling ? s->inverse_mass : dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n);
   const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(now.angular, n),
                             s->radius, per_mass, arm};
   for (int q = 0; q <= ARM; q++)
@@ -156,6 +157,32 @@ DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t 
 
 /* ---- planes, DEM_W particles at a time ---- */
 
+/* What of dem_mobility_along is the same all over a plane. */
+typedef struct {
+  bool full;
+  double straight; /* n Y_vv n, or 1/mass */
+  tdm_vec3 mixed;  /* 2 Y_wv n */
+  const tdm_mat3 *turning;
+} plane_mobility;
+
+DEM_INLINE plane_mobility plane_mobility_of(const dem_mobility *y, bool settling, tdm_vec3 n) {
+  if (settling || !y->full)
+    return (plane_mobility){.straight = settling ? 0 : y->per_mass};
+  return (plane_mobility){true, tdm_dot(n, tdm_m3_mul(y->vv, n)), tdm_scale(2, tdm_m3_mul(y->wv, n)), &y->ww};
+}
+
+DEM_INLINE vd row_dot(const double of[3], vd3 a) {
+  return vd_set(of[0]) * a.x + vd_set(of[1]) * a.y + vd_set(of[2]) * a.z;
+}
+
+/* dem_mobility_along at DEM_W places of the plane, where the mobility is full: the same operations in the same order */
+DEM_KERNEL vd along_plane(const plane_mobility *y, vd3 lever, vd3 n) {
+  const tdm_mat3 *w = y->turning;
+  vd3 a = vd3_cross(lever, n), mixed = {vd_set(y->mixed.x), vd_set(y->mixed.y), vd_set(y->mixed.z)};
+  vd3 turned = vd3_add(mixed, (vd3){row_dot(w->m[0], a), row_dot(w->m[1], a), row_dot(w->m[2], a)});
+  return vd_max(vd_set(y->straight) + vd3_dot(a, turned), vd_set(0));
+}
+
 /* end - begin is a multiple of DEM_W; the same numbers, in the same order, as simple_wall */
 DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
@@ -173,7 +200,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
   c.turn = vd_set(tdm_dot(now.angular, normal));
   const vd3 spin = {vd_set(now.angular.x), vd_set(now.angular.y), vd_set(now.angular.z)};
   const vd3 drift = {vd_set(now.velocity.x), vd_set(now.velocity.y), vd_set(now.velocity.z)};
-  const vd per_body = vd_set(task->settling ? 0 : d->body_inverse[body]);
+  const plane_mobility mobility = plane_mobility_of(&d->mobility[body], task->settling, normal);
   tdm_wrench *load = &task->load[body];
 
   for (size_t k = begin; k < end; k += DEM_W) {
@@ -203,7 +230,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
     velocity = vd3_sub(velocity, of_wall);
     c.overlap = radius - gap;
     c.radius = radius;
-    c.inverse_mass = s[7] + per_body;
+    c.inverse_mass = s[7] + (mobility.full ? along_plane(&mobility, lever, c.normal) : vd_set(mobility.straight));
     c.mass = vd_set(1) / c.inverse_mass;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)

@@ -282,8 +282,8 @@ START_TEST(test_effective_mass) {
 END_TEST
 
 START_TEST(test_mass_that_changes) {
-  /* the load of one overlap and approach speed, with the damping of m_p m_b/(m_p + m_b); a new mass holds from the next
-   * evaluation on */
+  /* the load of one overlap and approach speed, with the damping of m_p m_b/(m_p + m_b); a new mobility holds from the
+   * next evaluation on */
   tdm_assigned_body body = {.name = "cube", .mass = 1, .state = state_at(0, 0, -0.1)};
   const char *scene = "{'gravity': [0,0,0],"
                       "'materials': [{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.3}],"
@@ -296,7 +296,8 @@ START_TEST(test_mass_that_changes) {
   rig *r = rig_make(scene_json(scene, ""), 1e-5, 1, &body);
   double damping[3], effective[3];
   for (int i = 0; i < 3; i++) {
-    dem_set_body_mass(r->data, 0, masses[i]);
+    const double Y[36] = {[0] = 1 / masses[i], [7] = 1 / masses[i], [14] = 1 / masses[i]};
+    dem_set_body_mobility(r->data, 0, Y);
     ck_assert(dem_forces_now(r->data, false));
     double away = -r->data->body_load[0].force.z;
     r->data->pace[0].velocity.z = 0;

@@ -68,6 +68,23 @@ START_TEST(unknown_key_of_a_foreign_section) {
 }
 END_TEST
 
+/* The dummy has no capabilities: what a scheme needs is refused by name, or the scene's fallback is taken. */
+START_TEST(a_scheme_that_a_solver_cannot_serve) {
+  setup();
+  const char *const run = "tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver %s";
+  ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=proxy"), 1);
+  expect_output("coupling.scheme: the scheme proxy needs the capability \"interface\", which");
+  ck_assert_int_eq(command(run, dir, dir, ""), 0);
+  ck_assert_int_eq(command("cat %s/out/summary.json %s/out/server.log", dir, dir), 0);
+  expect_output("\"coupling.scheme\": \"lommen\"");
+  expect_output("scheme=proxy lacks=interface of=dem takes=lommen");
+  ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=dem-first"), 0); /* needs mbd's accelerations only */
+  ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=none"), 1);
+  expect_output("coupling.fallback");
+  directory_remove(dir);
+}
+END_TEST
+
 /* A fault, the window that it comes in (NULL: at HELLO), and words that the message must have. */
 static const struct {
   const char *fault, *window, *words[3];
@@ -204,6 +221,7 @@ START_TEST(a_solver_without_a_server_gives_up) {
 }
 END_TEST
 
-TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section, faults_are_named,
-          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
-          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
+TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section,
+          a_scheme_that_a_solver_cannot_serve, faults_are_named, a_fast_turn_is_refused, what_was_computed_is_kept,
+          a_deaf_solver_is_ended, a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers,
+          a_solver_without_a_server_gives_up)
