@@ -256,7 +256,7 @@ void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const tdm_plot 
 /* ---- the table ---- */
 
 static void print_head(void) {
-  printf("%-14s %-23s %-25s %12s %9s %10s %8s %15s  %s\n", "scenario", "measure", "case", "value", "limit", "simulated",
+  printf("%-22s %-22s %-36s %12s %9s %10s %8s %15s  %s\n", "scenario", "measure", "case", "value", "limit", "simulated",
          "wall", "DEM/MBD/coupling", "ok");
 }
 
@@ -268,7 +268,7 @@ static void print_measure(const char *scenario, const measure *m) {
   if (loop > 0)
     snprintf(share, sizeof share, "%.0f/%.0f/%.0f %%", 100 * m->run.step[CPL_DEM] / loop,
              100 * m->run.step[CPL_MBD] / loop, 100 * cpl_run_coupling(&m->run) / loop);
-  printf("%-14s %-23s %-25s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
+  printf("%-22s %-22s %-36s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
          m->run.simulated, m->run.wall, share,
          m->kind == CPL_NO_LIMIT ? "-"
          : m->pass               ? "ok"
@@ -281,7 +281,7 @@ static void print_outcome(const outcome *o) {
   for (int i = 0; i < o->nmeasure; i++)
     print_measure(o->scenario->name, &o->measure[i]);
   if (o->err.status != TDM_OK)
-    printf("%-14s FAILED: %s\n", o->scenario->name, o->err.message);
+    printf("%-22s FAILED: %s\n", o->scenario->name, o->err.message);
   fflush(stdout);
 }
 

@@ -94,9 +94,10 @@ void scn_cell_write(cpl_verify *v, int ncell, const scn_cell *cell, const char *
     return; /* the plot says what is missing */
   fputs("H [s],1 - nse of the position [-],1 - nse of the velocity [-],r2 of the load [-],r2 of its means over 20 ms\n",
         f);
-  for (int i = 0; i < ncell; i++)
-    if (same(cell[i].scheme, scheme) && same(cell[i].dt, dt) && same(cell[i].more, more))
-      fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g\n", scn_cell_window(&cell[i]), 1 - cell[i].nse[0], 1 - cell[i].nse[1],
-              cell[i].r2_load, cell[i].r2_load_20ms);
+  for (int k = 0; k < SCN_STEPS; k++) /* in order of H, whatever order they ran in */
+    for (int i = 0; i < ncell; i++)
+      if (cell[i].n == scn_steps[k] && same(cell[i].scheme, scheme) && same(cell[i].dt, dt) && same(cell[i].more, more))
+        fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g\n", scn_cell_window(&cell[i]), 1 - cell[i].nse[0], 1 - cell[i].nse[1],
+                cell[i].r2_load, cell[i].r2_load_20ms);
   fclose(f);
 }
