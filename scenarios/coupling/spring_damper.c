@@ -87,28 +87,49 @@ static const scn_cell *cheapest(int n, const scn_cell *cell, const cpl_verify_ca
   return best < 0 ? NULL : &cell[best];
 }
 
-/* That cell again, with the machine for itself, beside the same particles in a box that is held. */
+enum { REPEATS = 3 }; /* of runs whose time counts: other work on the machine only ever adds */
+
+static double least(const cpl_verify_case *run, double (*time)(const cpl_run_result *)) {
+  double t = time(&run[0].result);
+  for (int i = 1; i < REPEATS; i++)
+    t = fmin(t, time(&run[2 * i].result));
+  return t;
+}
+
+static double loop_time(const cpl_run_result *r) {
+  return r->loop;
+}
+
+static double dem_time(const cpl_run_result *r) {
+  return r->step[CPL_DEM];
+}
+
+/* That cell again, one run at a time, in turn with the same particles in a box that is held. */
 static tdm_status measure_price(cpl_verify *v, const scn_cell *cell, tdm_error *err) {
-  cpl_verify_case run[2] = {0};
-  scn_cell_prepare(cell, "spring_damper", &run[0]);
-  snprintf(run[0].name, sizeof run[0].name, "cheapest: dt=%s n=%d", cell->dt, cell->n);
+  static const char *const again[REPEATS] = {"", " again", " once more"};
   const scn_cell held = {.scheme = "lommen", .dt = cell->dt, .n = 1000};
-  scn_cell_prepare(&held, "spring_damper", &run[1]);
-  snprintf(run[1].name, sizeof run[1].name, "DEM alone dt=%s", cell->dt);
-  cpl_verify_case_set(&run[1], "mbd.joints=[{\"name\":\"guide\",\"type\":\"fixed\",\"bodies\":[\"ground\",\"box\"],"
+  cpl_verify_case run[2 * REPEATS];
+  for (int i = 0; i < REPEATS; i++) {
+    cpl_verify_case *own = &run[2 * i], *alone = own + 1;
+    scn_cell_prepare(cell, "spring_damper", own);
+    scn_cell_prepare(&held, "spring_damper", alone);
+    snprintf(own->name, sizeof own->name, "cheapest: dt=%s n=%d%s", cell->dt, cell->n, again[i]);
+    snprintf(alone->name, sizeof alone->name, "DEM alone dt=%s%s", cell->dt, again[i]);
+    cpl_verify_case_set(alone, "mbd.joints=[{\"name\":\"guide\",\"type\":\"fixed\",\"bodies\":[\"ground\",\"box\"],"
                                "\"point\":[0,0,0]}]");
-  if (cpl_verify_run_many(v, 2, run, 1, err) != TDM_OK)
+  }
+  if (cpl_verify_run_many(v, 2 * REPEATS, run, 1, err) != TDM_OK)
     return err->status;
-  for (int i = 0; i < 2; i++)
+  for (int i = 0; i < 2 * REPEATS; i++)
     if (run[i].err.status != TDM_OK) {
       *err = run[i].err;
       return err->status;
     }
-  double dem = run[1].result.step[CPL_DEM], loop = run[0].result.loop;
+  double dem = least(&run[1], dem_time), loop = least(&run[0], loop_time);
   cpl_verify_about(v, &run[1]);
   cpl_verify_measure(v, "dem_s", run[1].name, dem, CPL_NO_LIMIT, 0);
   cpl_verify_about(v, &run[0]);
-  cpl_verify_measure(v, "cost_over_dem", run[0].name, loop / run[0].result.step[CPL_DEM], CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "cost_over_dem", run[0].name, loop / least(&run[0], dem_time), CPL_NO_LIMIT, 0);
   cpl_verify_measure(v, "cost_over_dem_alone", run[0].name, loop / dem, CPL_NO_LIMIT, 0);
   return TDM_OK;
 }
