@@ -11,8 +11,12 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
   printf("run\n");
   printf("  %-28s %g s in %llu DEM steps of %g s\n", "time", s->time_end, (unsigned long long)cpl_total_steps(s),
          s->dt);
-  printf("  %-28s n = %ld: %llu windows of %g s\n", "windows", s->n, (unsigned long long)cpl_total_windows(s),
-         (double)s->n * s->dt);
+  if (s->adapt.on)
+    printf("  %-28s n from %ld to %ld: %g s to %g s, by their mismatch\n", "windows", s->adapt.n_min, s->adapt.n_max,
+           (double)s->adapt.n_min * s->dt, (double)s->adapt.n_max * s->dt);
+  else
+    printf("  %-28s n = %ld: %llu windows of %g s\n", "windows", s->n, (unsigned long long)cpl_total_windows(s),
+           (double)s->n * s->dt);
   printf("  %-28s %s: %s\n", session->scheme == s->scheme ? "scheme" : "scheme (the fallback)", session->scheme->name,
          session->scheme->summary);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->output_interval,

@@ -145,6 +145,9 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
   while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK) {
     result->simulated = run->loop.t1;
     result->windows = run->loop.window;
+    result->n_least = run->loop.n_least;
+    result->n_most = run->loop.n_most;
+    result->iterations = run->loop.iterations;
     tdm_progress_update(&progress, run->loop.t1, run->loop.window);
   }
   tdm_progress_end(&progress);
@@ -186,13 +189,21 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
   snprintf(name, sizeof name, "%s", run->options->scene);
   tdm_utf8_clean(name);
   json_t *json = json_pack(
-      "{s:s, s:s, s:{s:f, s:f, s:I, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
+      "{s:s, s:s, s:{s:f, s:f, s:o, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
       "tandem", TANDEM_VERSION, "scene", name, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
-      (json_int_t)s->n, "coupling.scheme", scheme ? scheme->name : "", "output.interval", s->output_interval, "machine",
-      "system", machine.sysname, "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "windows",
-      (json_int_t)r->windows, "simulated_s", r->simulated, "wall_s", "all", r->wall, "setup", r->setup, "dem",
-      r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling", cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM],
-      "mbd_exchange", r->exchange[CPL_MBD]);
+      s->adapt.on ? json_string("auto") : json_integer(s->n), "coupling.scheme", scheme ? scheme->name : "",
+      "output.interval", s->output_interval, "machine", "system", machine.sysname, "processor", machine.machine,
+      "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "windows", (json_int_t)r->windows, "simulated_s", r->simulated,
+      "wall_s", "all", r->wall, "setup", r->setup, "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling",
+      cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
+  if (s->adapt.on)
+    json_object_set_new(json, "n",
+                        json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
+  if (r->iterations.windows > 0)
+    json_object_set_new(json, "iterations",
+                        json_pack("{s:f, s:i, s:I}", "mean", (double)r->iterations.all / (double)r->iterations.windows,
+                                  "largest", r->iterations.largest, "windows_not_converged",
+                                  (json_int_t)r->iterations.not_converged));
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];

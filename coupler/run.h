@@ -3,7 +3,7 @@
 #define CPL_RUN_H
 
 #include "coupler/launch.h"
-#include "coupler/settings.h"
+#include "coupler/window.h"
 
 typedef struct {
   const char *scene;      /* file */
@@ -23,6 +23,8 @@ typedef struct {
   double loop;                /* the coupled loop [s] */
   double step[CPL_NROLE];     /* the solvers' own work on windows [s] */
   double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
+  long n_least, n_most;       /* DEM steps of the shortest and the longest window */
+  cpl_iterations iterations;  /* of schemes that iterate */
   int warnings;
 } cpl_run_result;
 

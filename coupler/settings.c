@@ -83,6 +83,48 @@ static void read_solvers(cpl_settings *s, tdm_object *coupling) {
   tdm_object_close(&o);
 }
 
+/* coupling.n: a number, or "auto" with what coupling.auto says. */
+static void read_n(cpl_settings *s, tdm_object *coupling) {
+  const char *word = json_string_value(json_object_get(coupling->json, "n"));
+  s->adapt.on = word && strcmp(word, "auto") == 0;
+  tdm_object o = tdm_get_object(coupling, "auto", false);
+  s->adapt.tolerance = tdm_get_number(&o, "tolerance", 1e-3, TDM_POSITIVE);
+  s->adapt.absolute = tdm_get_number(&o, "absolute", 1e-7, TDM_NOT_NEGATIVE);
+  s->adapt.n_min = tdm_get_integer(&o, "n_min", 1, 1);
+  s->adapt.n_max = tdm_get_integer(&o, "n_max", 1000, 1);
+  if (s->adapt.n_max < s->adapt.n_min)
+    tdm_object_fail(&o, "n_max", "is less than n_min, %ld", s->adapt.n_min);
+  tdm_object_close(&o);
+  if (!s->adapt.on && o.json)
+    tdm_object_fail(coupling, "auto", "goes with \"n\": \"auto\"; set that, or leave it out");
+  if (word && !s->adapt.on)
+    tdm_object_fail(coupling, "n", "\"%s\" is neither a whole number of DEM steps nor \"auto\"", word);
+  s->n = s->adapt.on ? s->adapt.n_max : tdm_get_integer(coupling, "n", TDM_REQUIRED_INT, 1);
+  tdm_has(coupling, "n");
+}
+
+static void read_iterative(cpl_settings *s, tdm_object *coupling) {
+  static const char *const accelerators[] = {[CPL_IQN_ILS] = "iqn-ils", [CPL_AITKEN] = "aitken"};
+  tdm_object o = tdm_get_object(coupling, "iterative", false);
+  s->iterative.tolerance = tdm_get_number(&o, "tolerance", 1e-4, TDM_POSITIVE);
+  s->iterative.absolute = tdm_get_number(&o, "absolute", 1e-10, TDM_NOT_NEGATIVE);
+  s->iterative.most = (int)tdm_get_integer(&o, "max", 20, 1);
+  s->iterative.accelerator = (cpl_accelerator_kind)tdm_get_choice(&o, "accelerator", accelerators, 2, CPL_IQN_ILS);
+  s->iterative.reuse = (int)tdm_get_integer(&o, "reuse", 3, 0);
+  tdm_object_close(&o);
+}
+
+/* Only schemes that see the error of a window can choose its length by it. */
+static void check_adaptive(const cpl_settings *s, tdm_object *coupling) {
+  const cpl_scheme *const schemes[] = {s->scheme, s->fallback};
+  for (int i = 0; s->adapt.on && i < 2; i++)
+    if (schemes[i] && schemes[i]->mismatch_order == 0)
+      tdm_object_fail(coupling, "n",
+                      "is \"auto\", for which the scheme %s has no estimate of its error; give a number, or take "
+                      "proxy, iterative or dem-first",
+                      schemes[i]->name);
+}
+
 static void read_coupling(cpl_settings *s, tdm_object *root) {
   static const char *const transports[] = {"ipc", "tcp", "inproc"};
   static const char *const interpolations[] = {"linear", "hermite"};
@@ -93,13 +135,15 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
     nscheme++;
   }
   tdm_object o = tdm_get_object(root, "coupling", true);
-  s->n = tdm_get_integer(&o, "n", TDM_REQUIRED_INT, 1);
+  read_n(s, &o);
+  read_iterative(s, &o);
   int scheme = tdm_get_choice(&o, "scheme", names, nscheme, 0);
   s->scheme = cpl_schemes[scheme < 0 ? 0 : scheme];
   if (tdm_has(&o, "fallback")) {
     int fallback = tdm_get_choice(&o, "fallback", names, nscheme, 0);
     s->fallback = fallback < 0 ? NULL : cpl_schemes[fallback];
   }
+  check_adaptive(s, &o);
   s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
   s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
   s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);

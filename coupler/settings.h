@@ -2,6 +2,7 @@
 #ifndef CPL_SETTINGS_H
 #define CPL_SETTINGS_H
 
+#include "coupler/accelerate.h"
 #include "protocol/participant.h"
 #include "protocol/scene.h"
 
@@ -14,11 +15,30 @@ typedef struct {
   const char *name[CPL_NROLE]; /* what each solver calls the body */
 } cpl_body_names;
 
+/* Windows whose length follows their own error (coupling.n is "auto"): adapt.h. */
+typedef struct {
+  bool on;
+  double tolerance; /* largest mismatch of a window, as a share of cpl_motion */
+  double absolute;  /* and beside that [m] */
+  long n_min, n_max;
+} cpl_auto;
+
+/* Scheme iterative. */
+typedef struct {
+  double tolerance; /* largest residual, as a share of cpl_motion */
+  double absolute;  /* and beside that [m] */
+  int most;         /* iterations a window */
+  cpl_accelerator_kind accelerator;
+  int reuse; /* windows whose differences IQN-ILS keeps */
+} cpl_iterative;
+
 /* Strings are borrowed from the scene's JSON. */
 typedef struct {
   double time_end; /* [s] */
   double dt;       /* DEM step [s] */
-  long n;          /* DEM steps a window */
+  long n;          /* DEM steps a window; of the longest, if it adapts */
+  cpl_auto adapt;
+  cpl_iterative iterative;
   const struct cpl_scheme *scheme;
   const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
   cpl_transport_kind transport;
@@ -37,7 +57,7 @@ typedef struct {
 tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, tdm_error *err);
 void cpl_settings_free(cpl_settings *settings);
 
-/* DEM steps of the whole run, and windows; the last window may be shorter. */
+/* DEM steps of the whole run, and windows of n steps; the last window may be shorter. */
 uint64_t cpl_total_steps(const cpl_settings *settings);
 uint64_t cpl_total_windows(const cpl_settings *settings);
 

@@ -1,5 +1,7 @@
 #include "coupler/window.h"
 
+#include "coupler/adapt.h"
+#include "coupler/mismatch.h"
 #include "coupler/record.h"
 
 #include <math.h>
@@ -46,7 +48,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   size_t nbody = (size_t)settings->nbody + 1;                                  /* + 1: never an empty allocation */
   double steps = fmin((double)settings->n, (double)cpl_total_steps(settings)); /* of the longest window */
   double samples = ceil(steps * settings->dt / settings->output_interval) + 2;
-  *loop = (cpl_loop){.settings = settings, .session = session, .record = record, .nbody = settings->nbody};
+  *loop = (cpl_loop){
+      .settings = settings, .scheme = session->scheme, .session = session, .record = record, .nbody = settings->nbody};
   for (int r = 0; r < CPL_NROLE; r++) { /* a window's RESULT must fit into a frame */
     double row = session->partner[r].nchannel + TDM_STATE_DOUBLES * (double)settings->nbody;
     if (samples > TDM_COUNT_MAX || 8 * samples * row > TDM_FRAME_MAX / 2)
@@ -56,9 +59,13 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
                       settings->output_interval, samples, steps * settings->dt);
   }
   loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
+  loop->n = settings->adapt.on ? settings->adapt.n_min : settings->n;
   loop->sample_time = calloc((size_t)samples, sizeof *loop->sample_time);
   loop->state_start = calloc(nbody, sizeof *loop->state_start);
   loop->state_end = calloc(nbody, sizeof *loop->state_end);
+  loop->dem_end = calloc(nbody, sizeof *loop->dem_end);
+  loop->radius = calloc(nbody, sizeof *loop->radius);
+  loop->speed = calloc(nbody, sizeof *loop->speed);
   loop->mean = calloc(nbody, sizeof *loop->mean);
   loop->history = calloc(nbody, sizeof *loop->history);
   loop->left = calloc(nbody, sizeof *loop->left);
@@ -69,16 +76,24 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   if (cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
-      !loop->packed || !loop->left || !loop->path_start || !loop->path_end)
+      !loop->packed || !loop->left || !loop->path_start || !loop->path_end || !loop->dem_end || !loop->radius ||
+      !loop->speed)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_start[i] = session->body[i].state;
+    loop->radius[i] = cpl_body_radius(&session->body[i]);
+    loop->speed[i] = cpl_speed(&session->body[i].state, loop->radius[i]);
     cpl_history_push(&loop->history[i], 0, session->load[i]); /* the first load is DEM's at t = 0 */
   }
-  return TDM_OK;
+  return loop->scheme->open ? loop->scheme->open(loop, err) : TDM_OK;
 }
 
 void cpl_loop_free(cpl_loop *loop) {
+  if (loop->own)
+    loop->scheme->close(loop);
+  free(loop->dem_end);
+  free(loop->radius);
+  free(loop->speed);
   free(loop->sample_time);
   free(loop->state_start);
   free(loop->state_end);
@@ -97,12 +112,49 @@ bool cpl_loop_done(const cpl_loop *loop) {
   return loop->step1 >= cpl_total_steps(loop->settings);
 }
 
+/* ---- windows ---- */
+
+/* A body that turns fast may have grown out of the window that its error allows: SLERP takes the short way. */
+static long limit_turn(const cpl_loop *loop, long n) {
+  const double most = 0.5; /* [rad] */
+  double rate = 0;
+  for (int i = 0; i < loop->nbody; i++)
+    rate = fmax(rate, tdm_norm(loop->state_start[i].twist.angular));
+  double limit = most / (rate * loop->settings->dt);
+  return (double)n <= limit ? n : limit > 1 ? (long)limit : 1;
+}
+
+double cpl_motion(const cpl_loop *loop, int body) {
+  double speed = cpl_speed(&loop->state_end[body], loop->radius[body]);
+  return (loop->t1 - loop->t0) * fmax(speed, loop->speed[body]);
+}
+
+/* How long the next window is to be, from what both solvers made of this one. */
+static void adapt(cpl_loop *loop) {
+  const cpl_auto *s = &loop->settings->adapt;
+  double worst = 0, apart[CPL_APART];
+  for (int i = 0; i < loop->nbody; i++) {
+    cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], loop->t1 - loop->t0, apart);
+    double is = cpl_length(CPL_APART, apart);
+    if (is > 0)
+      worst = fmax(worst, is / (s->tolerance * cpl_motion(loop, i) + s->absolute));
+  }
+  loop->n = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, worst);
+}
+
 /* The ends of the next window, and the output times in it. */
 static void open_window(cpl_loop *loop) {
   const cpl_settings *s = loop->settings;
   uint64_t total = cpl_total_steps(s);
+  if (s->adapt.on)
+    loop->n = limit_turn(loop, loop->n);
+  const uint64_t n = (uint64_t)loop->n;
   loop->step0 = loop->step1;
-  loop->step1 = loop->step0 + (uint64_t)s->n < total ? loop->step0 + (uint64_t)s->n : total;
+  loop->step1 = n < total - loop->step0 ? loop->step0 + n : total;
+  if (loop->step1 - loop->step0 == n) {
+    loop->n_least = loop->n_least && loop->n_least < loop->n ? loop->n_least : loop->n;
+    loop->n_most = loop->n_most > loop->n ? loop->n_most : loop->n;
+  }
   loop->t0 = (double)loop->step0 * s->dt;
   loop->t1 = (double)loop->step1 * s->dt;
   loop->nsample = 0;
@@ -118,9 +170,13 @@ static void open_window(cpl_loop *loop) {
 tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   open_window(loop);
   uint64_t first_sample = loop->next_sample - (uint64_t)loop->nsample;
-  tdm_status status = loop->session->scheme->advance(loop, err);
+  tdm_status status = loop->scheme->advance(loop, err);
   if (status != TDM_OK)
     return status;
+  if (loop->settings->adapt.on)
+    adapt(loop);
+  for (int i = 0; i < loop->nbody; i++)
+    loop->speed[i] = fmax(loop->speed[i], cpl_speed(&loop->state_end[i], loop->radius[i]));
   status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
   if (loop->proxy_block)
@@ -222,14 +278,20 @@ static void from_moments(const tdm_wrench *moment, uint64_t nstep, int ncoeffici
 
 tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err) {
   const uint64_t nstep = loop->step1 - loop->step0;
-  tdm_step step = {.nstate = loop->nbody, .start = loop->state_start, .end = loop->state_start, .has_proxy = true};
+  tdm_step step = {
+      .nstate = loop->nbody, .start = loop->state_start, .end = loop->state_start, .has_proxy = loop->nbody > 0};
   step.proxy = loop->proxy;
   if (correction)
     step.proxy.correction = correction;
   if (solve_dem(loop, &step, err) != TDM_OK)
     return err->status;
   loop->nload = nstep == 1 ? 1 : nstep < 4 ? 2 : 3;
-  for (int i = 0; i < loop->nbody; i++)
-    from_moments(loop->result[CPL_DEM].body[i].moment, nstep, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
+  for (int i = 0; i < loop->nbody; i++) {
+    const tdm_interface *body = &loop->result[CPL_DEM].body[i];
+    from_moments(body->moment, nstep, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
+    loop->dem_end[i] = body->end;
+    if (!tdm_finite((const double *)(const void *)&body->end, TDM_STATE_DOUBLES))
+      return not_finite(loop, CPL_DEM, i, "a state", err);
+  }
   return TDM_OK;
 }

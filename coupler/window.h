@@ -12,8 +12,17 @@
 
 struct cpl_record;
 
+/* Of schemes that iterate. */
+typedef struct {
+  uint64_t windows; /* iterated on; 0 with other schemes */
+  uint64_t all;     /* iterations in them */
+  int largest;      /* in one window */
+  uint64_t not_converged;
+} cpl_iterations;
+
 typedef struct cpl_loop {
   const cpl_settings *settings;
+  const cpl_scheme *scheme;
   cpl_session *session;
   struct cpl_record *record;
   int nbody;
@@ -22,6 +31,8 @@ typedef struct cpl_loop {
   uint64_t window;
   uint64_t step0, step1; /* DEM steps at its ends */
   double t0, t1;         /* [s] */
+  long n;                /* DEM steps of the next window, unless the run ends before */
+  long n_least, n_most;  /* of the windows so far; the last of the run left out, if it is cut */
   int nsample;           /* output times in (t0, t1] */
   double *sample_time;   /* (nsample) */
   uint64_t next_sample;  /* number of the next output time on the grid */
@@ -29,6 +40,9 @@ typedef struct cpl_loop {
   /* the bodies */
   tdm_state *state_start;           /* (nbody) at t0 */
   tdm_state *state_end;             /* (nbody) at t1, once MBD has solved */
+  tdm_state *dem_end;               /* (nbody) at t1, as DEM foresaw it; schemes with a mismatch_order */
+  double *radius;                   /* (nbody) by which turns count as ways [m] */
+  double *speed;                    /* (nbody) largest so far [m/s] */
   tdm_wrench *mean;                 /* (nbody) mean load over the window, once DEM has solved */
   cpl_history *history;             /* (nbody) */
   tdm_pose *left;                   /* (nbody) dem-first: where DEM left the bodies at t0 */
@@ -37,6 +51,8 @@ typedef struct cpl_loop {
   int nload;                        /* its coefficients; of the last window until there are new ones */
   tdm_proxy proxy;                  /* the mechanism at t0, if the scheme needs it; points into proxy_block */
   double *proxy_block;
+  void *own; /* the scheme's */
+  cpl_iterations iterations;
   tdm_wrench *packed;           /* the same without gaps, as it is sent */
   tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
 } cpl_loop;
@@ -52,13 +68,16 @@ bool cpl_loop_done(const cpl_loop *loop);
 
 /* ---- what schemes use ---- */
 
+/* The way [m] that a body makes in the window at its largest speed until t1; turns count at its radius. */
+double cpl_motion(const cpl_loop *loop, int body);
+
 /* MBD over the window under loop->load (its first `ncoefficient` entries a body): sets state_end. */
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);
 
 /* DEM over the window with a proxy: it carries the mechanism, as MBD left it, through the window itself, and ends
- * beside that by `correction` (nbody x 12, see tdm_proxy; NULL: zeros). Sets mean, and load to the polynomial with the
- * moments that DEM found (nload coefficients: the mean alone for one step a window, a line for two and three). Where
- * the proxy went stands in the interface of DEM's result. */
+ * beside that by `correction` (nbody x 12, see tdm_proxy; NULL: zeros). Sets mean, dem_end, and load to the polynomial
+ * with the moments that DEM found (nload coefficients: the mean alone for one step a window, a line for two and three).
+ */
 tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err);
 
 /* DEM over the window along the path from state_start to state_end: sets mean. */

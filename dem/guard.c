@@ -331,6 +331,23 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   return tell(d, DEM_GUARD_ENERGY, "dem", text, err);
 }
 
+bool dem_guard_bodies_due(const dem_data *d) {
+  uint64_t every = (uint64_t)d->model->guard.every;
+  return every > 0 && d->nstep % every == 0;
+}
+
+tdm_status dem_guard_bodies(dem_data *d, double rate2, double t, double dt, tdm_error *err) {
+  double limit = DEM_EIGEN_SHARE * 2 / sqrt(rate2);
+  if (!(dt > limit))
+    return TDM_OK;
+  char text[TDM_MESSAGE_MAX];
+  snprintf(text, sizeof text,
+           "a step of %g s is above 0.8 of the stable step of the coupled bodies on the springs of their contacts, "
+           "%.3g s, at t = %.9g s, step %llu; reduce time.dt",
+           dt, limit, t, (unsigned long long)d->nstep);
+  return tell(d, DEM_GUARD_STEP, "time.dt", text, err);
+}
+
 tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
   uint64_t every = (uint64_t)d->model->guard.every;
   if (every == 0)

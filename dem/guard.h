@@ -8,7 +8,8 @@
  *            a body moves more than the smallest radius
  *   lost     a particle is behind a plane that it was in front of; looked at with the overlaps
  *   step     time.dt above the stability limit of the contacts there are (DEM_EIGEN_SHARE of 2/omega), or above a tenth
- *            of the contact time at the present fastest speed (limits.h); every tenth look
+ *            of the contact time at the present fastest speed (limits.h); every tenth look. At every look: above the
+ *            stability limit of bodies that DEM moves itself on the springs of their contacts (proxy.h)
  *   energy   kinetic + potential + elastic has risen from its lowest value by more than a share of all energy there was
  *            (at the first look, and what gravity has given since). Judged while nothing but contacts, gravity and
  *            constant forces acts: no body moves or has moved since the last look, no surface (belt) moves, no particle
@@ -32,5 +33,12 @@ void dem_guard_note_leap(dem_data *data, double dt);
 
 /* After a step of dt that ended at t. TDM_ERR_NUMERIC: stop. */
 tdm_status dem_guard(dem_data *data, double t, double dt, tdm_error *err);
+
+/* Is it time for dem_guard_bodies? */
+bool dem_guard_bodies_due(const dem_data *data);
+
+/* For bodies that DEM moves itself (proxy.h): looks whether dt [s] is short enough for them; rate2 [1/s2]: the largest
+ * square of a frequency of theirs on their contacts. */
+tdm_status dem_guard_bodies(dem_data *data, double rate2, double t, double dt, tdm_error *err);
 
 #endif

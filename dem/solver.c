@@ -470,6 +470,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     double t = step_time(d, step, k, dt);
     if (dem_guard(d, t, dt, err))
       return err->status;
+    if (step->has_proxy && dem_guard_bodies_due(d) && dem_guard_bodies(d, dem_proxy_rate2(s->proxy, d), t, dt, err))
+      return err->status;
     if (!dem_flow(d, t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
 

@@ -157,6 +157,7 @@ static void load_solver(mbd_settings *s, tdm_object *section) {
   static const char *const correctors[] = {"original", "modified"};
   for (int i = 0; i < MBD_FORMULATIONS; i++)
     formulations[i] = mbd_formulation_table[i].name;
+  s->named = tdm_has(section, "formulation") || tdm_has(section, "corrector");
   s->formulation = (mbd_formulation_id)tdm_get_choice(section, "formulation", formulations, MBD_FORMULATIONS, MBD_GGL);
   s->modified = tdm_get_choice(section, "corrector", correctors, 2, s->formulation == MBD_INDEX3) == 1;
   s->restart_each_window = tdm_get_bool(section, "restart_each_window", false);
@@ -177,6 +178,11 @@ static void load_solver(mbd_settings *s, tdm_object *section) {
     tdm_object_fail(&o, "spectral_radius", "is %g; use 0 (most damping) to 1 (none)", s->spectral_radius);
   if (!o.err->status && (s->relative_tolerance < 1e-13 || s->relative_tolerance > 0.1))
     tdm_object_fail(&o, "relative_tolerance", "is %g; use 1e-13 to 0.1", s->relative_tolerance);
+}
+
+void mbd_model_prefer_one_step(mbd_model *model) {
+  if (!model->solver.named)
+    model->solver.formulation = MBD_ONE_STEP;
 }
 
 /* Hand every element of the array `key` to `load`. */

@@ -38,6 +38,7 @@ typedef enum {
 /* settings of the integrator, scene keys "formulation" ... and "solver" */
 typedef struct {
   mbd_formulation_id formulation;
+  bool named;                /* the scene has "formulation" or "corrector" */
   bool modified;             /* corrector: velocities are out of the error test and weigh little in Newton's */
   bool restart_each_window;  /* forget the history at the start of each window */
   double relative_tolerance; /* of positions, Euler parameters and velocities */
@@ -80,6 +81,9 @@ struct mbd_model {
 /* Read the scene section `json` (borrowed, JSON path "mbd"). The model belongs to the caller, also after an error:
  * destroy it. */
 tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err);
+
+/* For a run that saves and restores states: one_step, unless the scene has named a formulation or a corrector. */
+void mbd_model_prefer_one_step(mbd_model *model);
 
 /* Name the bodies that take a load from outside; errors are at "coupling.bodies[i].mbd". */
 tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int nbody, tdm_error *err);

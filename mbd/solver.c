@@ -221,6 +221,8 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
       mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
+  if (assignment->restores)
+    mbd_model_prefer_one_step(s->model);
   s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
   s->data = mbd_data_create(s->model);
   s->kkt = mbd_kkt_create(s->model);

@@ -50,7 +50,7 @@ typedef struct {
   json_t *scene;                   /* the solver's own section, borrowed; its JSON path is `role` */
   double time_start, time_end;     /* [s] */
   double dt;                       /* DEM step [s] */
-  long n;                          /* DEM steps a window (the last window may be shorter) */
+  long n;                          /* DEM steps of the longest window */
   tdm_interpolation interpolation; /* position of a body inside a window */
   int nbody;
   const tdm_assigned_body *body; /* (nbody) entry i stands at coupling.bodies[i].<role> in the scene */

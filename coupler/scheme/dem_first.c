@@ -30,8 +30,10 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   if (loop->window == 0) {
     if (cpl_scheme_hold.advance(loop, err) != TDM_OK)
       return err->status;
-    for (int i = 0; i < loop->nbody; i++)
+    for (int i = 0; i < loop->nbody; i++) {
       loop->left[i] = loop->state_end[i].pose;
+      loop->dem_end[i] = loop->state_end[i];
+    }
     return TDM_OK;
   }
   for (int i = 0; i < loop->nbody; i++) {
@@ -39,6 +41,7 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
     loop->path_start[i] = (tdm_state){loop->left[i], loop->state_start[i].twist};
     loop->path_end[i] = predict(&loop->state_start[i], acceleration, loop->t1 - loop->t0);
     loop->left[i] = loop->path_end[i].pose;
+    loop->dem_end[i] = loop->path_end[i];
   }
   if (cpl_solve_dem_along(loop, loop->path_start, loop->path_end, err) != TDM_OK)
     return err->status;
@@ -55,5 +58,6 @@ const cpl_scheme cpl_scheme_dem_first = {
     .name = "dem-first",
     .summary = "DEM first on a predicted path, MBD on the mean load of the same window",
     .needs = {[CPL_MBD] = of_mbd},
+    .mismatch_order = 3,
     .advance = advance,
 };

@@ -24,5 +24,6 @@ const cpl_scheme cpl_scheme_proxy = {
     .name = "proxy",
     .summary = "DEM carries the mechanism through the window, MBD follows with the same load",
     .needs = {[CPL_MBD] = of_mbd, [CPL_DEM] = of_dem},
+    .mismatch_order = 4,
     .advance = advance,
 };

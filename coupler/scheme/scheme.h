@@ -17,12 +17,19 @@ typedef struct cpl_scheme {
   /* capabilities that each role's solver (cpl_role: mbd, dem) must announce, NULL-terminated; NULL: none. Of mbd,
    * "acceleration" and "mobility" are asked for in ASSIGN then. */
   const char *const *needs[2];
+  /* Order in H of the mismatch between the two solvers' ends of a window, loop->dem_end and loop->state_end, by which
+   * "n": "auto" chooses H; 0: there is none. */
+  int mismatch_order;
+  /* What the scheme itself needs during a run: sets and frees loop->own. NULL: nothing. */
+  tdm_status (*open)(struct cpl_loop *loop, tdm_error *err);
+  void (*close)(struct cpl_loop *loop);
   /* Take the loop from the start of its window to the end: fills loop->state_end, pushes to loop->history. */
   tdm_status (*advance)(struct cpl_loop *loop, tdm_error *err);
 } cpl_scheme;
 
 extern const cpl_scheme *const cpl_schemes[]; /* NULL-terminated; the first is the default */
 
-extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold, cpl_scheme_dem_first, cpl_scheme_proxy;
+extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold, cpl_scheme_dem_first, cpl_scheme_proxy,
+    cpl_scheme_iterative;
 
 #endif

@@ -16,7 +16,7 @@ static const struct {
     /* the server's own sections */
     {"--set coupling.n=0", "coupling.n", "at least 1"},
     {"--set coupling.n=1.5", "coupling.n", "whole number"},
-    {"--set coupling.n=many", "coupling.n", "must be a whole number, not a string"},
+    {"--set coupling.n=many", "coupling.n", "neither a whole number of DEM steps nor \"auto\""},
     {"--set coupling.shceme=hold", "coupling.shceme", "did you mean \"scheme\""},
     {"--set coupling.scheme=lomen", "coupling.scheme", "did you mean \"lommen\""},
     {"--set coupling.transport=pigeon", "coupling.transport", "\"ipc\", \"tcp\", \"inproc\""},

@@ -102,6 +102,33 @@ START_TEST(runs_are_bit_identical) {
 }
 END_TEST
 
+START_TEST(iterations_are_bit_identical_and_recorded_once) {
+  setup();
+  run("one", "--set coupling.scheme=iterative --set coupling.n=50 --set coupling.iterative.tolerance=1e-7");
+  run("thread", "--set coupling.scheme=iterative --set coupling.n=50 --set coupling.iterative.tolerance=1e-7 --set "
+                "coupling.transport=inproc");
+  static const char *const files[] = {"body_box.csv", "mbd.csv", "dem.csv"};
+  for (int i = 0; i < 3; i++)
+    expect_same("one", "thread", files[i]);
+  ck_assert_int_eq(command("grep -A3 iterations %s/one/summary.json", dir), 0);
+  expect_output("\"windows_not_converged\": 0");
+  ck_assert_int_eq(command("grep -q '\"mean\": 1\\.0' %s/one/summary.json", dir), 1); /* windows were repeated */
+  ck_assert_int_eq(command("grep -q one_step %s/one/summary.json", dir), 0);
+  cpl_table t;
+  tdm_error err = {0};
+  read_body(&t, "one");
+  ck_assert_int_eq(t.nrow, 101);
+  const double *time = cpl_table_column(&t, "time", &err);
+  for (int k = 0; k < t.nrow; k++)
+    ck_assert_double_eq_tol(time[k], k * 1e-3, 1e-12);
+  cpl_table_free(&t);
+  /* short windows of proxy come to the same motion */
+  run("fine", "--set coupling.n=1");
+  ck_assert_double_lt(apart("fine", "one"), 2e-5);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(the_grid_does_not_depend_on_n) {
   setup();
   run("n1", "--set coupling.n=1");
@@ -399,7 +426,7 @@ END_TEST
 START_TEST(check_tells_what_would_run) {
   setup();
   ck_assert_int_eq(command("tandem check %s/scene.json --out %s/out", dir, dir), 0);
-  static const char *const words[] = {"500 DEM steps",      "100 windows",   "lommen",
+  static const char *const words[] = {"500 DEM steps",      "100 windows",   "proxy",
                                       "degrees_of_freedom", "rayleigh_step", "\"box\" (mbd) is \"tub\" (dem), 5 kg",
                                       "0 warnings"};
   for (int i = 0; i < 7; i++)
@@ -457,9 +484,10 @@ START_TEST(the_summary_tells_how_it_went) {
 }
 END_TEST
 
-TEST_MAIN("runs", 120, runs_are_bit_identical, dem_first_follows_the_same_motion, the_grid_does_not_depend_on_n,
-          the_last_window_is_shorter, loads_are_means_between_output_times, an_empty_box_is_an_oscillator,
-          ctrl_c_keeps_what_was_computed, a_solver_killed_at_a_random_window, the_summary_tells_how_it_went,
-          ctrl_c_while_settling_as_threads, a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal,
-          an_installed_tandem_finds_its_own, result_directories_are_guarded, a_report_plots_and_keeps_the_logs,
-          check_tells_what_would_run, a_full_disk_leaves_readable_results)
+TEST_MAIN("runs", 120, runs_are_bit_identical, iterations_are_bit_identical_and_recorded_once,
+          dem_first_follows_the_same_motion, the_grid_does_not_depend_on_n, the_last_window_is_shorter,
+          loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
+          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went, ctrl_c_while_settling_as_threads,
+          a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal, an_installed_tandem_finds_its_own,
+          result_directories_are_guarded, a_report_plots_and_keeps_the_logs, check_tells_what_would_run,
+          a_full_disk_leaves_readable_results)

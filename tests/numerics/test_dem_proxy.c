@@ -281,6 +281,34 @@ START_TEST(bodies_move_together) {
 }
 END_TEST
 
+/* a cube that is too light for the step on the springs of its contacts */
+START_TEST(a_step_too_long_for_the_bodies) {
+  for (int light = 0; light < 2; light++) {
+    wagon *w = wagon_make(1, true);
+    tdm_error err = {0};
+    dem_guard_def *guard = &((dem_model *)(uintptr_t)inside(w)->model)->guard;
+    guard->action = DEM_GUARD_STOP;
+    guard->every = 1;
+    tdm_mobility *m = freedom(w, 1);
+    m->J[0] = 1;
+    m->B[0] = m->Y[0] = light ? 1e7 : 1e3;
+    tdm_step *s = &w->step;
+    *s = (tdm_step){.t1 = 1e-3,
+                    .nstep = 100,
+                    .nbody = 1,
+                    .nstate = 1,
+                    .start = w->start,
+                    .end = w->start,
+                    .has_proxy = true,
+                    .proxy = s->proxy};
+    w->result = (tdm_result){.nbody = 1, .nload = 1, .load = w->load, .ninterface = 1, .body = w->seen};
+    ck_assert_int_eq(dem_solver_ops.step(w->self, s, &w->result, &err), light ? TDM_ERR_NUMERIC : TDM_OK);
+    ck_assert(!light || strstr(err.message, "stable step of the coupled bodies"));
+    wagon_free(w);
+  }
+}
+END_TEST
+
 /* without a proxy, too: moments by kicks, work along the path */
 START_TEST(the_interface_of_a_path) {
   wagon *w = wagon_make(1, true);
@@ -303,4 +331,5 @@ END_TEST
 
 TEST_MAIN("dem_proxy", 60, momentum_goes_over_without_loss, mobility_alone_moves_a_free_body_alike,
           stiff_springs_are_exact, a_hinged_body_stays_on_its_circle, a_driven_body_follows_its_driver,
-          a_body_never_jumps, a_correction_is_reached_at_the_end, bodies_move_together, the_interface_of_a_path)
+          a_body_never_jumps, a_correction_is_reached_at_the_end, bodies_move_together, a_step_too_long_for_the_bodies,
+          the_interface_of_a_path)

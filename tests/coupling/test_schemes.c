@@ -1,0 +1,449 @@
+/* Coupling schemes on model problems with an exact solution: the order of their error in the window H.
+ *
+ * A box that is narrower than the sphere in it: both faces press on the sphere all the time, by a linear law. So box
+ * and sphere are two masses on linear springs. The box slides along x on a spring and damper, alone or with a second
+ * one, or hangs on a hinge. DEM's step of 1e-5 s is 1/5700 of the fastest period: its own error (1e-7; 1e-4 where a
+ * scheme uses plain means of n values) is small against that of windows of 0.5 to 8 ms. The error is the rms of x over
+ * 0.2 s beside the rms of x.
+ */
+#include "coupler/table.h"
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <gsl/gsl_linalg.h>
+#include <gsl/gsl_odeiv2.h>
+#include <math.h>
+
+enum { NTIME = 201 };
+static const double interval = 1e-3;
+
+/* kg, N/m, N s/m, m/s; of the scenes below */
+static const double box_mass = 2, spring = 3000, damping = 10, between = 1500, contact = 2500, start_speed = 0.1;
+static const double sphere_mass = 4.0 / 3 * M_PI * 0.05 * 0.05 * 0.05 * 1000;
+
+#define TIME                                                                                                       \
+  "{\"time\": {\"end\": 0.2, \"dt\": 1e-5},\n"                                                                     \
+  " \"coupling\": {\"n\": 100, \"transport\": \"inproc\", \"interpolation\": \"hermite\", \"bodies\": [{\"mbd\": " \
+  "\"box\", \"dem\": \"box\"}"
+#define DEM(gravity)                                                                                               \
+  " \"dem\": {\"gravity\": [0, 0, " gravity "], \"contact\": {\"normal\": \"hooke\", \"tangential\": \"none\"},\n" \
+  "  \"materials\": [{\"name\": \"m\", \"density\": 1000}],\n"                                                     \
+  "  \"pairs\": [{\"materials\": [\"m\", \"m\"], \"stiffness\": 2500, \"restitution\": 1}],\n"
+#define INSIDE(name, size)                                                                         \
+  "{\"name\": \"" name "\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", \"size\": " size \
+  ", \"side\": \"inside\"}]}"
+#define SPHERES "\"particles\": [{\"type\": \"list\", \"material\": \"m\", \"radius\": 0.05, "
+#define BOX(name, position)                                                                                           \
+  "{\"name\": \"" name "\", \"mass\": 2, \"inertia\": [1, 1, 1], \"position\": " position ", \"velocity\": [0.1, 0, " \
+  "0]}"
+#define GUIDE(name, body)                                                              \
+  "{\"name\": \"" name "\", \"type\": \"prismatic\", \"bodies\": [\"ground\", \"" body \
+  "\"], \"point\": [0, 0, 0], \"axis\": [1, 0, 0]}"
+#define SPRING(name, bodies, points, stiffness, damping)                                              \
+  "{\"name\": \"" name "\", \"type\": \"spring_damper\", \"bodies\": " bodies ", \"points\": " points \
+  ", \"stiffness\": " stiffness ", \"damping\": " damping "}"
+
+/* a sliding box */
+static const char slide[] = TIME
+    "]},\n"
+    " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [" BOX(
+        "box",
+        "[0, 0, 0]") "],\n"
+                     "  \"joints\": [" GUIDE(
+                         "guide",
+                         "box") "],\n"
+                                "  \"forces\": [" SPRING(
+                                    "spring", "[\"ground\", \"box\"]", "[[-1, 0, 0], [0, 0, 0]]", "3000",
+                                    "10") "]},\n" DEM("0") "  \"bodies\": [" INSIDE("box",
+                                                                                    "[0.092, 0.4, 0.4]") "],\n "
+                                                                                                         " " SPHERES
+                                                                                                         "\"positions\""
+                                                                                                         ": [[0, 0, "
+                                                                                                         "0]]}]}}\n";
+
+/* two of them with a spring between, so that each moves under the other's load */
+static const char train[] = TIME
+    ", {\"mbd\": \"next\", \"dem\": \"next\"}]},\n"
+    " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [" BOX("box", "[0, 0, 0]") ", " BOX(
+        "next",
+        "[1, 0, 0]") "],\n"
+                     "  \"joints\": [" GUIDE("guide", "box") ", " GUIDE(
+                         "other",
+                         "next") "],\n"
+                                 "  \"forces\": [" SPRING(
+                                     "spring", "[\"ground\", \"box\"]", "[[-1, 0, 0], [0, 0, 0]]", "3000",
+                                     "10") ",\n"
+                                           "   " SPRING("between", "[\"box\", \"next\"]", "[[0, 0, 0], [1, 0, 0]]", "1500", "0") "]},\n" DEM(
+                                               "0") "  \"bodies\": [" INSIDE("box",
+                                                                             "[0.092, 0.4, 0.4]") ", " INSIDE("next",
+                                                                                                              "[0.092, "
+                                                                                                              "0.4, "
+                                                                                                              "0.4]") "],\n  " SPHERES
+                                                                                                                      "\"positions\": [[0, 0, 0], [1, 0, 0]]}]}}\n";
+
+/* two boxes in one piece, on twice the spring and damper: the motion of one */
+static const char twin[] = TIME
+    ", {\"mbd\": \"next\", \"dem\": \"next\"}]},\n"
+    " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [" BOX("box", "[0, 0, 0]") ", " BOX(
+        "next",
+        "[1, 0, 0]") "],\n"
+                     "  \"joints\": [" GUIDE(
+                         "guide",
+                         "box") ",\n"
+                                "   {\"name\": \"weld\", \"type\": \"fixed\", \"bodies\": [\"box\", \"next\"], "
+                                "\"point\": [0.5, 0, 0]}],\n"
+                                "  \"forces\": [" SPRING("spring", "[\"ground\", \"box\"]", "[[-1, 0, 0], [0, 0, 0]]", "6000", "20") "]},\n" DEM(
+                                    "0") "  \"bodies\": [" INSIDE("box",
+                                                                  "[0.092, 0.4, 0.4]") ", " INSIDE("n"
+                                                                                                   "e"
+                                                                                                   "x"
+                                                                                                   "t",
+                                                                                                   "["
+                                                                                                   "0"
+                                                                                                   "."
+                                                                                                   "0"
+                                                                                                   "9"
+                                                                                                   "2"
+                                                                                                   ","
+                                                                                                   " "
+                                                                                                   "0"
+                                                                                                   "."
+                                                                                                   "4"
+                                                                                                   ","
+                                                                                                   " "
+                                                                                                   "0"
+                                                                                                   "."
+                                                                                                   "4"
+                                                                                                   "]") "],\n  " SPHERES
+                                                                                                        "\"positions\":"
+                                                                                                        " [[0, 0, 0], "
+                                                                                                        "[1, 0, "
+                                                                                                        "0]]}]}}\n";
+
+/* a box that swings half a metre below a hinge along y with a torsional spring */
+static const char swing[] = TIME
+    "]},\n"
+    " \"mbd\": {\"gravity\": [0, 0, -9.81], \"bodies\": [{\"name\": \"box\", \"mass\": 2, \"inertia\": [1, 0.05, 1],\n"
+    "   \"position\": [0, 0, -0.5], \"velocity\": [-1, 0, 0], \"angular_velocity\": [0, 2, 0]}],\n"
+    "  \"joints\": [{\"name\": \"hinge\", \"type\": \"revolute\", \"bodies\": [\"ground\", \"box\"], \"point\": [0, 0, "
+    "0],\n"
+    "   \"axis\": [0, 1, 0]}],\n"
+    "  \"forces\": [{\"name\": \"spring\", \"type\": \"torsional_spring_damper\", \"joint\": \"hinge\", \"stiffness\": "
+    "60,\n"
+    "   \"damping\": 0.5}]},\n" DEM("-9.81") "  \"bodies\": [" INSIDE(
+        "box", "[0.092, 0.4, 0.092]") "],\n  " SPHERES
+                                      "\"positions\": [[0, 0, -0.5]], \"velocity\": [-0.85, 0, 0]}]}}\n";
+
+static const char *dir;
+static double reference[NTIME]; /* x of the (first) box */
+
+/* ---- exact solutions ---- */
+
+/* n states under y' = A y; x = y[0] */
+static void solve_linear(int n, double *A, double *y) {
+  double step[64], next[8];
+  gsl_matrix_view a = gsl_matrix_view_array(A, (size_t)n, (size_t)n),
+                  e = gsl_matrix_view_array(step, (size_t)n, (size_t)n);
+  gsl_matrix_scale(&a.matrix, interval);
+  gsl_linalg_exponential_ss(&a.matrix, &e.matrix, GSL_PREC_DOUBLE);
+  for (int k = 0; k < NTIME; k++) {
+    reference[k] = y[0];
+    memset(next, 0, sizeof next);
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n; j++)
+        next[i] += step[n * i + j] * y[j];
+    memcpy(y, next, (size_t)n * sizeof *y);
+  }
+}
+
+/* boxes in a row, on sphere and spring; (x, v, z, w) of each: M x'' = 2 k (z - x) - ..., m z'' = -2 k (z - x) */
+static void solve_sliders(int nbox) {
+  const int n = 4 * nbox;
+  double A[64] = {0}, y[8] = {0};
+  for (int i = 0; i < nbox; i++) {
+    const int x = 4 * i, v = x + 1, z = x + 2, w = x + 3;
+    y[v] = start_speed;
+    A[n * x + v] = A[n * z + w] = 1;
+    A[n * v + x] = -2 * contact / box_mass;
+    A[n * v + z] = 2 * contact / box_mass;
+    A[n * w + x] = 2 * contact / sphere_mass;
+    A[n * w + z] = -2 * contact / sphere_mass;
+  }
+  A[n * 1 + 0] -= spring / box_mass;
+  A[n * 1 + 1] -= damping / box_mass;
+  if (nbox == 2) {
+    A[n * 1 + 0] -= between / box_mass;
+    A[n * 1 + 4] += between / box_mass;
+    A[n * 5 + 0] += between / box_mass;
+    A[n * 5 + 4] -= between / box_mass;
+  }
+  solve_linear(n, A, y);
+}
+
+/* (angle, rate, X, Z, X', Z'): the faces act on the sphere as an isotropic spring to the middle of the box */
+static int swinging(double t, const double *y, double *rate, void *unused) {
+  (void)t, (void)unused;
+  double cx = -0.5 * sin(y[0]), cz = -0.5 * cos(y[0]);
+  double fx = 2 * contact * (y[2] - cx), fz = 2 * contact * (y[3] - cz); /* on the box, through the sphere's middle */
+  double moment = y[3] * fx - y[2] * fz + 9.81 * box_mass * cx - 60 * y[0] - 0.5 * y[1];
+  const double out[6] = {
+      y[1], moment / (0.05 + box_mass * 0.25), y[4], y[5], -fx / sphere_mass, -fz / sphere_mass - 9.81};
+  memcpy(rate, out, sizeof out);
+  return GSL_SUCCESS;
+}
+
+static void solve_swing(void) {
+  gsl_odeiv2_system system = {swinging, NULL, 6, NULL};
+  gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 1e-5, 1e-13, 1e-13);
+  double t = 0, y[6] = {0, 2, 0, -0.5, -0.85, 0};
+  for (int k = 0; k < NTIME; k++) {
+    ck_assert_int_eq(gsl_odeiv2_driver_apply(driver, &t, k * interval, y), GSL_SUCCESS);
+    reference[k] = -0.5 * sin(y[0]);
+  }
+  gsl_odeiv2_driver_free(driver);
+}
+
+/* ---- runs ---- */
+
+static void setup(const char *scene) {
+  dir = directory_make();
+  write_file(dir, "scene.json", scene);
+}
+
+static void run(const char *options) {
+  int status = command("tandem run %s/scene.json --out %s/out %s", dir, dir, options);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+}
+
+/* rms of the error of x, as a share of the rms of x */
+static double error(int n, const char *options) {
+  char file[256], line[2048];
+  tdm_error err = {0};
+  cpl_table t;
+  snprintf(line, sizeof line, "--set coupling.n=%d %s", n, options);
+  run(line);
+  snprintf(file, sizeof file, "%s/out/body_box.csv", dir);
+  ck_assert_msg(cpl_table_read(&t, file, &err) == TDM_OK, "%s", err.message);
+  const double *x = cpl_table_column(&t, "x", &err);
+  double wrong = 0, all = 0;
+  ck_assert_int_eq(t.nrow, NTIME);
+  for (int k = 0; k < t.nrow; k++) {
+    wrong += pow(x[k] - reference[k], 2);
+    all += pow(reference[k], 2);
+  }
+  cpl_table_free(&t);
+  return sqrt(wrong / all);
+}
+
+/* the summary's number behind "name" that stands behind "section" */
+static double summary(const char *section, const char *name) {
+  char file[256], text[16384];
+  snprintf(file, sizeof file, "%s/out/summary.json", dir);
+  FILE *f = fopen(file, "r");
+  ck_assert_ptr_nonnull(f);
+  text[fread(text, 1, sizeof text - 1, f)] = 0;
+  fclose(f);
+  const char *at = strstr(text, section);
+  at = at ? strstr(at, name) : NULL;
+  ck_assert_msg(at != NULL, "no %s in %s of summary.json", name, section);
+  return atof(strchr(at, ':') + 1);
+}
+
+/* The error's order over a doubling of the window is as expected, within 0.3. */
+static void expect_order(double order, int n, const char *options) {
+  double coarse = error(2 * n, options), fine = error(n, options), is = log2(coarse / fine);
+  ck_assert_msg(fabs(is - order) < 0.3, "order %.2f, expected %g, n = %d with %s (errors %.3g, %.3g)", is, order, n,
+                options, coarse, fine);
+}
+
+#define EXACT " --set mbd.solver.relative_tolerance=1e-11" /* so that IDA's error is none of the coupling's */
+#define STEPS " --set mbd.solver.max_step=1e-4"            /* the same of generalised-alpha */
+
+/* Means of the past are late by H (hold) or, at the end of their window, by H/2: first order. A path predicted with
+ * a constant acceleration and the mean of the same window: second. The proxy is exact for a linear mechanism, and the
+ * load's cubic and higher parts are left out: H^3 in the load inside a window, H^5 in the place. */
+static void expect_orders(void) {
+  expect_order(1, 100, "--set coupling.scheme=hold");
+  expect_order(1, 200, "--set coupling.scheme=lommen");
+  expect_order(2, 200, "--set coupling.scheme=dem-first");
+  expect_order(5, 1600, "--set coupling.scheme=proxy" EXACT);
+}
+
+START_TEST(orders_of_a_slider) {
+  setup(slide);
+  solve_sliders(1);
+  expect_orders();
+  expect_order(5, 1600, "--set coupling.scheme=iterative" STEPS);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(orders_of_two_sliders) {
+  setup(train);
+  solve_sliders(2);
+  expect_orders();
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(orders_of_a_swing) {
+  setup(swing);
+  solve_swing();
+  expect_order(2, 200, "--set coupling.scheme=dem-first");
+  expect_order(5, 1600, "--set coupling.scheme=proxy" EXACT);
+  ck_assert_double_lt(error(200, "--set coupling.scheme=proxy" EXACT), 1e-8);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(proxy_at_long_windows) {
+  /* H = 8 ms, 0.9 rad of the fastest motion */
+  setup(slide);
+  solve_sliders(1);
+  double lommen = error(800, "--set coupling.scheme=lommen"), proxy = error(800, "--set coupling.scheme=proxy" EXACT);
+  ck_assert_double_gt(lommen, 0.1);
+  ck_assert_double_lt(proxy, 1e-4 * lommen);
+  ck_assert_double_lt(error(100, "--set coupling.scheme=proxy" EXACT), 1.5e-7); /* what DEM's step leaves */
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(two_bodies_in_one_piece) {
+  /* the loads of both go through one mechanism: the motion of one box on half the spring */
+  setup(twin);
+  solve_sliders(1);
+  ck_assert_double_lt(error(200, "--set coupling.scheme=proxy" EXACT), 1.5e-7);
+  ck_assert_double_lt(error(800, "--set coupling.scheme=proxy" EXACT), 4e-6);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(iterations_make_up_for_a_proxy_of_masses_alone) {
+  /* six free bodies more than a reduced model has room for: DEM gets the mobility without springs and dampers */
+  char crowd[1024] = "--set coupling.scheme=proxy" EXACT STEPS, iterate[1100];
+  for (int i = 1; i <= 6; i++)
+    snprintf(crowd + strlen(crowd), sizeof crowd - strlen(crowd),
+             " --set 'mbd.bodies[%d]={\"name\":\"x%d\",\"mass\":1,\"inertia\":[1,1,1],\"position\":[0,%d,0]}'", i, i,
+             i);
+  setup(slide);
+  solve_sliders(1);
+  double once = error(800, crowd);
+  ck_assert_double_gt(once, 2e-3);
+  static const char *const accelerators[] = {"iqn-ils", "aitken"};
+  for (int i = 0; i < 2; i++) {
+    snprintf(iterate, sizeof iterate,
+             "%s --set coupling.scheme=iterative --set coupling.iterative.accelerator=%s "
+             "--set coupling.iterative.tolerance=1e-6",
+             crowd, accelerators[i]);
+    double again = error(800, iterate);
+    ck_assert_msg(again < 0.005 * once, "%g after %g", again, once);
+    ck_assert_double_gt(summary("iterations", "mean"), 1.5);
+    ck_assert_double_le(summary("iterations", "largest"), 5);
+    ck_assert_double_eq(summary("iterations", "windows_not_converged"), 0);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_window_that_does_not_converge_is_told) {
+  setup(slide);
+  solve_sliders(1);
+  double e = error(1000, "--set coupling.scheme=iterative --set coupling.iterative.max=2 "
+                         "--set coupling.iterative.tolerance=1e-15 --set coupling.iterative.absolute=0");
+  ck_assert_double_lt(e, 1e-3);
+  ck_assert_double_eq(summary("iterations", "windows_not_converged"), 20);
+  ck_assert_double_eq(summary("iterations", "largest"), 2);
+  ck_assert_int_eq(command("grep -c 'event=not_converged' %s/out/server.log", dir), 0);
+  expect_output("1"); /* said once */
+  directory_remove(dir);
+}
+END_TEST
+
+#define AUTO "--set coupling.n=auto"
+
+START_TEST(windows_find_their_length) {
+  setup(slide);
+  solve_sliders(1);
+  char line[512];
+  double e[3], windows[3];
+  for (int i = 0; i < 3; i++) { /* a mismatch of order 3 in H, 2 beside the motion: half the window for a quarter */
+    snprintf(line, sizeof line,
+             AUTO " --set coupling.scheme=dem-first --set 'coupling.auto={\"tolerance\": %g, \"absolute\": 0}'",
+             1.6e-2 * pow(0.25, i));
+    e[i] = error(1, line);
+    windows[i] = summary("{", "\"windows\"");
+    ck_assert_double_eq(summary("\"n\"", "least"), 1);
+    ck_assert_double_gt(summary("\"n\"", "most"), 2e4 / windows[i]);
+  }
+  ck_assert_double_lt(windows[0], 120); /* of about 1 / (110 / s) x sqrt(0.016) */
+  for (int i = 0; i < 2; i++) {
+    ck_assert_msg(fabs(windows[i + 1] / windows[i] - 2) < 0.2, "%g and %g windows", windows[i], windows[i + 1]);
+    ck_assert_msg(e[i + 1] < 0.5 * e[i], "error %g after %g", e[i + 1], e[i]);
+  }
+  /* limits hold, and the run ends where it should */
+  run(AUTO " --set 'coupling.auto={\"n_min\": 7, \"n_max\": 600}'");
+  expect_output("0.2 s simulated in");
+  ck_assert_double_eq(summary("\"n\"", "least"), 7);
+  ck_assert_double_eq(summary("\"n\"", "most"), 600);
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_fast_turn_shortens_windows) {
+  /* 40 rad/s: 1000 steps of 1e-4 s would be 4 rad */
+  setup(swing);
+  static const char spin[] = " --set mbd.forces=[] --set mbd.bodies[0].angular_velocity=[0,40,0] --set "
+                             "mbd.bodies[0].velocity=[-20,0,0] --set dem.particles=[] --set time.dt=1e-4 --set "
+                             "time.end=1";
+  char line[512];
+  snprintf(line, sizeof line, AUTO "%s", spin);
+  run(line);
+  ck_assert_double_gt(summary("\"n\"", "most"), 50);
+  ck_assert_double_lt(summary("\"n\"", "most"), 250);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.n=1000 %s", dir, dir, spin), 1);
+  expect_output("take a smaller n");
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(nothing_coupled) {
+  setup(slide);
+  static const char *const schemes[] = {"proxy", "iterative", "dem-first", "lommen"};
+  char line[256];
+  for (int i = 0; i < 4; i++) {
+    snprintf(line, sizeof line, "--set coupling.bodies=[] --set coupling.n=%s --set coupling.scheme=%s",
+             i < 3 ? "auto" : "100", schemes[i]);
+    run(line);
+    expect_output("0.2 s simulated");
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(what_cannot_adapt_is_refused) {
+  setup(slide);
+  static const struct {
+    const char *options, *what;
+  } cases[] = {
+      {AUTO " --set coupling.scheme=lommen", "no estimate of its error"},
+      {AUTO " --set coupling.fallback=hold", "no estimate of its error"},
+      {"--set coupling.n=often", "neither a whole number"},
+      {"--set coupling.auto.n_max=5", "goes with \"n\": \"auto\""},
+      {AUTO " --set coupling.auto.n_max=5 --set coupling.auto.n_min=6", "less than n_min"},
+      {"--set coupling.scheme=iterative --set coupling.iterative.accelerator=anderson", "iqn-ils"},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out %s", dir, dir, cases[i].options), 1);
+    expect_output(cases[i].what);
+    expect_output("coupling.");
+  }
+  ck_assert_int_eq(command("tandem check %s/scene.json %s", dir, AUTO), 0);
+  expect_output("n from 1 to 1000");
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("schemes", 120, orders_of_a_slider, orders_of_two_sliders, orders_of_a_swing, proxy_at_long_windows,
+          two_bodies_in_one_piece, iterations_make_up_for_a_proxy_of_masses_alone,
+          a_window_that_does_not_converge_is_told, windows_find_their_length, a_fast_turn_shortens_windows,
+          nothing_coupled, what_cannot_adapt_is_refused)
