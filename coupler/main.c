@@ -10,11 +10,9 @@
 #include "protocol/find.h"
 #include "scenarios/table.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const cpl_solver solvers[CPL_NROLE] = {
     [CPL_MBD] = {"tandem-mbd", &mbd_solver_ops},
@@ -36,9 +34,10 @@ static void usage(FILE *out) {
         "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
         "front.\n"
         "      --jobs J   cells at a time (default: processors); --resume keeps cells of an interrupted sweep.\n\n"
-        "  tandem verify [NAME|GROUP ...] [--out DIR] [--json FILE]\n"
+        "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
-        "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n\n"
+        "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
+        "      --full     the group \"coupling\": all cells of its grids, an hour instead of minutes\n\n"
         "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
         "  --help, --version\n\n"
         "Scenarios:\n",
@@ -52,7 +51,7 @@ static void usage(FILE *out) {
 typedef struct {
   tdm_arguments given;
   const char *out, *json, *scenarios, *dt, *n, *scheme, *jobs;
-  bool strict, resume;
+  bool strict, resume, full;
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
@@ -60,25 +59,26 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
       {"--out", &a->out, NULL},       {"--json", &a->json, NULL}, {"--scenarios", &a->scenarios, NULL},
       {"--set", NULL, NULL},          {"--dt", &a->dt, NULL},     {"--n", &a->n, NULL},
       {"--scheme", &a->scheme, NULL}, {"--jobs", &a->jobs, NULL}, {"--strict", NULL, &a->strict},
-      {"--resume", NULL, &a->resume}};
+      {"--resume", NULL, &a->resume}, {"--full", NULL, &a->full}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
 }
 
 /* ---- commands ---- */
 
 /* options that a command does not know */
-static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool json, tdm_error *err) {
+static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
   const struct {
     bool given, known;
     const char *name;
   } options[] = {{a->given.nset > 0, run || sweep, "--set"},
                  {a->strict, run, "--strict"},
-                 {a->json != NULL, json, "--json"},
+                 {a->json != NULL, sweep || verify, "--json"},
                  {a->dt != NULL, sweep, "--dt"},
                  {a->n != NULL, sweep, "--n"},
                  {a->scheme != NULL, sweep, "--scheme"},
-                 {a->jobs != NULL, sweep, "--jobs"},
-                 {a->resume, sweep, "--resume"}};
+                 {a->jobs != NULL, sweep || verify, "--jobs"},
+                 {a->resume, sweep, "--resume"},
+                 {a->full, verify, "--full"}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s does not go with this command; see tandem --help", command,
@@ -125,6 +125,17 @@ static tdm_status command_report(const arguments *a, tdm_error *err) {
   return cpl_report(a->given.word[0], scn_table, err);
 }
 
+/* --jobs, or as many as there are processors */
+static tdm_status read_jobs(const arguments *a, const char *command, int *jobs, tdm_error *err) {
+  char *end = NULL;
+  long n = a->jobs ? strtol(a->jobs, &end, 10) : cpl_jobs_processors();
+  if (n < 1 || n > CPL_JOBS_MAX || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: --jobs %s: give a number from 1 to %d", command, a->jobs,
+                    CPL_JOBS_MAX);
+  *jobs = (int)n;
+  return TDM_OK;
+}
+
 static tdm_status command_verify(const arguments *a, tdm_error *err) {
   if (refuse(a, "verify", false, false, true, err) != TDM_OK)
     return err->status;
@@ -132,7 +143,10 @@ static tdm_status command_verify(const arguments *a, tdm_error *err) {
                                 .name = a->given.word,
                                 .out = a->out ? a->out : "verify-out",
                                 .json = a->json,
-                                .scenarios = a->scenarios};
+                                .scenarios = a->scenarios,
+                                .full = a->full};
+  if (read_jobs(a, "verify", &options.jobs, err) != TDM_OK)
+    return err->status;
   memcpy(options.solver, solvers, sizeof solvers);
   return cpl_verify_all(&options, err);
 }
@@ -156,20 +170,15 @@ static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error 
 }
 
 static tdm_status command_sweep(const arguments *a, tdm_error *err) {
-  char scene[4096], *end = NULL;
+  char scene[4096];
   cpl_sweep_options options = {.out = a->out ? a->out : "sweep-out", .json = a->json, .resume = a->resume};
-  if (refuse(a, "sweep", false, true, true, err) != TDM_OK ||
+  if (refuse(a, "sweep", false, true, false, err) != TDM_OK ||
       find_scene(a, "sweep", scene, sizeof scene, err) != TDM_OK)
     return err->status;
   options.scene = scene;
   options.scenarios = scn_table;
-  options.jobs =
-      a->jobs ? (int)strtol(a->jobs, &end, 10) : (int)fmin(CPL_JOBS_MAX, (double)sysconf(_SC_NPROCESSORS_ONLN));
   memcpy(options.solver, solvers, sizeof solvers);
-  if (options.jobs < 1 || options.jobs > CPL_JOBS_MAX || (end && *end))
-    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --jobs %s: give a number from 1 to %d", a->jobs ? a->jobs : "",
-             CPL_JOBS_MAX);
-  else if (read_axes(a, &options, err) == TDM_OK)
+  if (read_jobs(a, "sweep", &options.jobs, err) == TDM_OK && read_axes(a, &options, err) == TDM_OK)
     cpl_sweep(&options, err);
   cpl_sweep_free(&options);
   return err->status;

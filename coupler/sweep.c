@@ -6,13 +6,10 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 /* ---- the grid ---- */
@@ -196,34 +193,36 @@ static json_t *earlier_row(const cpl_sweep_options *o, const cpl_cell *cell) {
   return row;
 }
 
-/* ---- jobs ---- */
+/* ---- cells as jobs ---- */
 
 typedef struct {
-  pid_t pid; /* 0: free */
-  int cell;
-  double begin;
-} job;
+  const cpl_sweep_options *options;
+  cpl_cell *cell;
+  int ncell, done;
+} sweep_work;
 
-/* A cell in a process of its own: whatever happens to it, the sweep goes on. */
-static pid_t start_cell(const cpl_sweep_options *o, const cpl_cell *cell) {
+/* A cell that has no row is wanted. One that fails early must not stand beside another scene's results. */
+static bool begin_cell(void *context, int i) {
   static const char *const old[] = {"row.json", "scene.json", "summary.json", "comparison.csv", "comparison.png"};
+  const sweep_work *work = context;
   char file[4352];
-  for (int i = 0; i < 5; i++) { /* a cell that fails early must not stand beside another scene's results */
-    snprintf(file, sizeof file, "%s/%s", cell->dir, old[i]);
+  if (work->cell[i].row)
+    return false;
+  for (int k = 0; k < 5; k++) {
+    snprintf(file, sizeof file, "%s/%s", work->cell[i].dir, old[k]);
     unlink(file);
   }
+  return true;
+}
+
+static int run_cell(void *context, int i) {
+  const sweep_work *work = context;
+  const cpl_cell *cell = &work->cell[i];
+  char file[4352];
   row_file(cell, file, sizeof file);
-  fflush(NULL);
-  pid_t pid = fork();
-  if (pid != 0)
-    return pid;
-  int null = open("/dev/null", O_WRONLY);
-  dup2(null, 1);
-  dup2(null, 2);
-  json_t *row = cpl_cell_run(o, cell);
+  json_t *row = cpl_cell_run(work->options, cell);
   tdm_make_directory(cell->dir, NULL); /* a scene that is refused has made none */
-  int failed = !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
-  _exit(failed);
+  return !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
 }
 
 static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds) {
@@ -233,59 +232,34 @@ static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds
           reason && *reason ? ", " : "", reason ? reason : "", seconds);
 }
 
-/* A job that ended: its row, or why there is none. */
-static void end_cell(const cpl_sweep_options *o, cpl_cell *cell, int status) {
+/* A cell that was tried: its row, or why there is none. */
+static void end_cell(void *context, int i, int status, double seconds) {
+  sweep_work *work = context;
+  cpl_cell *cell = &work->cell[i];
   char file[4352], reason[96];
   row_file(cell, file, sizeof file);
-  cell->row = json_load_file(file, 0, NULL);
-  if (cell->row || tdm_interrupted)
+  cell->row = status == -1 ? NULL : json_load_file(file, 0, NULL);
+  if (!cell->row && tdm_interrupted)
     return;
-  if (WIFSIGNALED(status))
-    snprintf(reason, sizeof reason, "the cell's process was ended by signal %d", WTERMSIG(status));
-  else
-    snprintf(reason, sizeof reason, "the cell's results cannot be written into its directory");
-  cell->row = cpl_cell_row(o, cell, "failed", reason);
+  if (!cell->row) {
+    if (status == -1)
+      snprintf(reason, sizeof reason, "no process could be made for this cell");
+    else if (WIFSIGNALED(status))
+      snprintf(reason, sizeof reason, "the cell's process was ended by signal %d", WTERMSIG(status));
+    else
+      snprintf(reason, sizeof reason, "the cell's results cannot be written into its directory");
+    cell->row = cpl_cell_row(work->options, cell, "failed", reason);
+  }
+  print_cell(cell, ++work->done, work->ncell, seconds);
 }
 
 static void run_cells(const cpl_sweep_options *o, cpl_cell *cell, int ncell) {
-  job jobs[CPL_JOBS_MAX] = {{0}};
-  int njob = o->jobs, next = 0, running = 0, done = 0;
+  sweep_work work = {o, cell, ncell, 0};
   for (int i = 0; i < ncell; i++)
-    done += cell[i].row != NULL;
-  if (done > 0)
-    fprintf(stderr, "tandem: %d of %d cells are there already\n", done, ncell);
-  while (running > 0 || (next < ncell && !tdm_interrupted)) {
-    for (int j = 0; j < njob && !tdm_interrupted; j++) {
-      while (next < ncell && cell[next].row)
-        next++;
-      if (jobs[j].pid || next == ncell)
-        continue;
-      jobs[j] = (job){start_cell(o, &cell[next]), next, tdm_clock()};
-      if (jobs[j].pid < 0) {
-        cell[next].row = cpl_cell_row(o, &cell[next], "failed", "no process could be made for this cell");
-        jobs[j].pid = 0;
-      } else {
-        running++;
-      }
-      next++;
-    }
-    for (int j = 0; j < njob && tdm_interrupted == 1; j++)
-      if (jobs[j].pid)
-        kill(jobs[j].pid, SIGTERM); /* Ctrl-C reaches the cells anyway, a signal to this process alone does not */
-    tdm_interrupted += tdm_interrupted == 1;
-    int status;
-    pid_t pid = waitpid(-1, &status, WNOHANG);
-    for (int j = 0; j < njob && pid > 0; j++)
-      if (jobs[j].pid == pid) {
-        end_cell(o, &cell[jobs[j].cell], status);
-        jobs[j].pid = 0;
-        running--;
-        if (cell[jobs[j].cell].row)
-          print_cell(&cell[jobs[j].cell], ++done, ncell, tdm_clock() - jobs[j].begin);
-      }
-    if (pid <= 0)
-      nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
-  }
+    work.done += cell[i].row != NULL;
+  if (work.done > 0)
+    fprintf(stderr, "tandem: %d of %d cells are there already\n", work.done, ncell);
+  cpl_jobs_run(&(cpl_jobs){ncell, o->jobs, &work, begin_cell, run_cell, end_cell});
 }
 
 /* ---- the sweep ---- */

@@ -10,9 +10,10 @@
 #ifndef CPL_SWEEP_H
 #define CPL_SWEEP_H
 
+#include "coupler/jobs.h"
 #include "coupler/verify.h"
 
-enum { CPL_AXES_MAX = 16, CPL_VALUES_MAX = 64, CPL_JOBS_MAX = 64 };
+enum { CPL_AXES_MAX = 16, CPL_VALUES_MAX = 64 };
 
 /* One axis of the grid: a path of the scene and the values that it takes. */
 typedef struct {

@@ -1,12 +1,17 @@
 #include "coupler/verify.h"
 
+#include "coupler/jobs.h"
+#include "protocol/command_line.h"
 #include "protocol/find.h"
 #include "protocol/log.h"
+#include "protocol/results.h"
 
+#include <assert.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 typedef struct {
@@ -82,6 +87,111 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
   return err->status;
 }
 
+bool cpl_verify_full(const cpl_verify *v) {
+  return v->options->full;
+}
+
+/* ---- many runs ---- */
+
+void cpl_verify_case_set(cpl_verify_case *c, const char *format, ...) {
+  va_list list;
+  assert(c->nset < CPL_CASE_SETTINGS);
+  va_start(list, format);
+  int n = vsnprintf(c->set[c->nset++], CPL_SETTING_MAX, format, list);
+  va_end(list);
+  assert(n < CPL_SETTING_MAX);
+  (void)n;
+}
+
+void cpl_verify_about(cpl_verify *v, const cpl_verify_case *c) {
+  v->last = c->result;
+}
+
+/* What a run's process leaves for this one, in shared memory. */
+typedef struct {
+  cpl_run_result result;
+  tdm_error err;
+} left_behind;
+
+typedef struct {
+  cpl_verify *v;
+  int n, done;
+  cpl_verify_case *c;
+  left_behind *left; /* (n) */
+} many;
+
+/* Run a case, or only settle its bed and stop (check). */
+static void run_case(const cpl_verify *v, const cpl_verify_case *c, bool check, left_behind *left) {
+  const char *set[CPL_CASE_SETTINGS + 2], *name = c->scene ? c->scene : v->now->scenario->name;
+  char scene[4096], store[4352], out[4352];
+  int n = 0;
+  for (; n < c->nset; n++)
+    set[n] = c->set[n];
+  snprintf(store, sizeof store, "dem.settle.store=\"%s/bed\"", v->dir);
+  if (c->shares_bed)
+    set[n++] = store;
+  set[n] = NULL;
+  snprintf(out, sizeof out, "%s/bed-out", v->dir);
+  if (cpl_verify_find(v, "", name, scene, sizeof scene, &left->err) != TDM_OK)
+    return;
+  cpl_run_options run = {.scene = scene, .set = set, .out = check ? out : c->dir, .quiet = true, .check = check};
+  memcpy(run.solver, v->options->solver, sizeof run.solver);
+  cpl_run(&run, &left->result, &left->err);
+}
+
+/* Settle the bed once, before runs share it. One that cannot be made fails in its cases, with words. */
+static void make_bed(const cpl_verify *v, int n, const cpl_verify_case *c) {
+  char file[4352];
+  int i = 0;
+  snprintf(file, sizeof file, "%s/bed", v->dir);
+  while (i < n && !c[i].shares_bed)
+    i++;
+  if (i < n && access(file, F_OK) != 0 && tdm_make_directory(v->dir, NULL) == TDM_OK)
+    run_case(v, &c[i], true, &(left_behind){0});
+}
+
+static bool begin_case(void *context, int i) {
+  many *m = context;
+  tdm_fail(&m->left[i].err, TDM_ERR_LOST, NULL, "%s: the run's process ended without a word", m->c[i].name);
+  return true;
+}
+
+static int work_case(void *context, int i) {
+  many *m = context;
+  left_behind left = {0};
+  run_case(m->v, &m->c[i], false, &left);
+  m->left[i] = left;
+  return 0;
+}
+
+static void end_case(void *context, int i, int status, double seconds) {
+  many *m = context;
+  cpl_verify_case *c = &m->c[i];
+  (void)status;
+  c->result = m->left[i].result;
+  c->err = m->left[i].err;
+  m->v->last = c->result;
+  count_last(m->v);
+  m->done++;
+  if (isatty(2))
+    fprintf(stderr, "\r\033[K%s [%d/%d] %s, %.1f s", m->v->now->scenario->name, m->done, m->n, c->name, seconds);
+}
+
+tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_once, tdm_error *err) {
+  size_t size = (size_t)n * sizeof(left_behind);
+  left_behind *left = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (left == MAP_FAILED)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  many m = {v, n, 0, c, left};
+  for (int i = 0; i < n; i++)
+    case_dir(v, c[i].name, c[i].dir, sizeof c[i].dir);
+  make_bed(v, n, c);
+  int jobs = at_once ? at_once : v->options->jobs ? v->options->jobs : cpl_jobs_processors();
+  cpl_jobs_run(&(cpl_jobs){n, jobs, &m, begin_case, work_case, end_case});
+  munmap(left, size);
+  return tdm_interrupted ? tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted") : TDM_OK;
+}
+
 void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wall) {
   v->last = (cpl_run_result){.simulated = simulated, .wall = wall, .loop = wall};
   v->last.step[role] = wall;
@@ -146,7 +256,7 @@ void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const tdm_plot 
 /* ---- the table ---- */
 
 static void print_head(void) {
-  printf("%-14s %-23s %-25s %12s %9s %10s %8s %15s  %s\n", "scenario", "measure", "case", "value", "limit", "simulated",
+  printf("%-22s %-22s %-36s %12s %9s %10s %8s %15s  %s\n", "scenario", "measure", "case", "value", "limit", "simulated",
          "wall", "DEM/MBD/coupling", "ok");
 }
 
@@ -158,7 +268,7 @@ static void print_measure(const char *scenario, const measure *m) {
   if (loop > 0)
     snprintf(share, sizeof share, "%.0f/%.0f/%.0f %%", 100 * m->run.step[CPL_DEM] / loop,
              100 * m->run.step[CPL_MBD] / loop, 100 * cpl_run_coupling(&m->run) / loop);
-  printf("%-14s %-23s %-25s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
+  printf("%-22s %-22s %-36s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
          m->run.simulated, m->run.wall, share,
          m->kind == CPL_NO_LIMIT ? "-"
          : m->pass               ? "ok"
@@ -171,7 +281,7 @@ static void print_outcome(const outcome *o) {
   for (int i = 0; i < o->nmeasure; i++)
     print_measure(o->scenario->name, &o->measure[i]);
   if (o->err.status != TDM_OK)
-    printf("%-14s FAILED: %s\n", o->scenario->name, o->err.message);
+    printf("%-22s FAILED: %s\n", o->scenario->name, o->err.message);
   fflush(stdout);
 }
 
@@ -247,6 +357,9 @@ static void run_scenario(cpl_verify *v, outcome *o) {
   v->now = o;
   v->last = (cpl_run_result){0};
   snprintf(v->dir, sizeof v->dir, "%s/%s", v->options->out, o->scenario->name);
+  char bed[4352];
+  snprintf(bed, sizeof bed, "%s/bed", v->dir);
+  unlink(bed); /* of an earlier verification, whose scene may have been another */
   tdm_error err = {0};
   if (o->scenario->verify(v, &err) != TDM_OK)
     o->err = err;

@@ -37,6 +37,35 @@ typedef enum {
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err);
 
+/* ---- many runs ---- */
+
+enum { CPL_CASE_SETTINGS = 12, CPL_SETTING_MAX = 192 };
+
+/* One of many runs, zero-initialised. */
+typedef struct {
+  char name[64];     /* of the case and of its directory; "": the scenario's directory */
+  const char *scene; /* scenario whose scene it runs; NULL: the one under way */
+  bool shares_bed;   /* all cases of the scenario that do have one settled bed (dem.settle.store) */
+  char set[CPL_CASE_SETTINGS][CPL_SETTING_MAX]; /* overrides, "path=value" */
+  int nset;
+  /* after the run */
+  char dir[4096];
+  cpl_run_result result;
+  tdm_error err;
+} cpl_verify_case;
+
+void cpl_verify_case_set(cpl_verify_case *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Run n cases, `at_once` at a time in processes of their own (0: as many as the command says). What became of each is
+ * in its err; the return value is an error only when none can go on (interrupted, no memory). */
+tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_once, tdm_error *err);
+
+/* What is measured from now on was measured in this run. */
+void cpl_verify_about(cpl_verify *v, const cpl_verify_case *c);
+
+/* --full: everything, however long it takes. */
+bool cpl_verify_full(const cpl_verify *v);
+
 /* The scene file GROUP/NAME/scene.json of the scenarios that are verified, into `scene` (size bytes). */
 tdm_status cpl_verify_find(const cpl_verify *v, const char *group, const char *name, char *scene, size_t size,
                            tdm_error *err);
@@ -63,6 +92,8 @@ typedef struct {
   const char *out;              /* directory of results */
   const char *json;             /* file, NULL: none */
   const char *scenarios;        /* --scenarios DIR or NULL */
+  bool full;                    /* --full */
+  int jobs;                     /* runs at a time, 0: processors */
   cpl_solver solver[CPL_NROLE];
 } cpl_verify_options;
 

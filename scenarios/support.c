@@ -47,27 +47,43 @@ double scn_number_or(const json_t *json, const char *path, double fallback) {
   return json_is_number(value) ? json_number_value(value) : fallback;
 }
 
-tdm_status scn_verify_run_and_compare(cpl_verify *v, double least_nse, char *dir, size_t size, cpl_comparison *c,
-                                      tdm_error *err) {
+static tdm_status measure(cpl_verify *v, const cpl_verify_case *run, double least_nse, cpl_comparison *c,
+                          tdm_error *err) {
   char name[64];
-  if (cpl_verify_run(v, "", NULL, dir, size, err) != TDM_OK || cpl_verify_compare(v, dir, c, err) != TDM_OK)
-    return err->status;
-  for (int i = 0; i < c->ncurve; i++) {
+  cpl_verify_about(v, run);
+  if (run->err.status != TDM_OK)
+    *err = run->err;
+  else
+    cpl_verify_compare(v, run->dir, c, err);
+  for (int i = 0; err->status == TDM_OK && i < c->ncurve; i++) {
     const cpl_compared *curve = &c->curve[i];
     if (curve->kind == CPL_STATE) {
       snprintf(name, sizeof name, "nse_%s", curve->name);
-      cpl_verify_measure(v, name, "", cpl_comparison_nse(c, curve), CPL_AT_LEAST, least_nse);
+      cpl_verify_measure(v, name, run->name, cpl_comparison_nse(c, curve), CPL_AT_LEAST, least_nse);
     }
     snprintf(name, sizeof name, "r2_%s", curve->name);
-    cpl_verify_measure(v, name, "", cpl_comparison_r2(c, curve), CPL_NO_LIMIT, 0);
+    cpl_verify_measure(v, name, run->name, cpl_comparison_r2(c, curve), CPL_NO_LIMIT, 0);
   }
-  return TDM_OK;
+  return err->status;
 }
 
-tdm_status scn_verify_comparison(cpl_verify *v, double least_nse, tdm_error *err) {
+tdm_status scn_verify_run_and_compare(cpl_verify *v, bool settles, double least_nse, char *dir, size_t size,
+                                      cpl_comparison *c, tdm_error *err) {
+  cpl_verify_case run[] = {{.name = "", .shares_bed = settles}, {.name = "scheme=proxy", .shares_bed = settles}};
+  cpl_comparison proxy = {0};
+  cpl_verify_case_set(&run[0], "coupling.scheme=lommen");
+  cpl_verify_case_set(&run[1], "coupling.scheme=proxy");
+  if (cpl_verify_run_many(v, 2, run, 0, err) == TDM_OK && measure(v, &run[1], least_nse, &proxy, err) == TDM_OK)
+    measure(v, &run[0], least_nse, c, err);
+  cpl_comparison_free(&proxy);
+  snprintf(dir, size, "%s", run[0].dir);
+  return err->status;
+}
+
+tdm_status scn_verify_comparison(cpl_verify *v, bool settles, double least_nse, tdm_error *err) {
   char dir[4096];
   cpl_comparison c = {0};
-  scn_verify_run_and_compare(v, least_nse, dir, sizeof dir, &c, err);
+  scn_verify_run_and_compare(v, settles, least_nse, dir, sizeof dir, &c, err);
   cpl_comparison_free(&c);
   return err->status;
 }

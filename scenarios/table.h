@@ -21,6 +21,12 @@ tdm_status scn_pendulum_compare(const char *dir, cpl_comparison *c, tdm_error *e
 tdm_status scn_torsional(cpl_verify *v, tdm_error *err);
 tdm_status scn_torsional_compare(const char *dir, cpl_comparison *c, tdm_error *err);
 
+/* the schemes, coupling/ */
+tdm_status scn_coupling_collision(cpl_verify *v, tdm_error *err);
+tdm_status scn_coupling_spring_damper(cpl_verify *v, tdm_error *err);
+tdm_status scn_coupling_torsional(cpl_verify *v, tdm_error *err);
+tdm_status scn_coupling_heavy_fill(cpl_verify *v, tdm_error *err);
+
 /* particles alone, dem_physics/ */
 tdm_status scn_normal_laws(cpl_verify *v, tdm_error *err);
 tdm_status scn_chung_ooi(cpl_verify *v, tdm_error *err);

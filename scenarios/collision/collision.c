@@ -5,6 +5,8 @@
  *   v_p = (m_p u_p + m_c u_c + m_c e (u_c - u_p)) / (m_p + m_c)                                          [L18] Eq. 18
  *   error = 100 (v_simulation / v_theory - 1) %                                                          [L18] Eq. 19
  */
+#include "scenarios/collision/collision.h"
+
 #include "coupler/table.h"
 #include "scenarios/table.h"
 
@@ -12,31 +14,28 @@
 #include <stdio.h>
 
 /* as in scene.json */
-static const double body_mass = 10, approach_speed = 2, restitution = 0.5;
+const double scn_collision_body_mass = 10, scn_collision_speed = 2;
+static const double restitution = 0.5;
 static const double limit_percent = 0.2, limit_ratio = 100; /* the limit holds where m_c/m_p is at least this */
+
+enum { NCASE = SCN_COLLISION_CASES };
+const double scn_collision_mass[NCASE] = {0.01, 0.02, 0.1, 1, 2, 10};
 
 /* [L18] Table I, printed velocities (two misprints corrected: v_p of 0.1 kg, v_c of 2 kg) */
 static const struct {
-  double m_p, paper_v_p, paper_v_c;
-} table_1[] = {
-    {0.01, -9.98e-1, 3.02e-3}, {0.02, -9.95e-1, 6.03e-3}, {0.1, -9.74e-1, 2.94e-2},
-    {1, -7.56e-1, 2.75e-1},    {2, -5.54e-1, 5.10e-1},    {10, 3.87e-1, 1.62},
-};
-enum { NCASE = sizeof table_1 / sizeof table_1[0] };
-
-typedef struct {
-  double error_particle, error_body; /* [%] */
-  int steps;                         /* DEM steps in contact */
-} collision_result;
+  double v_p, v_c;
+} paper[NCASE] = {{-9.98e-1, 3.02e-3}, {-9.95e-1, 6.03e-3}, {-9.74e-1, 2.94e-2},
+                  {-7.56e-1, 2.75e-1}, {-5.54e-1, 5.10e-1}, {3.87e-1, 1.62}};
 
 static void theory(double m_p, double *v_p, double *v_c) {
-  double sum = m_p + body_mass;
-  *v_c = m_p * approach_speed * (1 + restitution) / sum;
-  *v_p = (m_p - body_mass * restitution) * approach_speed / sum;
+  double sum = m_p + scn_collision_body_mass;
+  *v_c = m_p * scn_collision_speed * (1 + restitution) / sum;
+  *v_p = (m_p - scn_collision_body_mass * restitution) * scn_collision_speed / sum;
 }
 
 /* Velocities after the collision, and the rows in which the cube feels a load: one row is one step here. */
-static tdm_status read_result(const char *dir, double m_p, collision_result *result, tdm_error *err) {
+tdm_status scn_collision_read(const char *dir, double m_p, scn_collision_errors *out, tdm_error *err) {
+  *out = (scn_collision_errors){0};
   char file[4096];
   cpl_table body = {0}, dem = {0};
   snprintf(file, sizeof file, "%s/body_cube.csv", dir);
@@ -50,10 +49,10 @@ static tdm_status read_result(const char *dir, double m_p, collision_result *res
   if (v_p) {
     double expected_p, expected_c;
     theory(m_p, &expected_p, &expected_c);
-    result->error_particle = 100 * (v_p[dem.nrow - 1] / expected_p - 1);
-    result->error_body = 100 * (v_c[body.nrow - 1] / expected_c - 1);
+    out->particle = 100 * (v_p[dem.nrow - 1] / expected_p - 1);
+    out->body = 100 * (v_c[body.nrow - 1] / expected_c - 1);
     for (int i = 0; i < body.nrow; i++)
-      result->steps += load[i] != 0;
+      out->steps += load[i] != 0;
     if (load[body.nrow - 1] != 0)
       tdm_fail(err, TDM_ERR_NUMERIC, NULL, "%s: still in contact at the end; raise time.end", dir);
   }
@@ -62,31 +61,41 @@ static tdm_status read_result(const char *dir, double m_p, collision_result *res
   return err->status;
 }
 
-static tdm_status run_case(cpl_verify *v, int i, const char *wall_mass, collision_result *result, tdm_error *err) {
-  char name[64], mass[64], wall[64], dir[4096];
-  double m_p = table_1[i].m_p;
-  snprintf(name, sizeof name, "m_p=%g%s%s", m_p, wall_mass ? " wall_mass=" : "", wall_mass ? wall_mass : "");
-  snprintf(mass, sizeof mass, "dem.particles[0].mass=%g", m_p);
-  snprintf(wall, sizeof wall, "dem.contact.wall_mass=%s", wall_mass ? wall_mass : "body");
-  const char *const set[] = {mass, wall, NULL};
-  if (cpl_verify_run(v, name, set, dir, sizeof dir, err) != TDM_OK || read_result(dir, m_p, result, err) != TDM_OK)
+typedef enum { LOMMEN, PROXY, WALL_MASS, NSERIES } series;
+
+static void name_case(cpl_verify_case *c, int i, series what) {
+  static const char *const more[NSERIES] = {[LOMMEN] = "", [PROXY] = " scheme=proxy", [WALL_MASS] = " wall_mass=1e8"};
+  snprintf(c->name, sizeof c->name, "m_p=%g%s", scn_collision_mass[i], more[what]);
+  cpl_verify_case_set(c, "dem.particles[0].mass=%g", scn_collision_mass[i]);
+  cpl_verify_case_set(c, "coupling.scheme=%s", what == PROXY ? "proxy" : "lommen");
+  cpl_verify_case_set(c, "dem.contact.wall_mass=%s", what == WALL_MASS ? "1e8" : "body");
+}
+
+static tdm_status measure_case(cpl_verify *v, const cpl_verify_case *c, int i, series what,
+                               scn_collision_errors *result, tdm_error *err) {
+  double m_p = scn_collision_mass[i], v_p, v_c;
+  if (c->err.status != TDM_OK) {
+    *err = c->err;
     return err->status;
-  cpl_limit_kind kind = !wall_mass && body_mass / m_p >= limit_ratio ? CPL_AT_MOST : CPL_NO_LIMIT;
-  cpl_verify_measure(v, "error_particle_percent", name, result->error_particle, kind, limit_percent);
-  cpl_verify_measure(v, "error_body_percent", name, result->error_body, kind, limit_percent);
-  if (!wall_mass) {
-    cpl_verify_measure(v, "steps_per_contact", name, result->steps, CPL_NO_LIMIT, 0);
+  }
+  if (scn_collision_read(c->dir, m_p, result, err) != TDM_OK)
+    return err->status;
+  cpl_limit_kind kind = what != WALL_MASS && scn_collision_body_mass / m_p >= limit_ratio ? CPL_AT_MOST : CPL_NO_LIMIT;
+  cpl_verify_about(v, c);
+  cpl_verify_measure(v, "error_particle_percent", c->name, result->particle, kind, limit_percent);
+  cpl_verify_measure(v, "error_body_percent", c->name, result->body, kind, limit_percent);
+  if (what != WALL_MASS) {
+    cpl_verify_measure(v, "steps_per_contact", c->name, result->steps, CPL_NO_LIMIT, 0);
     return TDM_OK;
   }
-  double v_p, v_c;
   theory(m_p, &v_p, &v_c);
-  cpl_verify_measure(v, "paper_particle_percent", name, 100 * (table_1[i].paper_v_p / v_p - 1), CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "paper_body_percent", name, 100 * (table_1[i].paper_v_c / v_c - 1), CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_particle_percent", c->name, 100 * (paper[i].v_p / v_p - 1), CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_body_percent", c->name, 100 * (paper[i].v_c / v_c - 1), CPL_NO_LIMIT, 0);
   return TDM_OK;
 }
 
-static tdm_status write_table(cpl_verify *v, const collision_result *true_mass, const collision_result *wall_mass,
-                              tdm_error *err) {
+static tdm_status write_table(cpl_verify *v, const scn_collision_errors *true_mass,
+                              const scn_collision_errors *wall_mass, tdm_error *err) {
   char file[4096];
   snprintf(file, sizeof file, "%s/table.csv", cpl_verify_dir(v));
   FILE *f = fopen(file, "w");
@@ -97,10 +106,10 @@ static tdm_status write_table(cpl_verify *v, const collision_result *true_mass, 
       f);
   for (int i = 0; i < NCASE; i++) {
     double v_p, v_c;
-    theory(table_1[i].m_p, &v_p, &v_c);
-    fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", body_mass / table_1[i].m_p, true_mass[i].error_particle,
-            true_mass[i].error_body, wall_mass[i].error_particle, wall_mass[i].error_body,
-            100 * (table_1[i].paper_v_p / v_p - 1), 100 * (table_1[i].paper_v_c / v_c - 1));
+    theory(scn_collision_mass[i], &v_p, &v_c);
+    fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", scn_collision_body_mass / scn_collision_mass[i],
+            true_mass[i].particle, true_mass[i].body, wall_mass[i].particle, wall_mass[i].body,
+            100 * (paper[i].v_p / v_p - 1), 100 * (paper[i].v_c / v_c - 1));
   }
   fclose(f);
   return TDM_OK;
@@ -135,15 +144,14 @@ static void plot(cpl_verify *v) {
 }
 
 tdm_status scn_collision(cpl_verify *v, tdm_error *err) {
-  collision_result true_mass[NCASE] = {{0}}, wall_mass[NCASE] = {{0}};
-  for (int i = 0; i < NCASE; i++)
-    if (run_case(v, i, NULL, &true_mass[i], err) != TDM_OK)
-      return err->status;
-  for (int i = 0; i < NCASE; i++)
-    if (run_case(v, i, "1e8", &wall_mass[i], err) != TDM_OK)
-      return err->status;
-  if (write_table(v, true_mass, wall_mass, err) != TDM_OK)
-    return err->status;
-  plot(v);
-  return TDM_OK;
+  cpl_verify_case run[NSERIES * NCASE] = {0};
+  scn_collision_errors result[NSERIES][NCASE] = {0};
+  for (int k = 0; k < NSERIES * NCASE; k++)
+    name_case(&run[k], k % NCASE, (series)(k / NCASE));
+  cpl_verify_run_many(v, NSERIES * NCASE, run, 0, err);
+  for (int k = 0; err->status == TDM_OK && k < NSERIES * NCASE; k++)
+    measure_case(v, &run[k], k % NCASE, (series)(k / NCASE), &result[k / NCASE][k % NCASE], err);
+  if (err->status == TDM_OK && write_table(v, result[LOMMEN], result[WALL_MASS], err) == TDM_OK)
+    plot(v);
+  return err->status;
 }

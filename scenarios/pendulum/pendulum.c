@@ -139,7 +139,7 @@ static void measure_paths(cpl_verify *v) {
 tdm_status scn_pendulum(cpl_verify *v, tdm_error *err) {
   char dir[4096];
   cpl_comparison c = {0};
-  if (scn_verify_run_and_compare(v, least_nse, dir, sizeof dir, &c, err) == TDM_OK) {
+  if (scn_verify_run_and_compare(v, true, least_nse, dir, sizeof dir, &c, err) == TDM_OK) {
     measure_at_r(v, dir, &c, err);
     measure_paths(v);
   }

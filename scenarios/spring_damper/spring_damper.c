@@ -50,5 +50,5 @@ tdm_status scn_spring_damper_compare(const char *dir, cpl_comparison *c, tdm_err
 }
 
 tdm_status scn_spring_damper(cpl_verify *v, tdm_error *err) {
-  return scn_verify_comparison(v, least_nse, err);
+  return scn_verify_comparison(v, true, least_nse, err);
 }

@@ -120,5 +120,5 @@ tdm_status scn_stream_compare(const char *dir, cpl_comparison *c, tdm_error *err
 }
 
 tdm_status scn_stream(cpl_verify *v, tdm_error *err) {
-  return scn_verify_comparison(v, least_nse, err);
+  return scn_verify_comparison(v, false, least_nse, err);
 }

@@ -129,7 +129,7 @@ static void measure_point_mass(cpl_verify *v, const char *dir, tdm_error *err) {
 tdm_status scn_torsional(cpl_verify *v, tdm_error *err) {
   char dir[4096];
   cpl_comparison c = {0};
-  if (scn_verify_run_and_compare(v, least_nse, dir, sizeof dir, &c, err) == TDM_OK)
+  if (scn_verify_run_and_compare(v, true, least_nse, dir, sizeof dir, &c, err) == TDM_OK)
     measure_point_mass(v, dir, err);
   cpl_comparison_free(&c);
   return err->status;
