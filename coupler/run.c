@@ -148,6 +148,8 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
     result->n_least = run->loop.n_least;
     result->n_most = run->loop.n_most;
     result->iterations = run->loop.iterations;
+    result->surprises = run->loop.surprises;
+    result->first_surprise = run->loop.first_surprise;
     tdm_progress_update(&progress, run->loop.t1, run->loop.window);
   }
   tdm_progress_end(&progress);
@@ -167,6 +169,13 @@ double cpl_run_coupling(const cpl_run_result *r) {
 }
 
 void cpl_run_print(const cpl_run_result *r, const char *out) {
+  if (r->surprises > 0)
+    fprintf(
+        stderr,
+        "tandem: notice: the mechanism changed inside %llu window%s, first in that from %.6g s on (a stop, a slack "
+        "cable, friction that turns): there the particles felt it late; take a smaller coupling.n, or \"iterative\" "
+        "as coupling.scheme\n",
+        (unsigned long long)r->surprises, r->surprises == 1 ? "" : "s", r->first_surprise);
   double exchange = 0, own = cpl_run_coupling(r);
   printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
          r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
@@ -199,6 +208,9 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
   if (s->adapt.on)
     json_object_set_new(json, "n",
                         json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
+  if (r->surprises > 0)
+    json_object_set_new(json, "mechanism_changed",
+                        json_pack("{s:I, s:f}", "windows", (json_int_t)r->surprises, "first_s", r->first_surprise));
   if (r->iterations.windows > 0)
     json_object_set_new(json, "iterations",
                         json_pack("{s:f, s:i, s:I}", "mean", (double)r->iterations.all / (double)r->iterations.windows,

@@ -25,6 +25,8 @@ typedef struct {
   double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
   long n_least, n_most;       /* DEM steps of the shortest and the longest window */
   cpl_iterations iterations;  /* of schemes that iterate */
+  uint64_t surprises;         /* windows of proxy in which the mechanism changed: a stop, a slack cable */
+  double first_surprise;      /* start of the first one [s] */
   int warnings;
 } cpl_run_result;
 

@@ -54,6 +54,8 @@ typedef struct cpl_loop {
   double *proxy_block;
   void *own; /* the scheme's */
   cpl_iterations iterations;
+  uint64_t surprises;                     /* windows of proxy in which the mechanism changed */
+  double first_surprise;                  /* the first one's start [s] */
   tdm_wrench *packed;                     /* load without gaps, as it is sent */
   const tdm_state *sent_start, *sent_end; /* (nbody) the path that DEM was last sent along */
   cpl_ledger ledger;

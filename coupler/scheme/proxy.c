@@ -7,14 +7,41 @@
  *
  * The particles feel the inertia, springs and dampers of what holds them within the window: no added-mass instability,
  * whatever their mass. What both sides make of the same window differs by what the linearisation leaves out: an
- * estimate of the error that costs nothing. Where the mechanism cannot move, this is `dem-first`.
+ * estimate of the error that costs nothing, and the sign of a stop, a slack cable or friction that turns inside a
+ * window, where the linearisation ends. Where the mechanism cannot move, this is `dem-first`.
  */
+#include "coupler/mismatch.h"
 #include "coupler/window.h"
+#include "protocol/log.h"
+
+#include <math.h>
+
+/* A mismatch of a tenth of the motion is more than curvature makes: the mechanism has changed within the window. */
+static const double surprise = 0.1, least_surprise = 1e-7; /* of the motion; [m] */
+
+static void look_for_surprise(cpl_loop *loop) {
+  double apart[CPL_APART];
+  for (int i = 0; i < loop->nbody; i++) {
+    cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], loop->t1 - loop->t0, apart);
+    double is = cpl_length(CPL_APART, apart);
+    if (!(is > surprise * cpl_motion(loop, i) + least_surprise))
+      continue;
+    if (loop->surprises++ == 0) {
+      loop->first_surprise = loop->t0;
+      tdm_log(TDM_LOG_WARNING, "mechanism_changed", "t=%.9g body=%s mismatch_m=%.3g further=not_logged", loop->t0,
+              loop->settings->body[i].name[CPL_MBD], is);
+    }
+    return;
+  }
+}
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   if (cpl_solve_dem_proxy(loop, NULL, err) != TDM_OK)
     return err->status;
-  return cpl_solve_mbd(loop, loop->nload, err);
+  if (cpl_solve_mbd(loop, loop->nload, err) != TDM_OK)
+    return err->status;
+  look_for_surprise(loop);
+  return TDM_OK;
 }
 
 static const char *const of_mbd[] = {"acceleration", "mobility", NULL};
