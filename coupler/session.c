@@ -324,13 +324,14 @@ static json_t *assigned_body(const cpl_session *s, int role, int i) {
 
 static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_error *err) {
   const cpl_settings *set = s->settings;
+  tdm_interpolation path = set->interpolates ? set->interpolation : s->scheme->interpolation;
   json_t *bodies = json_array();
   for (int i = 0; i < set->nbody; i++)
     json_array_append_new(bodies, assigned_body(s, role, i));
   json_t *message =
       json_pack("{s:O, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", json_object_get(scene->root, cpl_role_names[role]),
                 "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
-                set->interpolation == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
+                path == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
   json_t *results = json_array();
   for (int i = 0; i < NEXTRA; i++)
     if (cpl_session_asks(s, (cpl_role)role, extras[i].name))

@@ -153,6 +153,7 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   }
   check_adaptive(s, &o);
   s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
+  s->interpolates = tdm_has(&o, "interpolation");
   s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
   s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);
   if (s->timeout < 1)

@@ -51,6 +51,7 @@ typedef struct {
   const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
   cpl_guard guard;
   cpl_transport_kind transport;
+  bool interpolates;               /* the scene says how; else the scheme does */
   tdm_interpolation interpolation; /* of positions inside a window, on the DEM side */
   double timeout;                  /* silence after which a solver counts as hanging [s] */
   double join_timeout;             /* how long to wait for solvers that are started by hand [s] */

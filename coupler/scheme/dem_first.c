@@ -60,6 +60,7 @@ const cpl_scheme cpl_scheme_dem_first = {
     .name = "dem-first",
     .summary = "DEM first on a predicted path, MBD on the mean load of the same window",
     .needs = {[CPL_MBD] = of_mbd},
+    .interpolation = TDM_HERMITE, /* exactly the parabola of the prediction */
     .mismatch_order = 3,
     .advance = advance,
 };

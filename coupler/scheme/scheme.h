@@ -7,7 +7,7 @@
 #ifndef CPL_SCHEME_H
 #define CPL_SCHEME_H
 
-#include "protocol/status.h"
+#include "protocol/participant.h"
 
 struct cpl_loop;
 
@@ -17,6 +17,8 @@ typedef struct cpl_scheme {
   /* capabilities that each role's solver (cpl_role: mbd, dem) must announce, NULL-terminated; NULL: none. Of mbd,
    * "acceleration" and "mobility" are asked for in ASSIGN then. */
   const char *const *needs[2];
+  /* Path of a body's position in a window that DEM is sent along, unless the scene says (coupling.interpolation). */
+  tdm_interpolation interpolation;
   /* Order in H of the mismatch between the two solvers' ends of a window, loop->dem_end and loop->state_end, by which
    * "n": "auto" chooses H; 0: there is none. */
   int mismatch_order;
