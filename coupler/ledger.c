@@ -32,11 +32,6 @@ static const char *const body_columns[BODY_COLUMNS] = {"impulse.x [N s]",
 
 /* ---- one body ---- */
 
-/* turn from one orientation to another, world axes [rad] */
-static tdm_vec3 turn_of(tdm_quat from, tdm_quat to) {
-  return tdm_quat_to_rotvec(tdm_quat_mul(to, tdm_quat_conj(from)));
-}
-
 /* coefficients in s of the parabola with the values v0, v1 at the ends and a mean */
 static void parabola(tdm_vec3 v0, tdm_vec3 v1, tdm_vec3 mean, tdm_vec3 *out) {
   out[0] = v0;
@@ -48,7 +43,7 @@ double cpl_work_along(const tdm_state *start, const tdm_state *end, double durat
                       int nload) {
   tdm_vec3 velocity[3], angular[3];
   tdm_vec3 way = tdm_sub(end->pose.position, start->pose.position);
-  tdm_vec3 turn = turn_of(start->pose.orientation, end->pose.orientation);
+  tdm_vec3 turn = tdm_quat_turn(start->pose.orientation, end->pose.orientation);
   parabola(start->twist.velocity, end->twist.velocity, tdm_scale(1 / duration, way), velocity);
   parabola(start->twist.angular, end->twist.angular, tdm_scale(1 / duration, turn), angular);
   double work = 0;
@@ -66,7 +61,7 @@ static void add_impulse(cpl_ledger_body *b, double h, const tdm_wrench *mean) {
 /* DEM's side without its own word: the mean load along the path that was asked for */
 static double work_of_mean(const tdm_wrench *mean, const tdm_state *start, const tdm_state *end) {
   tdm_vec3 way = tdm_sub(end->pose.position, start->pose.position);
-  tdm_vec3 turn = turn_of(start->pose.orientation, end->pose.orientation);
+  tdm_vec3 turn = tdm_quat_turn(start->pose.orientation, end->pose.orientation);
   return tdm_dot(mean->force, way) + tdm_dot(mean->moment, turn);
 }
 
@@ -80,7 +75,7 @@ static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, int i) {
   b->blending += own ? own->blending : 0;
   b->work[CPL_MBD] += cpl_work_along(&loop->state_start[i], here, h, &loop->load[i * CPL_HISTORY_MAX], loop->nload);
   double drift = tdm_norm(tdm_sub(here->pose.position, there->pose.position));
-  double angle = tdm_norm(turn_of(there->pose.orientation, here->pose.orientation));
+  double angle = tdm_norm(tdm_quat_turn(there->pose.orientation, here->pose.orientation));
   b->drift = fmax(b->drift, drift);
   b->angle = fmax(b->angle, angle);
   b->most_drift = fmax(b->most_drift, drift);

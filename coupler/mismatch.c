@@ -10,8 +10,8 @@ double cpl_body_radius(const tdm_assigned_body *body) {
 }
 
 void cpl_apart(const tdm_state *a, const tdm_state *b, double radius, double H, double out[CPL_APART]) {
-  tdm_quat turn = tdm_quat_mul(a->pose.orientation, tdm_quat_conj(b->pose.orientation));
-  const tdm_vec3 parts[4] = {tdm_sub(a->pose.position, b->pose.position), tdm_scale(radius, tdm_quat_to_rotvec(turn)),
+  tdm_vec3 turn = tdm_quat_turn(b->pose.orientation, a->pose.orientation);
+  const tdm_vec3 parts[4] = {tdm_sub(a->pose.position, b->pose.position), tdm_scale(radius, turn),
                              tdm_scale(H, tdm_sub(a->twist.velocity, b->twist.velocity)),
                              tdm_scale(H * radius, tdm_sub(a->twist.angular, b->twist.angular))};
   memcpy(out, parts, sizeof parts);

@@ -122,15 +122,6 @@ static double power(const double *load, tdm_twist t) {
   return tdm_dot(vec(load), t.velocity) + tdm_dot(vec(load + 3), t.angular);
 }
 
-/* the world's turn that takes orientation b to a */
-static tdm_vec3 turn_between(tdm_quat a, tdm_quat b) {
-  return tdm_quat_to_rotvec(tdm_quat_mul(a, tdm_quat_conj(b)));
-}
-
-static tdm_quat turned(tdm_vec3 turn, tdm_quat q) {
-  return tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(turn), q));
-}
-
 /* Value and rate at time t of the cubic over T. */
 static void cubic_at(const cubic *c, double T, double t, tdm_twist *value, tdm_twist *rate) {
   double s = t < T ? t / T : 1;
@@ -255,7 +246,7 @@ static void take_drift(dem_proxy *x, const dem_data *d, const tdm_step *step) {
     carried *to = &x->body[c];
     *to = (carried){.start = *start, .now = *start, .mid = start->twist};
     to->drift.value0.velocity = tdm_sub(d->pose[b].position, start->pose.position);
-    to->drift.value0.angular = turn_between(d->pose[b].orientation, start->pose.orientation);
+    to->drift.value0.angular = tdm_quat_turn(start->pose.orientation, d->pose[b].orientation);
     to->drift.rate0.velocity = tdm_sub(d->twist[b].velocity, start->twist.velocity);
     to->drift.rate0.angular = tdm_sub(d->twist[b].angular, start->twist.angular);
     to->correct.value1 = twist_of(correction);
@@ -364,7 +355,7 @@ static void put(const dem_proxy *x, dem_data *d, int c, tdm_twist twist) {
   cubic_at(&b->correct, x->H, x->tau, &way, &way_rate);
   way = add_twists(drift, way);
   d->pose[to].position = tdm_add(b->now.pose.position, way.velocity);
-  d->pose[to].orientation = turned(way.angular, b->now.pose.orientation);
+  d->pose[to].orientation = tdm_quat_turned(b->now.pose.orientation, way.angular);
   d->twist[to] = add_twists(twist, add_twists(drift_rate, way_rate));
 }
 
@@ -396,14 +387,15 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   for (int j = 0; j < f; j++) /* mean of u' - u'_0, times dt */
     x->z[f + j] = next[j] - x->z[j] - dt * x->u1[j];
   const double middle = x->tau + 0.5 * dt;
-  tdm_quat turn = x->k6 > 0 ? turned(tdm_scale(0.5 * dt, x->body[0].mid.angular), turn_so_far(x)) : tdm_quat_identity();
+  tdm_quat turn =
+      x->k6 > 0 ? tdm_quat_turned(turn_so_far(x), tdm_scale(0.5 * dt, x->body[0].mid.angular)) : tdm_quat_identity();
   turn_model(x, middle, turn);
   twists(x, middle, turn);
   for (int c = 0; 6 * c < x->k6; c++) {
     carried *b = &x->body[c];
     b->mid = twist_of(x->V + 6 * c);
     b->now.pose.position = tdm_axpy(dt, b->mid.velocity, b->now.pose.position);
-    b->now.pose.orientation = turned(tdm_scale(dt, b->mid.angular), b->now.pose.orientation);
+    b->now.pose.orientation = tdm_quat_turned(b->now.pose.orientation, tdm_scale(dt, b->mid.angular));
   }
   memcpy(x->z, next, (size_t)n * sizeof *next);
   x->tau += dt;

@@ -210,7 +210,7 @@ void mbd_alpha_place(const mbd_model *model, double *y, const double *y0, const 
     double *to = y + MBD_BODY_UNKNOWNS * b;
     for (int i = 0; i < 3; i++)
       to[MBD_R + i] = from[MBD_R + i] + d[i];
-    tdm_quat q = tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(mbd_get3(d + 3)), mbd_quat_of(y0, b)));
+    tdm_quat q = tdm_quat_turned(mbd_quat_of(y0, b), mbd_get3(d + 3));
     to[MBD_P] = q.w;
     to[MBD_P + 1] = q.x;
     to[MBD_P + 2] = q.y;

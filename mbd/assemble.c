@@ -159,7 +159,7 @@ static int name_open(const mbd_model *model, const double *g, const bool *depend
 static void moved_by(const mbd_model *model, const double *y, int b, double *moved, double *turned) {
   tdm_pose now = mbd_body_state(y, b).pose, start = model->body[b].start.pose;
   *moved = tdm_norm(tdm_sub(now.position, start.position));
-  *turned = tdm_norm(tdm_quat_to_rotvec(tdm_quat_mul(now.orientation, tdm_quat_conj(start.orientation))));
+  *turned = tdm_norm(tdm_quat_turn(start.orientation, now.orientation));
 }
 
 /* Refuse a start that lies farther from an assembled position than the mechanism is large, or a radian: which of

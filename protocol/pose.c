@@ -45,6 +45,14 @@ tdm_vec3 tdm_quat_to_rotvec(tdm_quat q) {
   return tdm_scale(factor, u);
 }
 
+tdm_vec3 tdm_quat_turn(tdm_quat from, tdm_quat to) {
+  return tdm_quat_to_rotvec(tdm_quat_mul(to, tdm_quat_conj(from)));
+}
+
+tdm_quat tdm_quat_turned(tdm_quat q, tdm_vec3 turn) {
+  return tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(turn), q));
+}
+
 tdm_mat3 tdm_quat_to_matrix(tdm_quat q) {
   double w = q.w, x = q.x, y = q.y, z = q.z;
   return (tdm_mat3){{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},

@@ -49,8 +49,10 @@ tdm_quat tdm_quat_mul(tdm_quat a, tdm_quat b);
 tdm_quat tdm_quat_conj(tdm_quat q);
 tdm_quat tdm_quat_unit(tdm_quat q); /* normalised; a zero quaternion becomes the identity */
 tdm_vec3 tdm_quat_rotate(tdm_quat q, tdm_vec3 v);
-tdm_quat tdm_quat_from_rotvec(tdm_vec3 r); /* rotation vector: axis times angle [rad] */
-tdm_vec3 tdm_quat_to_rotvec(tdm_quat q);   /* the short way, |r| <= pi */
+tdm_quat tdm_quat_from_rotvec(tdm_vec3 r);           /* rotation vector: axis times angle [rad] */
+tdm_vec3 tdm_quat_to_rotvec(tdm_quat q);             /* the short way, |r| <= pi */
+tdm_vec3 tdm_quat_turn(tdm_quat from, tdm_quat to);  /* rotation vector between two orientations, world axes */
+tdm_quat tdm_quat_turned(tdm_quat q, tdm_vec3 turn); /* q turned by a rotation vector in world axes; unit */
 tdm_mat3 tdm_quat_to_matrix(tdm_quat q);
 tdm_quat tdm_quat_from_matrix(tdm_mat3 m); /* m orthonormal; w >= 0 */
 

@@ -21,7 +21,7 @@ static tdm_state predict(const tdm_state *state, const double *acceleration, dou
   tdm_vec3 turned = tdm_axpy(0.5 * h * h, alpha, tdm_scale(h, twist->angular));
   tdm_state next;
   next.pose.position = tdm_add(state->pose.position, moved);
-  next.pose.orientation = tdm_quat_unit(tdm_quat_mul(tdm_quat_from_rotvec(turned), state->pose.orientation));
+  next.pose.orientation = tdm_quat_turned(state->pose.orientation, turned);
   next.twist.velocity = tdm_axpy(h, a, twist->velocity);
   next.twist.angular = tdm_axpy(h, alpha, twist->angular);
   return next;

@@ -69,6 +69,21 @@ START_TEST(rotation_vector_and_back) {
 }
 END_TEST
 
+START_TEST(a_turn_leads_from_one_orientation_to_the_other) {
+  for (int i = 0; i < 20; i++) {
+    tdm_quat a = random_quat(), b = random_quat();
+    tdm_vec3 turn = tdm_quat_turn(a, b), v = tdm_v3(1, 2, 3);
+    ck_assert_double_lt(tdm_norm(turn), M_PI + close_enough);
+    tdm_vec3 there = tdm_quat_rotate(tdm_quat_turned(a, turn), v), wanted = tdm_quat_rotate(b, v);
+    ck_assert_double_lt(tdm_norm(tdm_sub(there, wanted)), close_enough * 10);
+  }
+  /* in world axes */
+  tdm_quat tilted = tdm_quat_from_rotvec(tdm_v3(1, 0, 0));
+  tdm_vec3 about_z = tdm_quat_turn(tilted, tdm_quat_turned(tilted, tdm_v3(0, 0, 0.1)));
+  ck_assert_double_lt(tdm_norm(tdm_sub(about_z, tdm_v3(0, 0, 0.1))), close_enough);
+}
+END_TEST
+
 START_TEST(slerp_turns_at_constant_rate) {
   tdm_quat a = random_quat();
   tdm_vec3 axis = tdm_unit(tdm_v3(0.3, -1, 2));
@@ -151,5 +166,6 @@ START_TEST(points_and_their_velocities) {
 END_TEST
 
 TEST_MAIN("pose", 10, quaternion_matrix_and_back, half_turns_survive_the_matrix, product_turns_one_after_the_other,
-          rotation_vector_and_back, slerp_turns_at_constant_rate, slerp_takes_the_short_way,
-          euler_matrix_is_the_product, euler_angles_and_back, euler_singular_angles, points_and_their_velocities)
+          rotation_vector_and_back, a_turn_leads_from_one_orientation_to_the_other, slerp_turns_at_constant_rate,
+          slerp_takes_the_short_way, euler_matrix_is_the_product, euler_angles_and_back, euler_singular_angles,
+          points_and_their_velocities)
