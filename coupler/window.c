@@ -68,16 +68,12 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->speed = calloc(nbody, sizeof *loop->speed);
   loop->mean = calloc(nbody, sizeof *loop->mean);
   loop->history = calloc(nbody, sizeof *loop->history);
-  loop->left = calloc(nbody, sizeof *loop->left);
-  loop->path_start = calloc(nbody, sizeof *loop->path_start);
-  loop->path_end = calloc(nbody, sizeof *loop->path_end);
   loop->load = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->load);
   loop->packed = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->packed);
   if (cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
-      !loop->packed || !loop->left || !loop->path_start || !loop->path_end || !loop->dem_end || !loop->radius ||
-      !loop->speed)
+      !loop->packed || !loop->dem_end || !loop->radius || !loop->speed)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_start[i] = session->body[i].state;
@@ -101,9 +97,6 @@ void cpl_loop_free(cpl_loop *loop) {
   free(loop->state_end);
   free(loop->mean);
   free(loop->history);
-  free(loop->left);
-  free(loop->path_start);
-  free(loop->path_end);
   free(loop->load);
   free(loop->packed);
   free(loop->proxy_block);

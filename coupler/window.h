@@ -39,18 +39,16 @@ typedef struct cpl_loop {
   uint64_t next_sample;  /* number of the next output time on the grid */
 
   /* the bodies */
-  tdm_state *state_start;           /* (nbody) at t0 */
-  tdm_state *state_end;             /* (nbody) at t1, once MBD has solved */
-  tdm_state *dem_end;               /* (nbody) at t1, as DEM foresaw it; schemes with a mismatch_order */
-  double *radius;                   /* (nbody) by which turns count as ways [m] */
-  double *speed;                    /* (nbody) largest so far [m/s] */
-  tdm_wrench *mean;                 /* (nbody) mean load over the window, once DEM has solved */
-  cpl_history *history;             /* (nbody) */
-  tdm_pose *left;                   /* (nbody) dem-first: where DEM left the bodies at t0 */
-  tdm_state *path_start, *path_end; /* (nbody) dem-first: their path through the window */
-  tdm_wrench *load;                 /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
-  int nload;                        /* its coefficients; of the last window until there are new ones */
-  tdm_proxy proxy;                  /* the mechanism at t0, if the scheme needs it; points into proxy_block */
+  tdm_state *state_start; /* (nbody) at t0 */
+  tdm_state *state_end;   /* (nbody) at t1, once MBD has solved */
+  tdm_state *dem_end;     /* (nbody) at t1, as DEM foresaw it; schemes with a mismatch_order */
+  double *radius;         /* (nbody) by which turns count as ways [m] */
+  double *speed;          /* (nbody) largest so far [m/s] */
+  tdm_wrench *mean;       /* (nbody) mean load over the window, once DEM has solved */
+  cpl_history *history;   /* (nbody) */
+  tdm_wrench *load;       /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
+  int nload;              /* its coefficients; of the last window until there are new ones */
+  tdm_proxy proxy;        /* the mechanism at t0, if the scheme needs it; points into proxy_block */
   double *proxy_block;
   void *own; /* the scheme's */
   cpl_iterations iterations;

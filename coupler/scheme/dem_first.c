@@ -12,6 +12,8 @@
  */
 #include "coupler/window.h"
 
+#include <stdlib.h>
+
 /* Pose and twist after the time h under a constant acceleration (linear, angular). */
 static tdm_state predict(const tdm_state *state, const double *acceleration, double h) {
   tdm_vec3 a = {acceleration[0], acceleration[1], acceleration[2]};
@@ -27,24 +29,33 @@ static tdm_state predict(const tdm_state *state, const double *acceleration, dou
   return next;
 }
 
+/* loop->own: the paths through the window, (nbody) states at its start and (nbody) at its end, where DEM leaves the
+ * bodies. */
+static tdm_status begin(cpl_loop *loop, tdm_error *err) {
+  loop->own = calloc(2 * (size_t)loop->nbody + 1, sizeof(tdm_state));
+  return loop->own ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+}
+
+static void finish(cpl_loop *loop) {
+  free(loop->own);
+  loop->own = NULL;
+}
+
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
+  tdm_state *start = loop->own, *end = start + loop->nbody;
   if (loop->window == 0) {
     if (cpl_scheme_hold.advance(loop, err) != TDM_OK)
       return err->status;
-    for (int i = 0; i < loop->nbody; i++) {
-      loop->left[i] = loop->state_end[i].pose;
-      loop->dem_end[i] = loop->state_end[i];
-    }
+    for (int i = 0; i < loop->nbody; i++)
+      end[i] = loop->dem_end[i] = loop->state_end[i];
     return TDM_OK;
   }
   for (int i = 0; i < loop->nbody; i++) {
     const double *acceleration = loop->result[CPL_MBD].acceleration + 6 * i;
-    loop->path_start[i] = (tdm_state){loop->left[i], loop->state_start[i].twist};
-    loop->path_end[i] = predict(&loop->state_start[i], acceleration, loop->t1 - loop->t0);
-    loop->left[i] = loop->path_end[i].pose;
-    loop->dem_end[i] = loop->path_end[i];
+    start[i] = (tdm_state){end[i].pose, loop->state_start[i].twist};
+    end[i] = loop->dem_end[i] = predict(&loop->state_start[i], acceleration, loop->t1 - loop->t0);
   }
-  if (cpl_solve_dem_along(loop, loop->path_start, loop->path_end, err) != TDM_OK)
+  if (cpl_solve_dem_along(loop, start, end, err) != TDM_OK)
     return err->status;
   for (int i = 0; i < loop->nbody; i++) {
     bool told = loop->result[CPL_DEM].ninterface > 0;
@@ -62,5 +73,7 @@ const cpl_scheme cpl_scheme_dem_first = {
     .needs = {[CPL_MBD] = of_mbd},
     .interpolation = TDM_HERMITE, /* exactly the parabola of the prediction */
     .mismatch_order = 3,
+    .open = begin,
+    .close = finish,
     .advance = advance,
 };
