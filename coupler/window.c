@@ -236,10 +236,6 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err) {
-  return cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err);
-}
-
 static tdm_status solve_dem(cpl_loop *loop, tdm_step *step, tdm_error *err) {
   tdm_status status = exchange(loop, CPL_DEM, step, err);
   if (status != TDM_OK)
@@ -293,5 +289,18 @@ tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_err
     if (!tdm_finite((const double *)(const void *)&body->end, TDM_STATE_DOUBLES))
       return not_finite(loop, CPL_DEM, i, "a state", err);
   }
+  return TDM_OK;
+}
+
+tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err) {
+  int ncoefficient = 1;
+  for (int i = 0; i < loop->nbody; i++)
+    ncoefficient = cpl_extrapolate(&loop->history[i], nmean, loop->t0, loop->t1, &loop->load[i * CPL_HISTORY_MAX]);
+  if (cpl_solve_mbd(loop, ncoefficient, err) != TDM_OK)
+    return err->status;
+  if (cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err) != TDM_OK)
+    return err->status;
+  for (int i = 0; i < loop->nbody; i++)
+    cpl_history_push(&loop->history[i], loop->t1, loop->mean[i]);
   return TDM_OK;
 }

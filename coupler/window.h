@@ -83,10 +83,11 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);
  */
 tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err);
 
-/* DEM over the window along the path from state_start to state_end: sets mean. */
-tdm_status cpl_solve_dem(cpl_loop *loop, tdm_error *err);
-
-/* The same along another path (nbody states at t0 and t1). */
+/* DEM over the window along a path (nbody states at t0 and t1): sets mean. */
 tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err);
+
+/* A whole window: MBD on the polynomial through the last nmean (1 to 3) means, DEM on the path from state_start to
+ * state_end that comes of it. */
+tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err);
 
 #endif

@@ -1,0 +1,13 @@
+/* hold: as lommen, but MBD goes on the last mean, held over the window:  W(t) = mean of window k-1.
+ */
+#include "coupler/window.h"
+
+static tdm_status advance(cpl_loop *loop, tdm_error *err) {
+  return cpl_mbd_first(loop, 1, err);
+}
+
+const cpl_scheme cpl_scheme_hold = {
+    .name = "hold",
+    .summary = "MBD first, on the last window mean held",
+    .advance = advance,
+};
