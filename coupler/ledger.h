@@ -5,9 +5,11 @@
  *   work       of the load that DEM found along DEM's path of the body, and of the load that MBD felt along MBD's;
  *              the interface residual is what the second has more
  *   blending   work of the load along the closing of drift
+ *   exchange   sum of residuals - blending: energy that the exchange has made, of both paths' works and loads that
+ *              differ. Dissipation does not hide it
  *   drift      between the two end states of a window
- *   balance    G = stored - supplied + blending of both solvers, from its first value on: friction and damping lower
- * it, nothing may raise it
+ *   balance    G = stored - supplied of both solvers, from its first value on: friction and damping lower it, nothing
+ *              may raise it
  *
  * ledger.csv has sums since the start, drifts as the largest since the row before, energies as last looked at, all as
  * of the end of the last window that was over at the row's time.
@@ -38,14 +40,18 @@ typedef struct {
   bool has_energy[CPL_NROLE];
   tdm_energy energy[CPL_NROLE]; /* as last looked at */
   uint64_t looks;               /* at both */
+  double size;                  /* of the sums of the last one, for round-off [J] */
   double start, balance;        /* G at the first look, and its growth since [J] */
   double lowest;                /* G so far [J] */
   double kinetic;               /* largest of both so far [J] */
   double potential[2];          /* least and greatest of what is stored otherwise [J] */
-  double rise;                  /* largest of G over its lowest, as a share of the largest energy */
-  double residual;              /* largest magnitude of all bodies' interface residual so far [J] */
+  double rise;                  /* largest of G over its lowest [J] */
+  double exchange;              /* energy that the exchange has made [J] */
+  double exchange_lowest;       /* [J] */
+  double exchange_rise;         /* largest over its lowest [J] */
+  double residual;              /* largest magnitude of the exchange so far [J] */
   int rises;                    /* looks in a row with more than the guard allows */
-  double gained_at;             /* the first look at that [s]; NaN: none */
+  double gained_at;             /* when the guard first would have spoken [s]; NaN: never */
   bool told;                    /* the guard has warned */
 } cpl_ledger;
 

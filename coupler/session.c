@@ -429,7 +429,7 @@ static void read_energy(cpl_session *s, int role, tdm_object *ready) {
   double numbers[3] = {NAN, NAN, 0}; /* of a tdm_energy, in order */
   if (cpl_session_asks(s, (cpl_role)role, "energy") && tdm_has(ready, "energy"))
     tdm_get_numbers(ready, "energy", numbers, 3, true);
-  s->partner[role].energy = (tdm_energy){numbers[0], numbers[1], numbers[2]};
+  s->partner[role].energy = (tdm_energy){numbers[0], numbers[1], numbers[2], 0};
 }
 
 static tdm_status read_ready(cpl_session *s, int role, const tdm_header *header, tdm_error *err) {

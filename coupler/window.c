@@ -277,6 +277,7 @@ tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_err
   tdm_step step = {
       .nstate = loop->nbody, .start = loop->state_start, .end = loop->state_start, .has_proxy = loop->nbody > 0};
   step.proxy = loop->proxy;
+  loop->correction = correction;
   if (correction)
     step.proxy.correction = correction;
   if (solve_dem(loop, &step, err) != TDM_OK)

@@ -56,6 +56,7 @@ typedef struct cpl_loop {
   double first_surprise;                  /* the first one's start [s] */
   tdm_wrench *packed;                     /* load without gaps, as it is sent */
   const tdm_state *sent_start, *sent_end; /* (nbody) the path that DEM was last sent along */
+  const double *correction;               /* (nbody x 12) of DEM's path by its proxy, NULL: none */
   cpl_ledger ledger;
   tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
 } cpl_loop;

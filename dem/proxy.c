@@ -325,7 +325,7 @@ static void push(dem_proxy *x, double h) {
   }
 }
 
-/* Half a kick, and the work that it does: load times the mean of the twists before and after. */
+/* Half a kick, and the works that it does: load times the mean of the twists before and after. */
 static void half_kick(dem_proxy *x) {
   const tdm_quat turn = turn_so_far(x);
   const double h = 0.5 * x->dt;
@@ -335,13 +335,13 @@ static void half_kick(dem_proxy *x) {
       push(x, h);
     twists(x, x->tau, turn);
     for (int c = 0; 6 * c < x->k6; c++) {
-      tdm_twist value, rate, more;
+      tdm_twist value, rate;
       carried *b = &x->body[c];
       b->now.twist = twist_of(x->V + 6 * c);
-      b->work += 0.5 * h * power(x->W + 6 * c, b->now.twist);
+      cubic_at(&b->correct, x->H, x->tau, &value, &rate);
+      b->work += 0.5 * h * power(x->W + 6 * c, add_twists(b->now.twist, rate));
       cubic_at(&b->drift, x->blend_time, x->tau, &value, &rate);
-      cubic_at(&b->correct, x->H, x->tau, &value, &more);
-      b->blending += 0.5 * h * power(x->W + 6 * c, add_twists(rate, more));
+      b->blending += 0.5 * h * power(x->W + 6 * c, rate);
     }
   }
 }

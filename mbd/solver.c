@@ -159,7 +159,8 @@ static tdm_energy energy_now(solver *s, double t) {
   mbd_energies e = mbd_energies_at(s->model, s->data);
   return (tdm_energy){.kinetic = e.kinetic,
                       .stored = e.kinetic + e.potential + e.springs,
-                      .supplied = s->data->work.supplied - s->data->work.coupled};
+                      .supplied = s->data->work.supplied - s->data->work.coupled,
+                      .exchanged = s->data->work.coupled};
 }
 
 /* Accelerations of the coupled bodies (6 ncoupled) and the reduced model at (t, data->y), as far as asked for. */

@@ -141,6 +141,8 @@ typedef struct {
   double kinetic;  /* NaN: not looked at in this window [J] */
   double stored;   /* kinetic, potential, elastic; NaN likewise [J] */
   double supplied; /* since the start by what is not the other solver: motors, prescribed bodies, newcomers [J] */
+  double
+      exchanged; /* mbd: work of the coupling loads on its bodies since the start, as it integrated them; dem: 0 [J] */
 } tdm_energy;
 
 /* What a solver gives back: mbd states, dem loads. For a solver written with participant.h the arrays are there,

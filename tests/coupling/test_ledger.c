@@ -158,7 +158,7 @@ START_TEST(a_run_that_gains_energy_stops) {
   json_t *summary;
   write_file(dir, "scene.json", heavy);
   ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed", dir, dir, dir), 1);
-  expect_output("coupling.n: the energy of bodies and particles has risen by");
+  expect_output("coupling.n: energy without a source");
   expect_output("at body \"box\"");
   expect_output("take a smaller coupling.n");
   const json_t *figures = ledger_of(dir, &summary);
@@ -169,11 +169,11 @@ START_TEST(a_run_that_gains_energy_stops) {
   /* only told */
   command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed --set coupling.guard.action=warn", dir,
           dir, dir);
-  ck_assert_ptr_null(strstr(command_output, "has risen"));
+  ck_assert_ptr_null(strstr(command_output, "without a source"));
   figures = ledger_of(dir, &summary);
   ck_assert_double_gt(figure(figures, "gained_at_s"), 0);
   json_decref(summary);
-  ck_assert_int_eq(command("grep -q 'event=guard.*has risen' %s/out/server.log", dir), 0);
+  ck_assert_int_eq(command("grep -q 'event=guard.*energy without a source' %s/out/server.log", dir), 0);
   /* short windows: nothing rises, and what both sides worked agrees */
   ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed --set coupling.n=5 "
                            "--set coupling.scheme=proxy",
@@ -181,7 +181,7 @@ START_TEST(a_run_that_gains_energy_stops) {
                    0);
   figures = ledger_of(dir, &summary);
   ck_assert_double_lt(figure(figures, "energy_rise"), 0.01);
-  ck_assert_double_lt(figure(figures, "energy_residual"), 1e-3);
+  ck_assert_double_lt(figure(figures, "energy_residual"), 1e-5);
   json_decref(summary);
   directory_remove(dir);
 }
@@ -193,7 +193,40 @@ START_TEST(a_run_that_ends_with_energy_gained_has_failed) {
   /* three windows: too few for three looks in a row */
   ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.n=1000 --set time.end=0.6", dir, dir),
                    1);
-  expect_output("has risen by");
+  expect_output("energy without a source");
+  directory_remove(dir);
+}
+END_TEST
+
+/* A sticking elastic sphere keeps more than a tenth of its energy in its tangential spring for a while, which is not
+ * counted: no reason to stop. Both accounts of the exchange agree, also under iterations. */
+START_TEST(no_false_alarm) {
+  static const char *const more[] = {"", "--set coupling.scheme=iterative"};
+  const char *dir = directory_make();
+  json_t *summary;
+  write_file(
+      dir, "scene.json",
+      "{\"time\": {\"end\": 0.12, \"dt\": 5e-6}, \"coupling\": {\"n\": 100, \"bodies\": [{\"mbd\": \"box\", "
+      "\"dem\": \"box\"}]},\n"
+      " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"box\", \"mass\": 10, \"inertia\": [2, 2, 2], "
+      "\"position\": [0, 0, 0], \"angular_velocity\": [0, 1, 0]}]},\n"
+      " \"dem\": {\"gravity\": [0, 0, 0], \"materials\": [{\"name\": \"g\", \"density\": 1000, \"young_modulus\": "
+      "1e6, \"poisson_ratio\": 0.2}], \"pairs\": [{\"materials\": [\"g\", \"g\"], \"restitution\": 1, "
+      "\"friction\": 5}],\n"
+      "  \"bodies\": [{\"name\": \"box\", \"material\": \"g\", \"shapes\": [{\"type\": \"box\", \"size\": [0.8, "
+      "0.8, 1.4], \"side\": \"inside\"}]}],\n"
+      "  \"particles\": [{\"type\": \"list\", \"material\": \"g\", \"radius\": 0.05, \"positions\": [[-0.2, 0, "
+      "-0.6]], \"velocity\": [1.5, 0, -1]}]}}");
+  for (int i = 0; i < 2; i++) {
+    ck_assert_msg(command("tandem run %s/scene.json --out %s/out %s", dir, dir, more[i]) == 0, "%s", command_output);
+    const json_t *figures = ledger_of(dir, &summary);
+    const json_t *body = json_object_get(json_object_get(figures, "bodies"), "box");
+    ck_assert(json_is_null(json_object_get(figures, "gained_at_s")));
+    ck_assert_double_gt(fabs(figure(body, "work_dem_J")), 0.1);
+    ck_assert_double_lt(figure(figures, "energy_residual"), i ? 1e-4 : 1e-6); /* one_step of 5e-4 s; IDA */
+    ck_assert_double_lt(fabs(figure(body, "blending_J")), 1e-4);
+    json_decref(summary);
+  }
   directory_remove(dir);
 }
 END_TEST
@@ -225,5 +258,5 @@ START_TEST(without_energies_there_is_no_verdict) {
 END_TEST
 
 TEST_MAIN("ledger", 60, work_is_the_integral_along_the_path, impulse_and_balance_of_a_floating_cube,
-          a_run_that_gains_energy_stops, a_run_that_ends_with_energy_gained_has_failed,
+          a_run_that_gains_energy_stops, a_run_that_ends_with_energy_gained_has_failed, no_false_alarm,
           without_energies_there_is_no_verdict)
