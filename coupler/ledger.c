@@ -329,9 +329,12 @@ json_t *cpl_ledger_summary(const cpl_ledger *l) {
   }
   double most = largest_energy(l);
   double scale = most > round_off * l->size ? most : NAN; /* else all of it is round-off */
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "energy_residual", number(l->residual / scale),
-                   "energy_rise", number(l->rise / scale), "exchange_rise", number(l->exchange_rise / scale),
-                   "largest_energy_J", number(most), "exchange_J", number(l->exchange), "balance_J",
-                   l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s", number(l->gained_at), "bodies",
-                   bodies);
+  double allowed = l->settings->guard.energy * scale;
+  bool gained = !isnan(l->gained_at) || l->exchange_rise > lenience * allowed ||
+                l->rise > (through_exchange(l, l->rise) ? allowed : lenience * allowed);
+  return json_pack("{s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "energy_residual",
+                   number(l->residual / scale), "energy_rise", number(l->rise / scale), "exchange_rise",
+                   number(l->exchange_rise / scale), "largest_energy_J", number(most), "exchange_J",
+                   number(l->exchange), "balance_J", l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s",
+                   number(l->gained_at), "bodies", bodies);
 }

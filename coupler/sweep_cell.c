@@ -91,6 +91,8 @@ static void look_for_instability(const cpl_cell *cell, json_t *row, const json_t
   } else if (!isnan(growth)) {
     snprintf(reason, sizeof reason, "the energy grew without a source at %.4g s", growth);
     judge(row, "unstable", reason);
+  } else if (json_is_true(tdm_scene_value(summary, "ledger.gained"))) {
+    judge(row, "unstable", "the energy grew without a source, over less than three looks");
   }
   cpl_table_free(&dem);
 }

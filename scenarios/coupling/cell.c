@@ -37,20 +37,14 @@ static bool lost_particles(const char *dir) {
   return any;
 }
 
-/* a number of the run's summary; NaN: there is none */
-static double figure(const char *dir, const char *path) {
-  json_t *summary = tdm_results_read(dir, "summary.json", NULL);
-  double value = scn_number_or(summary, path, NAN);
-  json_decref(summary);
-  return value;
-}
-
 tdm_status scn_cell_judge(scn_cell *cell, const cpl_verify_case *run, scn_compare *compare, tdm_error *err) {
   cpl_comparison c = {0};
   cell->nse[0] = cell->nse[1] = cell->r2_load = cell->r2_load_20ms = NAN;
-  cell->iterations = figure(run->dir, "iterations.mean");
-  cell->stable =
-      run->err.status == TDM_OK && !lost_particles(run->dir) && isnan(figure(run->dir, "ledger.gained_at_s"));
+  json_t *summary = tdm_results_read(run->dir, "summary.json", NULL);
+  cell->iterations = scn_number_or(summary, "iterations.mean", NAN);
+  cell->stable = run->err.status == TDM_OK && !lost_particles(run->dir) &&
+                 !json_is_true(tdm_scene_value(summary, "ledger.gained"));
+  json_decref(summary);
   if (run->err.status == TDM_ERR_NUMERIC)
     return TDM_OK;
   *err = run->err;
