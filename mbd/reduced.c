@@ -18,12 +18,12 @@ struct mbd_reduced {
   double *Y;                 /* as in tdm_mobility; all that there is when freedom > TDM_FREE_MAX */
   double *G, *E1, *E2;       /* (nrow x nv) G; V^T H_i; H_i V */
   double *bias, *scale;      /* (nrow) V^T H V + g_tt; 1/|G_i| */
-  gsl_matrix *A, *Q, *R;     /* (nv x nrow) G^T scaled; its QR decomposition */
+  gsl_matrix *A;             /* (nv x nrow) G^T scaled; its QR decomposition */
   gsl_vector *tau, *norm;
   gsl_permutation *order;
   double *N, *MN, *X;                    /* (nv x nfree) N, M N, D or dN/dt */
   double *Mr;                            /* (nfree x nfree) M_r, its Cholesky factor in the lower half */
-  double *V, *a, *b, *Mb, *x, *z;        /* (nv), z (nv + nrow) */
+  double *V, *a, *b, *Mb, *x, *z;        /* (nv), z (nv or nrow, the larger) */
   double *K, *C;                         /* (nv x nv) */
   double *J, *J_rate, *B, *B_rate;       /* as in tdm_mobility */
   double *stiffness, *damping, *u1, *u2; /* (nfree x nfree), (nfree) */
@@ -110,30 +110,40 @@ static bool allocate_dense(mbd_reduced *r) {
   const struct {
     double **at;
     size_t n;
-  } arrays[] = {{&r->G, nrow * nv},   {&r->E1, nrow * nv},
-                {&r->E2, nrow * nv},  {&r->bias, nrow},
-                {&r->scale, nrow},    {&r->N, nv * f},
-                {&r->MN, nv * f},     {&r->X, nv * f},
-                {&r->Mr, f * f},      {&r->V, nv},
-                {&r->a, nv},          {&r->b, nv},
-                {&r->Mb, nv},         {&r->x, nv},
-                {&r->z, nv + nrow},   {&r->K, nv * nv},
-                {&r->C, nv * nv},     {&r->J, k6 * f},
-                {&r->J_rate, k6 * f}, {&r->B, f * k6},
-                {&r->B_rate, f * k6}, {&r->stiffness, f * f},
-                {&r->damping, f * f}, {&r->u1, f},
+  } arrays[] = {{&r->G, nrow * nv},
+                {&r->E1, nrow * nv},
+                {&r->E2, nrow * nv},
+                {&r->bias, nrow},
+                {&r->scale, nrow},
+                {&r->N, nv * f},
+                {&r->MN, nv * f},
+                {&r->X, nv * f},
+                {&r->Mr, f * f},
+                {&r->V, nv},
+                {&r->a, nv},
+                {&r->b, nv},
+                {&r->Mb, nv},
+                {&r->x, nv},
+                {&r->z, nv > nrow ? nv : nrow},
+                {&r->K, nv * nv},
+                {&r->C, nv * nv},
+                {&r->J, k6 * f},
+                {&r->J_rate, k6 * f},
+                {&r->B, f * k6},
+                {&r->B_rate, f * k6},
+                {&r->stiffness, f * f},
+                {&r->damping, f * f},
+                {&r->u1, f},
                 {&r->u2, f}};
   bool good = true;
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     good = (*arrays[i].at = array(arrays[i].n)) && good;
   if (nrow > 0) {
     r->A = gsl_matrix_alloc(nv, nrow);
-    r->Q = gsl_matrix_alloc(nv, nv);
-    r->R = gsl_matrix_alloc(nv, nrow);
     r->tau = gsl_vector_alloc(small);
     r->norm = gsl_vector_alloc(nrow);
     r->order = gsl_permutation_alloc(nrow);
-    good = good && r->A && r->Q && r->R && r->tau && r->norm && r->order;
+    good = good && r->A && r->tau && r->norm && r->order;
   }
   return good;
 }
@@ -167,8 +177,6 @@ void mbd_reduced_destroy(mbd_reduced **reduced) {
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   gsl_matrix_free(r->A);
-  gsl_matrix_free(r->Q);
-  gsl_matrix_free(r->R);
   gsl_vector_free(r->tau);
   gsl_vector_free(r->norm);
   gsl_permutation_free(r->order);
@@ -219,6 +227,11 @@ static void collect(const mbd_model *model, mbd_data *data, mbd_reduced *r) {
   }
 }
 
+/* R */
+static double factor(const mbd_reduced *r, int i, int j) {
+  return gsl_matrix_get(r->A, (size_t)i, (size_t)j);
+}
+
 /* Rank and null space of G from the QR decomposition, with pivoting, of G^T; its rows scaled to length 1. false: more
  * freedom than there is room for. */
 static bool decompose(mbd_reduced *r) {
@@ -232,18 +245,19 @@ static bool decompose(mbd_reduced *r) {
     for (int k = 0; k < r->nv; k++)
       gsl_matrix_set(r->A, (size_t)k, (size_t)i, r->scale[i] * r->G[i * r->nv + k]);
   }
-  if (r->nrow > 0) {
+  if (r->nrow > 0)
     gsl_linalg_QRPT_decomp(r->A, r->tau, r->order, &sign, r->norm);
-    gsl_linalg_QR_unpack(r->A, r->tau, r->Q, r->R);
-  }
   for (int i = 0; i < r->nrow && i < r->nv; i++)
-    r->rank += fabs(gsl_matrix_get(r->R, (size_t)i, (size_t)i)) > 1e-9;
+    r->rank += fabs(factor(r, i, i)) > 1e-9;
   r->nfree = r->nv - r->rank;
   if (r->nfree > TDM_FREE_MAX)
     return false;
-  for (int i = 0; i < r->nv; i++)
-    for (int j = 0; j < r->nfree; j++)
-      r->N[i * r->nfree + j] = r->nrow > 0 ? gsl_matrix_get(r->Q, (size_t)i, (size_t)(r->rank + j)) : i == j;
+  for (int j = 0; j < r->nfree; j++) {
+    gsl_vector_view column = gsl_vector_view_array_with_stride(r->N + j, (size_t)r->nfree, (size_t)r->nv);
+    gsl_vector_set_basis(&column.vector, (size_t)(r->rank + j));
+    if (r->nrow > 0)
+      gsl_linalg_QR_Qvec(r->A, r->tau, &column.vector);
+  }
   return true;
 }
 
@@ -312,10 +326,12 @@ static void particular(mbd_reduced *r, const double *rhs, double *x) {
     const int row = (int)gsl_permutation_get(r->order, (size_t)j);
     double sum = -r->scale[row] * rhs[row];
     for (int i = 0; i < j; i++)
-      sum -= gsl_matrix_get(r->R, (size_t)i, (size_t)j) * r->z[i];
-    r->z[j] = sum / gsl_matrix_get(r->R, (size_t)j, (size_t)j);
-    for (int k = 0; k < r->nv; k++)
-      x[k] += gsl_matrix_get(r->Q, (size_t)k, (size_t)j) * r->z[j];
+      sum -= factor(r, i, j) * x[i];
+    x[j] = sum / factor(r, j, j);
+  }
+  if (r->rank > 0) {
+    gsl_vector_view all = gsl_vector_view_array(x, (size_t)r->nv);
+    gsl_linalg_QR_Qvec(r->A, r->tau, &all.vector);
   }
   independent_part(r, x, r->u1);
   for (int k = 0; k < r->nv; k++)
@@ -325,13 +341,16 @@ static void particular(mbd_reduced *r, const double *rhs, double *x) {
 
 /* Subtract from lambda (of the model) the nu with M b + G^T nu = 0; of redundant rows the last take nothing. */
 static void subtract_reaction(mbd_reduced *r, const double *Mb, double *lambda) {
+  if (r->rank == 0)
+    return;
+  gsl_vector_view z = gsl_vector_view_array(r->z, (size_t)r->nv);
+  memcpy(r->z, Mb, (size_t)r->nv * sizeof(double));
+  gsl_linalg_QR_QTvec(r->A, r->tau, &z.vector);
   for (int j = r->rank - 1; j >= 0; j--) {
-    double sum = 0;
-    for (int k = 0; k < r->nv; k++)
-      sum -= gsl_matrix_get(r->Q, (size_t)k, (size_t)j) * Mb[k];
+    double sum = -r->z[j];
     for (int i = j + 1; i < r->rank; i++)
-      sum -= gsl_matrix_get(r->R, (size_t)j, (size_t)i) * r->z[i];
-    r->z[j] = sum / gsl_matrix_get(r->R, (size_t)j, (size_t)j);
+      sum -= factor(r, j, i) * r->z[i];
+    r->z[j] = sum / factor(r, j, j);
     const int row = (int)gsl_permutation_get(r->order, (size_t)j);
     lambda[r->row[row]] -= r->scale[row] * r->z[j];
   }
@@ -340,7 +359,7 @@ static void subtract_reaction(mbd_reduced *r, const double *Mb, double *lambda) 
 /* X (nv x nfree) with G X = -E N and N^T M X = 0 */
 static void follow(mbd_reduced *r, const double *E) {
   const int f = r->nfree;
-  double *rhs = r->z + r->nv; /* (nrow) */
+  double *rhs = r->z; /* (nrow) */
   for (int j = 0; j < f; j++) {
     for (int i = 0; i < r->nrow; i++) {
       rhs[i] = 0;
