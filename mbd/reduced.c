@@ -42,9 +42,8 @@ static void tie(int *up, int a, int b) {
     up[root(up, a)] = root(up, b);
 }
 
-/* Tie bodies with a constraint or a force between them; up (nbody) leads from each to one that all of a component
- * share.
- */
+/* Tie bodies with a constraint or a force between them; up (nbody) leads from each to one that its whole component
+ * shares. */
 static void tie_all(const mbd_model *model, int *up) {
   for (int b = 0; b < model->nbody; b++)
     up[b] = b;
@@ -58,7 +57,35 @@ static void tie_all(const mbd_model *model, int *up) {
     tie(up, model->force[i].body[0], model->force[i].body[1]);
 }
 
-/* Fill the lists of bodies, parts and rows. */
+/* wanted (nbody): zeroed */
+static void list_bodies(const mbd_model *model, mbd_reduced *r, int *up, bool *wanted) {
+  tie_all(model, up);
+  for (int k = 0; k < model->ncoupled; k++)
+    wanted[root(up, model->coupled[k])] = true;
+  for (int b = 0; b < model->nbody; b++) {
+    r->place[b] = wanted[root(up, b)] ? r->nbody : -1;
+    if (r->place[b] >= 0)
+      r->body[r->nbody++] = b;
+  }
+}
+
+/* Parts and rows of the bodies listed, and their freedom. */
+static void list_rows(const mbd_model *model, const mbd_data *data, mbd_reduced *r) {
+  r->freedom = 6 * r->nbody;
+  for (int p = 0; p < model->npart; p++) {
+    const mbd_part *part = &model->part[p];
+    const int nrow = part->index > 0 ? 0 : part->driver ? 1 : part->joint->ops->nrow; /* a second pair has none new */
+    if (r->place[part->body[part->body[0] == MBD_GROUND]] < 0)
+      continue;
+    r->part[r->npart++] = p;
+    for (int row = part->row; row < part->row + nrow; row++) {
+      r->row_place[row] = r->nrow;
+      r->row[r->nrow++] = row;
+      r->freedom -= !data->dependent[row];
+    }
+  }
+}
+
 static bool select_component(const mbd_model *model, const mbd_data *data, mbd_reduced *r) {
   const size_t nbody = (size_t)model->nbody + 1, npart = (size_t)model->npart + 1, nrow = (size_t)model->nrow + 1;
   int *up = calloc(nbody, sizeof *up);
@@ -70,27 +97,8 @@ static bool select_component(const mbd_model *model, const mbd_data *data, mbd_r
   r->row_place = calloc(nrow, sizeof *r->row_place);
   const bool good = up && wanted && r->body && r->place && r->part && r->row && r->row_place;
   if (good) {
-    tie_all(model, up);
-    for (int k = 0; k < model->ncoupled; k++)
-      wanted[root(up, model->coupled[k])] = true;
-    for (int b = 0; b < model->nbody; b++) {
-      r->place[b] = wanted[root(up, b)] ? r->nbody : -1;
-      if (r->place[b] >= 0)
-        r->body[r->nbody++] = b;
-    }
-    r->freedom = 6 * r->nbody;
-    for (int p = 0; p < model->npart; p++) {
-      const mbd_part *part = &model->part[p];
-      const int body = part->body[part->body[0] == MBD_GROUND];
-      if (r->place[body] < 0)
-        continue;
-      r->part[r->npart++] = p;
-      for (int k = 0; k < (part->driver ? 1 : part->joint->ops->nrow) && part->index == 0; k++) {
-        r->row_place[part->row + k] = r->nrow;
-        r->row[r->nrow++] = part->row + k;
-        r->freedom -= !data->dependent[part->row + k];
-      }
-    }
+    list_bodies(model, r, up, wanted);
+    list_rows(model, data, r);
   }
   free(up);
   free(wanted);
