@@ -1,5 +1,8 @@
 /* The mechanism as its coupled bodies feel it: mobility, and the motion linearised in independent coordinates.
  *
+ * Of the bodies (nbody), those take part that joints, drivers or forces tie to a coupled one, directly or through
+ * others; the ground ties nothing. The coupled bodies never feel the rest.
+ *
  * With the columns of N (6 nbody x f) spanning the motions that joints and drivers leave, G N = 0, twists are
  *   V = N u' + V_t,   N^T M V_t = 0,
  * u' the independent velocities, V_t what drivers prescribe. N moves along with N^T M dN/dt = 0, which keeps the
@@ -22,15 +25,20 @@
 
 typedef struct mbd_reduced mbd_reduced;
 
-mbd_reduced *mbd_reduced_create(const mbd_model *model); /* NULL: out of memory */
+/* For an assembled state (data->dependent); NULL: out of memory. */
+mbd_reduced *mbd_reduced_create(const mbd_model *model, const mbd_data *data);
 void mbd_reduced_destroy(mbd_reduced **reduced);
 
 /* The reduced model at the state y, time t and data's load; *out points into `reduced`. Accelerations of all bodies are
- * in data->acceleration then. false: the accelerations cannot be solved for. */
+ * in data->acceleration then. With more than TDM_FREE_MAX degrees of freedom Y is all there is, solved for with the
+ * sparse factors of the accelerations. false: the accelerations cannot be solved for. */
 bool mbd_reduced_at(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_reduced *reduced, double t,
                     const double *y, tdm_mobility *out);
 
-/* N, row-major (6 nbody x *nfree), of the last evaluation. */
+/* Degrees of freedom of the bodies that take part. */
+int mbd_reduced_freedom(const mbd_reduced *reduced);
+
+/* N, row-major (6 nbody x *nfree, nbody those that take part), of the last evaluation that had more than Y. */
 const double *mbd_reduced_basis(const mbd_reduced *reduced, int *nfree);
 
 #endif

@@ -183,13 +183,14 @@ static tdm_status linearise(solver *s, double t, double *acceleration, tdm_mobil
 static tdm_status linearise_start(solver *s, const tdm_assignment *a, tdm_error *err) {
   s->acceleration = a->acceleration;
   s->rate = calloc(6 * (size_t)s->model->ncoupled + 1, sizeof *s->rate);
-  s->reduced = a->mobility ? mbd_reduced_create(s->model) : NULL;
+  s->reduced = a->mobility ? mbd_reduced_create(s->model, s->data) : NULL;
   if (!s->rate || (a->mobility && !s->reduced))
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the reduced model");
   if (linearise(s, a->time_start, s->rate, &s->mobility, err))
     return err->status;
-  if (a->mobility && s->assembly.freedom > TDM_FREE_MAX) {
-    tdm_log(TDM_LOG_INFO, "mobility_alone", "degrees_of_freedom=%d limit=%d", s->assembly.freedom, TDM_FREE_MAX);
+  const int freedom = s->reduced ? mbd_reduced_freedom(s->reduced) : 0;
+  if (freedom > TDM_FREE_MAX) {
+    tdm_log(TDM_LOG_INFO, "mobility_alone", "degrees_of_freedom=%d limit=%d", freedom, TDM_FREE_MAX);
     json_object_set_new(s->report, "reduced_model", json_string("mobility alone: too many degrees of freedom"));
   }
   return TDM_OK;

@@ -26,9 +26,9 @@ static void open_mechanism(mechanism *q, const char *scene, int ncoupled, const 
   ck_assert_msg(!mbd_model_couple(q->model, body, ncoupled, &err), "%s: %s", err.path, err.message);
   q->data = mbd_data_create(q->model);
   q->kkt = mbd_kkt_create(q->model);
-  q->reduced = mbd_reduced_create(q->model);
   q->nv = 6 * q->model->nbody;
   ck_assert_msg(!mbd_assemble(q->model, q->data, q->kkt, &assembly, &err), "%s: %s", err.path, err.message);
+  q->reduced = mbd_reduced_create(q->model, q->data);
 }
 
 static void evaluate(mechanism *q) {
@@ -159,18 +159,24 @@ START_TEST(test_torsional) {
 }
 END_TEST
 
-/* seven free bodies have more freedom than a linear model is sent for */
+/* seven bodies that springs tie have more freedom than a linear model is sent for */
 START_TEST(test_cap) {
   mechanism q;
   const char *names[] = {"b0", "b6"};
-  char scene[2048] = "{'bodies':[";
+  char scene[4096] = "{'bodies':[";
   for (int i = 0; i < 7; i++)
     sprintf(scene + strlen(scene), "%s{'name':'b%d','mass':%d,'inertia':[1,1,1],'position':[%d,0,0]}", i ? "," : "", i,
             i + 1, i);
+  strcat(scene, "],'forces':[");
+  for (int i = 0; i < 6; i++)
+    sprintf(scene + strlen(scene),
+            "%s{'name':'s%d','type':'spring_damper','bodies':['b%d','b%d'],'points':[[%d,0,0],[%d,0,0]],'stiffness':"
+            "9}",
+            i ? "," : "", i, i, i + 1, i, i + 1);
   strcat(scene, "]}");
   open_mechanism(&q, scene, 2, names);
   evaluate(&q);
-  ck_assert_int_eq(q.nfree, 42);
+  ck_assert_int_eq(mbd_reduced_freedom(q.reduced), 42);
   ck_assert_int_eq(q.m.nfree, 0);
   CLOSE(q.m.Y[0], 1, 1e-14);
   CLOSE(q.m.Y[12 * 6 + 6], 1 / 7.0, 1e-14);
@@ -395,6 +401,162 @@ START_TEST(test_mobility) {
 }
 END_TEST
 
+/* ---- who takes part ---- */
+
+/* A scene of n links of a chain that hangs from the ground by spherical joints, bent and turning, with what else is
+ * given: before, behind the links; joints, forces. Links are l0, l1, ... */
+static void write_chain(char *scene, int n, const char *before, const char *behind, const char *joints,
+                        const char *forces) {
+  sprintf(scene, "{'bodies':[%s", before);
+  for (int i = 0; i < n; i++)
+    sprintf(scene + strlen(scene),
+            "%s{'name':'l%d','mass':%g,'inertia':[0.3,0.2,0.4,0.05,0.02,-0.03],'position':[%d.5,%g,0.1],"
+            "'angular_velocity':[1,%d,3]}",
+            i ? "," : "", i, 2 + 0.1 * i, i, 0.2 * (i % 3), i % 2);
+  sprintf(scene + strlen(scene), "%s],'joints':[", behind);
+  for (int i = 0; i < n; i++) {
+    char last[16];
+    snprintf(last, sizeof last, i ? "l%d" : "ground", i - 1);
+    sprintf(scene + strlen(scene),
+            "%s{'name':'j%d','type':'spherical','bodies':['%s','l%d'],'point':[%d,%g,"
+            "0]}",
+            i ? "," : "", i, last, i, i, 0.1 * (i % 2));
+  }
+  sprintf(scene + strlen(scene),
+          "%s],'forces':[{'name':'s','type':'spring_damper','bodies':['ground','l0'],'points':[[2,0,2],[0.5,0,"
+          "0]],'stiffness':300,'damping':7}%s]}",
+          joints, forces);
+}
+
+/* the arrays of a reduced model do not differ from others: tolerance relative to the largest of each */
+static void expect_same(const tdm_mobility *a, const tdm_mobility *b) {
+  ck_assert_int_eq(a->nbody, b->nbody);
+  ck_assert_int_eq(a->nfree, b->nfree);
+  const int k6 = 6 * a->nbody, f = a->nfree;
+  const struct {
+    const double *a, *b;
+    int n;
+  } arrays[] = {{a->Y, b->Y, k6 * k6},
+                {a->velocity, b->velocity, f},
+                {a->acceleration, b->acceleration, f},
+                {a->J, b->J, k6 * f},
+                {a->B, b->B, f * k6},
+                {a->stiffness, b->stiffness, f * f},
+                {a->damping, b->damping, f * f},
+                {a->J_rate, b->J_rate, k6 * f},
+                {a->B_rate, b->B_rate, f * k6}};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+    double largest = 0;
+    for (int k = 0; k < arrays[i].n; k++)
+      largest = fmax(largest, fabs(arrays[i].b[k]));
+    ck_assert_double_gt(largest, 0);
+    for (int k = 0; k < arrays[i].n; k++)
+      CLOSE(arrays[i].a[k], arrays[i].b[k], 1e-11 * largest);
+  }
+}
+
+#define OTHER "{'name':'%s','mass':3,'inertia':[0.5,0.4,0.2],'position':[%d,5,0],'angular_velocity':[-2,1,1]}"
+
+/* bodies that nothing ties to the coupled ones change nothing: free, hinged, tied among themselves, whatever their
+ * place in the list, beyond the limit or not */
+START_TEST(test_component) {
+  const char *names[] = {"l1", "l0"};
+  const int nother = _i;
+  char scene[16384], before[4096] = "", behind[4096] = "", ties[4096] = "", joints[1024] = "";
+  for (int i = 0; i < nother; i++) {
+    char name[8], *to = i % 2 ? before : behind;
+    snprintf(name, sizeof name, "o%d", i);
+    sprintf(to + strlen(to), i % 2 ? OTHER "," : "," OTHER, name, i);
+    if (i % 3 == 2)
+      continue; /* free */
+    sprintf(ties + strlen(ties),
+            ",{'name':'t%d','type':'spring_damper','bodies':['%s','o%d'],'points':[[%d,5,0],[%d,5,0]],'stiffness':80}",
+            i, i ? "o0" : "ground", i, i ? 0 : 9, i);
+  }
+  sprintf(joints, ",{'name':'k','type':'revolute','bodies':['ground','o0'],'point':[0,4,0],'axis':[0,1,0.3]}");
+  mechanism alone, q;
+  write_chain(scene, 3, "", "", "", "");
+  open_mechanism(&alone, scene, 2, names);
+  evaluate(&alone);
+  ck_assert_int_eq(alone.m.nfree, 9);
+  write_chain(scene, 3, before, behind, joints, ties);
+  open_mechanism(&q, scene, 2, names);
+  evaluate(&q);
+  expect_same(&q.m, &alone.m);
+  close_mechanism(&q);
+  close_mechanism(&alone);
+}
+END_TEST
+
+/* what ties a body to a coupled one brings it in: a spring, a gear whose joints stand on the ground, a driver's row.
+ * The answer to a moment about the hinge: 1 / (1 + 1/4) with the gear, 1 / (1 + 3 * 1^2) with the slider driven */
+START_TEST(test_ties) {
+  static const struct {
+    const char *joints, *rest;
+    int freedom;
+    double answer;
+  } cases[] = {
+      {"", "", 1, 1},
+      {"",
+       ",'forces':[{'name':'s','type':'spring_damper','bodies':['a','c'],'points':[[0,1,0],[4,1,0]],'stiffness':5}]", 3,
+       1},
+      {",{'name':'g','type':'gear','joints':['p','q'],'ratio':2}", "", 1, 0.8},
+      {"",
+       ",'drivers':[{'name':'d','type':'point_motion','bodies':['a','c'],'point':[4,1,0],'direction':[1,0,0],"
+       "'motion':{'type':'constant','value':0}}]",
+       2, 0.25},
+  };
+  char scene[2048];
+  snprintf(scene, sizeof scene,
+           "{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1],'position':[0,0,0]},{'name':'b','mass':2,'inertia':[1,1,"
+           "1],'position':[2,0,0]},{'name':'c','mass':3,'inertia':[1,1,1],'position':[4,0,0]}],'joints':[{'name':'p',"
+           "'type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]},{'name':'q','type':'revolute',"
+           "'bodies':['ground','b'],'point':[2,0,0],'axis':[0,0,1]},{'name':'r','type':'cylindrical','bodies':["
+           "'ground','c'],'point':[4,0,0],'axis':[1,0,0]}%s]%s}",
+           cases[_i].joints, cases[_i].rest);
+  mechanism q;
+  const char *names[] = {"a"};
+  open_mechanism(&q, scene, 1, names);
+  evaluate(&q);
+  ck_assert_int_eq(q.m.nfree, cases[_i].freedom);
+  ck_assert_int_eq(mbd_reduced_freedom(q.reduced), cases[_i].freedom);
+  CLOSE(q.m.Y[35], cases[_i].answer, 1e-13);
+  close_mechanism(&q);
+}
+END_TEST
+
+/* A chain of 30 freedoms with a body that a spring ties to it has 36: Y comes another way then. The spring does not
+ * change it. */
+START_TEST(test_many_freedoms) {
+  const char *names[] = {"l9", "l0", "l4"};
+  char scene[16384], behind[512], ties[512];
+  mechanism dense, q;
+  write_chain(scene, 10, "", "", "", "");
+  open_mechanism(&dense, scene, 3, names);
+  evaluate(&dense);
+  ck_assert_int_eq(dense.m.nfree, 30);
+  snprintf(behind, sizeof behind, "," OTHER, "o", 9);
+  snprintf(ties, sizeof ties,
+           ",{'name':'t','type':'spring_damper','bodies':['l9','o'],'points':[[9.5,0,0],[9,5,0]],'stiffness':80}");
+  write_chain(scene, 10, "", behind, "", ties);
+  open_mechanism(&q, scene, 3, names);
+  evaluate(&q);
+  ck_assert_int_eq(mbd_reduced_freedom(q.reduced), 36);
+  ck_assert_int_eq(q.m.nfree, 0);
+  for (int c = 0; c < 18; c++)
+    for (int e = 0; e < 18; e++) {
+      double sum = 0;
+      for (int j = 0; j < 30; j++)
+        sum += dense.m.J[c * 30 + j] * dense.m.B[j * 18 + e];
+      CLOSE(q.m.Y[c * 18 + e], sum, 1e-11);
+      ck_assert_double_eq(q.m.Y[c * 18 + e], q.m.Y[e * 18 + c]);
+    }
+  ck_assert_double_gt(fabs(q.m.Y[6 * 18]), 1e-6); /* the ends feel each other */
+  close_mechanism(&q);
+  close_mechanism(&dense);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("mbd_reduced");
   TCase *tcase = tcase_create("reduced");
@@ -407,6 +569,9 @@ int main(void) {
   tcase_add_test(tcase, test_cap);
   tcase_add_loop_test(tcase, test_differences, 0, n);
   tcase_add_loop_test(tcase, test_mobility, 0, n);
+  tcase_add_loop_test(tcase, test_component, 1, 9);
+  tcase_add_loop_test(tcase, test_ties, 0, 4);
+  tcase_add_test(tcase, test_many_freedoms);
   suite_add_tcase(suite, tcase);
   return run_suite(suite);
 }
