@@ -124,7 +124,7 @@ static void keep_difference(cpl_accelerator *a, const double *c, const double *r
   }
 }
 
-/* alpha (ncolumn): smallest |V alpha + residual|; false when there is no memory */
+/* alpha (ncolumn): smallest |V alpha + residual|; false when there is no memory, or GSL finds no singular values */
 static bool least_squares(const cpl_accelerator *a, const double *residual, double *alpha) {
   const size_t m = (size_t)a->size, n = (size_t)a->ncolumn;
   gsl_matrix *U = gsl_matrix_alloc(m, n), *Q = gsl_matrix_alloc(n, n);
@@ -136,14 +136,14 @@ static bool least_squares(const cpl_accelerator *a, const double *residual, doub
     for (size_t i = 0; i < m; i++)
       gsl_matrix_set(U, i, j, a->column[j].residual[i] / length[j]);
   }
+  good = good && gsl_linalg_SV_decomp(U, Q, s, work) == GSL_SUCCESS;
   if (good) {
-    gsl_linalg_SV_decomp(U, Q, s, work);
     for (size_t j = 0; j < n; j++)
       if (gsl_vector_get(s, j) < rank_tolerance * gsl_vector_get(s, 0))
         gsl_vector_set(s, j, 0);
     gsl_vector_const_view b = gsl_vector_const_view_array(residual, m);
     gsl_vector_view x = gsl_vector_view_array(alpha, n);
-    gsl_linalg_SV_solve(U, Q, s, &b.vector, &x.vector);
+    good = gsl_linalg_SV_solve(U, Q, s, &b.vector, &x.vector) == GSL_SUCCESS;
     for (size_t j = 0; j < n; j++)
       alpha[j] /= -length[j];
   }

@@ -10,6 +10,7 @@
 #include "protocol/find.h"
 #include "scenarios/table.h"
 
+#include <gsl/gsl_errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,8 +43,13 @@ static void usage(FILE *out) {
         "  --help, --version\n\n"
         "Scenarios:\n",
         out);
+  int name = 0, group = 0; /* widths */
+  for (const cpl_scenario *s = scn_table; s->name; s++) {
+    name = (int)strlen(s->name) > name ? (int)strlen(s->name) : name;
+    group = (int)strlen(s->group) > group ? (int)strlen(s->group) : group;
+  }
   for (const cpl_scenario *s = scn_table; s->name; s++)
-    fprintf(out, "  %-16s %-12s %s\n", s->name, s->group, s->summary);
+    fprintf(out, "  %-*s  %-*s  %s\n", name, s->name, group, s->group, s->summary);
 }
 
 /* ---- arguments ---- */
@@ -214,6 +220,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   tdm_catch_signals();
+  gsl_set_error_handler_off(); /* GSL's own aborts */
   size_t k = 0;
   while (k < NCOMMAND && strcmp(argv[1], commands[k].name) != 0)
     k++;

@@ -164,11 +164,15 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
 
 /* ---- end ---- */
 
+static double mean_iterations(const cpl_iterations *i) {
+  return (double)i->all / (double)i->windows;
+}
+
 double cpl_run_coupling(const cpl_run_result *r) {
   return r->loop - r->step[CPL_MBD] - r->step[CPL_DEM];
 }
 
-void cpl_run_print(const cpl_run_result *r, const char *out) {
+static void print_notices(const cpl_run_result *r) {
   if (r->surprises > 0)
     fprintf(
         stderr,
@@ -176,9 +180,23 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
         "cable, friction that turns): there the particles felt it late; take a smaller coupling.n, or \"iterative\" "
         "as coupling.scheme\n",
         (unsigned long long)r->surprises, r->surprises == 1 ? "" : "s", r->first_surprise);
+  const cpl_iterations *i = &r->iterations;
+  if (i->not_converged > 0)
+    fprintf(stderr,
+            "tandem: notice: the iterations of %llu of %llu windows did not converge, first in that from %.6g s on: "
+            "there the smallest residual was taken; take a smaller coupling.n, or a larger coupling.iterative.max or "
+            "tolerance\n",
+            (unsigned long long)i->not_converged, (unsigned long long)i->windows, i->first_not_converged);
+}
+
+void cpl_run_print(const cpl_run_result *r, const char *out) {
+  print_notices(r);
   double exchange = 0, own = cpl_run_coupling(r);
   printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
          r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
+  if (r->iterations.windows > 0)
+    printf("  iterations a window: %.2f in the mean, %d at most\n", mean_iterations(&r->iterations),
+           r->iterations.largest);
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
   for (int role = 0; role < CPL_NROLE; role++) {
     printf("  %-8s %10.3f %10.3f %12.3f\n", cpl_role_names[role], r->step[role],
@@ -213,8 +231,8 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
                         json_pack("{s:I, s:f}", "windows", (json_int_t)r->surprises, "first_s", r->first_surprise));
   if (r->iterations.windows > 0)
     json_object_set_new(json, "iterations",
-                        json_pack("{s:f, s:i, s:I}", "mean", (double)r->iterations.all / (double)r->iterations.windows,
-                                  "largest", r->iterations.largest, "windows_not_converged",
+                        json_pack("{s:f, s:i, s:I}", "mean", mean_iterations(&r->iterations), "largest",
+                                  r->iterations.largest, "windows_not_converged",
                                   (json_int_t)r->iterations.not_converged));
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {

@@ -341,6 +341,8 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   json_decref(results);
   if (listed(s->scheme->needs[role], "restore"))
     json_object_set_new(message, "restores", json_true());
+  if (listed(s->scheme->needs[role], "proxy"))
+    json_object_set_new(message, "proxy", json_true());
   tdm_status status = tdm_control_write(&s->out, TDM_ASSIGN, 0, message, err);
   if (status == TDM_OK)
     status = send_to(s, role, err);
@@ -481,6 +483,37 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
 
 /* ---- windows ---- */
 
+/* Numbers that schemes and the ledger go on with; states and loads are looked at in window.c. */
+static tdm_status check_finite(const cpl_session *s, int role, const tdm_step *step, const tdm_result *r,
+                               tdm_error *err) {
+  const struct {
+    const char *what;
+    const double *at; /* (count x size) */
+    int size, count;  /* count: bodies, or 1 of them all */
+    bool per_body;
+  } parts[] = {
+      {"an acceleration", r->acceleration, 6, r->nacceleration, true},
+      {"a mobility", r->mobility.Y, (int)tdm_mobility_doubles(&r->mobility), r->has_mobility,
+       false}, /* Y first of all */
+      {"moments of the load, an end or a work", (const double *)(const void *)r->body, sizeof *r->body / sizeof(double),
+       r->ninterface, true},
+      {"a supplied energy", r->has_energy ? &r->energy->supplied : NULL, 1, r->has_energy, false},
+  };
+  for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
+    for (int i = 0; i < parts[k].count; i++)
+      if (!tdm_finite(parts[k].at + i * parts[k].size, parts[k].size))
+        return tdm_fail(err, TDM_ERR_NUMERIC, NULL,
+                        "returned %s%s%s%s that is not finite, in the window from %g s to %g s; take a smaller "
+                        "coupling.n or time.dt",
+                        parts[k].what, parts[k].per_body ? " of body \"" : "",
+                        parts[k].per_body ? s->settings->body[i].name[role] : "", parts[k].per_body ? "\"" : "",
+                        step->t0, step->t1);
+  if (r->has_energy && (isinf(r->energy->kinetic) || isinf(r->energy->stored))) /* NaN: it did not look */
+    return tdm_fail(err, TDM_ERR_NUMERIC, NULL, "returned an infinite energy, in the window from %g s to %g s",
+                    step->t0, step->t1);
+  return TDM_OK;
+}
+
 static tdm_status check_result(const cpl_session *s, int role, const tdm_step *step, const tdm_result *r,
                                tdm_error *err) {
   int nstate = role == CPL_MBD ? step->nbody : 0, nload = role == CPL_DEM ? 1 : 0;
@@ -501,7 +534,7 @@ static tdm_status check_result(const cpl_session *s, int role, const tdm_step *s
   }
   if (!(fabs(r->t - step->t1) <= 1e-9 * (step->t1 - step->t0) + 1e-15 * fabs(step->t1)))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: it reached %g s, asked for %g s", r->t, step->t1);
-  return TDM_OK;
+  return check_finite(s, role, step, r, err);
 }
 
 tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step, tdm_result *result, tdm_error *err) {

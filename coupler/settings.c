@@ -103,14 +103,22 @@ static void read_n(cpl_settings *s, tdm_object *coupling) {
   tdm_has(coupling, "n");
 }
 
+/* A number of things, at most `most`. */
+static int read_count(tdm_object *o, const char *key, long absent, long least, long most) {
+  long count = tdm_get_integer(o, key, absent, least);
+  if (count > most)
+    tdm_object_fail(o, key, "is %ld; take at most %ld", count, most);
+  return (int)count;
+}
+
 static void read_iterative(cpl_settings *s, tdm_object *coupling) {
   static const char *const accelerators[] = {[CPL_IQN_ILS] = "iqn-ils", [CPL_AITKEN] = "aitken"};
   tdm_object o = tdm_get_object(coupling, "iterative", false);
   s->iterative.tolerance = tdm_get_number(&o, "tolerance", 1e-4, TDM_POSITIVE);
   s->iterative.absolute = tdm_get_number(&o, "absolute", 1e-10, TDM_NOT_NEGATIVE);
-  s->iterative.most = (int)tdm_get_integer(&o, "max", 20, 1);
+  s->iterative.most = read_count(&o, "max", 20, 1, 1000);
   s->iterative.accelerator = (cpl_accelerator_kind)tdm_get_choice(&o, "accelerator", accelerators, 2, CPL_IQN_ILS);
-  s->iterative.reuse = (int)tdm_get_integer(&o, "reuse", 3, 0);
+  s->iterative.reuse = read_count(&o, "reuse", 3, 0, 100);
   tdm_object_close(&o);
 }
 

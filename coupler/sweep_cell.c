@@ -32,6 +32,16 @@ static json_t *value_at(const tdm_scene *scene, const char *path) {
   return value ? json_deep_copy(value) : json_null();
 }
 
+/* The scheme that ran, which may be the fallback; without a run the scene's. */
+static json_t *scheme_of(const cpl_cell *cell, const tdm_scene *scene) {
+  json_t *summary = tdm_results_read(cell->dir, "summary.json", &(tdm_error){0});
+  const char *ran = json_string_value(json_object_get(json_object_get(summary, "settings"), "coupling.scheme"));
+  const char *wanted = json_string_value(tdm_scene_value(scene->root, "coupling.scheme"));
+  json_t *scheme = json_string(ran && *ran ? ran : wanted ? wanted : cpl_schemes[0]->name);
+  json_decref(summary);
+  return scheme;
+}
+
 json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const char *status, const char *reason) {
   tdm_scene scene = {0};
   const cpl_scenario *scenario = cell_scene(o, cell, &scene);
@@ -48,15 +58,10 @@ json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const cha
     json_object_set_new(r2, scenario->load, json_null());
     json_object_set_new(r2, mean, json_null());
   }
-  json_t *scheme = value_at(&scene, "coupling.scheme");
-  if (json_is_null(scheme)) {
-    json_decref(scheme);
-    scheme = json_string(cpl_schemes[0]->name);
-  }
   json_t *row =
       json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"), "n",
-                value_at(&scene, "coupling.n"), "scheme", scheme, "settings", settings, "status", status, "reason",
-                reason, "wall_s", "simulated_s", "window_s", "r2", r2, "nse", nse, "energy_residual");
+                value_at(&scene, "coupling.n"), "scheme", scheme_of(cell, &scene), "settings", settings, "status",
+                status, "reason", reason, "wall_s", "simulated_s", "window_s", "r2", r2, "nse", nse, "energy_residual");
   tdm_scene_destroy(&scene);
   return row;
 }

@@ -368,16 +368,18 @@ static void plot_cost(const cpl_sweep_options *o, const cpl_cell *cell, int ncel
   static const char error[] = "$6 > 10 ? 10 : $6";
   scheme_curves c;
   int n = curves_by_scheme(&c, cell, ncell, "wall_s", "$5", error);
-  c.curve[n++] = (tdm_curve){"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6)",
-                             "Pareto front: none is both cheaper and better", "points pt 6 ps 2.4 lw 2 lc 'black'"};
-  c.curve[n++] = (tdm_curve){"sweep.csv", "($5):($6 > 10 ? 10 : $6):(sprintf('%.0e n=%g', $1, $2))", "",
-                             "labels left rotate by 50 offset 0.4,0.6 font ',7'"};
-  const tdm_plot plot = {"Error against run time (cells without numbers are left out, errors above 10 drawn at 10)",
-                         "wall time [s]",
-                         "largest 1 - nse of the states",
-                         "set logscale xy\nset format '%g'\nset offsets graph 0.05, graph 0.1, graph 0.6, graph 0.05\n",
-                         n,
-                         c.curve};
+  c.curve[n++] = (tdm_curve){"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6)", "Pareto front",
+                             "points pt 6 ps 2.4 lw 2 lc 'black'"};
+  c.curve[n++] = (tdm_curve){"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6):(sprintf('%.0e n=%g', $1, $2))", "",
+                             "labels left rotate by 50 offset 0.6,0.8 font ',8'"};
+  const tdm_plot plot = {
+      "Error against run time (above 10: drawn at 10). Pareto front: no cell is both cheaper and better",
+      "wall time [s]",
+      "largest 1 - nse of the states",
+      "set logscale xy\nset format '%g'\nset key outside right top\n"
+      "set offsets graph 0.05, graph 0.2, graph 0.4, graph 0.05\n",
+      n,
+      c.curve};
   tdm_plot_write(o->out, "cost", 1, &plot, err);
 }
 
@@ -390,7 +392,8 @@ static void plot_price(const cpl_sweep_options *o, const cpl_cell *cell, int nce
   const tdm_plot plot = {"Price of a window: the loop's time without DEM's own work",
                          "n",
                          "price of a window [us]",
-                         "set logscale xy\nset format '%g'\nset offsets graph 0.1, graph 0.1, graph 0.1, graph 0.1\n",
+                         "set logscale xy\nset format '%g'\nset key outside right top\n"
+                         "set offsets graph 0.1, graph 0.1, graph 0.1, graph 0.1\n",
                          n,
                          c.curve};
   if (n > 0)

@@ -287,8 +287,6 @@ tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_err
     const tdm_interface *body = &loop->result[CPL_DEM].body[i];
     from_moments(body->moment, nstep, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
     loop->dem_end[i] = body->end;
-    if (!tdm_finite((const double *)(const void *)&body->end, TDM_STATE_DOUBLES))
-      return not_finite(loop, CPL_DEM, i, "a state", err);
   }
   return TDM_OK;
 }

@@ -360,6 +360,16 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   return TDM_OK;
 }
 
+/* Multi-step's slow kicks would act on the mechanism once a step, its fast ones several times. */
+static tdm_status check_proxy(const dem_model *m, tdm_error *err) {
+  if (!m->integrator->kick)
+    return TDM_OK;
+  return tdm_fail(err, TDM_ERR_SCENE, "dem.integrator",
+                  "\"%s\" cannot carry the mechanism of a scheme with a proxy; take \"verlet\", or \"dem-first\" or "
+                  "\"lommen\" as coupling.scheme",
+                  m->integrator->name);
+}
+
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
                          tdm_error *err) {
   dem_solver *s = calloc(1, sizeof *s);
@@ -367,7 +377,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   if (!s)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM solver");
   s->participant = p;
-  if (dem_model_load(&s->model, assignment, err))
+  if (dem_model_load(&s->model, assignment, err) || (assignment->proxy && check_proxy(s->model, err)))
     return err->status;
   s->data = dem_data_create(s->model);
   s->motion = calloc((size_t)assignment->nbody + 1, sizeof *s->motion);
@@ -386,11 +396,8 @@ static tdm_status make_paths(dem_solver *s, const tdm_step *step, double dt, tdm
   if (step->nbody != m->ncoupled || step->nstate != m->ncoupled)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP has states of %d bodies, ASSIGN had %d", step->nstate,
                     m->ncoupled);
-  if (step->has_proxy && m->integrator->kick)
-    return tdm_fail(err, TDM_ERR_SCENE, "dem.integrator",
-                    "\"%s\" cannot carry the mechanism of a scheme with a proxy; take \"verlet\", or another "
-                    "coupling.scheme",
-                    m->integrator->name);
+  if (step->has_proxy && check_proxy(m, err)) /* of a server whose ASSIGN did not say so */
+    return err->status;
   if (step->has_proxy)
     return dem_proxy_begin(s->proxy, s->data, step, dt, s->contact_time, err);
   for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window */

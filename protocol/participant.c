@@ -180,6 +180,7 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   p->interface = a->interface = asks(&o, "interface");
   p->energy = a->energy = asks(&o, "energy");
   a->restores = tdm_get_bool(&o, "restores", false);
+  a->proxy = tdm_get_bool(&o, "proxy", false);
   json_t *bodies = tdm_get_array(&o, "bodies", true);
   p->nbody = (int)json_array_size(bodies);
   p->body = calloc((size_t)p->nbody + 1, sizeof *p->body);

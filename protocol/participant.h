@@ -57,6 +57,7 @@ typedef struct {
   bool acceleration, mobility;   /* READY and RESULT are to carry these (mbd with the capability) */
   bool interface, energy;        /* RESULT is to carry these (dem; any role) */
   bool restores;                 /* SAVE and RESTORE will come, perhaps in every window */
+  bool proxy;                    /* STEP will have a proxy (dem with the capability) */
 } tdm_assignment;
 
 /* A further output that is sampled on the output grid. */

@@ -86,6 +86,11 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
     for (int k = 0; k < CPL_APART; k++)
       residual[k] -= c[CPL_APART * i + k];
     double is = cpl_length(CPL_APART, residual);
+    if (!isfinite(is))
+      return tdm_fail(err, TDM_ERR_NUMERIC, NULL,
+                      "the ends of body \"%s\" in the window from %g s to %g s are apart by more than any number: the "
+                      "iterations have blown up; take a smaller coupling.n",
+                      loop->settings->body[i].name[CPL_MBD], loop->t0, loop->t1);
     if (is > 0)
       *excess = fmax(*excess, is / (s->tolerance * cpl_motion(loop, i) + s->absolute));
   }
@@ -95,11 +100,13 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
 /* The window has come to its last iteration and its residual is too large: go on with the best one. */
 static tdm_status settle_for(cpl_loop *loop, double excess, bool again, tdm_error *err) {
   iteration *it = loop->own;
-  if (loop->iterations.not_converged++ == 0)
+  if (loop->iterations.not_converged++ == 0) {
+    loop->iterations.first_not_converged = loop->t0;
     tdm_log(TDM_LOG_WARNING, "not_converged",
             "t=%.9g iterations=%d residual_over_tolerance=%.3g advice=\"smaller coupling.n, larger "
             "coupling.iterative.tolerance or max\"",
             loop->t0, loop->settings->iterative.most, excess);
+  }
   if (!again)
     return TDM_OK;
   if (restore(loop, err) != TDM_OK)

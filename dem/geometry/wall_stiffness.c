@@ -111,7 +111,7 @@ static void scale_body(const matrix6 L, int nfree, double *J, double *B, size_t 
     }
 }
 
-/* largest eigenvalue of the symmetric matrix J B (wide x wide) */
+/* largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: no memory, or numbers that are none */
 static double largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product, double *value) {
   for (size_t i = 0; i < wide; i++)
     for (size_t j = 0; j < wide; j++) {
@@ -125,12 +125,12 @@ static double largest_eigen(int nfree, const double *J, const double *B, size_t 
     return NAN;
   gsl_matrix_view matrix = gsl_matrix_view_array(product, wide, wide);
   gsl_vector_view values = gsl_vector_view_array(value, wide);
-  gsl_eigen_symm(&matrix.matrix, &values.vector, work);
+  int status = gsl_eigen_symm(&matrix.matrix, &values.vector, work);
   gsl_eigen_symm_free(work);
   double largest = 0;
   for (size_t i = 0; i < wide; i++)
-    largest = fmax(largest, value[i]);
-  return largest;
+    largest = value[i] <= largest ? largest : value[i]; /* keeps a NaN */
+  return status == GSL_SUCCESS ? largest : NAN;
 }
 
 /* The eigenvalues of B K J that are not 0 are those of L^T J B L, K = L L^T, which is symmetric. */

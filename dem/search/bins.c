@@ -279,7 +279,9 @@ DEM_SEARCH_KERNEL uint64_t negative(const double excess[DEM_LANES]) {
   return ((b & 0x0101010101010101u) * 0x0102040810204080u) >> 56;
 }
 
-/* bit k: is candidate k near sphere p of bins `from`? */
+/* bit k: is candidate k near sphere p of bins `from`? Lanes beyond the last candidate hold whatever was there before;
+ * their bits, which depend on them alone, are masked at the end. (valgrind does not follow that through the product in
+ * `negative`, and reports a jump that depends on uninitialised values.) */
 DEM_SEARCH_KERNEL uint64_t compare(const batch *with, const dem_bins *from, int p, const dem_near *near,
                                    bool periodic) {
   double x = from->x[p], y = from->y[p], z = from->z[p], r = from->r[p];

@@ -76,7 +76,7 @@ static void write_rows(cpl_verify *v, const scn_collision_errors *error) {
 }
 
 static void plot(cpl_verify *v) {
-  static const char setup[] = "set logscale x\nset logscale y\nset format '%g'\nset key bottom left\n";
+  static const char setup[] = "set logscale x\nset logscale y\nset format '%g'\nset key outside right top\n";
   static const tdm_curve particle[] = {{"ratio_n=1.csv", "1:(abs($2))", "n = 1", "linespoints pt 7"},
                                        {"ratio_n=5.csv", "1:(abs($2))", "n = 5", "linespoints pt 5"},
                                        {"ratio_n=20.csv", "1:(abs($2))", "n = 20", "linespoints pt 9"}};

@@ -152,6 +152,28 @@ START_TEST(failing_cells_are_results) {
 }
 END_TEST
 
+/* A solver without capabilities: the row has the scheme that ran, not the scene's. */
+START_TEST(a_row_names_the_fallback) {
+  dir = directory_make();
+  write_file(
+      dir, "scene.json",
+      "{\"time\": {\"end\": 0.02, \"dt\": 1e-4},\n"
+      " \"coupling\": {\"n\": 10, \"fallback\": \"lommen\", \"bodies\": [{\"mbd\": \"box\", \"dem\": \"box\"}]},\n"
+      " \"mbd\": {\"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"box\", \"mass\": 1,\n"
+      "  \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], \"velocity\": [1, 0, 0]}]},\n"
+      " \"dem\": {\"stiffness\": 100}}\n");
+  int status = command("tandem sweep %s/scene.json --scheme proxy,hold --set coupling.solvers.dem=dummy_solver "
+                       "--out %s/s --json %s/rows.json",
+                       dir, dir, dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  json_t *rows = rows_of("rows.json");
+  ck_assert_str_eq(text(json_array_get(rows, 0), "scheme"), "lommen");
+  ck_assert_str_eq(text(json_array_get(rows, 1), "scheme"), "hold");
+  json_decref(rows);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(interrupted_and_resumed) {
   setup();
   char file[128], out[128];
@@ -195,4 +217,4 @@ START_TEST(wrong_command_lines) {
 END_TEST
 
 TEST_MAIN("sweep", 180, a_grid_and_its_rows, resuming_keeps_what_is_there, another_scene_in_the_same_directory,
-          failing_cells_are_results, interrupted_and_resumed, wrong_command_lines)
+          failing_cells_are_results, a_row_names_the_fallback, interrupted_and_resumed, wrong_command_lines)

@@ -4,6 +4,7 @@
  *   silent     says HELLO, then nothing           quits     says HELLO and exits with status 3
  *   killed     kills itself in window FAULT_WINDOW          hangs   stops answering in that window
  *   nan        returns a load that is no number in that window
+ *   moments, work, supplied, infinite   announce "interface" and "energy" and return such a moment, work or energy
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
  *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
  */
@@ -25,6 +26,11 @@ static int nbody;
 
 static int is(const char *name) {
   return strcmp(fault, name) == 0;
+}
+
+/* faults of what RESULT carries by these capabilities */
+static int is_extra(void) {
+  return is("moments") || is("work") || is("supplied") || is("infinite");
 }
 
 static void sleep_forever(void) {
@@ -67,6 +73,8 @@ static void answer_step(const tdm_header *header) {
   if (tdm_step_read(&step, header, &step_store, &err) != TDM_OK)
     exit(5);
   tdm_result r = {.window = step.window, .t = step.t1, .nbody = nbody, .nload = 1, .nsample = step.nsample};
+  r.ninterface = is_extra() ? nbody : 0;
+  r.has_energy = is_extra();
   if (step.window >= fault_window) {
     r.nload = is("counts") ? 3 : 1;
     r.window += is("late");
@@ -78,6 +86,11 @@ static void answer_step(const tdm_header *header) {
   tdm_result_layout(&r, &result_store, &err);
   if (is("nan") && step.window >= fault_window)
     r.load[0].force.y = NAN;
+  if (is_extra() && step.window >= fault_window) {
+    r.body[0].moment[2].force.z = is("moments") ? NAN : 0;
+    r.body[0].work = is("work") ? NAN : 0;
+    *r.energy = (tdm_energy){NAN, is("infinite") ? INFINITY : NAN, is("supplied") ? NAN : 0};
+  }
   tdm_result_write(&frame, &r, &err);
   if (step.window >= fault_window)
     spoil();
@@ -115,7 +128,9 @@ int main(int argc, char **argv) {
     signal(SIGTERM, SIG_IGN);
   if (tdm_transport_connect(&transport, endpoint, NULL, &err) != TDM_OK)
     return 2;
-  send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s}", "name", "faulty", "role", "dem", "software", "faulty 1.0"));
+  json_t *capabilities = is_extra() ? json_pack("[s, s]", "interface", "energy") : json_array();
+  send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s, s:o}", "name", "faulty", "role", "dem", "software", "faulty 1.0",
+                                 "capabilities", capabilities));
   if (!window)
     spoil();
   send_frame();

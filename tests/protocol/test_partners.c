@@ -103,6 +103,10 @@ static const struct {
     {"killed", "777", {"faulty (faulty 1.0): the solver ended", "killed by signal 9", "fault=killed"}},
     {"hangs", "5", {"faulty (faulty 1.0): no answer for 1.5 s; it hangs", "fault=hangs"}},
     {"nan", "5", {"faulty returned a load of body \"mass\" that is not finite", "0.0005"}},
+    {"moments", "5", {"faulty (faulty 1.0): returned moments of the load", "of body \"mass\" that is not finite"}},
+    {"work", "5", {"faulty (faulty 1.0): returned moments of the load, an end or a work of body \"mass\"", NULL}},
+    {"supplied", "5", {"faulty (faulty 1.0): returned a supplied energy that is not finite", NULL}},
+    {"infinite", "5", {"faulty (faulty 1.0): returned an infinite energy", NULL}},
     {"wordy", "5", {"scene.json:6:2: dem.depth: faulty (faulty 1.0): too deep; raise it", NULL}},
 };
 enum { NFAULT = sizeof faults / sizeof faults[0] };
