@@ -89,7 +89,7 @@ static void answer_step(const tdm_header *header) {
   if (is_extra() && step.window >= fault_window) {
     r.body[0].moment[2].force.z = is("moments") ? NAN : 0;
     r.body[0].work = is("work") ? NAN : 0;
-    *r.energy = (tdm_energy){NAN, is("infinite") ? INFINITY : NAN, is("supplied") ? NAN : 0};
+    *r.energy = (tdm_energy){NAN, is("infinite") ? INFINITY : NAN, is("supplied") ? NAN : 0, 0};
   }
   tdm_result_write(&frame, &r, &err);
   if (step.window >= fault_window)
