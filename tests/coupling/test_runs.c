@@ -252,26 +252,35 @@ START_TEST(ctrl_c_while_settling_as_threads) {
 }
 END_TEST
 
-/* Send a signal to the server and to its solvers, as a terminal does. */
-static void signal_all(pid_t server, int number) {
-  static const char *const solvers[] = {"tandem-mbd", "tandem-dem"};
-  kill(server, number);
+/* The solvers of the run under way, once they are there. */
+static void find_solvers(pid_t solver[2]) {
+  static const char *const names[] = {"tandem-mbd", "tandem-dem"};
   for (int i = 0; i < 2; i++) {
     char text[128];
-    pid_t pid;
-    snprintf(text, sizeof text, "%s --connect ipc://%s", solvers[i], dir);
-    ck_assert_int_eq(find_processes(text, &pid), 1);
-    kill(pid, number);
+    snprintf(text, sizeof text, "%s --connect ipc://%s", names[i], dir);
+    int found = 0;
+    for (int k = 0; k < 100 && (found = find_processes(text, &solver[i])) != 1; k++)
+      usleep(100000);
+    ck_assert_int_eq(found, 1);
   }
+}
+
+/* Send a signal to the server and to its solvers, as a terminal does: at once. */
+static void signal_all(pid_t server, const pid_t solver[2], int number) {
+  kill(server, number);
+  kill(solver[0], number);
+  kill(solver[1], number);
 }
 
 START_TEST(a_stopped_run_goes_on) {
   setup();
   pid_t pid = long_run("coupling.timeout=1", "output.interval=0.01");
+  pid_t solver[2];
+  find_solvers(solver);
   sleep(1);
-  signal_all(pid, SIGSTOP);
+  signal_all(pid, solver, SIGSTOP);
   sleep(3);
-  signal_all(pid, SIGCONT);
+  signal_all(pid, solver, SIGCONT);
   sleep(2);
   ck_assert_int_eq(waitpid(pid, NULL, WNOHANG), 0);
   kill(pid, SIGINT);
