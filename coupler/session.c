@@ -350,119 +350,6 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   return status;
 }
 
-static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
-  json_t *bodies = tdm_get_array(ready, "bodies", true);
-  if ((int)json_array_size(bodies) != s->settings->nbody)
-    tdm_object_fail(ready, "bodies", "%zu bodies, expected %d", json_array_size(bodies), s->settings->nbody);
-  for (int i = 0; i < s->settings->nbody && err->status == TDM_OK; i++) {
-    char path[TDM_PATH_MAX];
-    json_t *json = json_array_get(bodies, (size_t)i);
-    tdm_object o = tdm_object_open(json, tdm_path(path, ready, "bodies", i), err);
-    tdm_assigned_body *b = &s->body[i];
-    b->name = s->settings->body[i].name[CPL_DEM];
-    b->mass =
-        json_is_null(json_object_get(json, "mass")) ? INFINITY : tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
-    tdm_get_numbers(&o, "inertia", &b->inertia.m[0][0], 9, true);
-    tdm_get_numbers(&o, "state", (double *)(void *)&b->state, TDM_STATE_DOUBLES, true);
-  }
-}
-
-static void read_loads(cpl_session *s, tdm_object *ready, tdm_error *err) {
-  json_t *loads = tdm_get_array(ready, "loads", true);
-  for (int i = 0; i < s->settings->nbody && err->status == TDM_OK; i++) {
-    json_t *wrapped = json_pack("{s:O?}", "load", json_array_get(loads, (size_t)i));
-    tdm_object o = tdm_object_open(wrapped, ready->path, err);
-    tdm_get_numbers(&o, "load", (double *)(void *)&s->load[i], TDM_WRENCH_DOUBLES, true);
-    json_decref(wrapped);
-  }
-}
-
-static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
-  json_t *channels = tdm_get_array(ready, "channels", false);
-  p->nchannel = (int)json_array_size(channels);
-  p->channel = calloc((size_t)p->nchannel + 1, sizeof *p->channel);
-  p->initial = calloc((size_t)p->nchannel + 1, sizeof *p->initial);
-  if (!p->channel || !p->initial) {
-    p->nchannel = 0;
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-    return;
-  }
-  for (int i = 0; i < p->nchannel; i++) {
-    json_t *json = json_array_get(channels, (size_t)i), *initial = json_object_get(json, "initial");
-    const char *name = json_string_value(json_object_get(json, "name"));
-    const char *unit = json_string_value(json_object_get(json, "unit"));
-    if (!name || strpbrk(name, ", \"\n") || !*name)
-      tdm_object_fail(ready, "channels", "entry %d has no usable name (no blanks, commas or quotes)", i);
-    snprintf(p->channel[i].name, sizeof p->channel[i].name, "%s", name ? name : "");
-    snprintf(p->channel[i].unit, sizeof p->channel[i].unit, "%s", unit ? unit : "");
-    p->initial[i] = json_is_number(initial) ? json_number_value(initial) : NAN;
-  }
-}
-
-/* What the scheme asked of mbd for the start. */
-static void read_mobility(cpl_session *s, tdm_object *ready, tdm_error *err) {
-  const int nbody = s->settings->nbody;
-  if (cpl_session_asks(s, CPL_MBD, "acceleration")) {
-    s->acceleration = calloc(6 * (size_t)nbody + 1, sizeof *s->acceleration);
-    if (!s->acceleration)
-      tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-    else
-      tdm_get_numbers(ready, "acceleration", s->acceleration, 6 * nbody, true);
-  }
-  if (!cpl_session_asks(s, CPL_MBD, "mobility") || err->status)
-    return;
-  tdm_object o = tdm_get_object(ready, "mobility", true);
-  s->mobility = (tdm_mobility){.nbody = nbody, .nfree = (int)tdm_get_integer(&o, "nfree", TDM_REQUIRED_INT, 0)};
-  if (!err->status && s->mobility.nfree > TDM_FREE_MAX)
-    tdm_object_fail(&o, "nfree", "is more than %d", TDM_FREE_MAX);
-  if (err->status)
-    return;
-  size_t n = tdm_mobility_doubles(&s->mobility);
-  double *block = calloc(n + 1, sizeof *block);
-  if (!block) {
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-    return;
-  }
-  tdm_mobility_point(&s->mobility, block);
-  tdm_get_numbers(&o, "numbers", block, (int)n, true);
-}
-
-static void read_energy(cpl_session *s, int role, tdm_object *ready) {
-  double numbers[3] = {NAN, NAN, 0}; /* of a tdm_energy, in order */
-  if (cpl_session_asks(s, (cpl_role)role, "energy") && tdm_has(ready, "energy"))
-    tdm_get_numbers(ready, "energy", numbers, 3, true);
-  s->partner[role].energy = (tdm_energy){numbers[0], numbers[1], numbers[2], 0};
-}
-
-static tdm_status read_ready(cpl_session *s, int role, const tdm_header *header, tdm_error *err) {
-  cpl_partner *p = &s->partner[role];
-  json_t *json = NULL;
-  if (tdm_control_read(header, &json, err) == TDM_OK) {
-    tdm_object ready = tdm_object_open(json, "READY", err);
-    if (role == CPL_MBD) {
-      read_bodies(s, &ready, err);
-      read_mobility(s, &ready, err);
-    } else
-      read_loads(s, &ready, err);
-    read_channels(p, &ready, err);
-    read_energy(s, role, &ready);
-    json_t *warnings = tdm_get_array(&ready, "warnings", false);
-    if (warnings)
-      json_array_extend(s->warnings, warnings);
-    p->report = json_incref(json_object_get(json, "report"));
-    p->ready = true;
-  }
-  json_decref(json);
-  if (err->status == TDM_OK)
-    return TDM_OK;
-  if (err->path[0]) { /* a path into the message, not into the scene */
-    tdm_error place = *err;
-    *err = (tdm_error){0};
-    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed READY: %s: %.700s", place.path, place.message);
-  }
-  return blame(s, role, err, true);
-}
-
 tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *err) {
   tdm_header header;
   for (int r = 0; r < CPL_NROLE; r++)
@@ -473,9 +360,10 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
     return err->status;
   /* mbd first: its READY has the bodies that dem needs */
   for (int r = 0; r < CPL_NROLE; r++) {
-    if (assign(s, r, scene, err) != TDM_OK || wait_for(s, r, TDM_READY, &header, err) != TDM_OK ||
-        read_ready(s, r, &header, err) != TDM_OK)
+    if (assign(s, r, scene, err) != TDM_OK || wait_for(s, r, TDM_READY, &header, err) != TDM_OK)
       return err->status;
+    if (cpl_session_read_ready(s, (cpl_role)r, &header, err) != TDM_OK)
+      return blame(s, r, err, true);
     tdm_log(TDM_LOG_INFO, "ready", "role=%s channels=%d", cpl_role_names[r], s->partner[r].nchannel);
   }
   return TDM_OK;

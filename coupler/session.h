@@ -49,6 +49,9 @@ tdm_status cpl_session_open(cpl_session *session, const cpl_settings *settings, 
 /* Wait for HELLO of both, assign mbd, then dem with mbd's bodies: after this both are READY. */
 tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_error *err);
 
+/* Take up what a role says in its READY (session_ready.c). */
+tdm_status cpl_session_read_ready(cpl_session *session, cpl_role role, const tdm_header *header, tdm_error *err);
+
 /* Whether a role's RESULTs carry "acceleration", "mobility", "interface" or "energy" in this run. */
 bool cpl_session_asks(const cpl_session *session, cpl_role role, const char *extra);
 
