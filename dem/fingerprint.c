@@ -37,10 +37,11 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
     h = hash_vectors(h, &wall->point, 1);
     h = hash_vectors(h, &wall->normal, 1);
     h = hash_vectors(h, &wall->half, 1);
-    const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside, wall->surface_spin,
+    const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside,
                            wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
     h = hash_numbers(h, more, sizeof more / sizeof *more);
-    h = hash_vectors(h, &wall->surface, 1);
+    h = hash_vectors(h, &wall->surface.velocity, 1);
+    h = hash_vectors(h, &wall->surface.angular, 1);
     unsigned long long mesh = wall->mesh ? dem_mesh_hash(wall->mesh) : 0;
     h = hash_bytes(h, &mesh, sizeof mesh);
   }

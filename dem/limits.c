@@ -118,8 +118,16 @@ static double driven_speed(const dem_data *d) {
   }
   for (int w = 0; w < m->nwall; w++) {
     const dem_wall *wall = &m->wall[w];
-    double rim = fmax(wall->radius[0], wall->radius[1]);
-    fastest = fmax(fastest, tdm_norm(wall->surface) + fabs(wall->surface_spin) * rim);
+    if (!wall->moves)
+      continue;
+    bool ends = wall->primitive != DEM_PLANE && wall->primitive != DEM_CYLINDER;
+    fastest = fmax(fastest, ends ? dem_wall_belt_speed(wall) : tdm_norm(wall->surface.velocity));
+    for (int i = 0; i < d->nparticle && !ends; i++) {
+      tdm_vec3 n;
+      double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
+      tdm_vec3 below = tdm_axpy(-gap, n, d->sphere[i].position); /* on the surface */
+      fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, dem_wall_own(&d->wall[w], below))));
+    }
   }
   return fastest;
 }

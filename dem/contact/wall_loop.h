@@ -14,7 +14,8 @@ struct batch {
   double number[WALL_NUMBERS][DEM_W];
   double history[DEM_HISTORY_MAX][DEM_W];
   int entry[DEM_W], body[DEM_W], index[DEM_W];
-  tdm_vec3 lever[DEM_W], velocity[DEM_W]; /* of the contact point from the body's centre; of the wall there */
+  tdm_vec3 lever[DEM_W];                    /* of the contact point from the body's centre */
+  tdm_vec3 velocity[DEM_W], angular[DEM_W]; /* of the wall there, its belt's included */
   int count;
 };
 
@@ -27,7 +28,7 @@ DEM_KERNEL void push_wall_more(dem_loop_task *task, const batch *b, int l, tdm_v
   tdm_wrench *load = &task->load[b->body[l]];
   load->moment = tdm_sub(load->moment, couple);
   if (m->energy)
-    task->flux.wall_power += tdm_dot(force, b->velocity[l]) + tdm_dot(couple, d->twist[b->body[l]].angular);
+    task->flux.wall_power += tdm_dot(force, b->velocity[l]) + tdm_dot(couple, b->angular[l]);
 }
 
 DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
@@ -100,9 +101,10 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
   tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->pose[body].position);
   tdm_twist now = d->twist[body];
   tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
-  if (m->wall[w].moves && !task->settling) { /* along itself */
-    tdm_vec3 belt = dem_wall_surface(&m->wall[w], &d->wall[w], point);
-    wall_v = tdm_add(wall_v, tdm_axpy(-tdm_dot(belt, n), n, belt));
+  tdm_vec3 wall_w = now.angular;
+  if (m->wall[w].moves && !task->settling) {
+    wall_v = tdm_add(wall_v, dem_wall_surface(&m->wall[w], &d->wall[w], point, n));
+    wall_w = tdm_add(wall_w, tdm_m3_mul(d->wall[w].axes, m->wall[w].surface.angular));
   }
   double arm = gap / s->radius;
   tdm_vec3 v = r.rubs ? tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity) : s->velocity;
@@ -110,15 +112,16 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
   /* bodies are held while settling */
   double per_mass =
       task->settling ? s->inverse_mass : dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n);
-  const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(now.angular, n),
+  const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(wall_w, n),
                             s->radius, per_mass, arm};
   for (int q = 0; q <= ARM; q++)
     b->number[q][l] = numbers[q];
   if (r.more) {
-    tdm_vec3 spin = tdm_axpy(1 / s->radius, d->rotor[i].surface, tdm_scale(-1, now.angular));
+    tdm_vec3 spin = tdm_axpy(1 / s->radius, d->rotor[i].surface, tdm_scale(-1, wall_w));
     b->number[SX][l] = spin.x, b->number[SY][l] = spin.y, b->number[SZ][l] = spin.z;
     b->number[PER_INERTIA][l] = s->inverse_mass / (1.4 * s->radius * s->radius);
     b->velocity[l] = wall_v;
+    b->angular[l] = wall_w;
   }
   for (int q = 0; q < r.ncolumn; q++)
     b->history[q][l] = list->history[(size_t)q * list->capacity + k];

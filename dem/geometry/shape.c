@@ -147,7 +147,7 @@ static void read_round(tdm_object *o, dem_wall wall, bool endless, dem_wall_list
   if (!o->err->status && tdm_norm(axis) < 1e-9)
     tdm_object_fail(o, "axis", "is the zero vector; give the direction from the first end to the second");
   wall.turn = turn_to(axis);
-  wall.surface_spin = tdm_get_number(o, "surface_spin", 0, TDM_ANY);
+  wall.surface.angular.z = tdm_get_number(o, "surface_spin", 0, TDM_ANY);
   wall.inside = tdm_get_choice(o, "side", sides, 2, -1) == 0;
   bool ends = tdm_get_bool(o, "ends", false);
   if (tdm_has(o, "ends")) {
@@ -221,6 +221,32 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
 
 /* ---- all ---- */
 
+/* what the surface does, as a twist of the body's origin, body axes; a cylinder's own spin is with its wall */
+static tdm_twist read_surface(tdm_object *o) {
+  tdm_twist belt = {.velocity = tdm_get_vec3(o, "surface_velocity", &(tdm_vec3){0, 0, 0})};
+  if (!tdm_has(o, "surface_rotation"))
+    return belt;
+  tdm_object r = tdm_get_object(o, "surface_rotation", true);
+  tdm_vec3 point = tdm_get_vec3(&r, "point", &(tdm_vec3){0, 0, 0});
+  tdm_vec3 axis = tdm_get_vec3(&r, "axis", NULL);
+  double rate = tdm_get_number(&r, "rate", TDM_REQUIRED, TDM_ANY);
+  if (!o->err->status && tdm_norm(axis) < 1e-9)
+    tdm_object_fail(&r, "axis", "is the zero vector; give the direction about which the belt turns");
+  tdm_object_close(&r);
+  belt.angular = tdm_scale(rate, tdm_unit(axis));
+  belt.velocity = tdm_sub(belt.velocity, tdm_cross(belt.angular, point));
+  return belt;
+}
+
+/* the surface of one wall: `belt` in the wall's own axes, of its own origin, with the spin that it has */
+static void set_surface(dem_wall *wall, tdm_twist belt) {
+  tdm_quat back = tdm_quat_conj(tdm_quat_unit(wall->turn));
+  tdm_vec3 there = tdm_add(belt.velocity, tdm_cross(belt.angular, wall->point));
+  wall->surface.velocity = tdm_quat_rotate(back, there);
+  wall->surface.angular = tdm_add(wall->surface.angular, tdm_quat_rotate(back, belt.angular));
+  wall->moves = tdm_norm(wall->surface.velocity) > 0 || tdm_norm(wall->surface.angular) > 0;
+}
+
 void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_wall_list *list, tdm_error *err) {
   static const char *const names[] = {
 #define X(name) #name,
@@ -238,11 +264,10 @@ void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_
     return;
   int first = list->count;
   read[shape](&o, body, list);
-  tdm_vec3 surface = tdm_get_vec3(&o, "surface_velocity", &(tdm_vec3){0, 0, 0});
+  tdm_twist belt = read_surface(&o);
   for (int w = first; w < list->count; w++) {
     list->wall[w].geometry = geometry;
-    list->wall[w].moves = list->wall[w].surface_spin != 0 || tdm_norm(surface) > 0;
-    list->wall[w].surface = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(list->wall[w].turn)), surface);
+    set_surface(&list->wall[w], belt);
   }
   tdm_object_close(&o);
 }
@@ -254,6 +279,34 @@ dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose) {
   place.normal = tdm_m3_mul(body, wall->normal);
   place.axes = tdm_quat_to_matrix(tdm_quat_mul(pose->orientation, tdm_quat_unit(wall->turn)));
   return place;
+}
+
+/* corner k of 0 ... 7 of the box around a solid box or a mesh, own axes */
+static tdm_vec3 corner_of(const dem_wall *wall, int k) {
+  tdm_vec3 least = tdm_scale(-1, wall->half), most = wall->half;
+  if (wall->primitive == DEM_MESH) {
+    least = dem_mesh_figures(wall->mesh)->low;
+    most = dem_mesh_figures(wall->mesh)->high;
+  }
+  return tdm_v3(k & 1 ? most.x : least.x, k & 2 ? most.y : least.y, k & 4 ? most.z : least.z);
+}
+
+/* The speed of a rotation with a translation is convex: it is largest at a corner, or on the rims of a frustum, where
+ * enough places are looked at. */
+double dem_wall_belt_speed(const dem_wall *wall) {
+  enum { AROUND = 32 };
+  double fastest = 0;
+  if (wall->primitive == DEM_SHELL || wall->primitive == DEM_SOLID_FRUSTUM) {
+    for (int k = 0; k < 2 * AROUND; k++) {
+      double angle = 2 * M_PI * (k / 2) / AROUND, r = wall->radius[k % 2];
+      tdm_vec3 own = {r * cos(angle), r * sin(angle), k % 2 * wall->length};
+      fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, own)));
+    }
+  } else if (wall->primitive == DEM_SOLID_BOX || wall->primitive == DEM_MESH) {
+    for (int k = 0; k < 8; k++)
+      fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, corner_of(wall, k))));
+  }
+  return fastest;
 }
 
 static void include(tdm_vec3 x, tdm_vec3 up, double reach, double *low, double *high) {
@@ -274,14 +327,7 @@ bool dem_wall_extent(const dem_wall *wall, const dem_wall_place *place, tdm_vec3
     include(tdm_axpy(wall->length, axis, place->point), up, wall->radius[1] * sine, low, high);
     return true;
   }
-  tdm_vec3 least = tdm_scale(-1, wall->half), most = wall->half;
-  if (wall->primitive == DEM_MESH) {
-    least = dem_mesh_figures(wall->mesh)->low;
-    most = dem_mesh_figures(wall->mesh)->high;
-  }
-  for (int k = 0; k < 8; k++) {
-    tdm_vec3 own = tdm_v3(k & 1 ? most.x : least.x, k & 2 ? most.y : least.y, k & 4 ? most.z : least.z);
-    include(tdm_add(place->point, tdm_m3_mul(place->axes, own)), up, 0, low, high);
-  }
+  for (int k = 0; k < 8; k++)
+    include(tdm_add(place->point, tdm_m3_mul(place->axes, corner_of(wall, k))), up, 0, low, high);
   return true;
 }

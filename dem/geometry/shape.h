@@ -39,9 +39,8 @@ typedef struct {
   double length;        /* of a piece [m] */
   bool inside;          /* cylinder: the particles are inside */
   const dem_mesh *mesh; /* borrowed from the list; body axes */
-  tdm_vec3 surface;     /* velocity of the surface in the wall (a belt), the wall's own axes [m/s] */
-  bool moves;           /* the surface has a velocity of its own */
-  double surface_spin;  /* the same about the wall's own z axis [rad/s] */
+  tdm_twist surface;    /* motion of the surface in the wall (a belt), of the wall's own origin, own axes */
+  bool moves;           /* the surface has a motion of its own */
 } dem_wall;
 
 /* A wall where it is now. */
@@ -91,9 +90,19 @@ static inline tdm_vec3 dem_wall_own(const dem_wall_place *place, tdm_vec3 x);
  * went through. */
 static inline bool dem_wall_endless(const dem_wall *wall);
 
-/* Velocity of the surface at `point` (world) relative to the body, world [m/s]. The part along the surface is meant:
- * the caller takes the part along the normal away. */
-static inline tdm_vec3 dem_wall_surface(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point);
+/* Velocity of the surface (a belt) relative to the body at `point`, where the unit normal is `normal`, world [m/s]. A
+ * belt runs along its surface at its speed, whatever the slope: the velocity that the scene gives, turned into the
+ * surface. Zero where the surface stands across that velocity to within DEM_BELT_ACROSS: there it has no direction. */
+static inline tdm_vec3 dem_wall_surface(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point,
+                                        tdm_vec3 normal);
+
+#define DEM_BELT_ACROSS 1e-3 /* [rad] */
+
+/* Velocity that the scene gives the surface at a point of the wall's own axes, own axes [m/s]. */
+static inline tdm_vec3 dem_wall_belt(const dem_wall *wall, tdm_vec3 own);
+
+/* The fastest of the surface of a wall that has an end; 0 for others, where it depends on the place [m/s]. */
+double dem_wall_belt_speed(const dem_wall *wall);
 
 /* Does the wall reach from `low` to `high` along the unit vector `up` (world)? False for walls without end. */
 bool dem_wall_extent(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 up, double *low, double *high);
@@ -129,9 +138,16 @@ static inline bool dem_wall_endless(const dem_wall *wall) {
   return wall->primitive == DEM_PLANE || (wall->primitive == DEM_CYLINDER && wall->inside);
 }
 
-static inline tdm_vec3 dem_wall_surface(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point) {
-  tdm_vec3 spin = tdm_m3_mul(place->axes, tdm_v3(0, 0, wall->surface_spin));
-  return tdm_add(tdm_m3_mul(place->axes, wall->surface), tdm_cross(spin, tdm_sub(point, place->point)));
+static inline tdm_vec3 dem_wall_belt(const dem_wall *wall, tdm_vec3 own) {
+  return tdm_add(wall->surface.velocity, tdm_cross(wall->surface.angular, own));
+}
+
+static inline tdm_vec3 dem_wall_surface(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 point,
+                                        tdm_vec3 normal) {
+  tdm_vec3 belt = tdm_m3_mul(place->axes, dem_wall_belt(wall, dem_wall_own(place, point)));
+  tdm_vec3 along = tdm_axpy(-tdm_dot(belt, normal), normal, belt);
+  double speed = tdm_norm(belt), left = tdm_norm(along);
+  return left > DEM_BELT_ACROSS * speed ? tdm_scale(speed / left, along) : tdm_v3(0, 0, 0);
 }
 
 static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, tdm_vec3 *normal) {

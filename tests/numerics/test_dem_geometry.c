@@ -2,6 +2,7 @@
 #include "dem/geometry/driven.h"
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/walls.h"
+#include "dem/limits.h"
 #include "dem/report.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
@@ -225,6 +226,10 @@ START_TEST(test_refused) {
   ck_refused(SHAPE("'type':'mesh','file':'x.stl','facet_angle':2"), AT "facet_angle", "right angle");
   ck_refused(SHAPE("'type':'plane','normal':[0,0,1],'surface_velocity':[1,2]"), AT "surface_velocity", "3");
   ck_refused(SHAPE("'type':'plane','normal':[0,0,1],'surface_spin':1"), AT "surface_spin", "unknown");
+  ck_refused(SHAPE("'type':'plane','normal':[0,0,1],'surface_rotation':{'rate':1}"), AT "surface_rotation.axis",
+             "missing");
+  ck_refused(SHAPE("'type':'plane','normal':[0,0,1],'surface_rotation':{'axis':[0,0,0],'rate':1}"),
+             AT "surface_rotation.axis", "zero");
   ck_refused("'shapes':[],'motion':{}", "dem.bodies[0].motion", "moves nothing");
   ck_refused("'shapes':[],'motion':{'velocity':[1,0,0],'start':1,'end':1}", "dem.bodies[0].motion.end", "after start");
   ck_refused("'shapes':[],'motion':{'velocity':[1,0,0],'center':[0,0,0]}", "dem.bodies[0].motion.center", "rotation");
@@ -265,7 +270,8 @@ START_TEST(test_read) {
   ck_near(gap_at(r, 0, 10, 2, 0.75, &n), 0.25, 1e-14);
   ck_vector(n, tdm_v3(0, 0, 1), 1e-15);
   /* a spin of 4 about the axis, world +y, and a velocity along it: at the top +x */
-  ck_vector(dem_wall_surface(&m->wall[0], &r->data->wall[0], tdm_v3(10, 2, 0.5)), tdm_v3(2, 0.5, 0), 1e-14);
+  ck_vector(dem_wall_surface(&m->wall[0], &r->data->wall[0], tdm_v3(10, 2, 0.5), tdm_v3(0, 0, 1)), tdm_v3(2, 0.5, 0),
+            1e-14);
   /* a container: an endless cylinder and two planes */
   ck_assert(m->wall[1].primitive == DEM_CYLINDER && dem_wall_endless(&m->wall[1]));
   ck_near(gap_at(r, 1, 10, 1.5, 7, &n), 0.5, 1e-14);
@@ -317,7 +323,7 @@ START_TEST(test_read_mesh) {
   ck_near(gap_at(r, 0, x.x, x.y, x.z, &n), 0.25, 1e-15);
   ck_vector(n, tdm_v3(0, 1, 0), 1e-15);
   ck_near(gap_at(r, 0, 1, 0, 0.75, &n), 0.05, 1e-8);
-  ck_vector(dem_wall_surface(wall, &r->data->wall[0], x), tdm_v3(0, 0, 3), 0);
+  ck_vector(dem_wall_surface(wall, &r->data->wall[0], x, tdm_v3(0, 1, 0)), tdm_v3(0, 0, 3), 0);
   int near[1];
   dem_mesh_contact c;
   tdm_vec3 own = dem_wall_own(&r->data->wall[0], x);
@@ -420,10 +426,10 @@ START_TEST(test_groove) {
 END_TEST
 
 /* A sphere put on a belt slides until its lowest point has the belt's speed: 2/7 of that for the centre, but that the
- * overlap shortens the arm. A plane that moves as a whole does the same; the part along the normal does nothing. */
+ * overlap shortens the arm. A plane that moves as a whole does the same. */
 START_TEST(test_belt) {
   static const char *const belts[] = {
-      "{'type':'plane','normal':[0,0,1],'surface_velocity':[0.5,0.25,7]}",
+      "{'type':'plane','normal':[0,0,1],'surface_velocity':[0.5,0.25,0]}",
       "{'type':'box','side':'outside','size':[4,4,1],'center':[0,0,-0.5],'surface_velocity':[0.5,0.25,0]}"};
   rig *belt = on_moving(belts[_i], "", 0, 0.01);
   rig *whole = on_moving("{'type':'plane','normal':[0,0,1]}", ",'motion':{'velocity':[0.5,0.25,0]}", 0, 0.01);
@@ -453,6 +459,95 @@ START_TEST(test_spinning_surface) {
 }
 END_TEST
 
+/* A mesh of one square, corners in order around it; the caller unlinks the file. */
+static void write_square(char file[256], const char *name, const tdm_vec3 c[4]) {
+  tdm_vec3 corner[6] = {c[0], c[1], c[2], c[0], c[2], c[3]};
+  tdm_error err = {0};
+  snprintf(file, 256, "%s/%s_%d.stl", TANDEM_TEST_DIR, name, (int)getpid());
+  ck_assert(!tdm_stl_write(&(tdm_stl){2, corner}, file, &err));
+}
+
+/* ramps at 45 degrees towards +x, z = x; the belt's velocity is given along x, [0.8, 0.6, 0] or along the slope */
+static const char *const ramps[] = {
+    "{'type':'mesh','file':'%s','surface_velocity':[1,0,0]}",
+    "{'type':'plane','normal':[-1,0,1],'surface_velocity':[1,0,0]}",
+    "{'type':'box','side':'outside','size':[4,4,1],'center':[0.35355339059327379,0,-0.35355339059327379],"
+    "'orientation':[0.92387953251128674,0,-0.38268343236508977,0],'surface_velocity':[1,0,0]}",
+    "{'type':'plane','normal':[-1,0,1],'surface_velocity':[0.70710678118654752,0,0.70710678118654752]}",
+};
+
+/* A belt keeps its speed on a slope, whatever the shape and however its velocity is given: the surface moves with 1 m/s
+ * along the slope, not with the part of it that lies along x. */
+START_TEST(test_belt_slope) {
+  char file[256], shape[512];
+  write_square(file, "ramp", (tdm_vec3[]){{-2, -2, -2}, {2, -2, 2}, {2, 2, 2}, {-2, 2, -2}});
+  snprintf(shape, sizeof shape, ramps[_i], file);
+  char body[1024];
+  snprintf(body, sizeof body, "'shapes':[%s]", shape);
+  rig *r = load(body);
+  unlink(file);
+  const double s = sqrt(0.5);
+  tdm_vec3 n, x = {0.3, 0.1, 0.4};
+  gap_at(r, 0, x.x, x.y, x.z, &n);
+  ck_vector(n, tdm_v3(-s, 0, s), 1e-7);
+  ck_vector(dem_wall_surface(&r->model->wall[0], &r->data->wall[0], x, n), tdm_v3(s, 0, s), 1e-7);
+  /* where the surface stands across the velocity there is none */
+  tdm_vec3 across = dem_wall_belt(&r->model->wall[0], tdm_v3(0, 0, 0));
+  across = tdm_unit(tdm_m3_mul(r->data->wall[0].axes, across));
+  ck_vector(dem_wall_surface(&r->model->wall[0], &r->data->wall[0], x, across), tdm_v3(0, 0, 0), 0);
+  rig_free(r);
+}
+END_TEST
+
+/* A sphere that cannot roll is carried up a ramp of 45 degrees: at the belt's speed, along the slope. */
+START_TEST(test_belt_carries) {
+  char file[256], text[2048];
+  write_square(file, "carry", (tdm_vec3[]){{-2, -2, -2}, {2, -2, 2}, {2, 2, 2}, {-2, 2, -2}});
+  snprintf(text, sizeof text,
+           "{'contact':{'rolling':'constant-torque'},'materials':[{'name':'m','density':2500,'young_modulus':5e6,"
+           "'poisson_ratio':0.3}],'pairs':[{'materials':['m','m'],'restitution':0.2,'friction':1.5,'rolling_friction':"
+           "2}],'bodies':[{'name':'b','material':'m','shapes':[{'type':'mesh','file':'%s','surface_velocity':[1,0,0]}]}"
+           "],'particles':[{'type':'list','material':'m','radius':0.02,'positions':[[-0.01414,0,0.01414]]}]}",
+           file);
+  rig *r = rig_make(scene_json("%s", text), 2e-5, 0, NULL);
+  unlink(file);
+  rig_steps(r, 25000);
+  tdm_vec3 v = r->data->pace[0].velocity;
+  ck_near(tdm_norm(v), 1, 1e-3);
+  ck_near(v.x, v.z, 1e-9);
+  rig_free(r);
+}
+END_TEST
+
+/* A belt that turns in plan is a disc that turns about the same axis, on any shape; what is put on it is carried round.
+ * At 0.1 m and 3 rad/s friction of 0.5 holds it. */
+START_TEST(test_belt_turns) {
+#define TURNS ",'surface_rotation':{'point':[0.1,0,0],'axis':[0,0,2],'rate':3}}"
+  static const char *const belts[] = {
+      "{'type':'plane','normal':[0,0,1],'point':[0.3,-0.2,0]" TURNS,
+      "{'type':'box','side':'outside','size':[4,4,1],'center':[0.2,0.1,-0.5],"
+      "'orientation':[0.70710678118654752,0,0,0.70710678118654752]" TURNS,
+      "{'type':'cylinder','side':'outside','point':[0.2,0.1,0],'axis':[0,0,-1],'radius':2,'length':1" TURNS,
+      "{'type':'cylinder','side':'outside','point':[0.1,0,0],'axis':[0,0,-1],'radius':2,'length':1,'surface_spin':-3}",
+      "{'type':'mesh','file':'%s'" TURNS};
+#undef TURNS
+  char file[256], shape[512];
+  write_square(file, "turns", (tdm_vec3[]){{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}});
+  snprintf(shape, sizeof shape, belts[_i], file);
+  rig *belt = on_moving(shape, "", 0, 0.01);
+  unlink(file);
+  rig *whole = on_moving("{'type':'plane','normal':[0,0,1]}",
+                         ",'motion':{'angular_velocity':[0,0,3],'center':[0.1,0,0]}", 0, 0.01);
+  ck_assert_double_gt(tdm_norm(whole->data->pace[0].velocity), 0.05);
+  ck_vector(belt->data->sphere[0].position, whole->data->sphere[0].position, 1e-9);
+  ck_vector(belt->data->pace[0].velocity, whole->data->pace[0].velocity, 1e-8);
+  double fastest = dem_expected_speed(belt->data);
+  ck_assert_double_gt(fastest, 0.29);
+  rig_free(belt);
+  rig_free(whole);
+}
+END_TEST
+
 int main(void) {
   Suite *suite = suite_create("dem_geometry");
   TCase *tests = tcase_create("dem_geometry");
@@ -463,6 +558,9 @@ int main(void) {
   tcase_add_test(tests, test_driven);
   tcase_add_loop_test(tests, test_belt, 0, 2);
   tcase_add_test(tests, test_spinning_surface);
+  tcase_add_loop_test(tests, test_belt_slope, 0, 4);
+  tcase_add_test(tests, test_belt_carries);
+  tcase_add_loop_test(tests, test_belt_turns, 0, 5);
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_read);
   tcase_add_test(tests, test_read_mesh);
