@@ -1,6 +1,7 @@
 #include "coupler/compare.h"
 
 #include "coupler/table.h"
+#include "protocol/mark.h"
 #include "protocol/plot.h"
 
 #include <errno.h>
@@ -77,6 +78,7 @@ double cpl_comparison_r2_mean(const cpl_comparison *c, const cpl_compared *curve
 tdm_status cpl_comparison_write(const cpl_comparison *c, const char *dir, tdm_error *err) {
   char file[4096];
   snprintf(file, sizeof file, "%s/comparison.csv", dir);
+  tdm_mark_add_in(dir, "comparison.csv");
   FILE *f = fopen(file, "w");
   if (!f)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno));

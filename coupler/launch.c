@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 struct cpl_child {
-  char *log;
+  int log;   /* open for reading: the file may be moved */
   pid_t pid; /* 0 for a thread */
   bool ended;
   int wait_status;
@@ -33,7 +33,8 @@ static void child_free(cpl_child *child) {
   if (child->sink)
     fclose(child->sink);
   free(child->endpoint);
-  free(child->log);
+  if (child->log >= 0)
+    close(child->log);
   free(child);
 }
 
@@ -106,7 +107,7 @@ tdm_status cpl_launch_process(cpl_child **child, const char *command, const char
     return tdm_fail(err, TDM_ERR_SYSTEM, NULL, "cannot start %s: %s", path, strerror(errno));
   }
   c->pid = pid;
-  c->log = strdup(log);
+  c->log = open(log, O_RDONLY | O_CLOEXEC);
   *child = c;
   return TDM_OK;
 }
@@ -125,9 +126,9 @@ tdm_status cpl_launch_thread(cpl_child **child, const tdm_solver_ops *ops, const
   cpl_child *c = calloc(1, sizeof *c);
   if (!c)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  c->log = strdup(log);
   c->endpoint = strdup(endpoint);
-  c->sink = fopen(log, "w");
+  c->sink = fopen(log, "we");
+  c->log = open(log, O_RDONLY | O_CLOEXEC);
   c->ops = ops;
   c->def = tdm_participant_default_def();
   c->def.name = c->def.role = ops->role;
@@ -199,15 +200,11 @@ bool cpl_child_running(cpl_child *c, char *how, size_t size) {
 void cpl_child_last_lines(const cpl_child *c, int nline, char *out, size_t size) {
   char text[4096];
   out[0] = 0;
-  FILE *f = fopen(c->log, "rb");
-  if (!f)
+  off_t length = c->log < 0 ? -1 : lseek(c->log, 0, SEEK_END), most = (off_t)sizeof text - 1;
+  ssize_t got = length < 0 ? -1 : pread(c->log, text, sizeof text - 1, length > most ? length - most : 0);
+  if (got < 0)
     return;
-  fseek(f, 0, SEEK_END);
-  long length = ftell(f);
-  long from = length > (long)sizeof text - 1 ? length - ((long)sizeof text - 1) : 0;
-  fseek(f, from, SEEK_SET);
-  size_t n = fread(text, 1, sizeof text - 1, f);
-  fclose(f);
+  size_t n = (size_t)got;
   while (n > 0 && text[n - 1] == '\n')
     n--;
   text[n] = 0;

@@ -22,20 +22,22 @@ static const cpl_solver solvers[CPL_NROLE] = {
 
 static void usage(FILE *out) {
   fputs("tandem: co-simulation of discrete elements and multibody dynamics\n\n"
-        "  tandem run SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
+        "  tandem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict]\n"
         "      Run a scene: a JSON file, or the name of a scenario. Results go to DIR (default: run-out).\n"
+        "      --force            replace the results of an earlier run in DIR\n"
         "      --set PATH=VALUE   override a value of the scene: --set coupling.n=25 --set dem.pairs[0].friction=0.3\n"
         "      --strict           refuse a run that a solver has doubts about\n\n"
         "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
-        "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n\n"
+        "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n"
+        "      --out DIR          keep the logs there; results that it holds stay\n\n"
         "  tandem report DIR\n"
         "      Plot a result directory: every time history, simulation against reference, where the time went.\n\n"
         "  tandem sweep SCENE [--dt LIST] [--n LIST] [--scheme LIST] [--set PATH=LIST ...] [--jobs J] [--resume]\n"
-        "               [--out DIR] [--json FILE]\n"
+        "               [--out DIR] [--force] [--json FILE]\n"
         "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
         "front.\n"
         "      --jobs J   cells at a time (default: processors); --resume keeps cells of an interrupted sweep.\n\n"
-        "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--json FILE]\n"
+        "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--force] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
         "      --full     the group \"coupling\": all cells of its grids, an hour instead of minutes\n\n"
@@ -57,7 +59,7 @@ static void usage(FILE *out) {
 typedef struct {
   tdm_arguments given;
   const char *out, *json, *scenarios, *dt, *n, *scheme, *jobs;
-  bool strict, resume, full;
+  bool force, strict, resume, full;
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
@@ -65,7 +67,7 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
       {"--out", &a->out, NULL},       {"--json", &a->json, NULL}, {"--scenarios", &a->scenarios, NULL},
       {"--set", NULL, NULL},          {"--dt", &a->dt, NULL},     {"--n", &a->n, NULL},
       {"--scheme", &a->scheme, NULL}, {"--jobs", &a->jobs, NULL}, {"--strict", NULL, &a->strict},
-      {"--resume", NULL, &a->resume}, {"--full", NULL, &a->full}};
+      {"--resume", NULL, &a->resume}, {"--full", NULL, &a->full}, {"--force", NULL, &a->force}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
 }
 
@@ -78,6 +80,8 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
     const char *name;
   } options[] = {{a->given.nset > 0, run || sweep, "--set"},
                  {a->strict, run, "--strict"},
+                 {a->out != NULL, run || sweep || verify, "--out"},
+                 {a->force, (run && strcmp(command, "check") != 0) || sweep || verify, "--force"},
                  {a->json != NULL, sweep || verify, "--json"},
                  {a->dt != NULL, sweep, "--dt"},
                  {a->n != NULL, sweep, "--n"},
@@ -106,8 +110,9 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
   if (refuse(a, command, true, false, false, err) != TDM_OK ||
       find_scene(a, command, scene, sizeof scene, err) != TDM_OK)
     return err->status;
-  cpl_run_options options = {.scene = scene, .set = a->given.set, .strict = a->strict, .check = check};
-  options.out = a->out ? a->out : check ? "check-out" : "run-out";
+  cpl_run_options options = {
+      .scene = scene, .set = a->given.set, .force = a->force, .strict = a->strict, .check = check};
+  options.out = a->out ? a->out : check ? NULL : "run-out";
   memcpy(options.solver, solvers, sizeof solvers);
   cpl_run(&options, &result, err);
   if (result.windows > 0)
@@ -150,6 +155,7 @@ static tdm_status command_verify(const arguments *a, tdm_error *err) {
                                 .out = a->out ? a->out : "verify-out",
                                 .json = a->json,
                                 .scenarios = a->scenarios,
+                                .force = a->force,
                                 .full = a->full};
   if (read_jobs(a, "verify", &options.jobs, err) != TDM_OK)
     return err->status;
@@ -177,7 +183,8 @@ static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error 
 
 static tdm_status command_sweep(const arguments *a, tdm_error *err) {
   char scene[4096];
-  cpl_sweep_options options = {.out = a->out ? a->out : "sweep-out", .json = a->json, .resume = a->resume};
+  cpl_sweep_options options = {
+      .out = a->out ? a->out : "sweep-out", .json = a->json, .force = a->force, .resume = a->resume};
   if (refuse(a, "sweep", false, true, false, err) != TDM_OK ||
       find_scene(a, "sweep", scene, sizeof scene, err) != TDM_OK)
     return err->status;

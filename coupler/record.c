@@ -8,13 +8,14 @@
 
 static const double flush_interval = 1; /* [s] wall clock: what a reader of a running run lags behind */
 
-/* what an earlier run may have left */
-static const char *const old_files[] = {"body_*",       "mbd.*",  "dem.*",      "ledger.*", "comparison.*",
-                                        "summary.json", "time.*", "index.html", NULL};
-
-tdm_status cpl_record_open(cpl_record *record, const char *dir, const char *scene, tdm_error *err) {
+tdm_status cpl_record_open(cpl_record *record, const tdm_results_def *def, tdm_error *err) {
   *record = (cpl_record){0};
-  return tdm_results_open(&record->results, dir, scene, "server.log", old_files, err);
+  return tdm_results_open(&record->results, def, err);
+}
+
+const char *cpl_record_body_file(const char *body, char *out, size_t size) {
+  snprintf(out, size, "body_%.200s.csv", body);
+  return out;
 }
 
 static void write_body_row(FILE *f, double time, const tdm_state *state, const tdm_wrench *load) {
@@ -26,13 +27,15 @@ static void write_body_row(FILE *f, double time, const tdm_state *state, const t
 
 tdm_status cpl_record_begin(cpl_record *record, const cpl_session *s, tdm_error *err) {
   char name[256];
+  if (tdm_results_start(&record->results, err) != TDM_OK)
+    return err->status;
   record->interval = s->settings->output_interval;
   record->body = calloc((size_t)s->settings->nbody + 1, sizeof *record->body);
   if (!record->body)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   record->nbody = s->settings->nbody;
   for (int i = 0; i < record->nbody; i++) {
-    snprintf(name, sizeof name, "body_%.200s.csv", s->settings->body[i].name[CPL_MBD]);
+    cpl_record_body_file(s->settings->body[i].name[CPL_MBD], name, sizeof name);
     record->body[i] = tdm_results_file(&record->results, name, err);
     if (!record->body[i])
       return err->status;
@@ -73,7 +76,7 @@ static tdm_status flush_all(cpl_record *record, tdm_error *err) {
       return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: a time history cannot be written: %s; what is there stays readable",
                       record->results.dir, strerror(errno));
   }
-  return TDM_OK;
+  return tdm_results_there(&record->results, err);
 }
 
 tdm_status cpl_record_samples(cpl_record *record, uint64_t first, int nsample, const tdm_result *result,

@@ -24,9 +24,12 @@ typedef struct cpl_record {
 } cpl_record;
 
 /* Open the result directory: see tdm_results_open. */
-tdm_status cpl_record_open(cpl_record *record, const char *dir, const char *scene, tdm_error *err);
+tdm_status cpl_record_open(cpl_record *record, const tdm_results_def *def, tdm_error *err);
 
-/* Open the time histories and write the row of t = 0. */
+/* The name of the file of a coupled body, by mbd's name for it. Returns out. */
+const char *cpl_record_body_file(const char *body, char *out, size_t size);
+
+/* The run begins (tdm_results_start): open the time histories and write the row of t = 0. */
 tdm_status cpl_record_begin(cpl_record *record, const cpl_session *session, tdm_error *err);
 
 /* Rows for the output times first … first + nsample - 1 of the grid, from the results of both solvers. */

@@ -5,11 +5,11 @@
 #include "coupler/table.h"
 
 #include <errno.h>
-#include <glob.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { PANELS_MAX = 64, CURVES_MAX = 256, PICTURES_MAX = 64 };
 
@@ -114,18 +114,26 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
   return err->status;
 }
 
-static tdm_status plot_histories(report *r, tdm_error *err) {
-  static const char *const patterns[] = {"body_*.csv", "ledger.csv", "mbd.csv", "dem.csv"};
-  for (int i = 0; i < 4 && err->status == TDM_OK; i++) {
-    char pattern[4352];
-    glob_t found;
-    snprintf(pattern, sizeof pattern, "%s/%s", r->dir, patterns[i]);
-    if (glob(pattern, 0, NULL, &found) == 0) {
-      for (size_t k = 0; k < found.gl_pathc && err->status == TDM_OK; k++)
-        plot_history(r, found.gl_pathv[k], err);
-      globfree(&found);
-    }
+/* A history that the run may have written; one that is not there is none. */
+static tdm_status plot_one(report *r, const char *name, tdm_error *err) {
+  char path[4352];
+  snprintf(path, sizeof path, "%s/%s", r->dir, name);
+  return access(path, F_OK) == 0 ? plot_history(r, path, err) : err->status;
+}
+
+/* The files that this scene's run writes, by their names. */
+static tdm_status plot_histories(report *r, const json_t *scene, tdm_error *err) {
+  static const char *const files[] = {"ledger.csv", "mbd.csv", "dem.csv"};
+  size_t i;
+  json_t *body;
+  json_array_foreach(json_object_get(json_object_get(scene, "coupling"), "bodies"), i, body) {
+    char name[256];
+    const char *mbd = json_string_value(json_object_get(body, cpl_role_names[CPL_MBD]));
+    if (mbd && cpl_name_fits_file(mbd) && plot_one(r, cpl_record_body_file(mbd, name, sizeof name), err) != TDM_OK)
+      return err->status;
   }
+  for (int k = 0; k < 3; k++)
+    plot_one(r, files[k], err);
   return err->status;
 }
 
@@ -138,6 +146,7 @@ static double wall(const report *r, const char *part) {
 static tdm_status plot_time(report *r, tdm_error *err) {
   char path[4352];
   snprintf(path, sizeof path, "%s/time.csv", r->dir);
+  tdm_mark_add_in(r->dir, "time.csv");
   FILE *f = fopen(path, "w");
   if (!f)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
@@ -213,16 +222,17 @@ static void write_head(FILE *page, const report *r) {
           (long long)json_integer_value(json_object_get(r->summary, "windows")), wall(r, "all"));
 }
 
-static tdm_status write_report(report *r, const cpl_scenario *scenario, tdm_error *err) {
+static tdm_status write_report(report *r, const json_t *scene, const cpl_scenario *scenario, tdm_error *err) {
   char path[4352];
   snprintf(path, sizeof path, "%s/index.html", r->dir);
+  tdm_mark_add_in(r->dir, "index.html");
   FILE *page = fopen(path, "w");
   if (!page)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   write_head(page, r);
   compare(r, scenario, page);
   if (err->status == TDM_OK && plot_time(r, err) == TDM_OK)
-    plot_histories(r, err);
+    plot_histories(r, scene, err);
   for (int i = 0; i < r->npicture; i++)
     fprintf(page, "<h2>%s</h2>\n<a href=\"%s.svg\"><img src=\"%s.png\" alt=\"%s\"></a>\n", r->picture[i], r->picture[i],
             r->picture[i], r->picture[i]);
@@ -241,7 +251,7 @@ tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error 
   if (err->status == TDM_OK) {
     r->dir = dir;
     r->summary = summary;
-    write_report(r, cpl_scenario_of(scenarios, scene, err), err);
+    write_report(r, scene, cpl_scenario_of(scenarios, scene, err), err);
   }
   free(r);
   json_decref(scene);

@@ -1,13 +1,13 @@
 #include "coupler/run.h"
 
 #include "coupler/check.h"
+#include "coupler/private.h"
 #include "coupler/record.h"
 #include "coupler/scheme/scheme.h"
 #include "coupler/window.h"
 #include "protocol/log.h"
 #include "protocol/progress.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
@@ -21,8 +21,8 @@ typedef struct {
   cpl_record record;
   cpl_session session;
   cpl_loop loop;
-  void *context;     /* ZeroMQ context shared with threads */
-  char ipc_dir[128]; /* private directory of the ipc socket, "" when none */
+  void *context;   /* ZeroMQ context shared with threads */
+  cpl_private own; /* of the ipc socket, and of the logs of a check that leaves none */
   bool session_open, thread_hangs;
 } run_state;
 
@@ -39,15 +39,21 @@ static tdm_status load(run_state *run, tdm_error *err) {
       return err->status;
   if (cpl_settings_read(&run->settings, &run->scene, err) != TDM_OK)
     return err->status;
-  if (cpl_record_open(&run->record, o->out, o->scene, err) != TDM_OK)
+  if ((!o->out || run->settings.transport == CPL_IPC) && cpl_private_make(&run->own, err) != TDM_OK)
+    return err->status;
+  const tdm_results_def def = {.dir = o->out ? o->out : run->own.dir,
+                               .scene = o->scene,
+                               .log = "server.log",
+                               .force = o->force || !o->out,
+                               .beside = o->check};
+  if (cpl_record_open(&run->record, &def, err) != TDM_OK)
     return err->status;
   tdm_log_open(run->record.results.log, "server");
   return tdm_results_json(&run->record.results, "scene.json", run->scene.root, err);
 }
 
 /* Where the server listens. ipc: a socket in a directory that only this user can enter. */
-static tdm_status choose_endpoint(run_state *run, char *endpoint, size_t size, tdm_error *err) {
-  const char *temporary = getenv("TMPDIR");
+static void choose_endpoint(const run_state *run, char *endpoint, size_t size) {
   switch (run->settings.transport) {
   case CPL_INPROC:
     snprintf(endpoint, size, "inproc://tandem");
@@ -56,18 +62,9 @@ static tdm_status choose_endpoint(run_state *run, char *endpoint, size_t size, t
     snprintf(endpoint, size, "%s", run->settings.address);
     break;
   case CPL_IPC:
-    snprintf(run->ipc_dir, sizeof run->ipc_dir, "%s/tandem-XXXXXX",
-             temporary && *temporary && strlen(temporary) < 80 ? temporary : "/tmp");
-    if (!mkdtemp(run->ipc_dir)) { /* makes it with mode 0700 */
-      tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be made: %s; set TMPDIR to a directory that can be written",
-               run->ipc_dir, strerror(errno));
-      run->ipc_dir[0] = 0;
-      return err->status;
-    }
-    snprintf(endpoint, size, "ipc://%s/server", run->ipc_dir);
+    snprintf(endpoint, size, "ipc://%s/server", run->own.dir);
     break;
   }
-  return TDM_OK;
 }
 
 static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
@@ -81,7 +78,7 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
     return TDM_OK;
   }
   snprintf(file, sizeof file, "%s.log", name);
-  tdm_results_path(&run->record.results, file, log, sizeof log);
+  tdm_results_claim(&run->record.results, file, log, sizeof log);
   if (s->transport == CPL_INPROC) {
     if (s->command[role] || !run->options->solver[role].ops)
       return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? "coupling.solvers" : "coupling.transport",
@@ -97,8 +94,7 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
 
 static tdm_status start(run_state *run, tdm_error *err) {
   char endpoint[256];
-  if (choose_endpoint(run, endpoint, sizeof endpoint, err) != TDM_OK)
-    return err->status;
+  choose_endpoint(run, endpoint, sizeof endpoint);
   if (run->settings.transport == CPL_INPROC)
     run->context = tdm_context_create();
   run->session_open = true;
@@ -263,12 +259,6 @@ static void stop(run_state *run, const tdm_error *err) {
       run->thread_hangs = true;
   if (!run->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
     tdm_context_destroy(&run->context);
-  if (run->ipc_dir[0]) {
-    char socket[160];
-    snprintf(socket, sizeof socket, "%s/server", run->ipc_dir);
-    unlink(socket);
-    rmdir(run->ipc_dir);
-  }
 }
 
 static void finish(run_state *run, cpl_run_result *result, double begin, tdm_error *err) {
@@ -278,7 +268,7 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   if (run->record.results.log) {
     result->wall = tdm_clock() - begin;
     json_t *json = summary(run, result, err);
-    tdm_results_json(&run->record.results, "summary.json", json, err);
+    tdm_results_summary(&run->record.results, json, err);
     json_decref(json);
     if (err->status != TDM_OK)
       tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
@@ -287,6 +277,9 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
       tdm_log(TDM_LOG_INFO, "finished", "windows=%llu simulated=%g wall=%.3f", (unsigned long long)result->windows,
               result->simulated, result->wall);
   }
+  if (run->record.results.staged && !run->options->quiet)
+    fprintf(stderr, "tandem: notice: the results in %s stay as they are; the logs of this start are in %s\n",
+            run->record.results.home, run->record.results.dir);
   stop(run, err);
   result->wall = tdm_clock() - begin;
   cpl_loop_free(&run->loop);
@@ -294,6 +287,7 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   tdm_scene_destroy(&run->scene);
   tdm_log_open(NULL, "server");
   tdm_results_close(&run->record.results);
+  cpl_private_remove(&run->own);
 }
 
 tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {

@@ -8,7 +8,8 @@
 typedef struct {
   const char *scene;      /* file */
   const char *const *set; /* NULL-terminated "path=value" overrides, may be NULL */
-  const char *out;        /* result directory */
+  const char *out;        /* result directory; NULL for a check that leaves nothing */
+  bool force;             /* replace the results of an earlier run there */
   bool strict;            /* refuse a run whose solvers warn */
   bool quiet;             /* no progress, no warnings on standard error */
   bool check;             /* stop when both solvers are ready, and print what would run (not when quiet) */

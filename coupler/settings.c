@@ -18,15 +18,23 @@ uint64_t cpl_total_windows(const cpl_settings *s) {
   return (cpl_total_steps(s) + n - 1) / n;
 }
 
+bool cpl_name_fits_file(const char *name) {
+  for (const char *c = name; *c; c++)
+    if (!isalnum((unsigned char)*c) && !strchr("_-.", *c))
+      return false;
+  return *name && *name != '.';
+}
+
 /* A body's name becomes part of a file name and of a CSV header. */
 static void check_name(tdm_object *o, const char *key, const char *name) {
-  for (const char *c = name; *c; c++)
-    if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) {
-      tdm_object_fail(o, key, "\"%s\" has a character that does not fit a file name; use letters, digits, _ - .", name);
-      return;
-    }
-  if (!*name || *name == '.')
+  if (!*name)
     tdm_object_fail(o, key, "\"%s\" is no name of a body", name);
+  else if (strlen(name) > 100)
+    tdm_object_fail(o, key, "has %zu characters; take at most 100", strlen(name));
+  else if (!cpl_name_fits_file(name))
+    tdm_object_fail(
+        o, key, "\"%s\" has a character that does not fit a file name; use letters, digits, _ - ., and no dot in front",
+        name);
 }
 
 static void read_bodies(cpl_settings *s, tdm_object *coupling) {

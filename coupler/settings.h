@@ -63,6 +63,9 @@ typedef struct {
   double output_interval; /* of the time histories [s] */
 } cpl_settings;
 
+/* Whether a body of this name can have a file and a column: letters, digits, _ - . and no dot in front. */
+bool cpl_name_fits_file(const char *name);
+
 /* Read the server's sections. An error has its JSON path; tdm_scene_locate adds the place. */
 tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, tdm_error *err);
 void cpl_settings_free(cpl_settings *settings);

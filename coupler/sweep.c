@@ -156,7 +156,7 @@ static void make_beds(const cpl_sweep_options *o, const cpl_cell *cell, int ncel
     char out[4200];
     snprintf(out, sizeof out, "%s/bed-out", o->out);
     fprintf(stderr, "tandem: settling the bed\n");
-    cpl_run_options run = {.scene = o->scene, .set = set, .out = out, .quiet = true, .check = true};
+    cpl_run_options run = {.scene = o->scene, .set = set, .out = out, .force = true, .quiet = true, .check = true};
     memcpy(run.solver, o->solver, sizeof run.solver);
     cpl_run(&run, &result, &err);
   }
@@ -281,18 +281,8 @@ static tdm_status prepare(const cpl_sweep_options *o, cpl_cell *cell, int ncell,
   return err->status;
 }
 
-tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
-  long ncell = 1;
-  for (int a = 0; a < o->naxis; a++) {
-    ncell *= o->axis[a].nvalue;
-    if (ncell > 10000)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: more than 10000 cells");
-  }
-  FILE *json = o->json ? fopen(o->json, "w") : NULL; /* better now than after the grid */
-  if (o->json && !json)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", o->json, strerror(errno));
-  if (json)
-    fclose(json);
+/* The grid, into a directory that is open. */
+static tdm_status sweep_cells(const cpl_sweep_options *o, long ncell, tdm_error *err) {
   cpl_cell *cell = calloc((size_t)ncell, sizeof *cell);
   if (!cell)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
@@ -309,5 +299,23 @@ tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
       free(cell[i].assignment[a]);
   }
   free(cell);
+  return err->status;
+}
+
+tdm_status cpl_sweep(const cpl_sweep_options *o, tdm_error *err) {
+  long ncell = 1;
+  for (int a = 0; a < o->naxis; a++) {
+    ncell *= o->axis[a].nvalue;
+    if (ncell > 10000)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: more than 10000 cells");
+  }
+  tdm_results results;
+  const tdm_results_def def = {
+      .dir = o->out, .force = o->force, .beside = o->resume, .instead = "go on with it with --resume, "};
+  if (tdm_results_open(&results, &def, err) != TDM_OK)
+    return err->status;
+  if (tdm_check_writable(o->json, err) == TDM_OK && tdm_results_start(&results, err) == TDM_OK)
+    sweep_cells(o, ncell, err);
+  tdm_results_close(&results);
   return err->status;
 }

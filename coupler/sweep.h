@@ -27,6 +27,7 @@ typedef struct {
   int naxis;
   cpl_axis axis[CPL_AXES_MAX];
   int jobs;    /* cells at a time */
+  bool force;  /* replace the results of an earlier sweep there */
   bool resume; /* keep the rows that are there */
   const char *out;
   const char *json; /* further copy of sweep.json, NULL: none */

@@ -122,7 +122,7 @@ static void add_numbers(json_t *row, const cpl_comparison *c) {
 json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
   tdm_error err = {0};
   cpl_run_result result;
-  cpl_run_options run = {.scene = o->scene, .set = cell->set, .out = cell->dir, .quiet = true};
+  cpl_run_options run = {.scene = o->scene, .set = cell->set, .out = cell->dir, .force = true, .quiet = true};
   memcpy(run.solver, o->solver, sizeof run.solver);
   tdm_status status = cpl_run(&run, &result, &err);
   if (status == TDM_ERR_INTERRUPTED)

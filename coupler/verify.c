@@ -77,7 +77,7 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
   case_dir(v, case_name, dir, size);
   if (cpl_verify_find(v, "", v->now->scenario->name, scene, sizeof scene, err) != TDM_OK)
     return err->status;
-  cpl_run_options run = {.scene = scene, .set = set, .out = dir};
+  cpl_run_options run = {.scene = scene, .set = set, .out = dir, .force = true};
   run.quiet = !isatty(2);
   memcpy(run.solver, v->options->solver, sizeof run.solver);
   if (isatty(2))
@@ -134,7 +134,8 @@ static void run_case(const cpl_verify *v, const cpl_verify_case *c, bool check, 
   snprintf(out, sizeof out, "%s/bed-out", v->dir);
   if (cpl_verify_find(v, "", name, scene, sizeof scene, &left->err) != TDM_OK)
     return;
-  cpl_run_options run = {.scene = scene, .set = set, .out = check ? out : c->dir, .quiet = true, .check = check};
+  cpl_run_options run = {
+      .scene = scene, .set = set, .out = check ? out : c->dir, .force = true, .quiet = true, .check = check};
   memcpy(run.solver, v->options->solver, sizeof run.solver);
   cpl_run(&run, &left->result, &left->err);
 }
@@ -370,21 +371,10 @@ static void run_scenario(cpl_verify *v, outcome *o) {
   print_outcome(o);
 }
 
-/* The JSON file is written at the end; that it can be is checked before the work begins. */
-static tdm_status check_json(const char *file, tdm_error *err) {
-  FILE *f = file ? fopen(file, "w") : NULL;
-  if (file && !f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno));
-  if (f)
-    fclose(f);
-  return TDM_OK;
-}
-
-tdm_status cpl_verify_all(const cpl_verify_options *options, tdm_error *err) {
+/* The chosen scenarios, into a directory that is open. */
+static tdm_status verify_chosen(const cpl_verify_options *options, tdm_error *err) {
   double begin = tdm_clock();
   cpl_verify v = {.options = options};
-  if (check_names(options, err) != TDM_OK || check_json(options->json, err) != TDM_OK)
-    return err->status;
   int nscenario = 0, n = 0;
   while (options->scenario[nscenario].name)
     nscenario++;
@@ -414,5 +404,16 @@ tdm_status cpl_verify_all(const cpl_verify_options *options, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted");
   if (!pass)
     return tdm_fail(err, TDM_ERR_LIMIT, NULL, "verification failed: see the table above");
+  return err->status;
+}
+
+tdm_status cpl_verify_all(const cpl_verify_options *options, tdm_error *err) {
+  tdm_results results;
+  const tdm_results_def def = {.dir = options->out, .force = options->force, .beside = true};
+  if (check_names(options, err) != TDM_OK || tdm_results_open(&results, &def, err) != TDM_OK)
+    return err->status;
+  if (tdm_check_writable(options->json, err) == TDM_OK && tdm_results_start(&results, err) == TDM_OK)
+    verify_chosen(options, err);
+  tdm_results_close(&results);
   return err->status;
 }

@@ -92,6 +92,7 @@ typedef struct {
   const char *out;              /* directory of results */
   const char *json;             /* file, NULL: none */
   const char *scenarios;        /* --scenarios DIR or NULL */
+  bool force;                   /* write also between files that are not tandem's */
   bool full;                    /* --full */
   int jobs;                     /* runs at a time, 0: processors */
   cpl_solver solver[CPL_NROLE];

@@ -47,9 +47,7 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
 }
 
 static tdm_status open_results(run_state *run, tdm_error *err) {
-  static const char *const old[] = {"channels.*", "particles_*.vtp", "walls_*.vtp",  "scene.pvd",
-                                    "picture_*",  "pictures.*",      "summary.json", NULL};
-  return tdm_alone_open(&run->alone, old, err);
+  return tdm_alone_open(&run->alone, err);
 }
 
 static tdm_status start_solver(run_state *run, tdm_error *err) {
@@ -252,7 +250,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
     doubt(run);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
-  tdm_results_json(&run->alone.results, "summary.json", json, err);
+  tdm_results_summary(&run->alone.results, json, err);
   json_decref(json);
   snprintf(pairs, sizeof pairs, "steps=%llu simulated=%g wall=%.3f", (unsigned long long)run->nstep,
            (double)run->nstep * run->settings.time.dt, wall);

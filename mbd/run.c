@@ -88,9 +88,7 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
 }
 
 static tdm_status open_results(run_state *run, tdm_error *err) {
-  static const char *const old[] = {"channels.*", "motion.*",     "reactions.*", "energies.*",
-                                    "drift.*",    "summary.json", NULL};
-  return tdm_alone_open(&run->alone, old, err);
+  return tdm_alone_open(&run->alone, err);
 }
 
 static tdm_status start_solver(run_state *run, tdm_error *err) {
@@ -226,7 +224,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
     fprintf(stderr, "tandem-mbd: notice: %s\n", notice.message);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
-  tdm_results_json(&run->alone.results, "summary.json", json, err);
+  tdm_results_summary(&run->alone.results, json, err);
   json_decref(json);
   long steps = run->windows > 0 ? mbd_solver_stats(run->alone.solver)->steps : 0;
   snprintf(pairs, sizeof pairs, "steps=%ld simulated=%g wall=%.3f", steps, run->t, wall);

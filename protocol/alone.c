@@ -26,18 +26,13 @@ tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status tdm_alone_open(tdm_alone *run, const char *const *old, tdm_error *err) {
+tdm_status tdm_alone_open(tdm_alone *run, tdm_error *err) {
   const tdm_alone_options *o = run->options;
   const char *role = run->program->ops->role;
-  char name[64], log[4352];
+  char name[64];
   snprintf(name, sizeof name, "%s.log", role);
-  snprintf(log, sizeof log, "%s/%s", o->out, name);
-  if (!o->force && access(log, F_OK) == 0)
-    return tdm_fail(err, TDM_ERR_FILE, NULL,
-                    "%s: holds the results of an earlier run; give another directory with --out, or replace them with "
-                    "--force",
-                    o->out);
-  if (tdm_results_open(&run->results, o->out, o->scene, name, old, err) != TDM_OK)
+  const tdm_results_def def = {.dir = o->out, .scene = o->scene, .log = name, .force = o->force};
+  if (tdm_results_open(&run->results, &def, err) != TDM_OK)
     return err->status;
   tdm_log_open(run->results.log, role);
   return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
@@ -100,6 +95,8 @@ tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err
 /* ---- time histories ---- */
 
 tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
+  if (tdm_results_start(&run->results, err) != TDM_OK)
+    return err->status;
   run->channels = tdm_results_file(&run->results, "channels.csv", err);
   if (!run->channels)
     return err->status;
@@ -120,6 +117,7 @@ tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_err
   if (now - run->last_flush > flush_interval) {
     run->last_flush = now;
     fflush(run->channels);
+    tdm_results_there(&run->results, err);
   }
   if (ferror(run->channels))
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s/channels.csv: cannot be written: %s; what is there stays readable",
@@ -207,6 +205,9 @@ void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
 }
 
 void tdm_alone_free(tdm_alone *run) {
+  if (run->results.staged)
+    fprintf(stderr, "%s: notice: the results in %s stay as they are; the log of this start is in %s\n",
+            run->program->name, run->results.home, run->results.dir);
   free(run->moved);
   tdm_log_open(NULL, run->program->ops->role);
   tdm_results_close(&run->results);

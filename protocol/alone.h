@@ -63,9 +63,9 @@ typedef struct {
 
 tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err);
 
-/* Open the result directory with ROLE.log as its log; an earlier run's results stay unless --force was given. `old` as
- * in tdm_results_open. */
-tdm_status tdm_alone_open(tdm_alone *run, const char *const *old, tdm_error *err);
+/* Open the result directory with ROLE.log as its log; an earlier run's results stay unless --force was given, and then
+ * until tdm_alone_begin. */
+tdm_status tdm_alone_open(tdm_alone *run, tdm_error *err);
 
 /* Doubt a setting of the run, with printf's arguments; TDM_ALONE_DOUBTS at most, before tdm_alone_start. */
 void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -76,7 +76,7 @@ void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end);
  * solver's warnings are printed, or refused when strict. */
 tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err);
 
-/* Open channels.csv, with its head; run->values are the values at the start. */
+/* The run begins: channels.csv is opened, with its head; run->values are the values at the start. */
 tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err);
 /* Write `values` (nchannel) as the next row, at time t [s]. */
 tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err);

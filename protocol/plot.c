@@ -1,5 +1,7 @@
 #include "protocol/plot.h"
 
+#include "protocol/mark.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -56,10 +58,21 @@ static int run_gnuplot(const char *dir, const char *script, const char *log) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+/* The files of a plot are the directory's own: a new run may remove them. */
+static void mark_files(const char *dir, const char *name) {
+  static const char *const endings[] = {"gp", "png", "svg", "gnuplot"};
+  char file[256];
+  for (int i = 0; i < 4; i++) {
+    snprintf(file, sizeof file, "%s.%s", name, endings[i]);
+    tdm_mark_add_in(dir, file);
+  }
+}
+
 tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
   char path[4096], script[256], log[256];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(log, sizeof log, "%s.gnuplot", name); /* not .log: dem.log is the solver's */
+  mark_files(dir, name);
   int status = run_gnuplot(dir, script, log);
   if (status == 127)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "no plots: gnuplot is not installed (Debian package gnuplot-nox)");

@@ -6,7 +6,8 @@ static const char *dir;
 
 /* The collision scenario's scene with overrides. */
 static int run(const char *options) {
-  return command("tandem run " TANDEM_SOURCE_DIR "/scenarios/collision/scene.json --out %s/out --set time.end=1e-4 %s",
+  return command("tandem run " TANDEM_SOURCE_DIR
+                 "/scenarios/collision/scene.json --out %s/out --force --set time.end=1e-4 %s",
                  dir, options);
 }
 

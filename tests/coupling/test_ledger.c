@@ -116,7 +116,7 @@ static const double *column(const cpl_table *t, const char *name) {
 START_TEST(impulse_and_balance_of_a_floating_cube) {
   const char *dir = directory_make();
   write_file(dir, "scene.json", floating);
-  ck_assert_msg(command("tandem run %s/scene.json --out %s/out", dir, dir) == 0, "%s", command_output);
+  ck_assert_msg(command("tandem run %s/scene.json --out %s/out --force", dir, dir) == 0, "%s", command_output);
   cpl_table ledger = {0}, body = {0};
   read_csv(dir, "ledger.csv", &ledger);
   read_csv(dir, "body_cube.csv", &body);
@@ -145,7 +145,7 @@ START_TEST(impulse_and_balance_of_a_floating_cube) {
   cpl_table_free(&ledger);
   cpl_table_free(&body);
   ck_assert_int_eq(command("sh -c 'cp %s/out/ledger.csv %s/first.csv'", dir, dir), 0);
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out", dir, dir), 0);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --force", dir, dir), 0);
   ck_assert_int_eq(command("cmp %s/out/ledger.csv %s/first.csv", dir, dir), 0);
   ck_assert_msg(command("tandem report %s/out", dir) == 0, "%s", command_output);
   ck_assert_int_eq(command("test -s %s/out/ledger.png", dir), 0);
@@ -157,7 +157,8 @@ START_TEST(a_run_that_gains_energy_stops) {
   const char *dir = directory_make();
   json_t *summary;
   write_file(dir, "scene.json", heavy);
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed", dir, dir, dir), 1);
+  ck_assert_int_eq(
+      command("tandem run %s/scene.json --out %s/out --force --set dem.settle.store=%s/bed", dir, dir, dir), 1);
   expect_output("coupling.n: energy without a source");
   expect_output("at body \"box\"");
   expect_output("take a smaller coupling.n");
@@ -167,18 +168,20 @@ START_TEST(a_run_that_gains_energy_stops) {
   ck_assert_str_eq(json_string_value(json_object_get(summary, "status")), "TDM_ERR_NUMERIC");
   json_decref(summary);
   /* only told */
-  command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed --set coupling.guard.action=warn", dir,
-          dir, dir);
+  command(
+      "tandem run %s/scene.json --out %s/out --force --set dem.settle.store=%s/bed --set coupling.guard.action=warn",
+      dir, dir, dir);
   ck_assert_ptr_null(strstr(command_output, "without a source"));
   figures = ledger_of(dir, &summary);
   ck_assert_double_gt(figure(figures, "gained_at_s"), 0);
   json_decref(summary);
   ck_assert_int_eq(command("grep -q 'event=guard.*energy without a source' %s/out/server.log", dir), 0);
   /* short windows: nothing rises, and what both sides worked agrees */
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set dem.settle.store=%s/bed --set coupling.n=5 "
-                           "--set coupling.scheme=proxy",
-                           dir, dir, dir),
-                   0);
+  ck_assert_int_eq(
+      command("tandem run %s/scene.json --out %s/out --force --set dem.settle.store=%s/bed --set coupling.n=5 "
+              "--set coupling.scheme=proxy",
+              dir, dir, dir),
+      0);
   figures = ledger_of(dir, &summary);
   ck_assert_double_lt(figure(figures, "energy_rise"), 0.01);
   ck_assert_double_lt(figure(figures, "energy_residual"), 1e-5);
@@ -191,8 +194,8 @@ START_TEST(a_run_that_ends_with_energy_gained_has_failed) {
   const char *dir = directory_make();
   write_file(dir, "scene.json", heavy);
   /* three windows: too few for three looks in a row */
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.n=1000 --set time.end=0.6", dir, dir),
-                   1);
+  ck_assert_int_eq(
+      command("tandem run %s/scene.json --out %s/out --force --set coupling.n=1000 --set time.end=0.6", dir, dir), 1);
   expect_output("energy without a source");
   directory_remove(dir);
 }
@@ -218,7 +221,8 @@ START_TEST(no_false_alarm) {
       "  \"particles\": [{\"type\": \"list\", \"material\": \"g\", \"radius\": 0.05, \"positions\": [[-0.2, 0, "
       "-0.6]], \"velocity\": [1.5, 0, -1]}]}}");
   for (int i = 0; i < 2; i++) {
-    ck_assert_msg(command("tandem run %s/scene.json --out %s/out %s", dir, dir, more[i]) == 0, "%s", command_output);
+    ck_assert_msg(command("tandem run %s/scene.json --out %s/out --force %s", dir, dir, more[i]) == 0, "%s",
+                  command_output);
     const json_t *figures = ledger_of(dir, &summary);
     const json_t *body = json_object_get(json_object_get(figures, "bodies"), "box");
     ck_assert(json_is_null(json_object_get(figures, "gained_at_s")));
@@ -240,7 +244,7 @@ START_TEST(without_energies_there_is_no_verdict) {
              " \"mbd\": {\"bodies\": [{\"name\": \"b\", \"mass\": 1, \"inertia\": [1, 1, 1], \"position\": [0, 0, 0], "
              "\"velocity\": [1, 0, 0]}], \"gravity\": [0, 0, 0]},\n"
              " \"dem\": {\"stiffness\": 100}}");
-  ck_assert_msg(command("tandem run %s/scene.json --out %s/out", dir, dir) == 0, "%s", command_output);
+  ck_assert_msg(command("tandem run %s/scene.json --out %s/out --force", dir, dir) == 0, "%s", command_output);
   const json_t *figures = ledger_of(dir, &summary);
   ck_assert(json_is_null(json_object_get(figures, "energy_residual")));
   ck_assert(json_is_null(json_object_get(figures, "gained_at_s")));

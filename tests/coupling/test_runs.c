@@ -209,8 +209,8 @@ static pid_t long_run(const char *first, const char *second) {
   char file[256], out[256];
   snprintf(file, sizeof file, "%s/scene.json", dir);
   snprintf(out, sizeof out, "%s/out", dir);
-  const char *const arguments[] = {"run",   file,  "--out", out,    "--set", "time.end=1e5",
-                                   "--set", first, "--set", second, NULL};
+  const char *const arguments[] = {"run",          file,    "--out", out,     "--force", "--set",
+                                   "time.end=1e5", "--set", first,   "--set", second,    NULL};
   return background(dir, arguments);
 }
 
@@ -388,9 +388,10 @@ START_TEST(result_directories_are_guarded) {
   expect_output("another run writes into this directory");
   kill(pid, SIGINT);
   ck_assert_int_eq(background_end(pid, 5), 130);
-  write_file(dir, "out/body_other.csv", "time [s]\n0\n"); /* left by another scene */
-  run("out", "");
-  ck_assert_int_ne(command("ls %s/out/body_other.csv", dir), 0);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out", dir, dir), 1);
+  expect_output("holds the results of an earlier run");
+  expect_output("--force");
+  run("out", "--force");
   directory_remove(dir);
 }
 END_TEST
@@ -461,7 +462,7 @@ START_TEST(a_solver_killed_at_a_random_window) {
       usleep((useconds_t)delay);
       _exit(find_processes(find, &victim) == 1 ? kill(victim, SIGKILL) != 0 : 2);
     }
-    int status = command("tandem run %s/scene.json --out %s/out --set time.end=1e5", dir, dir), killed;
+    int status = command("tandem run %s/scene.json --out %s/out --force --set time.end=1e5", dir, dir), killed;
     waitpid(killer, &killed, 0);
     ck_assert_int_eq(killed, 0);
     ck_assert_msg(status == 1, "%d after %d us: %s", status, delay, command_output);

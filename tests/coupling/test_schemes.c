@@ -171,7 +171,8 @@ static void setup(const char *scene) {
 
 static void run(const char *options) {
   /* explicit schemes gain energy here, which is what is measured */
-  int status = command("tandem run %s/scene.json --out %s/out --set coupling.guard.action=warn %s", dir, dir, options);
+  int status =
+      command("tandem run %s/scene.json --out %s/out --force --set coupling.guard.action=warn %s", dir, dir, options);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
 }
 
@@ -365,7 +366,8 @@ START_TEST(a_fast_turn_shortens_windows) {
   run(line);
   ck_assert_double_gt(summary("\"n\"", "most"), 50);
   ck_assert_double_lt(summary("\"n\"", "most"), 250);
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.n=1000 %s", dir, dir, spin), 1);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --force --set coupling.n=1000 %s", dir, dir, spin),
+                   1);
   expect_output("take a smaller n");
   directory_remove(dir);
 }
@@ -417,7 +419,7 @@ START_TEST(what_cannot_adapt_is_refused) {
       {"--set coupling.iterative.reuse=101", "take at most 100"},
   };
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-    ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out %s", dir, dir, cases[i].options), 1);
+    ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --force %s", dir, dir, cases[i].options), 1);
     expect_output(cases[i].what);
     expect_output("coupling.");
   }

@@ -119,11 +119,15 @@ START_TEST(another_scene_in_the_same_directory) {
   /* other particles are another bed, a refused scene leaves nothing behind that would be taken for a result */
   setup();
   ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5 --out %s/s", dir, dir), 0);
-  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5 --set 'dem.particles[0].seed=7' --out %s/s", dir, dir), 0);
+  ck_assert_int_eq(
+      command("tandem sweep %s/scene.json --n 5 --set 'dem.particles[0].seed=7' --out %s/s --force", dir, dir), 0);
   expect_output(": ok");
   ck_assert_int_eq(command("sh -c 'sed s/0.9,/1.9,/ %s/scene.json >%s/wrong.json'", dir, dir), 0);
-  ck_assert_int_eq(command("tandem sweep %s/wrong.json --n 5 --out %s/s", dir, dir), 0);
+  ck_assert_int_eq(command("tandem sweep %s/wrong.json --n 5 --out %s/s --force", dir, dir), 0);
   expect_output(": failed");
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5 --out %s/s", dir, dir), 1);
+  expect_output("holds the results of an earlier run");
+  expect_output("--resume");
   ck_assert_int_eq(command("tandem sweep %s/scene.json --n 5 --out %s/s --resume", dir, dir), 0);
   expect_output(": ok");
   directory_remove(dir);

@@ -25,7 +25,7 @@ static void setup(void) {
 
 static int run_with(const char *fault, const char *window) {
   const char *section = strcmp(fault, "") == 0 ? "dummy_solver" : "faulty_solver";
-  return command("env FAULT=%s %s%s tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=%s", fault,
+  return command("env FAULT=%s %s%s tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=%s", fault,
                  window ? "FAULT_WINDOW=" : "", window ? window : "", dir, dir, section);
 }
 
@@ -57,7 +57,7 @@ END_TEST
 
 START_TEST(unknown_key_of_a_foreign_section) {
   setup();
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver "
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=dummy_solver "
                            "--set dem.stifness=3",
                            dir, dir),
                    1);
@@ -71,7 +71,7 @@ END_TEST
 /* The dummy has no capabilities: what a scheme needs is refused by name, or the scene's fallback is taken. */
 START_TEST(a_scheme_that_a_solver_cannot_serve) {
   setup();
-  const char *const run = "tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver %s";
+  const char *const run = "tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=dummy_solver %s";
   ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=proxy"), 1);
   expect_output("coupling.scheme: the scheme proxy needs the capability \"interface\", which");
   ck_assert_int_eq(command(run, dir, dir, ""), 0);
@@ -132,7 +132,7 @@ START_TEST(a_fast_turn_is_refused) {
   setup();
   static const char *const sets[] = {"90", "110"};
   for (int i = 0; i < 2; i++) {
-    int status = command("tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=dummy_solver "
+    int status = command("tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=dummy_solver "
                          "--set 'mbd.bodies[0].angular_velocity=[0,0,100]' --set coupling.n=%s",
                          dir, dir, sets[i]);
     ck_assert_msg(status == i, "%s", command_output);
@@ -170,8 +170,8 @@ END_TEST
 
 START_TEST(a_solver_that_is_not_there) {
   setup();
-  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --set coupling.solvers.dem=no_such_solver", dir, dir),
-                   1);
+  ck_assert_int_eq(
+      command("tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=no_such_solver", dir, dir), 1);
   expect_output("no_such_solver");
   expect_output("neither beside this program nor on PATH");
   expect_nothing_left(dir);
@@ -188,7 +188,7 @@ START_TEST(a_server_that_dies_takes_its_solvers) {
     setenv("FAULT_WINDOW", "3", 1);
     snprintf(file, sizeof file, "%s/scene.json", dir);
     snprintf(out, sizeof out, "%s/out", dir);
-    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", file, "--out", out, "--set",
+    execl(TANDEM_BIN_DIR "/tandem", "tandem", "run", file, "--out", out, "--force", "--set",
           "coupling.solvers.dem=" TANDEM_TEST_DIR "/faulty_solver", "--set", "coupling.timeout=50", NULL);
     _exit(127);
   }
