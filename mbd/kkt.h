@@ -31,16 +31,19 @@ bool mbd_kkt_fill_all(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, mbd_
 /* b (nrow) of the last filling, to be changed before solving; dependent rows too. */
 double *mbd_kkt_b(mbd_kkt *kkt);
 
-/* Solve with f (6 nbody; NULL: zero). The solution stays valid until the next: x (6 nbody), then l (nrow), zero for
- * dependent rows. NULL: singular. */
+/* Solve with f (6 nbody; NULL: zero), refined until every body's equations hold to rounding of their own largest term:
+ * a light part beside heavy ones has its small forces right, too. The solution stays valid until the next: x (6 nbody),
+ * then l (nrow), zero for dependent rows. NULL: singular. */
 const double *mbd_kkt_solve(mbd_kkt *kkt, const double *f);
 
 /* The smallest over the largest pivot of the last filling: tends to zero at a singular position. */
 double mbd_kkt_spread(mbd_kkt *kkt);
 
-/* Replace l (nrow) by the l of the same reaction G^T l that is smallest in the norm sum s_i l_i^2, where
- * s_i = (G M^-1 G^T)_ii makes forces and moments comparable: what a mechanism with dependent rows leaves undetermined
- * is shared out. At data->kin of the last filling. */
+/* Replace l (nrow) by the l of the same reaction G^T l that is smallest in the norm sum s_i l_i^2, where s_i is the
+ * square of the length of row i of G, ways of rotations counted at the mechanism's size, so that forces and moments
+ * compare: what a mechanism with dependent rows leaves undetermined is shared out, whatever the masses. Where rows
+ * depend so nearly on each other that this cannot be had to rounding, l stays as it is, which is a solution too. At
+ * data->kin of the last filling. false: out of memory. */
 bool mbd_kkt_share(mbd_kkt *kkt, const mbd_model *model, mbd_data *data, double *l);
 
 #endif

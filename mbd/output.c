@@ -1,5 +1,6 @@
 #include "mbd/output.h"
 
+#include "mbd/balance.h"
 #include "mbd/energy.h"
 
 #include <stdio.h>
@@ -144,10 +145,16 @@ static void drive(const mbd_model *model, mbd_data *data, int index, const doubl
   out[2] = row_rate(data, rows);
 }
 
-bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y, double *out) {
+tdm_status mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y,
+                             double *out, tdm_error *err) {
   bool good = mbd_accelerations(model, data, kkt, t, y); /* sets data->kin and data->now */
   if (good && data->ndependent > 0)
     good = mbd_kkt_share(kkt, model, data, data->lambda);
+  if (!good)
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "no accelerations and joint reactions at t = %.9g s: the mechanism is in a singular position", t);
+  if (mbd_check_balance(model, data, err))
+    return err->status;
   reactions(model, data, data->lambda, out);
   out = coordinates(model, data, out + JOINT_CHANNELS * model->njoint);
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
@@ -180,5 +187,5 @@ bool mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, dou
   out[5] = e.kinetic + e.potential + e.springs + data->work.dissipated - data->work.supplied - data->energy_start;
   out[6] = data->drift;
   data->drift = 0;
-  return good;
+  return TDM_OK;
 }

@@ -210,8 +210,8 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
     s->body[i] = (tdm_assigned_body){b->name, b->mass, b->inertia, mbd_body_state(s->data->y, m->coupled[i])};
   }
   mbd_output_names(m, s->channel);
-  if (!mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial))
-    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at the start; check joints and masses");
+  if (mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial, err))
+    return err->status;
   warn_about_assembly(s);
   warn_about_freedom(s);
   s->report = make_report(s);
@@ -273,10 +273,7 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
   tdm_result *r = to->result;
   for (int k = 0; k < m->ncoupled; k++)
     r->sample_state[i * m->ncoupled + k] = mbd_body_state(y, m->coupled[k]);
-  if (!mbd_output_values(m, to->self->data, to->self->kkt, t, y, r->channel + i * to->self->nchannel))
-    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
-                    "no joint reactions at t = %.9g s: the mechanism is in a singular position", t);
-  return TDM_OK;
+  return mbd_output_values(m, to->self->data, to->self->kkt, t, y, r->channel + i * to->self->nchannel, err);
 }
 
 /* A force has turned too far: says so in place of what came of it. */

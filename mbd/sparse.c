@@ -197,6 +197,19 @@ bool mbd_sparse_solve(mbd_sparse *m, double *x) {
   return true;
 }
 
+void mbd_sparse_residual(const mbd_sparse *m, const double *x, const double *b, double *r, double *term) {
+  for (int i = 0; i < m->n; i++) {
+    r[i] = b[i];
+    term[i] = fabs(b[i]);
+  }
+  for (int col = 0; col < m->n; col++)
+    for (int i = m->column[col]; i < m->column[col + 1]; i++) {
+      double part = m->value[i] * x[col];
+      r[m->row[i]] -= part;
+      term[m->row[i]] = fmax(term[m->row[i]], fabs(part));
+    }
+}
+
 double mbd_sparse_spread(mbd_sparse *m) {
   return m->numeric && klu_rcond(m->symbolic, m->numeric, &m->common) ? m->common.rcond : 0;
 }

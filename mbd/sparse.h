@@ -64,6 +64,9 @@ bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from);
 /* Solve in place, x (n), with the last factors. */
 bool mbd_sparse_solve(mbd_sparse *matrix, double *x);
 
+/* r = b - A x and, row by row, the size of the largest term in it; all (n). */
+void mbd_sparse_residual(const mbd_sparse *matrix, const double *x, const double *b, double *r, double *term);
+
 /* The smallest over the largest pivot of the last factors. */
 double mbd_sparse_spread(mbd_sparse *matrix);
 

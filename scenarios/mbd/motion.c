@@ -57,9 +57,7 @@ static bool should_stop(void *context) {
 static tdm_status take_sample(void *context, int i, double t, const double *y, tdm_error *err) {
   engine *e = context;
   scn_motion *m = e->motion;
-  if (!mbd_output_values(e->model, e->data, e->kkt, t, y, m->value + (i + 1) * m->nchannel))
-    return tdm_fail(err, TDM_ERR_NUMERIC, NULL, "no joint reactions at t = %.9g s", t);
-  return TDM_OK;
+  return mbd_output_values(e->model, e->data, e->kkt, t, y, m->value + (i + 1) * m->nchannel, err);
 }
 
 static tdm_status load(engine *e, json_t *mbd, tdm_error *err) {

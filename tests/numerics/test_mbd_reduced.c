@@ -401,6 +401,37 @@ START_TEST(test_mobility) {
 }
 END_TEST
 
+/* the same with a light and a heavy body, as a share of what each direction gives: mass ratios 1e-10, 1e-5, 1e5, 1e10
+ */
+START_TEST(test_light_and_heavy) {
+  mechanism q;
+  const char *names[] = {"a", "b"};
+  char scene[2048];
+  const double mass = 1e3, other = mass * pow(10, 5 * (_i < 2 ? _i - 2 : _i - 1));
+  snprintf(scene, sizeof scene,
+           "{'gravity':[0,0,0],'bodies':[{'name':'a','mass':%.17g,'inertia':[%.17g,%.17g,%.17g],'position':[1,0,0]},"
+           "{'name':'b','mass':%.17g,'inertia':[%.17g,%.17g,%.17g],'position':[2,0,1]}],'joints':[{'name':'p','type':"
+           "'spherical','bodies':['ground','a'],'point':[0,0,0]},{'name':'q','type':'universal','bodies':['a','b'],"
+           "'point':[2,0,0],'axes':[[1,0,0],[0,1,0]]}]}",
+           mass, mass, 2 * mass, 2.5 * mass, other, other, 2 * other, 2.5 * other);
+  open_mechanism(&q, scene, 2, names);
+  evaluate(&q);
+  double Y[144];
+  memcpy(Y, q.m.Y, sizeof Y);
+  for (int e = 0; e < 12; e++) {
+    double load[12] = {0};
+    tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = (tdm_wrench *)(void *)load};
+    tdm_error err = {0};
+    load[e] = mass;
+    ck_assert_int_eq(mbd_data_set_load(q.data, q.model, &step, &err), TDM_OK);
+    ck_assert(mbd_accelerations(q.model, q.data, q.kkt, 0, q.data->y));
+    for (int c = 0; c < 12; c++)
+      CLOSE(q.data->acceleration[c] / mass, Y[12 * c + e], 1e-6 * sqrt(Y[13 * c] * Y[13 * e]));
+  }
+  close_mechanism(&q);
+}
+END_TEST
+
 /* ---- who takes part ---- */
 
 /* A scene of n links of a chain that hangs from the ground by spherical joints, bent and turning, with what else is
@@ -568,6 +599,7 @@ int main(void) {
   tcase_add_test(tcase, test_driven);
   tcase_add_test(tcase, test_cap);
   tcase_add_loop_test(tcase, test_differences, 0, n);
+  tcase_add_loop_test(tcase, test_light_and_heavy, 0, 4);
   tcase_add_loop_test(tcase, test_mobility, 0, n);
   tcase_add_loop_test(tcase, test_component, 1, 9);
   tcase_add_loop_test(tcase, test_ties, 0, 4);
