@@ -1,6 +1,10 @@
 /* SUNDIALS IDA (variable-order, fixed-leading-coefficient BDF), which keeps its history over windows. The only file
- * that includes its headers. */
+ * that includes its headers.
+ *
+ * IDA's unknowns z are those of the mechanism, y, but that the velocities that the coupling loads have given are taken
+ * out (impulse.h): loads jump between windows, and a BDF would mix what they were with what they are. */
 #include "mbd/energy.h"
+#include "mbd/impulse.h"
 #include "mbd/integrator.h"
 #include "mbd/jacobian.h"
 #include "mbd/linear_solver.h"
@@ -8,7 +12,9 @@
 #include "mbd/vector.h"
 #include "protocol/log.h"
 
+#include <float.h>
 #include <ida/ida.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
@@ -23,8 +29,13 @@ typedef struct {
   void *stop_context;
   SUNContext context;
   void *mem;
-  N_Vector y, yp, sample, id, atol;
-  int npoint; /* ends of the last steps without trouble, oldest first */
+  N_Vector z, zp;       /* IDA's unknowns at the end of the last step */
+  N_Vector y, yp;       /* the mechanism's there */
+  N_Vector trial, rate; /* the mechanism's where IDA asks for the residual */
+  N_Vector sample, id, atol;
+  mbd_impulse *impulse;
+  double reached; /* end of the last step [s] */
+  int npoint;     /* ends of the last steps without trouble, oldest first */
   double point_t[POINTS_MAX], *point_y[POINTS_MAX], point_mu[POINTS_MAX]; /* largest |mu| there */
   long failures;                                                          /* convergence failures up to then */
   double regular;                                                         /* spread of pivots at the start */
@@ -56,21 +67,44 @@ static const double singular = 1e-3;
 
 /* ---- callbacks ---- */
 
-static int residual(realtype t, N_Vector y, N_Vector yp, N_Vector r, void *user) {
+/* y and yp of the mechanism at IDA's unknowns (zp, yp: NULL) */
+static void from_ida(const ida_solver *ida, double t, N_Vector z, N_Vector zp, N_Vector y, N_Vector yp) {
+  const size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
+  memcpy(N_VGetArrayPointer(y), N_VGetArrayPointer(z), size);
+  if (yp)
+    memcpy(N_VGetArrayPointer(yp), N_VGetArrayPointer(zp), size);
+  mbd_impulse_add(ida->impulse, t, 1, N_VGetArrayPointer(y), yp ? N_VGetArrayPointer(yp) : NULL);
+}
+
+static int residual(realtype t, N_Vector z, N_Vector zp, N_Vector r, void *user) {
   ida_solver *ida = user;
-  mbd_residual(ida->model, ida->data, t, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), N_VGetArrayPointer(r));
+  from_ida(ida, t, z, zp, ida->trial, ida->rate);
+  mbd_residual(ida->model, ida->data, t, N_VGetArrayPointer(ida->trial), N_VGetArrayPointer(ida->rate),
+               N_VGetArrayPointer(r));
   return 0;
 }
 
-static int jacobian(realtype t, realtype cj, N_Vector y, N_Vector yp, N_Vector r, SUNMatrix matrix, void *user,
+static int jacobian(realtype t, realtype cj, N_Vector z, N_Vector zp, N_Vector r, SUNMatrix matrix, void *user,
                     N_Vector w1, N_Vector w2, N_Vector w3) {
   (void)r, (void)matrix, (void)w1, (void)w2, (void)w3;
   ida_solver *ida = user;
   mbd_sparse *j = ida->jacobian;
   ida->fresh = true;
+  from_ida(ida, t, z, zp, ida->trial, ida->rate);
   mbd_sparse_begin(j);
-  mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(y), N_VGetArrayPointer(yp), j);
+  mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(ida->trial), N_VGetArrayPointer(ida->rate), j);
   return mbd_sparse_end(j) == MBD_SPARSE_NO_MEMORY ? -1 : 0;
+}
+
+/* Weights of the error test: by the mechanism's unknowns, at the end of the last step. */
+static int weigh(N_Vector z, N_Vector weight, void *user) {
+  ida_solver *ida = user;
+  from_ida(ida, ida->reached, z, NULL, ida->trial, NULL);
+  const double *y = N_VGetArrayPointer(ida->trial), *atol = N_VGetArrayPointer(ida->atol);
+  double *w = N_VGetArrayPointer(weight);
+  for (int i = 0; i < mbd_nunknown(ida->model); i++)
+    w[i] = 1 / (ida->model->solver.relative_tolerance * fabs(y[i]) + atol[i]);
+  return 0;
 }
 
 /* Newton's convergence test. IDA's own takes the rate of an earlier step for the first iteration; on constraints, which
@@ -120,6 +154,14 @@ static void weights(ida_solver *ida) {
   }
 }
 
+enum { VECTORS = 9 };
+
+static void list_vectors(ida_solver *ida, N_Vector *list[VECTORS]) {
+  N_Vector *const all[VECTORS] = {&ida->z,    &ida->zp,     &ida->y,  &ida->yp,  &ida->trial,
+                                  &ida->rate, &ida->sample, &ida->id, &ida->atol};
+  memcpy(list, all, sizeof all);
+}
+
 static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_stop_fn stop,
                          void *context, tdm_error *err) {
   ida_solver *ida = *out = calloc(1, sizeof *ida);
@@ -131,20 +173,20 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   ida->kkt = kkt;
   ida->stop_fn = stop;
   ida->stop_context = context;
-  ida->y = mbd_vector_create(n, ida->context);
-  ida->yp = mbd_vector_create(n, ida->context);
-  ida->sample = mbd_vector_create(n, ida->context);
-  ida->id = mbd_vector_create(n, ida->context);
-  ida->atol = mbd_vector_create(n, ida->context);
+  N_Vector *vectors[VECTORS];
+  list_vectors(ida, vectors);
+  bool good = true;
+  for (int i = 0; i < VECTORS; i++)
+    good = (*vectors[i] = mbd_vector_create(n, ida->context)) && good;
+  ida->impulse = mbd_impulse_create(model);
   ida->jacobian = mbd_sparse_create((int)n);
   ida->matrix = ida->jacobian ? mbd_matrix_create(ida->jacobian, ida->context) : NULL;
-  bool good = true;
   for (int i = 0; i < POINTS_MAX; i++)
     good = (ida->point_y[i] = malloc((size_t)n * sizeof(double))) && good;
-  if (!good || !ida->y || !ida->yp || !ida->sample || !ida->id || !ida->atol || !ida->matrix || !ida->jacobian)
+  if (!good || !ida->impulse || !ida->matrix || !ida->jacobian)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
   ida->solver = mbd_linear_solver_create(ida->jacobian, ida->context);
-  ida->newton = SUNNonlinSol_Newton(ida->y, ida->context);
+  ida->newton = SUNNonlinSol_Newton(ida->z, ida->context);
   ida->mem = IDACreate(ida->context);
   if (!ida->solver || !ida->newton || !ida->mem)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
@@ -165,10 +207,12 @@ static void destroy(void *self) {
   if (ida->matrix)
     SUNMatDestroy(ida->matrix);
   mbd_sparse_destroy(&ida->jacobian);
-  N_Vector vectors[] = {ida->y, ida->yp, ida->sample, ida->id, ida->atol};
-  for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
-    if (vectors[i])
-      N_VDestroy(vectors[i]);
+  N_Vector *vectors[VECTORS];
+  list_vectors(ida, vectors);
+  for (int i = 0; i < VECTORS; i++)
+    if (*vectors[i])
+      N_VDestroy(*vectors[i]);
+  mbd_impulse_destroy(&ida->impulse);
   for (int i = 0; i < POINTS_MAX; i++)
     free(ida->point_y[i]);
   if (ida->context)
@@ -183,7 +227,7 @@ static int configure(ida_solver *ida) {
   const mbd_settings *s = &ida->model->solver;
   int bad = IDASetErrHandlerFn(ida->mem, complain, ida);
   bad |= IDASetUserData(ida->mem, ida);
-  bad |= IDASVtolerances(ida->mem, s->relative_tolerance, ida->atol);
+  bad |= IDAWFtolerances(ida->mem, weigh);
   bad |= IDASetId(ida->mem, ida->id);
   bad |= IDASetSuppressAlg(ida->mem, SUNTRUE);
   bad |= IDASetNonlinearSolver(ida->mem, ida->newton);
@@ -215,26 +259,34 @@ static void count(ida_solver *ida) {
 
 /* Make ida->y consistent with the load at t and hand it to IDA. */
 static bool restart(ida_solver *ida, double t) {
+  const size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
   double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
   mbd_sparse_reset(ida->jacobian); /* so that nothing depends on what was before */
   if (!mbd_consistent(ida->model, ida->data, ida->kkt, t, y, yp))
     return false;
+  mbd_impulse_begin(ida->impulse, ida->model, ida->data, ida->kkt, t, y);
+  mbd_impulse_zero_at(ida->impulse, t);
+  ida->reached = t;
+  memcpy(N_VGetArrayPointer(ida->z), y, size);
+  memcpy(N_VGetArrayPointer(ida->zp), yp, size);
+  mbd_impulse_add(ida->impulse, t, -1, N_VGetArrayPointer(ida->z), N_VGetArrayPointer(ida->zp));
   ida->failures = 0;
   if (!ida->started)
     ida->regular = mbd_kkt_spread(ida->kkt);
   if (ida->started) {
     count(ida); /* IDAReInit clears IDA's counters */
     ida->before = ida->data->stats;
-    return IDAReInit(ida->mem, t, ida->y, ida->yp) == IDA_SUCCESS;
+    return IDAReInit(ida->mem, t, ida->z, ida->zp) == IDA_SUCCESS;
   }
   ida->started = true;
-  return IDAInit(ida->mem, residual, t, ida->y, ida->yp) == IDA_SUCCESS && configure(ida) == 0;
+  return IDAInit(ida->mem, residual, t, ida->z, ida->zp) == IDA_SUCCESS && configure(ida) == 0;
 }
 
 static tdm_status start(void *self, double t, tdm_error *err) {
   ida_solver *ida = self;
   size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
   ida->npoint = 0;
+  mbd_impulse_reset(ida->impulse);
   memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
   mbd_sparse_reset(ida->jacobian); /* pivots depend on the pattern learnt: what follows must not depend on the past */
   mbd_kkt_reset(ida->kkt);
@@ -377,6 +429,8 @@ static const double *unknowns_at(void *self, double t) {
     extrapolate(ida, t, ida->sample);
   else if (IDAGetDky(ida->mem, t, 0, ida->sample) != IDA_SUCCESS)
     return NULL;
+  else
+    mbd_impulse_add(ida->impulse, t, 1, N_VGetArrayPointer(ida->sample), NULL);
   return N_VGetArrayPointer(ida->sample);
 }
 
@@ -406,9 +460,11 @@ static tdm_status step(ida_solver *ida, double *t, double t1, bool *again, tdm_e
   double reached = *t;
   int flag = set_stop(ida, *t, t1);
   if (flag == IDA_SUCCESS)
-    flag = IDASolve(ida->mem, t1, &reached, ida->y, ida->yp, IDA_ONE_STEP);
+    flag = IDASolve(ida->mem, t1, &reached, ida->z, ida->zp, IDA_ONE_STEP);
   if (flag == IDA_TSTOP_RETURN)
     reached = ida->stop;
+  ida->reached = reached;
+  from_ida(ida, reached, ida->z, ida->zp, ida->y, ida->yp);
   double over = flag < 0 || in_trouble(ida) ? step_over(ida, reached, t1) : reached;
   ida->over = over > reached;
   ida->fresh = false;
@@ -424,6 +480,17 @@ static tdm_status step(ida_solver *ida, double *t, double t1, bool *again, tdm_e
   return TDM_OK;
 }
 
+/* The load of the window that begins at t joins what is taken out of IDA's unknowns. When that has become so large that
+ * its rounding shows, IDA starts again without it. */
+static bool begin_window(ida_solver *ida, double t) {
+  const double shows = 1e-3 * ida->model->solver.absolute_tolerance / DBL_EPSILON, much = 10; /* [m/s], [rad/s] */
+  mbd_impulse_begin(ida->impulse, ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y));
+  if (!(mbd_impulse_size(ida->impulse, t) > fmax(shows, much)))
+    return true;
+  ida->npoint = 0;
+  return restart(ida, t);
+}
+
 static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
                           void *context, tdm_error *err) {
   /* many steps that cover hardly any of the window go nowhere */
@@ -436,6 +503,8 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
   int next = 0;
   bool again = false;
   ida->message[0] = 0;
+  if (!begin_window(ida, start))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at t = %.9g s %s", start, ida->message);
   for (long nstep = 1; t < t1; nstep++) {
     double from = t;
     if (step(ida, &t, t1, &again, err))
