@@ -318,6 +318,7 @@ static json_t *assigned_body(const cpl_session *s, int role, int i) {
     json_object_set_new(body, "mass", isfinite(b->mass) ? json_real(b->mass) : json_null());
     json_object_set_new(body, "inertia", tdm_numbers_to_json(&b->inertia.m[0][0], 9));
     json_object_set_new(body, "state", tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
+    tdm_part_write(b, body);
   }
   return body;
 }
@@ -486,6 +487,7 @@ void cpl_session_close(cpl_session *s, const tdm_error *err) {
   tdm_transport_close(&s->transport);
   tdm_frame_free(&s->out);
   json_decref(s->warnings);
+  json_decref(s->bodies);
   free(s->body);
   free(s->load);
   free(s->acceleration);

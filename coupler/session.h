@@ -38,6 +38,7 @@ typedef struct {
   tdm_mobility mobility;   /* the same */
   char refused[256];       /* why the last stranger was turned away, "" if none was */
   json_t *warnings;        /* array of {"path", "message"} of both */
+  json_t *bodies;          /* of mbd's READY: `body` has strings of it */
   tdm_frame out;
   double last_heartbeat;
 } cpl_session;

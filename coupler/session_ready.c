@@ -8,6 +8,8 @@
 
 static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
   json_t *bodies = tdm_get_array(ready, "bodies", true);
+  json_decref(s->bodies);
+  s->bodies = json_incref(bodies); /* names of files live there */
   if ((int)json_array_size(bodies) != s->settings->nbody)
     tdm_object_fail(ready, "bodies", "%zu bodies, expected %d", json_array_size(bodies), s->settings->nbody);
   for (int i = 0; i < s->settings->nbody && err->status == TDM_OK; i++) {
@@ -20,6 +22,7 @@ static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
         json_is_null(json_object_get(json, "mass")) ? INFINITY : tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE);
     tdm_get_numbers(&o, "inertia", &b->inertia.m[0][0], 9, true);
     tdm_get_numbers(&o, "state", (double *)(void *)&b->state, TDM_STATE_DOUBLES, true);
+    tdm_part_read(b, &o);
   }
 }
 

@@ -141,11 +141,12 @@ static void couple_bodies(dem_model *m, const tdm_assignment *assignment, tdm_er
   }
 }
 
-static bool is_coupled(const tdm_assignment *assignment, const char *name) {
+/* what the other solver says of a coupled body; NULL: it is not coupled */
+static const tdm_assigned_body *coupled_as(const tdm_assignment *assignment, const char *name) {
   for (int i = 0; i < assignment->nbody; i++)
     if (strcmp(assignment->body[i].name, name) == 0)
-      return true;
-  return false;
+      return &assignment->body[i];
+  return NULL;
 }
 
 enum { NAME_LENGTH = 40 }; /* so that "body.NAME.shape99.fx" is a channel's name */
@@ -184,9 +185,10 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   body->coupled = -1;
   body->mass = INFINITY;
 
+  const tdm_assigned_body *coupled = coupled_as(assignment, name);
   static const char *const placing[] = {"position", "orientation", "motion"};
   for (int k = 0; k < 3; k++)
-    if (tdm_has(o, placing[k]) && is_coupled(assignment, name))
+    if (tdm_has(o, placing[k]) && coupled)
       tdm_object_fail(o, placing[k],
                       "\"%s\" is coupled, so its pose and motion come from the body it is coupled to; remove this key, "
                       "and place or move the body there",
@@ -196,6 +198,8 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   body->drive = dem_drive_read(o, &body->start.pose);
   m->ndriven += body->drive.given;
 
+  walls->part = (dem_part){coupled, coupled ? coupled->state.pose : body->start.pose};
+  walls->part.start.orientation = tdm_quat_unit(walls->part.start.orientation);
   json_t *shapes = tdm_get_array(o, "shapes", true);
   for (size_t k = 0; k < json_array_size(shapes) && !o->err->status; k++) {
     char path[TDM_PATH_MAX];

@@ -59,9 +59,9 @@ static void load_inertia(tdm_object *o, mbd_body *b) {
     check_inertia(o, "inertia", b->name, &b->inertia);
 }
 
-/* Mass and inertia of a shape; leaves its centre in its own axes. */
-static tdm_vec3 load_shape(tdm_object *o, mbd_body *b, bool *mesh) {
-  mbd_shape shape = mbd_shape_load(o, mesh);
+/* Mass and inertia of a shape, and the file of a mesh. */
+static void load_shape(tdm_object *o, mbd_body *b) {
+  mbd_shape shape = mbd_shape_load(o);
   if (tdm_has(o, "inertia"))
     tdm_object_fail(o, "inertia", "stands beside \"shape\"; keep one of the two");
   if (shape.density > 0 && tdm_has(o, "mass"))
@@ -80,7 +80,11 @@ static tdm_vec3 load_shape(tdm_object *o, mbd_body *b, bool *mesh) {
                     b->name, b->mass);
   if (!o->err->status)
     check_inertia(o, "shape", b->name, &b->inertia);
-  return shape.centre;
+  if (o->err->status || !shape.file)
+    return;
+  b->mesh = strdup(shape.file);
+  b->scale = shape.scale;
+  b->origin = tdm_scale(-1, shape.centre);
 }
 
 /* Points and axes of the body, given from its centre of mass in its axes or in the world at the start. */
@@ -122,18 +126,17 @@ void mbd_body_load(mbd_model *model, json_t *json, const char *path, tdm_error *
   tdm_object o = tdm_object_open(json, path, err);
   mbd_body *b = &model->body[model->nbody];
   const tdm_vec3 zero = {0, 0, 0};
-  tdm_vec3 centre = zero;
-  bool mesh = false;
   mbd_load_name(&o, b->name);
   if (tdm_has(&o, "shape"))
-    centre = load_shape(&o, b, &mesh);
+    load_shape(&o, b);
   else
     load_inertia(&o, b);
   if (!err->status)
     b->inverse_inertia = tdm_m3_inverse(b->inertia);
   b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
-  centre = tdm_quat_rotate(b->start.pose.orientation, centre); /* a mesh stands where its coordinates put it */
-  b->start.pose.position = tdm_get_vec3(&o, "position", mesh ? &centre : NULL);
+  /* a mesh stands where its coordinates put it */
+  tdm_vec3 centre = tdm_quat_rotate(b->start.pose.orientation, tdm_scale(-1, b->origin));
+  b->start.pose.position = tdm_get_vec3(&o, "position", b->mesh ? &centre : NULL);
   b->start.twist.velocity = tdm_get_vec3(&o, "velocity", &zero);
   b->start.twist.angular = tdm_get_vec3(&o, "angular_velocity", &zero);
   if (!err->status && mbd_model_find_body(model, b->name) == MBD_GROUND)
@@ -147,4 +150,5 @@ void mbd_body_load(mbd_model *model, json_t *json, const char *path, tdm_error *
 
 void mbd_body_clear(mbd_body *body) {
   free(body->marker);
+  free(body->mesh);
 }

@@ -198,6 +198,8 @@ static mbd_shape mesh(tdm_object *o) {
   if (tdm_stl_read(&stl, file, scale, path, o->err) == TDM_OK)
     mbd_shape_of_mesh(&shape, &stl, file, path, o->err);
   tdm_stl_destroy(&stl);
+  shape.file = file;
+  shape.scale = scale;
   return shape;
 }
 
@@ -210,7 +212,7 @@ static const struct {
              {"cone", cone},     {"capsule", capsule}, {"mesh", mesh}};
 enum { SHAPES = sizeof table / sizeof table[0] };
 
-mbd_shape mbd_shape_load(tdm_object *owner, bool *is_mesh) {
+mbd_shape mbd_shape_load(tdm_object *owner) {
   tdm_object o = tdm_get_object(owner, "shape", true);
   const char *names[SHAPES];
   for (int i = 0; i < SHAPES; i++)
@@ -218,7 +220,6 @@ mbd_shape mbd_shape_load(tdm_object *owner, bool *is_mesh) {
   int type = tdm_get_choice(&o, "type", names, SHAPES, -1);
   if (o.err->status)
     return (mbd_shape){0};
-  *is_mesh = table[type].load == mesh;
   double density = tdm_has(&o, "density") ? tdm_get_number(&o, "density", TDM_REQUIRED, TDM_POSITIVE) : 0;
   mbd_shape shape = table[type].load(&o);
   shape.density = density;

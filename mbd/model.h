@@ -24,6 +24,9 @@ typedef struct {
   tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2] */
   tdm_mat3 inverse_inertia;
   tdm_state start; /* as given in the scene, orientation normalised */
+  tdm_vec3 origin; /* of the file that its shape is a mesh of, from the centre of mass, body axes [m] */
+  char *mesh;      /* that file, NULL: none */
+  double scale;    /* metres a unit of it */
   int nmarker;
   mbd_marker *marker; /* (nmarker) */
 } mbd_body;

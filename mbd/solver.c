@@ -127,12 +127,24 @@ static void warn_about_freedom(solver *s) {
   }
 }
 
+/* mass, where the centre of mass is at the start, inertia as a scene gives it, and the origin of a mesh's file */
+static json_t *report_body(const solver *s, int i) {
+  const mbd_body *b = &s->model->body[i];
+  const double(*m)[3] = b->inertia.m, inertia[] = {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
+  tdm_pose pose = mbd_body_state(s->data->y, i).pose;
+  json_t *json = json_pack("{s:f, s:o, s:o}", "mass", b->mass, "centre", tdm_numbers_to_json(&pose.position.x, 3),
+                           "inertia", tdm_numbers_to_json(inertia, 6));
+  if (b->mesh)
+    json_object_set_new(json, "origin_of_file", tdm_numbers_to_json(&b->origin.x, 3));
+  return json;
+}
+
 static json_t *make_report(const solver *s) {
   const mbd_model *m = s->model;
   json_t *bodies = json_object(), *joints = json_object(), *drivers = json_object();
   double mass = 0;
   for (int i = 0; i < m->nbody; i++) {
-    json_object_set_new(bodies, m->body[i].name, json_pack("{s:f}", "mass", m->body[i].mass));
+    json_object_set_new(bodies, m->body[i].name, report_body(s, i));
     mass += m->body[i].mass;
   }
   for (int i = 0; i < m->njoint; i++)
@@ -207,7 +219,8 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the outputs");
   for (int i = 0; i < m->ncoupled; i++) {
     const mbd_body *b = &m->body[m->coupled[i]];
-    s->body[i] = (tdm_assigned_body){b->name, b->mass, b->inertia, mbd_body_state(s->data->y, m->coupled[i])};
+    s->body[i] = (tdm_assigned_body){b->name,   b->mass, b->inertia, mbd_body_state(s->data->y, m->coupled[i]),
+                                     b->origin, b->mesh, b->scale};
   }
   mbd_output_names(m, s->channel);
   if (mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial, err))

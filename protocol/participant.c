@@ -141,6 +141,21 @@ tdm_status tdm_participant_connect(tdm_participant **participant, const tdm_part
   return TDM_OK;
 }
 
+void tdm_part_read(tdm_assigned_body *body, tdm_object *json) {
+  body->origin = tdm_get_vec3(json, "origin", &(tdm_vec3){0, 0, 0});
+  body->mesh = tdm_has(json, "mesh") ? tdm_get_string(json, "mesh", NULL) : NULL;
+  body->scale = tdm_get_number(json, "scale", 1, TDM_POSITIVE);
+}
+
+void tdm_part_write(const tdm_assigned_body *body, json_t *json) {
+  if (body->mesh || tdm_norm(body->origin) > 0)
+    json_object_set_new(json, "origin", tdm_numbers_to_json(&body->origin.x, 3));
+  if (!body->mesh)
+    return;
+  json_object_set_new(json, "mesh", json_string(body->mesh));
+  json_object_set_new(json, "scale", json_real(body->scale));
+}
+
 static void read_body(tdm_participant *p, tdm_assigned_body *body, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
   body->name = tdm_get_string(&o, "name", NULL);
@@ -149,6 +164,7 @@ static void read_body(tdm_participant *p, tdm_assigned_body *body, json_t *json,
     body->mass = movable ? tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE) : INFINITY;
     tdm_get_numbers(&o, "inertia", &body->inertia.m[0][0], 9, true);
     tdm_get_numbers(&o, "state", (double *)(void *)&body->state, TDM_STATE_DOUBLES, true);
+    tdm_part_read(body, &o);
   }
 }
 
@@ -223,10 +239,11 @@ static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
   for (int i = 0; p->is_mbd && i < p->nbody; i++) {
     const tdm_assigned_body *b = &ready->body[i];
     json_t *mass = isfinite(b->mass) ? json_real(b->mass) : json_null();
-    json_array_append_new(bodies,
-                          json_pack("{s:s, s:o, s:o, s:o}", "name", b->name, "mass", mass, "inertia",
-                                    tdm_numbers_to_json(&b->inertia.m[0][0], 9), "state",
-                                    tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES)));
+    json_t *body = json_pack("{s:s, s:o, s:o, s:o}", "name", b->name, "mass", mass, "inertia",
+                             tdm_numbers_to_json(&b->inertia.m[0][0], 9), "state",
+                             tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
+    tdm_part_write(b, body);
+    json_array_append_new(bodies, body);
   }
   return bodies;
 }

@@ -17,6 +17,7 @@
 #define TDM_PARTICIPANT_H
 
 #include "message.h"
+#include "scene.h"
 
 #include <stdbool.h>
 
@@ -41,7 +42,14 @@ typedef struct {
   double mass;      /* [kg]; inf for a body that cannot be moved; known to dem only, 0 for mbd */
   tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2]; dem only */
   tdm_state state;  /* at the start, world; dem only */
+  tdm_vec3 origin;  /* the part's own origin, which STL files are drawn from: from the centre of mass, body axes [m] */
+  const char *mesh; /* the STL file that its mass comes from, NULL: none */
+  double scale;     /* of that file: metres a unit */
 } tdm_assigned_body;
+
+/* The keys "origin", "mesh" and "scale" of a body in READY and ASSIGN: see PROTOCOL.md. The strings are the JSON's. */
+void tdm_part_read(tdm_assigned_body *body, tdm_object *json);
+void tdm_part_write(const tdm_assigned_body *body, json_t *json);
 
 /* Path of a coupled body's position between the two ends of a window; the orientation goes by SLERP in both. */
 typedef enum { TDM_LINEAR, TDM_HERMITE } tdm_interpolation;

@@ -198,8 +198,6 @@ static void append_mesh(dem_wall_list *list, dem_mesh *mesh, tdm_error *err) {
 static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
   const char *file = tdm_get_string(o, "file", NULL);
   double scale = tdm_get_number(o, "scale", 1, TDM_POSITIVE);
-  tdm_vec3 position = tdm_get_vec3(o, "position", &(tdm_vec3){0, 0, 0});
-  tdm_quat turn = tdm_get_orientation(o, "orientation");
   double facet_angle = tdm_get_number(o, "facet_angle", DEM_MESH_FACET_ANGLE, TDM_NOT_NEGATIVE);
   if (facet_angle > 0.5 * M_PI)
     tdm_object_fail(o, "facet_angle", "is %g rad but must be at most a right angle, %.4g rad", facet_angle, 0.5 * M_PI);
@@ -207,9 +205,8 @@ static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
     return;
   char path[TDM_PATH_MAX];
   tdm_stl stl;
-  if (tdm_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK) {
-    for (size_t k = 0; k < 3 * (size_t)stl.count; k++)
-      stl.corner[k] = tdm_add(position, tdm_quat_rotate(turn, stl.corner[k]));
+  if (tdm_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK &&
+      dem_part_place(o, &list->part, file, scale, &stl) == TDM_OK) {
     dem_mesh *mesh = dem_mesh_make(&stl, file, facet_angle, path, o->err);
     if (mesh) {
       append(list, (dem_wall){.primitive = DEM_MESH, .body = body, .mesh = mesh}, o->err);

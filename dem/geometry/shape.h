@@ -15,6 +15,7 @@
 
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/mesh.h"
+#include "dem/geometry/part.h"
 #include "protocol/scene.h"
 
 typedef enum {
@@ -68,6 +69,7 @@ typedef struct {
   int nbox;
   dem_mesh **mesh;
   int nmesh;
+  dem_part part; /* of the body that is read now */
 } dem_wall_list;
 
 /* Read one entry of a body's "shapes", geometry `geometry`, and append its walls (the lists and the meshes are freed by
