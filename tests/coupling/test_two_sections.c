@@ -53,7 +53,7 @@ static void expect_held(const char *options, double arm) {
   char file[512];
   cpl_table t;
   tdm_error err = {0};
-  int status = command("tandem run %s/scene.json --strict --out %s/out %s", dir, dir, options);
+  int status = command("tandem run %s/scene.json --force --strict --out %s/out %s", dir, dir, options);
   ck_assert_msg(status == 0, "%s", command_output);
   snprintf(file, sizeof file, "%s/out/body_plate.csv", dir);
   ck_assert_msg(cpl_table_read(&t, file, &err) == TDM_OK, "%s", err.message);
