@@ -1,5 +1,7 @@
 #include "coupler/html.h"
 
+#include <string.h>
+
 void cpl_html_head(FILE *page, const char *title) {
   fputs("<!doctype html>\n<meta charset=\"utf-8\">\n<title>", page);
   cpl_html_text(page, title);
@@ -12,11 +14,24 @@ void cpl_html_head(FILE *page, const char *title) {
 }
 
 void cpl_html_text(FILE *page, const char *text) {
-  for (; *text; text++)
-    if (*text == '<')
-      fputs("&lt;", page);
-    else if (*text == '&')
-      fputs("&amp;", page);
+  static const struct {
+    char c;
+    const char *entity;
+  } entities[] = {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
+  for (; *text; text++) {
+    int i = 0;
+    while (i < 5 && entities[i].c != *text)
+      i++;
+    if (i < 5)
+      fputs(entities[i].entity, page);
     else
       fputc(*text, page);
+  }
+}
+
+void cpl_html_link(FILE *page, const char *path) {
+  static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/=+";
+  fputs(strchr(path, ':') ? "./" : "", page); /* no scheme in front: javascript: */
+  for (; *path; path++)
+    fprintf(page, strchr(plain, *path) ? "%c" : "%%%02X", (unsigned char)*path);
 }

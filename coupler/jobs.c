@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -18,9 +19,12 @@ typedef struct {
 
 static pid_t start(const cpl_jobs *jobs, int piece) {
   fflush(NULL);
-  pid_t pid = fork();
+  pid_t parent = getpid(), pid = fork();
   if (pid != 0)
     return pid;
+  prctl(PR_SET_PDEATHSIG, SIGTERM); /* nobody would end it when its parent was killed */
+  if (getppid() != parent)
+    _exit(1);
   int null = open("/dev/null", O_WRONLY);
   dup2(null, 1);
   dup2(null, 2);

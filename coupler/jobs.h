@@ -18,7 +18,8 @@ typedef struct {
   void (*end)(void *context, int i, int status, double seconds);
 } cpl_jobs;
 
-/* All pieces, in order. After Ctrl-C or a SIGTERM no further one begins, and those under way are told to end. */
+/* All pieces, in order. After Ctrl-C or a SIGTERM no further one begins, and those under way are told to end;
+ * they are told, too, when this process is killed. */
 void cpl_jobs_run(const cpl_jobs *jobs);
 
 /* Processors of this machine, at most CPL_JOBS_MAX. */

@@ -105,7 +105,7 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
     tdm_error plot = {0};
     if (p->nplot > 0 && tdm_plot_write(r->dir, picture, p->nplot, p->plot, &plot) == TDM_OK)
       add_picture(r, picture);
-    else if (p->nplot > 0)
+    else if (p->nplot > 0 && !tdm_plot_interrupted())
       fprintf(stderr, "tandem: notice: %s\n", plot.message);
   }
   cpl_table_free(&table);
@@ -177,14 +177,18 @@ static void print_agreement(FILE *page, const cpl_comparison *c) {
     double nse = cpl_comparison_nse(c, curve), r2 = cpl_comparison_r2(c, curve);
     double mean = cpl_comparison_r2_mean(c, curve, 0.02);
     printf("%-8s %12.6f %12.6f %18.6f\n", curve->name, nse, r2, mean);
-    fprintf(page, "<tr><td>%s</td><td>%.6f</td><td>%.6f</td><td>%.6f</td></tr>\n", curve->name, nse, r2, mean);
+    fputs("<tr><td>", page);
+    cpl_html_text(page, curve->name);
+    fprintf(page, "</td><td>%.6f</td><td>%.6f</td><td>%.6f</td></tr>\n", nse, r2, mean);
   }
   fputs("</table>\n", page);
   const char *key;
   json_t *value;
   json_object_foreach(c->notes, key, value) {
     printf("%s: %.6g\n", key, json_number_value(value));
-    fprintf(page, "<p>%s: %.6g</p>\n", key, json_number_value(value));
+    fputs("<p>", page);
+    cpl_html_text(page, key);
+    fprintf(page, ": %.6g</p>\n", json_number_value(value));
   }
 }
 
@@ -199,7 +203,7 @@ static void compare(report *r, const cpl_scenario *scenario, FILE *page) {
     if (cpl_comparison_plot(&c, r->dir, &err) == TDM_OK)
       add_picture(r, "comparison");
   }
-  if (err.status != TDM_OK)
+  if (err.status != TDM_OK && err.status != TDM_ERR_INTERRUPTED)
     fprintf(stderr, "tandem: notice: no comparison: %s\n", err.message);
   cpl_comparison_free(&c);
 }
@@ -222,6 +226,18 @@ static void write_head(FILE *page, const report *r) {
           (long long)json_integer_value(json_object_get(r->summary, "windows")), wall(r, "all"));
 }
 
+static void write_picture(FILE *page, const char *name) {
+  fputs("<h2>", page);
+  cpl_html_text(page, name);
+  fputs("</h2>\n<a href=\"", page);
+  cpl_html_link(page, name);
+  fputs(".svg\"><img src=\"", page);
+  cpl_html_link(page, name);
+  fputs(".png\" alt=\"", page);
+  cpl_html_text(page, name);
+  fputs("\"></a>\n", page);
+}
+
 static tdm_status write_report(report *r, const json_t *scene, const cpl_scenario *scenario, tdm_error *err) {
   char path[4352];
   snprintf(path, sizeof path, "%s/index.html", r->dir);
@@ -234,10 +250,11 @@ static tdm_status write_report(report *r, const json_t *scene, const cpl_scenari
   if (err->status == TDM_OK && plot_time(r, err) == TDM_OK)
     plot_histories(r, scene, err);
   for (int i = 0; i < r->npicture; i++)
-    fprintf(page, "<h2>%s</h2>\n<a href=\"%s.svg\"><img src=\"%s.png\" alt=\"%s\"></a>\n", r->picture[i], r->picture[i],
-            r->picture[i], r->picture[i]);
+    write_picture(page, r->picture[i]);
   if (fclose(page) != 0)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  if (tdm_plot_interrupted())
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; %s shows the pictures that were made", path);
   printf("%d pictures (PNG and SVG) in %s; %s shows them\n", r->npicture, r->dir, path);
   return err->status;
 }

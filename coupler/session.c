@@ -77,6 +77,8 @@ static void meet_stranger(cpl_session *s, const tdm_peer *peer, const void *data
       p->peer = *peer;
       snprintf(p->name, sizeof p->name, "%.60s", name && *name ? name : role);
       snprintf(p->software, sizeof p->software, "%.120s", software ? software : "unknown software");
+      tdm_utf8_clean(p->name);
+      tdm_utf8_clean(p->software);
       p->capabilities = json_incref(json_object_get(hello, "capabilities"));
       tdm_log(TDM_LOG_INFO, "hello", "role=%s name=%s software=%s", role, p->name,
               tdm_log_quote(quoted, sizeof quoted, p->software));

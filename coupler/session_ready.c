@@ -36,6 +36,24 @@ static void read_loads(cpl_session *s, tdm_object *ready, tdm_error *err) {
   }
 }
 
+/* Names and units become the head of a CSV file, titles of plots and text of pages. */
+static void check_channel(tdm_object *ready, int i, const char *name, const char *unit) {
+  static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
+  const size_t name_max = sizeof((tdm_channel *)0)->name - 1, unit_max = sizeof((tdm_channel *)0)->unit - 1;
+  if (!name || !*name || name[strspn(name, letters)] != 0 || strlen(name) > name_max)
+    tdm_object_fail(ready, "channels",
+                    "entry %d has no usable name: \"%.80s\"; take at most %zu letters, digits, dots, _ and -", i,
+                    name ? name : "", name_max);
+  bool good = !unit || strlen(unit) <= unit_max;
+  for (const char *c = unit; good && c && *c; c++)
+    good = strchr(letters, *c) || strchr(" /^*()%", *c) || (unsigned char)*c >= 0x80;
+  if (!good)
+    tdm_object_fail(ready, "channels",
+                    "entry %d has no usable unit: \"%.80s\"; take at most %zu bytes of letters, digits and . _ - / ^ * "
+                    "( ) %%, or none",
+                    i, unit, unit_max);
+}
+
 static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
   json_t *channels = tdm_get_array(ready, "channels", false);
   p->nchannel = (int)json_array_size(channels);
@@ -46,16 +64,20 @@ static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     return;
   }
+  json_t *names = json_object();
   for (int i = 0; i < p->nchannel; i++) {
     json_t *json = json_array_get(channels, (size_t)i), *initial = json_object_get(json, "initial");
     const char *name = json_string_value(json_object_get(json, "name"));
     const char *unit = json_string_value(json_object_get(json, "unit"));
-    if (!name || strpbrk(name, ", \"\n") || !*name)
-      tdm_object_fail(ready, "channels", "entry %d has no usable name (no blanks, commas or quotes)", i);
+    check_channel(ready, i, name, unit);
+    if (name && json_object_get(names, name))
+      tdm_object_fail(ready, "channels", "entry %d: a second one is called \"%s\"", i, name);
+    json_object_set_new(names, name ? name : "", json_true());
     snprintf(p->channel[i].name, sizeof p->channel[i].name, "%s", name ? name : "");
     snprintf(p->channel[i].unit, sizeof p->channel[i].unit, "%s", unit ? unit : "");
     p->initial[i] = json_is_number(initial) ? json_number_value(initial) : NAN;
   }
+  json_decref(names);
 }
 
 /* What the scheme asked of mbd for the start. */

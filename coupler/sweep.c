@@ -14,6 +14,24 @@
 
 /* ---- the grid ---- */
 
+/* A copy of the text from `start` to before `end`, without blanks at its ends. */
+static char *trimmed(const char *start, const char *end) {
+  while (start < end && isspace((unsigned char)*start))
+    start++;
+  while (end > start && isspace((unsigned char)end[-1]))
+    end--;
+  return strndup(start, (size_t)(end - start));
+}
+
+/* The same text, or JSON that means the same. */
+static bool same_value(const char *a, const char *b) {
+  json_t *one = json_loads(a, JSON_DECODE_ANY, NULL), *other = json_loads(b, JSON_DECODE_ANY, NULL);
+  bool same = strcmp(a, b) == 0 || (one && other && json_equal(one, other));
+  json_decref(one);
+  json_decref(other);
+  return same;
+}
+
 tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
   if (o->naxis == CPL_AXES_MAX - 1 || strlen(path) >= TDM_PATH_MAX)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: at most %d axes", CPL_AXES_MAX - 1);
@@ -38,9 +56,9 @@ tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *li
     if (c == start || axis->nvalue == CPL_VALUES_MAX)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s=%s: %s", path, list,
                       c == start ? "an empty value" : "too many values");
-    char *value = strndup(start, (size_t)(c - start));
+    char *value = trimmed(start, c);
     for (int i = 0; value && i < axis->nvalue; i++)
-      if (strcmp(axis->value[i], value) == 0)
+      if (same_value(axis->value[i], value))
         tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s has the value %.100s twice", path, value);
     axis->value[axis->nvalue] = value;
     if (!value)
@@ -77,8 +95,10 @@ static uint64_t hash_text(const char *text) {
 /* The directory of a cell: its name with other characters for those that are awkward; a long one is cut and gets its
  * hash, so that cells stay apart. */
 static void choose_dir(const cpl_sweep_options *o, const char *full_name, cpl_cell *cell) {
-  int n = snprintf(cell->dir, sizeof cell->dir, "%s/cells/", o->out);
-  bool awkward = strlen(full_name) > 200;
+  int n = snprintf(cell->dir, sizeof cell->dir, "%s/cells/", o->out), blanks = 0;
+  for (const char *c = full_name; *c; c++)
+    blanks += *c == ' ';
+  bool awkward = strlen(full_name) > 200 || blanks != o->naxis - 1; /* one between two settings, none in a value */
   snprintf(cell->dir + n, sizeof cell->dir - (size_t)n, "%.200s", full_name);
   for (char *c = cell->dir + n; *c; c++)
     if (!isalnum((unsigned char)*c) && !strchr("=._-+", *c)) {
@@ -168,6 +188,21 @@ static void row_file(const cpl_cell *cell, char *out, size_t size) {
   snprintf(out, size, "%s/row.json", cell->dir);
 }
 
+static bool names_fit(const json_t *group) {
+  const char *key;
+  json_t *value;
+  json_object_foreach((json_t *)group, key, value) if (!cpl_name_fits_file(key) || strlen(key) > 32) return false;
+  return true;
+}
+
+/* A row as a sweep writes it: its names become names of files and words of gnuplot. */
+static bool is_row(const json_t *row) {
+  const char *scheme = json_string_value(json_object_get(row, "scheme"));
+  const char *status = json_string_value(json_object_get(row, "status"));
+  return scheme && status && cpl_name_fits_file(scheme) && strlen(scheme) <= 32 && cpl_name_fits_file(status) &&
+         names_fit(json_object_get(row, "r2")) && names_fit(json_object_get(row, "nse"));
+}
+
 /* The row of an earlier sweep, if it was of the very same scene. */
 static json_t *earlier_row(const cpl_sweep_options *o, const cpl_cell *cell) {
   char file[4352];
@@ -183,7 +218,7 @@ static json_t *earlier_row(const cpl_sweep_options *o, const cpl_cell *cell) {
     if (json_equal(before, scene.root))
       row = json_load_file(file, 0, NULL);
     const char *status = json_string_value(json_object_get(row, "status"));
-    if (row && (!status || strcmp(status, "failed") == 0)) { /* what failed is tried again */
+    if (row && (!is_row(row) || strcmp(status, "failed") == 0)) { /* what failed is tried again */
       json_decref(row);
       row = NULL;
     }

@@ -258,8 +258,11 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
     snprintf(picture, sizeof picture, "%s/comparison.png", cell[k].dir);
     bool curves = access(picture, R_OK) == 0;
     fputs("<tr><td>", f);
-    if (curves)
-      fprintf(f, "<a href=\"%s\">", picture + strlen(o->out) + 1);
+    if (curves) {
+      fputs("<a href=\"", f);
+      cpl_html_link(f, picture + strlen(o->out) + 1);
+      fputs("\">", f);
+    }
     cpl_html_text(f, cell[k].name);
     fprintf(f, "%s</td><td>%s</td><td>%.1f</td>", curves ? "</a>" : "", text_of(row, "status"),
             fmax(0, number_of(row, NULL, "wall_s")));
@@ -333,8 +336,8 @@ static tdm_status write_csv(const cpl_sweep_options *o, const cpl_cell *cell, in
     if (!row)
       continue;
     fprintf(f, "%g,%g,%s,%s,%.4g,%.6g,%d", number_of(row, NULL, "dt"), number_of(row, NULL, "n"),
-            text_of(row, "scheme"), text_of(row, "status"), number_of(row, NULL, "wall_s"), error_of(row, c),
-            on_front(cell, ncell, k, c));
+            cpl_name_fits_file(text_of(row, "scheme")) ? text_of(row, "scheme") : "?", text_of(row, "status"),
+            number_of(row, NULL, "wall_s"), error_of(row, c), on_front(cell, ncell, k, c));
     for (int i = 0; i < c->nstate; i++)
       fprintf(f, ",%.8g", number_of(row, "nse", c->state[i]));
     for (int i = 0; i < c->nname; i++)

@@ -201,7 +201,7 @@ void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wal
 
 /* What goes wrong with a plot is a notice, once. */
 static void notice(cpl_verify *v, const tdm_error *err) {
-  if (err->status != TDM_OK && !v->plot_notice)
+  if (err->status != TDM_OK && err->status != TDM_ERR_INTERRUPTED && !v->plot_notice)
     fprintf(stderr, "tandem: notice: %s\n", err->message);
   v->plot_notice = v->plot_notice || err->status != TDM_OK;
 }
@@ -389,7 +389,7 @@ static tdm_status verify_chosen(const cpl_verify_options *options, tdm_error *er
     outcomes[n].scenario = &options->scenario[i];
     run_scenario(&v, &outcomes[n]);
     pass = pass && outcomes[n].pass;
-    interrupted = outcomes[n].err.status == TDM_ERR_INTERRUPTED;
+    interrupted = outcomes[n].err.status == TDM_ERR_INTERRUPTED || tdm_interrupted;
     n++;
   }
   double wall = tdm_clock() - begin;

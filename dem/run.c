@@ -6,6 +6,7 @@
 #include "dem/output/vtp.h"
 #include "dem/solver.h"
 #include "protocol/log.h"
+#include "protocol/plot.h"
 #include "protocol/print.h"
 #include "protocol/progress.h"
 
@@ -244,7 +245,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   }
   if (run->pictures.drawn > 1)
     dem_pictures_row(&run->pictures, &run->picture_notice);
-  if (run->picture_notice.status != TDM_OK)
+  if (run->picture_notice.status != TDM_OK && !tdm_plot_interrupted())
     fprintf(stderr, "tandem-dem: notice: %s\n", run->picture_notice.message);
   if (run->nstep > 0)
     doubt(run);

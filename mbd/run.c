@@ -3,6 +3,7 @@
 #include "mbd/integrator.h"
 #include "mbd/solver.h"
 #include "protocol/log.h"
+#include "protocol/plot.h"
 #include "protocol/print.h"
 #include "protocol/progress.h"
 
@@ -220,7 +221,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
     for (size_t k = 0; k < sizeof plots / sizeof plots[0] && notice.status == TDM_OK; k++)
       tdm_alone_plot(&run->alone, plots[k].name, plots[k].of, &notice);
   }
-  if (notice.status != TDM_OK)
+  if (notice.status != TDM_OK && !tdm_plot_interrupted())
     fprintf(stderr, "tandem-mbd: notice: %s\n", notice.message);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);

@@ -2,6 +2,7 @@
 #include "protocol/alone.h"
 #include "protocol/command_line.h"
 #include "protocol/find.h"
+#include "protocol/plot.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -60,6 +61,9 @@ int tdm_alone_main(const tdm_alone_program *p, int argc, char **argv) {
     tdm_unknown_command(p->name, argv[1], commands, 2, &err);
   else if (parse(&a, p->name, argc - 2, argv + 2, &err) == TDM_OK)
     perform(p, &a, k == 1, &err);
+  if (tdm_plot_interrupted())
+    tdm_fail(&err, TDM_ERR_INTERRUPTED, NULL,
+             "interrupted while plotting; the results are whole, not all plots are there");
   tdm_arguments_free(&a.given);
   return tdm_finish(p->name, &err);
 }

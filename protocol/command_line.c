@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-volatile int tdm_interrupted;
+volatile int tdm_interrupted, tdm_signal_count;
 
 static tdm_status unknown_option(const tdm_option *options, int noption, const char *program, const char *word,
                                  tdm_error *err) {
@@ -67,6 +67,7 @@ tdm_status tdm_unknown_command(const char *program, const char *command, const c
 static void on_signal(int number) {
   (void)number;
   tdm_interrupted = 1;
+  tdm_signal_count++;
 }
 
 void tdm_catch_signals(void) {

@@ -31,6 +31,9 @@ tdm_status tdm_unknown_command(const char *program, const char *command, const c
 /* Set by Ctrl-C, SIGTERM and a closed terminal once tdm_catch_signals was called: runs end in order then. */
 extern volatile int tdm_interrupted;
 
+/* How many of them came: what goes on after the first (the plots of a run that was interrupted) ends at the next. */
+extern volatile int tdm_signal_count;
+
 /* Signals end a run in order; calls that wait are woken. */
 void tdm_catch_signals(void);
 

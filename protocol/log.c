@@ -37,6 +37,9 @@ void tdm_log(tdm_log_level level, const char *event, const char *pairs, ...) {
   n += m < 0 ? 0 : m;
   if ((size_t)n > sizeof text - 2)
     n = (int)sizeof text - 2;
+  for (int i = 0; i < n; i++) /* a name may hold anything: one event stays one line */
+    if ((unsigned char)text[i] < ' ' || text[i] == 127)
+      text[i] = ' ';
   text[n] = '\n';
   fwrite(text, 1, (size_t)n + 1, sink.file);
   fflush(sink.file);

@@ -4,6 +4,10 @@
 
 #include "protocol/status.h"
 
+#include <stdbool.h>
+
+/* Files, titles and labels may hold any bytes; `using`, `style` and `setup` are gnuplot's own words and never come from
+ * a file or a scene. */
 typedef struct {
   const char *file;  /* CSV with one header line, relative to the directory */
   const char *using; /* gnuplot's column expression: "1:4", "1:(-$4)" */
@@ -22,7 +26,12 @@ typedef struct {
  * gnuplot is an error of status TDM_ERR_FILE that the caller may take as a notice. */
 tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err);
 
-/* Have gnuplot run dir/name.gp, which is there; the same errors. */
+/* Have gnuplot run dir/name.gp, which is there; the same errors. A signal to this process ends it
+ * (TDM_ERR_INTERRUPTED), and so does too long a time (TDM_ERR_TIMEOUT; TANDEM_PLOT_TIMEOUT in the environment, 120 s);
+ * then no further plot is tried. */
 tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err);
+
+/* A signal has ended a plot: the program should end. */
+bool tdm_plot_interrupted(void);
 
 #endif

@@ -4,8 +4,16 @@
 
 #include <stdio.h>
 
+/* Without what a terminal would obey. */
+static void print_text(const char *text) {
+  char clean[1024];
+  snprintf(clean, sizeof clean, "%s", text);
+  tdm_utf8_clean(clean);
+  printf("%s", clean);
+}
+
 /* One line: a path and its value; objects go down, arrays of numbers stay on a line. */
-static void print_value(const char *path, const json_t *value) {
+static void print_value(char *path, const json_t *value) {
   char deeper[TDM_PATH_MAX];
   const char *key;
   size_t i;
@@ -24,9 +32,10 @@ static void print_value(const char *path, const json_t *value) {
     }
     return;
   }
+  tdm_utf8_clean(path);
   printf("  %-28s ", path);
   if (json_is_string(value))
-    printf("%s", json_string_value(value));
+    print_text(json_string_value(value));
   else if (json_is_integer(value))
     printf("%lld", (long long)json_integer_value(value));
   else if (json_is_real(value))
@@ -41,5 +50,6 @@ static void print_value(const char *path, const json_t *value) {
 }
 
 void tdm_print_json(const json_t *json) {
-  print_value("", json);
+  char path[TDM_PATH_MAX] = "";
+  print_value(path, json);
 }

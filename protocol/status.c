@@ -46,6 +46,10 @@ void tdm_utf8_clean(char *text) {
     }
     if (n == 0)
       *p = '?';
+    if (*p < ' ' || *p == 127)
+      *p = ' ';
+    if (*p == 0xC2 && p[1] < 0xA0)
+      p[0] = p[1] = ' ';
     p += n > 0 ? n : 1;
   }
 }

@@ -5,6 +5,7 @@
  *   killed     kills itself in window FAULT_WINDOW          hangs   stops answering in that window
  *   nan        returns a load that is no number in that window
  *   moments, work, supplied, infinite   announce "interface" and "energy" and return such a moment, work or energy
+ *   channel, unit, twin   announce a channel of the name or unit FAULT_TEXT, or two of one name
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
  *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
  */
@@ -104,6 +105,18 @@ static void answer_step(const tdm_header *header) {
   tdm_frame_free(&result_store);
 }
 
+/* channels of READY; NULL: none */
+static json_t *channels(void) {
+  const char *text = getenv("FAULT_TEXT") ? getenv("FAULT_TEXT") : "";
+  if (is("channel"))
+    return json_pack("[{s:s, s:s}]", "name", text, "unit", "m");
+  if (is("unit"))
+    return json_pack("[{s:s, s:s}]", "name", "x", "unit", text);
+  if (is("twin"))
+    return json_pack("[{s:s, s:s}, {s:s, s:s}]", "name", "x", "unit", "m", "name", "x", "unit", "m");
+  return NULL;
+}
+
 static void answer_assign(const tdm_header *header) {
   json_t *json, *loads = json_array();
   tdm_error err = {0};
@@ -113,7 +126,7 @@ static void answer_assign(const tdm_header *header) {
   json_decref(json);
   for (int i = 0; i < nbody; i++)
     json_array_append_new(loads, json_pack("[f,f,f,f,f,f]", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
-  send_json(TDM_READY, json_pack("{s:o}", "loads", loads));
+  send_json(TDM_READY, json_pack("{s:o, s:o*}", "loads", loads, "channels", channels()));
   send_frame();
 }
 

@@ -127,6 +127,38 @@ START_TEST(faults_are_named) {
 }
 END_TEST
 
+/* What becomes a column's head, a plot's title and a page's text is looked at when it comes. */
+START_TEST(names_of_channels_are_looked_at) {
+  static const char *const bad[][2] = {{"channel", "`touch pwned`"},
+                                       {"channel", "a'.system(1).'"},
+                                       {"channel", "<script>"},
+                                       {"channel", "x,y"},
+                                       {"channel", "a b"},
+                                       {"channel", ""},
+                                       {"unit", "`touch pwned`"},
+                                       {"unit", "m\" @x"},
+                                       {"unit", "<b>"},
+                                       {"unit", "a,b"},
+                                       {"unit", "m\nm"},
+                                       {"unit", "sixteen letters."},
+                                       {"twin", ""}};
+  setup();
+  for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    setenv("FAULT_TEXT", bad[i][1], 1);
+    int status = run_with(bad[i][0], NULL);
+    ck_assert_msg(status == 1, "%s %s: %d: %s", bad[i][0], bad[i][1], status, command_output);
+    expect_output("faulty (faulty 1.0): malformed READY: READY.channels");
+  }
+  static const char *const good[][2] = {{"channel", "belt-2.roller_7.fx"}, {"unit", "kg m^2/s (°)"}, {"unit", ""}};
+  for (int i = 0; i < 3; i++) {
+    setenv("FAULT_TEXT", good[i][1], 1);
+    run_with(good[i][0], NULL);
+    ck_assert_msg(strstr(command_output, "malformed READY") == NULL, "%s", command_output);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(a_fast_turn_is_refused) {
   /* 100 rad/s: n = 90 is 0.9 rad a window, n = 110 is 1.1 rad */
   setup();
@@ -226,6 +258,6 @@ START_TEST(a_solver_without_a_server_gives_up) {
 END_TEST
 
 TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section,
-          a_scheme_that_a_solver_cannot_serve, faults_are_named, a_fast_turn_is_refused, what_was_computed_is_kept,
-          a_deaf_solver_is_ended, a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers,
-          a_solver_without_a_server_gives_up)
+          a_scheme_that_a_solver_cannot_serve, faults_are_named, names_of_channels_are_looked_at,
+          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
+          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
