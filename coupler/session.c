@@ -331,10 +331,10 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   json_t *bodies = json_array();
   for (int i = 0; i < set->nbody; i++)
     json_array_append_new(bodies, assigned_body(s, role, i));
-  json_t *message =
-      json_pack("{s:O, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", json_object_get(scene->root, cpl_role_names[role]),
-                "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
-                path == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
+  json_t *message = json_pack("{s:o, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene",
+                              tdm_scene_section(scene->root, cpl_role_names[role]), "start", 0.0, "end", set->time_end,
+                              "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
+                              path == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
   json_t *results = json_array();
   for (int i = 0; i < NEXTRA; i++)
     if (cpl_session_asks(s, (cpl_role)role, extras[i].name))
@@ -369,6 +369,7 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
       return blame(s, r, err, true);
     tdm_log(TDM_LOG_INFO, "ready", "role=%s channels=%d", cpl_role_names[r], s->partner[r].nchannel);
   }
+  cpl_session_compare(s);
   return TDM_OK;
 }
 

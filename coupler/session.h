@@ -21,10 +21,12 @@ typedef struct {
   tdm_channel *channel; /* (nchannel) from READY */
   double *initial;      /* (nchannel) values at the start */
   json_t *report;       /* from READY */
-  tdm_energy energy;    /* from READY: at the start; NaN when not known */
-  tdm_frame store;      /* arrays of its last RESULT */
-  double step_time;     /* its own work on all windows [s] */
-  double trip_time;     /* from sending STEPs to having RESULTs [s]: its work and the exchange */
+  bool has_gravity;
+  tdm_vec3 gravity;  /* from READY, if it tells [m/s2] */
+  tdm_energy energy; /* from READY: at the start; NaN when not known */
+  tdm_frame store;   /* arrays of its last RESULT */
+  double step_time;  /* its own work on all windows [s] */
+  double trip_time;  /* from sending STEPs to having RESULTs [s]: its work and the exchange */
 } cpl_partner;
 
 typedef struct {
@@ -52,6 +54,9 @@ tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_e
 
 /* Take up what a role says in its READY (session_ready.c). */
 tdm_status cpl_session_read_ready(cpl_session *session, cpl_role role, const tdm_header *header, tdm_error *err);
+
+/* After both READYs: a warning where the solvers go by different gravities. */
+void cpl_session_compare(cpl_session *session);
 
 /* Whether a role's RESULTs carry "acceleration", "mobility", "interface" or "energy" in this run. */
 bool cpl_session_asks(const cpl_session *session, cpl_role role, const char *extra);

@@ -127,6 +127,8 @@ tdm_status cpl_session_read_ready(cpl_session *s, cpl_role role, const tdm_heade
       read_loads(s, &ready, err);
     read_channels(p, &ready, err);
     read_energy(s, role, &ready);
+    p->has_gravity = tdm_has(&ready, "gravity");
+    p->gravity = tdm_get_vec3(&ready, "gravity", &(tdm_vec3){0, 0, 0});
     json_t *warnings = tdm_get_array(&ready, "warnings", false);
     if (warnings)
       json_array_extend(s->warnings, warnings);
@@ -142,4 +144,18 @@ tdm_status cpl_session_read_ready(cpl_session *s, cpl_role role, const tdm_heade
     tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed READY: %s: %.700s", place.path, place.message);
   }
   return err->status;
+}
+
+void cpl_session_compare(cpl_session *s) {
+  const cpl_partner *mbd = &s->partner[CPL_MBD], *dem = &s->partner[CPL_DEM];
+  const tdm_vec3 a = mbd->gravity, b = dem->gravity;
+  const double rounding = 1e-9 * fmax(tdm_norm(a), tdm_norm(b));
+  char message[TDM_MESSAGE_MAX];
+  if (!mbd->has_gravity || !dem->has_gravity || tdm_norm(tdm_sub(a, b)) <= rounding)
+    return;
+  snprintf(message, sizeof message,
+           "gravity is [%g, %g, %g] m/s2 for the particles, but [%g, %g, %g] for the bodies of mbd (one that is not "
+           "given is [0, 0, -9.81]); give \"gravity\" once, at the root of the scene, for both",
+           b.x, b.y, b.z, a.x, a.y, a.z);
+  json_array_append_new(s->warnings, json_pack("{s:s, s:s}", "path", "dem.gravity", "message", message));
 }

@@ -202,6 +202,7 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error 
                     "missing, and dem too: bodies alone are for tandem-mbd run and tandem-mbd check");
   tdm_get_string(&root, "title", "");
   tdm_get_string(&root, "scenario", "");
+  tdm_check_gravity(&root);
   tdm_time time = tdm_read_time(&root);
   s->time_end = time.end;
   s->dt = time.dt;

@@ -33,6 +33,7 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
   tdm_has(&root, "$schema"); /* for editors */
   tdm_get_string(&root, "title", "");
   refuse_coupling(&root);
+  tdm_check_gravity(&root);
   s->time = tdm_read_time(&root);
   tdm_object o = tdm_get_object(&root, "output", false);
   s->interval = tdm_read_interval(&o, "interval", 1e-3, s->time.dt);

@@ -354,6 +354,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   ready->initial = s->initial;
   ready->nwarning = s->report.nwarning;
   ready->warning = s->report.warning;
+  ready->gravity = &m->gravity;
   ready->report = s->report.json;
   tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,
           m->nwall, d->ncontact, settled.time, settled.stored ? "yes" : "no");

@@ -56,6 +56,7 @@ tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, td
   tdm_has(&root, "$schema"); /* for editors */
   tdm_get_string(&root, "title", "");
   refuse_coupling(&root);
+  tdm_check_gravity(&root);
   tdm_object o = tdm_get_object(&root, "time", true);
   s->end = tdm_get_number(&o, "end", TDM_REQUIRED, TDM_POSITIVE);
   s->window = tdm_has(&o, "dt") ? tdm_get_number(&o, "dt", TDM_REQUIRED, TDM_POSITIVE) : 0;

@@ -269,6 +269,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
                        .initial = s->initial,
                        .nwarning = s->nwarning,
                        .warning = s->warning,
+                       .gravity = &s->model->gravity,
                        .report = s->report};
   return TDM_OK;
 }

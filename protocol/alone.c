@@ -80,8 +80,8 @@ static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
 
 tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err) {
   const tdm_solver_ops *ops = run->program->ops;
-  const tdm_assignment assignment = {
-      .scene = json_object_get(run->scene.root, ops->role), .time_end = end, .dt = dt, .n = 1};
+  run->section = tdm_scene_section(run->scene.root, ops->role);
+  const tdm_assignment assignment = {.scene = run->section, .time_end = end, .dt = dt, .n = 1};
   run->warnings = json_array();
   if (ops->create(&run->solver, &assignment, &run->ready, NULL, err) != TDM_OK)
     return err->status;
@@ -212,6 +212,7 @@ void tdm_alone_free(tdm_alone *run) {
   tdm_log_open(NULL, run->program->ops->role);
   tdm_results_close(&run->results);
   run->program->ops->destroy(run->solver);
+  json_decref(run->section);
   json_decref(run->warnings);
   free(run->values);
   tdm_scene_destroy(&run->scene);

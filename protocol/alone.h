@@ -53,6 +53,7 @@ typedef struct {
   tdm_ready ready;
   int ndoubt;
   tdm_warning doubt[TDM_ALONE_DOUBTS]; /* about the sections time and output */
+  json_t *section;                     /* of the scene, as the solver gets it */
   json_t *warnings;
   FILE *channels;
   double last_flush; /* wall clock [s] */

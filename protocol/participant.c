@@ -282,6 +282,8 @@ static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
     json_object_set_new(json, "mobility", mobility_to_json(ready->mobility));
   if (json && p->energy && ready->energy && isfinite(ready->energy->stored))
     json_object_set_new(json, "energy", tdm_numbers_to_json(&ready->energy->kinetic, 3));
+  if (json && ready->gravity)
+    json_object_set_new(json, "gravity", tdm_numbers_to_json(&ready->gravity->x, 3));
   return json;
 }
 

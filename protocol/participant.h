@@ -91,6 +91,7 @@ typedef struct {
   const double *initial;      /* (nchannel) values at the start */
   int nwarning;
   const tdm_warning *warning; /* (nwarning) doubtful settings, with the cure; refused under --strict */
+  const tdm_vec3 *gravity;    /* that it computes with, world [m/s2]; NULL: not told */
   json_t *report;             /* the solver's own figures (degrees of freedom, step limits …), may be NULL */
 } tdm_ready;
 

@@ -257,3 +257,34 @@ json_t *tdm_get_array(tdm_object *o, const char *key, bool required) {
   }
   return value;
 }
+
+/* ---- gravity ---- */
+
+static const char *const solvers[] = {"mbd", "dem"};
+
+json_t *tdm_scene_section(const json_t *root, const char *role) {
+  json_t *section = json_object_get(root, role), *gravity = json_object_get(root, "gravity");
+  if (!json_is_object(section) || !gravity || json_object_get(section, "gravity"))
+    return json_incref(section);
+  json_t *copy = json_copy(section);
+  json_object_set(copy, "gravity", gravity);
+  return copy;
+}
+
+void tdm_check_gravity(tdm_object *root) {
+  if (!tdm_has(root, "gravity"))
+    return;
+  tdm_vec3 all = tdm_get_vec3(root, "gravity", NULL);
+  for (int r = 0; r < 2 && !root->err->status; r++) {
+    tdm_error none = {0}; /* what is wrong with a section is told by its reader */
+    json_t *json = json_object_get(root->json, solvers[r]);
+    tdm_object section = tdm_object_open(json_is_object(json) ? json : NULL, solvers[r], &none);
+    tdm_vec3 own = tdm_get_vec3(&section, "gravity", &all);
+    if (!none.status && tdm_norm(tdm_sub(own, all)) > 0)
+      tdm_fail(
+          root->err, TDM_ERR_SCENE, r ? "dem.gravity" : "mbd.gravity",
+          "is [%g, %g, %g] m/s2, but the scene's own \"gravity\", which is for all sections, is [%g, %g, %g]: remove "
+          "one of them",
+          own.x, own.y, own.z, all.x, all.y, all.z);
+  }
+}

@@ -39,6 +39,10 @@ tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err);
  * string. Missing objects on the way are made; an array index must exist or be the next one. */
 tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *err);
 
+/* The section of a solver ("mbd", "dem") as the solver gets it: with the scene's own "gravity" where the section has
+ * none. A new reference; NULL when there is no such section. */
+json_t *tdm_scene_section(const json_t *root, const char *role);
+
 /* The value at `path` (borrowed), NULL when there is none. */
 const json_t *tdm_scene_value(const json_t *root, const char *path);
 
@@ -106,6 +110,10 @@ bool tdm_get_numbers(tdm_object *o, const char *key, double *out, int n, bool re
 
 /* An orientation: [w,x,y,z] (normalised here) or {"euler313": [phi, theta, psi]} [rad]; identity when missing. */
 tdm_quat tdm_get_orientation(tdm_object *o, const char *key);
+
+/* Read "gravity" at the root of a scene, which is for every section that has none of its own: a section with another
+ * one is refused. */
+void tdm_check_gravity(tdm_object *root);
 
 /* The array under `key` (borrowed; NULL when missing, an error if required or not an array). */
 json_t *tdm_get_array(tdm_object *o, const char *key, bool required);

@@ -7,7 +7,7 @@ tdm_status scn_rigid_fill_read(const scn_result *r, scn_rigid_fill *f, tdm_error
          z = scn_number(r->scene, "mbd.bodies[0].inertia[2]", err);
   double x = scn_number(r->scene, "mbd.bodies[0].position[0]", err),
          y = scn_number(r->scene, "mbd.bodies[0].position[1]", err);
-  f->gravity = -scn_number_or(r->scene, "mbd.gravity[1]", 0);
+  f->gravity = -scn_number_or(r->scene, "mbd.gravity[1]", scn_number_or(r->scene, "gravity[1]", 0));
   f->fill_mass = scn_number(r->summary, "solvers.dem.report.fill.mass", err);
   f->fill_x = scn_number(r->summary, "solvers.dem.report.fill.com[0]", err);
   f->fill_y = scn_number(r->summary, "solvers.dem.report.fill.com[1]", err);

@@ -1,4 +1,4 @@
-/* What only both sections of a scene together can get wrong: one file in two places. */
+/* What only both sections of a scene together can get wrong: one file in two places, two gravities. */
 #include "coupler/table.h"
 #include "protocol/stl.h"
 #include "tests/command.h"
@@ -125,4 +125,59 @@ START_TEST(check_tells_the_centre) {
 }
 END_TEST
 
-TEST_MAIN("two sections", 120, one_file_is_one_part, frames_of_a_mesh, another_place_is_refused, check_tells_the_centre)
+/* Two gravities are doubtful; one at the root of the scene is for both sections. */
+START_TEST(one_gravity) {
+  setup();
+#define RUN "tandem run %s/scene.json --force --out %s/out --set time.end=4e-4 "
+  ck_assert_int_eq(command(RUN "--set 'mbd.gravity=[0,-9.81,0]'", dir, dir), 0);
+  expect_output("dem.gravity: gravity is [0, 0, -9.81] m/s2 for the particles, but [0, -9.81, 0] for the bodies");
+  ck_assert_int_eq(command(RUN "--strict --set 'mbd.gravity=[0,-9.81,0]'", dir, dir), 1);
+  expect_output("refused because of --strict");
+  ck_assert_int_eq(command(RUN "--strict --set 'mbd.gravity=[0,-9.81,0]' --set 'dem.gravity=[0,-9.81,0]'", dir, dir),
+                   0);
+
+  ck_assert_int_eq(command(RUN "--strict --set 'gravity=[0,0,-1.62]'", dir, dir), 0);
+  ck_assert_int_eq(command("grep -q '\"gravity\": *\\[' %s/out/scene.json", dir), 0);
+  ck_assert_int_eq(command(RUN "--strict --set 'gravity=[0,0,-1.62]' --set 'mbd.gravity=[0,0,-1.62]'", dir, dir), 0);
+  ck_assert_int_eq(command(RUN "--set 'gravity=[0,0,-1.62]' --set 'dem.gravity=[0,0,-9.81]'", dir, dir), 1);
+  expect_output("dem.gravity: is [0, 0, -9.81] m/s2, but the scene's own");
+  ck_assert_int_eq(command(RUN "--set 'gravity=[0,0]'", dir, dir), 1);
+  expect_output("gravity: has 2 entries but must have 3");
+  directory_remove(dir);
+}
+END_TEST
+
+/* It is what both solvers fall by: a grain in the air, and the plate on a vertical guide. */
+START_TEST(both_fall_by_it) {
+  setup();
+  cpl_table t;
+  tdm_error err = {0};
+  char file[512];
+  ck_assert_int_eq(command("tandem run %s/scene.json --force --out %s/out --set time.end=0.02 --set 'gravity=[0,0,-2]' "
+                           "--set 'mbd.joints=[]' --set 'dem.particles[0].positions=[[0,0,5]]'",
+                           dir, dir),
+                   0);
+  snprintf(file, sizeof file, "%s/out/dem.csv", dir);
+  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  ck_assert_double_lt(fabs(cpl_table_column(&t, "particles.velocity.z", &err)[t.nrow - 1] + 0.04), 1e-12);
+  cpl_table_free(&t);
+  snprintf(file, sizeof file, "%s/out/body_plate.csv", dir);
+  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  ck_assert_double_lt(fabs(cpl_table_column(&t, "vz", &err)[t.nrow - 1] + 0.04), 1e-8);
+  cpl_table_free(&t);
+  write_file(dir, "alone.json",
+             "{\"time\": {\"end\": 0.02, \"dt\": 1e-4}, \"gravity\": [0, 0, -2], \"dem\": {\"materials\": [{\"name\": "
+             "\"m\", \"density\": 2500, \"young_modulus\": 5e6, \"poisson_ratio\": 0.3}], \"pairs\": [{\"materials\": "
+             "[\"m\", \"m\"], \"restitution\": 0.1, \"friction\": 0.5}], \"particles\": [{\"type\": \"list\", "
+             "\"material\": \"m\", \"radius\": 0.01, \"positions\": [[0, 0, 1]]}]}}");
+  ck_assert_int_eq(command("tandem-dem run %s/alone.json --out %s/alone", dir, dir), 0);
+  snprintf(file, sizeof file, "%s/alone/channels.csv", dir);
+  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  ck_assert_double_lt(fabs(cpl_table_column(&t, "particles.velocity.z", &err)[t.nrow - 1] + 0.04), 1e-12);
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("two sections", 120, one_file_is_one_part, frames_of_a_mesh, another_place_is_refused, check_tells_the_centre,
+          one_gravity, both_fall_by_it)
