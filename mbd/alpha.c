@@ -454,17 +454,47 @@ static bool turned_little(const mbd_alpha *s) {
   return true;
 }
 
+/* y1 with the normal forces of frictions as they are. */
+static bool solve_step(mbd_alpha *s, double t1, double h) {
+  if (!newton(s, t1, h) || !turned_little(s))
+    return false;
+  evaluate(s, t1, s->y1);
+  return project(s);
+}
+
+/* The normal forces of frictions that rub by reactions at the end of the step: those of the accelerations, since
+ * Newton's reactions have an error of first order. They change little from pass to pass: by what the step makes of a
+ * change of the friction. */
+static bool solve_with_normals(mbd_alpha *s, double t1, double h) {
+  enum { PASSES_MAX = 20 };
+  const mbd_stick *stick = s->data->stick;
+  for (int pass = 0; pass < PASSES_MAX; pass++) {
+    double change = 0, most = 0;
+    if (!solve_step(s, t1, h))
+      return false;
+    if (s->model->nreacting == 0)
+      return true;
+    for (int k = 0; k < s->model->nfriction; k++)
+      s->normal[k] = stick[k].normal;
+    if (!mbd_accelerations(s->model, s->data, s->kkt, t1, s->y1))
+      return false;
+    for (int k = 0; k < s->model->nfriction; k++) {
+      change = fmax(change, fabs(stick[k].normal - s->normal[k]));
+      most = fmax(most, fabs(stick[k].normal));
+    }
+    if (change <= 1e-11 * most)
+      return true;
+  }
+  return false;
+}
+
 bool mbd_alpha_step(mbd_alpha *s, double t, double t1) {
   const double h = t1 - t;
   bool good = !s->now.started || relax(s, t, h);
   fit_line(s, t, h);
   good = good && respond(s, t, h);
   swap_load(s);
-  good = good && newton(s, t1, h) && turned_little(s);
-  if (good) {
-    evaluate(s, t1, s->y1);
-    good = project(s) && refine_reactions(s, t1);
-  }
+  good = good && solve_with_normals(s, t1, h) && refine_reactions(s, t1);
   swap_load(s);
   if (!good)
     s->now.step_length = 0;

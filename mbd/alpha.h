@@ -73,6 +73,7 @@ typedef struct {
   bool turns;              /* T is not 1 to speak of */
   mbd_alpha_rows *rows;    /* (npart) */
   double rounding[2];      /* of positions and angles [m, rad] */
+  double *normal;          /* (nfriction) normal forces of frictions in the pass before */
 } mbd_alpha;
 
 /* how far a body may turn in a step [rad] */

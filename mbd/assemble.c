@@ -1,8 +1,10 @@
 #include "mbd/assemble.h"
 
 #include "mbd/energy.h"
+#include "mbd/normal.h"
 #include "mbd/rank.h"
 #include "mbd/residual.h"
+#include "mbd/stick.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,7 +87,7 @@ static bool project_velocities(const mbd_model *model, mbd_data *data, mbd_kkt *
   if (!mbd_kkt_fill(kkt, model, data, MBD_VELOCITY))
     return false;
   double *b = mbd_kkt_b(kkt);
-  for (int i = model->njointrow; i < model->nrow && !drive; i++)
+  for (int i = model->njointrow; i < model->njointrow + model->ndriver && !drive; i++)
     b[i] = 0;
   const double *x = mbd_kkt_solve(kkt, NULL);
   for (int i = 0; i < model->nbody && x; i++)
@@ -100,6 +102,12 @@ bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t,
 
 mbd_origin mbd_origin_of(const mbd_model *model, int row) {
   mbd_origin o;
+  if (row >= model->nrow - model->nfriction) {
+    int force = model->friction[row - (model->nrow - model->nfriction)];
+    snprintf(o.path, sizeof o.path, "mbd.forces[%d]", force);
+    o.kind = "friction", o.name = model->force[force].name, o.equation = "sticking";
+    return o;
+  }
   if (row >= model->njointrow) {
     const mbd_driver *d = &model->driver[row - model->njointrow]; /* one row each */
     snprintf(o.path, sizeof o.path, "mbd.drivers[%d]", (int)(d - model->driver));
@@ -295,7 +303,7 @@ static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt
                     "joints before it leave free, elsewhere it does, so the motion is not determined; start elsewhere",
                     o.equation, o.kind, o.name);
   }
-  for (int i = model->njointrow; i < model->nrow; i++)
+  for (int i = model->njointrow; i < model->njointrow + model->ndriver; i++)
     if (data->dependent[i]) {
       mbd_origin o = mbd_origin_of(model, i);
       const mbd_driver *other = opponent(model, data, i);
@@ -334,7 +342,7 @@ static void compare(const mbd_model *model, const double *y, mbd_assembly *a) {
 static void compare_drivers(const mbd_model *model, mbd_data *data, const double *y, mbd_assembly *a) {
   mbd_kinematics(model, data, data->t, y);
   for (int i = 0; i < model->ndriver; i++) {
-    const mbd_rows *rows = mbd_part_at(model, data, model->npart - model->ndriver + i, false);
+    const mbd_rows *rows = mbd_part_at(model, data, model->njointpart + i, false);
     double twist[MBD_PAIR], given = 0, prescribed = -rows->g_t[0];
     mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
     for (int k = 0; k < MBD_PAIR; k++)
@@ -382,10 +390,15 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
   if (positions(model, data, kkt, err) || find_dependent(model, data, kkt, &assembly->near_row, err) ||
       velocities(model, data, kkt, assembly, err))
     return err->status;
-  assembly->freedom = 6 * model->nbody - model->nrow + data->ndependent;
+  assembly->freedom = 6 * model->nbody - (model->nrow - model->nfriction) + data->ndependent;
+  if (mbd_normal_check(model, data, kkt, err))
+    return err->status;
   mbd_accept(model, data, data->t, data->y);
   mbd_energies e = mbd_energies_at(model, data);
   data->energy_start = e.kinetic + e.potential + e.springs;
+  if (!mbd_stick_settle(model, data, kkt, data->t, data->y, NULL))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "no consistent accelerations at the start; check joints, masses and coefficients of friction");
   return TDM_OK;
 }
 
@@ -393,13 +406,14 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
 
 bool mbd_accelerations(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y) {
   mbd_kinematics(model, data, t, y);
+  mbd_normals(model, data, NULL);
   mbd_generalised_forces(model, data, t, data->wrench);
   const double *x = mbd_kkt_fill(kkt, model, data, MBD_ACCELERATION) ? mbd_kkt_solve(kkt, data->wrench) : NULL;
   if (!x)
     return false;
   memcpy(data->acceleration, x, 6 * (size_t)model->nbody * sizeof(double));
   memcpy(data->lambda, x + 6 * model->nbody, (size_t)model->nrow * sizeof(double));
-  return true;
+  return mbd_normal_respond(model, data, kkt, t);
 }
 
 bool mbd_consistent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, double *yp) {

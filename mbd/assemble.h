@@ -22,7 +22,7 @@ typedef struct {
 /* where a constraint row comes from, for messages and reports */
 typedef struct {
   char path[TDM_PATH_MAX];
-  const char *kind, *name, *equation; /* "joint" or "driver" */
+  const char *kind, *name, *equation; /* "joint", "driver" or "friction" */
 } mbd_origin;
 
 mbd_origin mbd_origin_of(const mbd_model *model, int row);

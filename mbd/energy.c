@@ -18,7 +18,7 @@ mbd_energies mbd_energies_at(const mbd_model *model, mbd_data *data) {
 static mbd_work power_at(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y) {
   mbd_work p = {0};
   const double *lambda = y + mbd_index_lambda(model, 0);
-  if (model->ndriver > 0 && mbd_accelerations(model, data, kkt, t, y))
+  if ((model->ndriver > 0 || model->nreacting > 0) && mbd_accelerations(model, data, kkt, t, y))
     lambda = data->lambda;
   else
     mbd_kinematics(model, data, t, y);
@@ -27,7 +27,7 @@ static mbd_work power_at(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, d
     p.supplied += f->supplied;
     p.dissipated += f->dissipated;
   }
-  for (int i = model->npart - model->ndriver; i < model->npart; i++) {
+  for (int i = model->njointpart; i < model->njointpart + model->ndriver; i++) {
     const mbd_rows *rows = mbd_part_at(model, data, i, false);
     p.supplied += lambda[rows->first] * rows->g_t[0];
   }

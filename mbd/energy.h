@@ -20,9 +20,9 @@ typedef const double *(*mbd_unknowns_fn)(void *context, double t);
 mbd_work mbd_work_add(mbd_work a, mbd_work b);
 
 /* Work from time `from` to `to` inside the last step, by Gauss' rule with three points (exact to order 5); nothing is
- * evaluated where nothing can do work. The reactions of drivers come from the acceleration level: loads jump between
- * windows, and multipliers that are interpolated over a jump are wrong. Changes data->kin, and with drivers what
- * mbd_accelerations changes. */
+ * evaluated where nothing can do work. The reactions of drivers and in joints that rub come from the acceleration
+ * level: loads jump between windows, and multipliers that are interpolated over a jump are wrong. Changes data->kin,
+ * and with drivers what mbd_accelerations changes. */
 mbd_work mbd_work_over(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double from, double to,
                        mbd_unknowns_fn unknowns, void *context);
 

@@ -9,6 +9,7 @@
 #include "mbd/jacobian.h"
 #include "mbd/linear_solver.h"
 #include "mbd/residual.h"
+#include "mbd/stick.h"
 #include "mbd/vector.h"
 #include "protocol/log.h"
 
@@ -257,6 +258,22 @@ static void count(ida_solver *ida) {
   ida->data->stats.convergence_failures = ida->before.convergence_failures + unconverged;
 }
 
+/* Length of the first step of index3, whose displacements alone are tested: where a step of order 1 makes
+ * half of the error that they may have by the accelerations in ida->yp. IDA's own choice follows from the velocities,
+ * and is so short that rounding of the positions, divided by it, is taken for velocities. 0: IDA's own. */
+static double first_step(const ida_solver *ida) {
+  const mbd_settings *s = &ida->model->solver;
+  const double *y = N_VGetArrayPointer(ida->y), *yp = N_VGetArrayPointer(ida->yp);
+  double sum = 0;
+  for (int b = 0; b < ida->model->nbody && s->formulation == MBD_INDEX3; b++)
+    for (int i = 0; i < 6; i++) {
+      const int at = MBD_BODY_UNKNOWNS * b;
+      double size = i < 3 ? fabs(y[at + MBD_R + i]) : 1, bends = (i < 3 ? 1 : 0.5) * yp[at + MBD_V + i];
+      sum += pow(bends / (s->relative_tolerance * size + s->absolute_tolerance), 2);
+    }
+  return sum > 0 ? 1 / sqrt(sqrt(sum / mbd_nunknown(ida->model))) : 0;
+}
+
 /* Make ida->y consistent with the load at t and hand it to IDA. */
 static bool restart(ida_solver *ida, double t) {
   const size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
@@ -276,10 +293,12 @@ static bool restart(ida_solver *ida, double t) {
   if (ida->started) {
     count(ida); /* IDAReInit clears IDA's counters */
     ida->before = ida->data->stats;
-    return IDAReInit(ida->mem, t, ida->z, ida->zp) == IDA_SUCCESS;
+    return IDAReInit(ida->mem, t, ida->z, ida->zp) == IDA_SUCCESS &&
+           IDASetInitStep(ida->mem, first_step(ida)) == IDA_SUCCESS;
   }
   ida->started = true;
-  return IDAInit(ida->mem, residual, t, ida->z, ida->zp) == IDA_SUCCESS && configure(ida) == 0;
+  return IDAInit(ida->mem, residual, t, ida->z, ida->zp) == IDA_SUCCESS && configure(ida) == 0 &&
+         IDASetInitStep(ida->mem, first_step(ida)) == IDA_SUCCESS;
 }
 
 static tdm_status start(void *self, double t, tdm_error *err) {
@@ -304,7 +323,7 @@ static tdm_status start(void *self, double t, tdm_error *err) {
  * rest smaller than itself, so that no window ends with a sliver that the next step has to grow out of. */
 static int set_stop(ida_solver *ida, double t, double t1) {
   double h = 0, stop = t1;
-  if (IDAGetCurrentStep(ida->mem, &h) == IDA_SUCCESS && h > 0 && h < 0.999 * (t1 - t) && 2 * h > t1 - t)
+  if (IDAGetCurrentStep(ida->mem, &h) == IDA_SUCCESS && h > 0 && h < (1 - 1e-9) * (t1 - t) && 2 * h > t1 - t)
     stop = t + 0.5 * (t1 - t);
   ida->stop = stop;
   return IDASetStopTime(ida->mem, stop);
@@ -491,6 +510,40 @@ static bool begin_window(ida_solver *ida, double t) {
   return restart(ida, t);
 }
 
+/* ---- friction that begins or ceases to stick ---- */
+
+/* Let frictions stick or slide as the state at t wants it, and start again from there if that changes anything or
+ * `back`: IDA has been further already. */
+static tdm_status settle(ida_solver *ida, double t, bool back, tdm_error *err) {
+  bool changed;
+  if (!mbd_stick_settle(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y), &changed))
+    return mbd_stick_refuse(t, err);
+  if (!changed && !back)
+    return TDM_OK;
+  ida->npoint = 0;
+  mbd_impulse_reset(ida->impulse); /* what sticks answers to loads in another way */
+  bool good = mbd_project(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y)); /* it was interpolated */
+  return good && restart(ida, t) ? TDM_OK : mbd_stick_refuse(t, err);
+}
+
+/* A rest of a window after which a step would be too short [s]: index3 divides the rounding of positions by it, which
+ * must stay well below the tolerance of velocities. */
+static double sliver(const ida_solver *ida) {
+  const double *y = N_VGetArrayPointer(ida->y), rounding = 4e-15;
+  double reach = 1;
+  for (int b = 0; b < ida->model->nbody; b++)
+    reach = fmax(reach, tdm_norm(mbd_get3(y + MBD_BODY_UNKNOWNS * b + MBD_R)));
+  return rounding * reach / (loose * ida->model->solver.absolute_tolerance);
+}
+
+/* Go back to time t inside the last step. */
+static void go_back(ida_solver *ida, double t) {
+  const double *y = unknowns_at(ida, t);
+  if (y)
+    memcpy(N_VGetArrayPointer(ida->y), y, (size_t)mbd_nunknown(ida->model) * sizeof(double));
+  mbd_accept(ida->model, ida->data, t, N_VGetArrayPointer(ida->y));
+}
+
 static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
                           void *context, tdm_error *err) {
   /* many steps that cover hardly any of the window go nowhere */
@@ -503,6 +556,8 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
   int next = 0;
   bool again = false;
   ida->message[0] = 0;
+  if (mbd_stick_margin(ida->model, data, ida->kkt, t, y) < 0 && settle(ida, t, false, err)) /* the load jumps */
+    return err->status;
   if (!begin_window(ida, start))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at t = %.9g s %s", start, ida->message);
   for (long nstep = 1; t < t1; nstep++) {
@@ -511,7 +566,16 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
       return err->status;
     if (ida->stop_fn && ida->stop_fn(ida->stop_context))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
+    double end = mbd_stick_end(ida->model, data, ida->kkt, from, t, nsample - next, sample_time + next, y, unknowns_at,
+                               ida->over ? NULL : ida);
+    if (t1 - end < sliver(ida)) /* the next window begins with new modes */
+      end = INFINITY;
+    const bool back = end < t;
+    if (back)
+      go_back(ida, t = end);
     if (samples(ida, from, t, &next, nsample, sample_time, sample, context, err))
+      return err->status;
+    if (end <= t && settle(ida, t, back, err))
       return err->status;
     if (ida->over)
       ida->npoint = 0;

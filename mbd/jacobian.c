@@ -1,4 +1,6 @@
 #include "mbd/jacobian.h"
+
+#include "mbd/normal.h"
 #include "mbd/tangent.h"
 
 #include <string.h>
@@ -178,6 +180,32 @@ static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_sp
   }
 }
 
+/* What the joint's own reaction and the pose change in the normal force of a friction that slides. */
+static void normal_rows(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sparse *matrix) {
+  const mbd_force *f = &model->force[index];
+  const mbd_stick *stick = &data->stick[f->rubbing.stick];
+  if (!f->rubbing.reacts || stick->stuck || stick->way == 0)
+    return;
+  double slope;
+  mbd_normal n = mbd_normal_at(model, data, f, y + mbd_index_lambda(model, 0), true);
+  const mbd_force_value *value = mbd_force_at(model, data, index, false);
+  const double factor = stick->way * mbd_friction_level(f, value->rate, &slope);
+  const int first = model->part[f->rubbing.part].row;
+  for (int i = 0; i < MBD_PAIR; i++) {
+    const double by_normal = factor * value->rows.G[0][i];
+    double by_q[MBD_PAIR];
+    if (f->body[i / 6] == MBD_GROUND)
+      continue;
+    const int row = MBD_BODY_UNKNOWNS * f->body[i / 6] + MBD_V + i % 6;
+    for (int k = 0; k < n.nrow; k++)
+      if (!data->dependent[first + k])
+        mbd_sparse_add(matrix, row, mbd_index_lambda(model, first + k), by_normal * n.by_lambda[k]);
+    for (int l = 0; l < MBD_PAIR; l++)
+      by_q[l] = by_normal * n.by_q[l];
+    add_pair_position(matrix, data, row, f->body, by_q);
+  }
+}
+
 /* ---- all ---- */
 
 /* G^T mu of all constraints, as in the residual. */
@@ -195,6 +223,7 @@ static void shifts(const mbd_model *model, mbd_data *data, const double *y) {
 void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, const double *y, const double *yp,
                   mbd_sparse *matrix) {
   mbd_kinematics(model, data, t, y);
+  mbd_normals(model, data, y + mbd_index_lambda(model, 0));
   shifts(model, data, y);
   for (int b = 0; b < model->nbody; b++)
     quaternion_map(mbd_quat_of(y, b), data->quaternion[b]);
@@ -213,5 +242,7 @@ void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, c
   }
   for (int i = 0; i < model->nforce; i++)
     force_rows(model, data, i, matrix);
+  for (int k = 0; k < model->nfriction; k++)
+    normal_rows(model, data, model->friction[k], y, matrix);
   data->stats.jacobians++;
 }

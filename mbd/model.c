@@ -146,6 +146,12 @@ static void load_force(mbd_model *model, json_t *json, const char *path, tdm_err
   f->ops = mbd_force_table[type];
   f->ops->load(f, &o, model);
   tdm_object_close(&o);
+  if (f->ops->sticks) {
+    f->rubbing.stick = model->nfriction;
+    f->rubbing.row = model->nrow++;
+    model->friction[model->nfriction++] = model->nforce;
+    model->nreacting += f->rubbing.reacts;
+  }
   for (int i = 0; i < model->nforce; i++)
     if (strcmp(model->force[i].name, f->name) == 0)
       tdm_object_fail(&o, "name", "a second force is called \"%s\"; give every force its own name", f->name);
@@ -201,20 +207,33 @@ static size_t array_room(json_t *json, const char *key) {
   return n > 0 ? n : 1;
 }
 
-/* List the pairs of bodies of all joints and drivers. */
+/* List the pairs of bodies of all joints, drivers and frictions. */
 static void list_parts(mbd_model *m) {
   for (int i = 0; i < m->njoint; i++) {
     const mbd_joint *j = &m->joint[i];
     for (int k = 0; k < (j->of[0] ? 2 : 1); k++) {
       const mbd_joint *pair = j->of[0] ? j->of[k] : j;
-      m->part[m->npart++] = (mbd_part){j, NULL, k, (int)(pair - m->joint), {pair->body[0], pair->body[1]}, j->row};
+      m->part[m->npart++] = (mbd_part){.joint = j,
+                                       .index = k,
+                                       .turn = (int)(pair - m->joint),
+                                       .body = {pair->body[0], pair->body[1]},
+                                       .row = j->row};
     }
   }
+  m->njointpart = m->npart;
   for (int i = 0; i < m->ndriver; i++) {
     const mbd_driver *d = &m->driver[i];
     const mbd_joint *j = d->joint;
     int turn = j == &d->frame ? -1 : (int)(j - m->joint);
-    m->part[m->npart++] = (mbd_part){j, d, 0, turn, {j->body[0], j->body[1]}, d->row};
+    m->part[m->npart++] =
+        (mbd_part){.joint = j, .driver = d, .turn = turn, .body = {j->body[0], j->body[1]}, .row = d->row};
+  }
+  for (int i = 0; i < m->nfriction; i++) {
+    mbd_force *f = &m->force[m->friction[i]];
+    for (f->rubbing.part = 0; m->part[f->rubbing.part].joint != f->joint;)
+      f->rubbing.part++;
+    m->part[m->npart++] = (mbd_part){
+        .joint = f->joint, .friction = f, .turn = -1, .body = {f->body[0], f->body[1]}, .row = f->rubbing.row};
   }
 }
 
@@ -226,8 +245,10 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   m->joint = calloc(array_room(json, "joints"), sizeof *m->joint);
   m->driver = calloc(array_room(json, "drivers"), sizeof *m->driver);
   m->force = calloc(array_room(json, "forces"), sizeof *m->force);
-  m->part = calloc(2 * array_room(json, "joints") + array_room(json, "drivers"), sizeof *m->part);
-  if (!m->body || !m->joint || !m->driver || !m->force || !m->part)
+  m->friction = calloc(array_room(json, "forces"), sizeof *m->friction);
+  size_t parts = 2 * array_room(json, "joints") + array_room(json, "drivers") + array_room(json, "forces");
+  m->part = calloc(parts, sizeof *m->part);
+  if (!m->body || !m->joint || !m->driver || !m->force || !m->friction || !m->part)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
 
   const tdm_vec3 earth = {0, 0, -9.81};
@@ -300,6 +321,7 @@ void mbd_model_destroy(mbd_model **model) {
     mbd_motion_clear(&(*model)->driver[i].motion);
   free((*model)->driver);
   free((*model)->part);
+  free((*model)->friction);
   for (int i = 0; i < (*model)->nforce; i++)
     mbd_force_clear(&(*model)->force[i]);
   free((*model)->force);

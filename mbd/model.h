@@ -54,10 +54,11 @@ typedef struct {
 /* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add
  * up in the same rows. */
 typedef struct {
-  const mbd_joint *joint;   /* the joint, or the one whose coordinate the driver drives */
-  const mbd_driver *driver; /* NULL: the joint's own rows */
-  int index;                /* 0, or 1 for the second pair of a joint that couples two */
-  int turn;                 /* the joint whose angle is counted over turns for it, -1: none */
+  const mbd_joint *joint;    /* the joint, or the one whose coordinate the driver drives or friction holds */
+  const mbd_driver *driver;  /* NULL: the joint's own rows */
+  const mbd_force *friction; /* whose row it is, which holds the joint's coordinate while it sticks; NULL: none's */
+  int index;                 /* 0, or 1 for the second pair of a joint that couples two */
+  int turn;                  /* the joint whose angle is counted over turns for it, -1: none */
   int body[2], row;
 } mbd_part;
 
@@ -73,9 +74,13 @@ struct mbd_model {
   int nforce;
   mbd_force *force; /* (nforce) */
   int npart;
-  mbd_part *part; /* (npart) those of the joints first */
+  mbd_part *part; /* (npart) those of the joints first, then drivers, then frictions */
+  int njointpart; /* parts of all joints */
   int njointrow;  /* constraint rows of all joints */
-  int nrow;       /* of all joints and drivers; those of the drivers come last */
+  int nrow;       /* of all joints, then drivers, then frictions */
+  int nfriction;
+  int *friction; /* (nfriction) forces that may stick, each with one row; nreacting of them rub by a joint's reaction */
+  int nreacting;
   int ncoupled;
   int *coupled; /* (ncoupled) body index of each coupled body, in the order of the assignment */
   mbd_settings solver;

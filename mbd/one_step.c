@@ -3,6 +3,7 @@
 #include "mbd/alpha.h"
 #include "mbd/energy.h"
 #include "mbd/integrator.h"
+#include "mbd/stick.h"
 #include "protocol/log.h"
 
 #include <math.h>
@@ -60,6 +61,7 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   bool good = memory_create(&s->now, model, s->nv);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     good = (*arrays[i] = array(s->n)) && good;
+  s->normal = array(model->nfriction);
   s->y0 = array(mbd_nunknown(model));
   s->y1 = array(mbd_nunknown(model));
   s->work = array(mbd_nunknown(model));
@@ -67,7 +69,7 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   s->inertia = calloc((size_t)model->nbody + 1, sizeof *s->inertia);
   s->turned = calloc((size_t)model->nbody + 1, sizeof *s->turned);
   s->rows = calloc((size_t)model->npart + 1, sizeof *s->rows);
-  if (!good || !s->y0 || !s->y1 || !s->work || !s->line.load || !s->inertia || !s->turned || !s->rows)
+  if (!good || !s->normal || !s->y0 || !s->y1 || !s->work || !s->line.load || !s->inertia || !s->turned || !s->rows)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%d unknowns)", s->n);
   return TDM_OK;
 }
@@ -77,8 +79,8 @@ static void destroy(void *self) {
   if (!s)
     return;
   memory_free(&s->now);
-  double *arrays[] = {s->vdot1, s->move, s->Q,  s->lambda0, s->lambda1, s->g,   s->g_t,
-                      s->r,     s->x,    s->dx, s->y0,      s->y1,      s->work};
+  double *arrays[] = {s->vdot1, s->move, s->Q,  s->lambda0, s->lambda1, s->g,    s->g_t,
+                      s->r,     s->x,    s->dx, s->y0,      s->y1,      s->work, s->normal};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(s->line.load);
@@ -154,16 +156,56 @@ static tdm_status give_samples(mbd_alpha *s, samples *to, double t, double t1, t
   return TDM_OK;
 }
 
-/* One step, or where it fails two halves of it. */
+/* ---- friction that begins or ceases to stick ---- */
+
+/* The state after a step that ends at time t. */
+static const double *stepped_to(void *self, double t) {
+  mbd_alpha *s = self;
+  if (t <= s->from)
+    return s->y0;
+  return mbd_alpha_step(s, s->from, t) ? s->y1 : NULL;
+}
+
+/* A step from t to *t1, or to where a friction ends its mode (*ends) before that; false: it failed. */
+static bool step_to_end(mbd_alpha *s, double t, double *t1, bool *ends) {
+  *ends = false;
+  if (!mbd_alpha_step(s, t, *t1))
+    return false;
+  *ends = mbd_stick_margin(s->model, s->data, s->kkt, *t1, s->y1) < 0;
+  if (!*ends)
+    return true;
+  s->from = t;
+  const double least = 1e-8 * (*t1 - t); /* no slivers on either side */
+  double end = fmax(t + least, mbd_stick_locate(s->model, s->data, s->kkt, t, *t1, stepped_to, s));
+  *t1 = end < *t1 - least ? end : *t1;
+  return mbd_alpha_step(s, t, *t1);
+}
+
+static tdm_status start(void *self, double t, tdm_error *err);
+
+/* Let frictions stick or slide as the state y0 at t wants it, and start again from there if that changes anything. */
+static tdm_status settle(mbd_alpha *s, double t, tdm_error *err) {
+  bool changed;
+  if (!mbd_stick_settle(s->model, s->data, s->kkt, t, s->y0, &changed))
+    return mbd_stick_refuse(t, err);
+  memcpy(s->data->y, s->y0, (size_t)mbd_nunknown(s->model) * sizeof(double));
+  return changed ? start(s, t, err) : TDM_OK;
+}
+
+/* One step, or where it fails two halves of it; and the rest where a friction ends its mode on the way. */
 static tdm_status advance_by(mbd_alpha *s, double t, double t1, samples *to, int halvings, tdm_error *err) {
+  bool ends;
+  double end = t1;
   if (s->stop_fn && s->stop_fn(s->stop_context))
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
-  if (mbd_alpha_step(s, t, t1)) {
-    mbd_alpha_accept(s, t1, t1 - t);
-    if (give_samples(s, to, t, t1, err))
+  if (step_to_end(s, t, &end, &ends)) {
+    mbd_alpha_accept(s, end, end - t);
+    if (give_samples(s, to, t, end, err))
       return err->status;
     memcpy(s->y0, s->y1, (size_t)mbd_nunknown(s->model) * sizeof(double));
-    return TDM_OK;
+    if (ends && settle(s, end, err))
+      return err->status;
+    return end < t1 ? advance_by(s, end, t1, to, halvings, err) : TDM_OK;
   }
   s->data->stats.convergence_failures++;
   if (halvings == HALVINGS_MAX)
@@ -196,6 +238,8 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
   samples to = {0, nsample, sample_time, sample, context};
   memcpy(s->y0, data->y, (size_t)mbd_nunknown(s->model) * sizeof(double));
   memcpy(s->y1, data->y, (size_t)mbd_nunknown(s->model) * sizeof(double));
+  if (mbd_stick_margin(s->model, data, s->kkt, data->t, s->y0) < 0 && settle(s, data->t, err)) /* the load jumps */
+    return err->status;
   for (double t = data->t, end; t < t1; t = end) {
     double n = steps_for(s, t1 - t, longest);
     if (n > steps_most)

@@ -1,7 +1,7 @@
 #include "mbd/output.h"
 
 #include "mbd/balance.h"
-#include "mbd/energy.h"
+#include "mbd/stick.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -24,18 +24,18 @@ static int coordinate_channels(const mbd_model *model) {
   return n;
 }
 
-/* rotations of forces that have one */
-static int rotation_channels(const mbd_model *model) {
+/* rotations of forces that have one, and which way frictions slide */
+static int further_channels(const mbd_model *model) {
   int n = 0;
   for (int i = 0; i < model->nforce; i++)
-    n += model->force[i].ops->turns;
+    n += model->force[i].ops->turns + model->force[i].ops->sticks;
   return n;
 }
 
 int mbd_output_count(const mbd_model *model) {
   return JOINT_CHANNELS * model->njoint + DRIVER_CHANNELS * model->ndriver + FORCE_CHANNELS * model->nforce +
          BODY_CHANNELS * (model->nbody - model->ncoupled) + ENERGY_CHANNELS + 1 + coordinate_channels(model) +
-         rotation_channels(model);
+         further_channels(model);
 }
 
 static tdm_channel *name(tdm_channel *c, const char *group, const char *of, const char *what, const char *unit) {
@@ -76,6 +76,8 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
     c = name(c, "force", f->name, w ? w->name : f->ops->coordinate_name, w ? w->unit : f->ops->coordinate_unit);
     if (f->ops->turns)
       c = name(c, "force", f->name, "rotation", "rad");
+    if (f->ops->sticks)
+      c = name(c, "force", f->name, "sliding", "1");
   }
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
@@ -91,7 +93,7 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
  * centre of mass to the point. Parts add up. */
 static void reactions(const mbd_model *model, mbd_data *data, const double *lambda, double *out) {
   memset(out, 0, JOINT_CHANNELS * (size_t)model->njoint * sizeof(double));
-  for (int i = 0; i < model->npart - model->ndriver; i++) {
+  for (int i = 0; i < model->njointpart; i++) {
     const mbd_rows *rows = mbd_part_at(model, data, i, false);
     const mbd_joint *j = model->part[i].joint;
     for (int side = 0; side < 2; side++) {
@@ -139,10 +141,23 @@ static double *coordinates(const mbd_model *model, mbd_data *data, double *out) 
 /* Effort on the second body, the coordinate where it is (not where it should be) and its rate. */
 static void drive(const mbd_model *model, mbd_data *data, int index, const double *lambda, double *out) {
   const mbd_driver *d = &model->driver[index];
-  const mbd_rows *rows = mbd_part_at(model, data, model->npart - model->ndriver + index, false);
+  const mbd_rows *rows = mbd_part_at(model, data, model->njointpart + index, false);
   out[0] = -lambda[d->row];
   out[1] = mbd_motion_at(&d->motion, data->now).value + rows->g[0];
   out[2] = row_rate(data, rows);
+}
+
+/* Returns the end of what it filled. */
+static double *force_values(const mbd_model *model, mbd_data *data, int index, double *out) {
+  const mbd_force *f = &model->force[index];
+  const mbd_force_value *value = mbd_force_at(model, data, index, false);
+  *out++ = f->ops->sticks ? mbd_stick_force(model, data, f->rubbing.stick, value) : value->value;
+  *out++ = value->coordinate;
+  if (f->ops->turns)
+    *out++ = value->rotation;
+  if (f->ops->sticks)
+    *out++ = value->way;
+  return out;
 }
 
 tdm_status mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y,
@@ -159,13 +174,8 @@ tdm_status mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kk
   out = coordinates(model, data, out + JOINT_CHANNELS * model->njoint);
   for (int i = 0; i < model->ndriver; i++, out += DRIVER_CHANNELS)
     drive(model, data, i, data->lambda, out);
-  for (int i = 0; i < model->nforce; i++) {
-    const mbd_force_value *value = mbd_force_at(model, data, i, false);
-    *out++ = value->value;
-    *out++ = value->coordinate;
-    if (model->force[i].ops->turns)
-      *out++ = value->rotation;
-  }
+  for (int i = 0; i < model->nforce; i++)
+    out = force_values(model, data, i, out);
   for (int b = 0; b < model->nbody; b++) {
     if (is_coupled(model, b))
       continue;

@@ -113,7 +113,10 @@ bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool 
   double *w = malloc((MBD_ROWS_MAX * (size_t)e.nv + 1) * sizeof *w);
   e.row = calloc((size_t)model->nrow + 1, sizeof *e.row);
   bool good = w && e.row && eliminate(model, data, without, &e, w, dependent);
-  *number = model->nrow - e.nindependent;
+  const int friction_rows = model->nrow - model->nfriction; /* nothing sticks yet */
+  for (int i = friction_rows; i < model->nrow; i++)
+    dependent[i] = true;
+  *number = friction_rows - e.nindependent;
   *near = e.near;
   for (int i = 0; i < e.nindependent && e.row; i++) {
     free(e.row[i].column);

@@ -1,5 +1,7 @@
 #include "mbd/residual.h"
 
+#include "mbd/normal.h"
+
 #include <string.h>
 
 /* Add one half of a pair's 12 numbers to a body's 6; the ground takes nothing. */
@@ -81,6 +83,7 @@ static void body_residual(const mbd_model *model, const mbd_data *data, int b, c
 
 void mbd_residual(const mbd_model *model, mbd_data *data, double t, const double *y, const double *yp, double *out) {
   mbd_kinematics(model, data, t, y);
+  mbd_normals(model, data, y + mbd_index_lambda(model, 0));
   mbd_generalised_forces(model, data, t, data->wrench);
   memset(data->shift, 0, 6 * (size_t)model->nbody * sizeof(double));
   constraints(model, data, y, out);

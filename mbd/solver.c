@@ -152,7 +152,7 @@ static json_t *make_report(const solver *s) {
   for (int i = 0; i < m->ndriver; i++)
     json_object_set_new(drivers, m->driver[i].name, json_string(m->driver[i].ops->name));
   json_t *dependent = json_array();
-  for (int i = 0; i < m->nrow; i++)
+  for (int i = 0; i < m->nrow - m->nfriction; i++)
     if (s->data->dependent[i]) {
       mbd_origin o = mbd_origin_of(m, i);
       json_array_append_new(dependent, json_pack("{s:s, s:s}", o.kind, o.name, "equation", o.equation));

@@ -19,6 +19,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->angle = array(model->nforce);
   d->turn = array(model->njoint);
   d->g = array(model->nrow);
+  d->stick = calloc((size_t)model->nfriction + 1, sizeof *d->stick);
   d->dependent = calloc((size_t)model->nrow + 1, sizeof *d->dependent);
   d->acceleration = array(6 * model->nbody);
   d->lambda = array(model->nrow);
@@ -27,13 +28,19 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->load = calloc((size_t)model->ncoupled * MBD_LOAD_MAX + 1, sizeof *d->load);
   d->kin = calloc(nbody + 1, sizeof *d->kin);
   d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
-  if (!d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->dependent || !d->acceleration || !d->lambda ||
-      !d->wrench || !d->shift || !d->load || !d->kin || !d->quaternion) {
+  d->response = array(model->nreacting * (6 * model->nbody + model->nrow));
+  if (!d->response || !d->stick || !d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->dependent ||
+      !d->acceleration || !d->lambda || !d->wrench || !d->shift || !d->load || !d->kin || !d->quaternion) {
     mbd_data_destroy(&d);
     return NULL;
   }
   for (int b = 0; b < model->nbody; b++)
     mbd_set_body_state(d->y, b, &model->body[b].start);
+  for (int k = 0; k < model->nfriction; k++) {
+    const mbd_rubbing *r = &model->force[model->friction[k]].rubbing;
+    d->stick[k].normal = r->base;
+    d->dependent[r->row] = true;
+  }
   d->kin[0].A = tdm_m3_identity();
   d->open_row = d->turned = -1;
   return d;
@@ -48,6 +55,7 @@ void mbd_data_destroy(mbd_data **data) {
   free(d->angle);
   free(d->turn);
   free(d->g);
+  free(d->stick);
   free(d->dependent);
   free(d->acceleration);
   free(d->lambda);
@@ -56,6 +64,7 @@ void mbd_data_destroy(mbd_data **data) {
   free(d->load);
   free(d->kin);
   free(d->quaternion);
+  free(d->response);
   free(d);
   *data = NULL;
 }
@@ -76,6 +85,9 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   memcpy(to->yp, from->yp, n * size);
   memcpy(to->angle, from->angle, (size_t)model->nforce * size);
   memcpy(to->turn, from->turn, (size_t)model->njoint * size);
+  memcpy(to->stick, from->stick, (size_t)model->nfriction * sizeof *to->stick);
+  for (int k = model->nrow - model->nfriction; k < model->nrow; k++)
+    to->dependent[k] = from->dependent[k];
   memcpy(to->load, from->load, (size_t)model->ncoupled * MBD_LOAD_MAX * sizeof *to->load);
   memcpy(to->acceleration, from->acceleration, 6 * nbody * size);
   memcpy(to->lambda, from->lambda, (size_t)model->nrow * size);
@@ -159,6 +171,11 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
   value->second = second;
   value->near = data->angle[i];
   value->now = data->now;
+  if (f->ops->sticks) {
+    const mbd_stick *stick = &data->stick[f->rubbing.stick];
+    value->way = stick->stuck ? 0 : stick->way;
+    value->normal = stick->normal;
+  }
   value->value = value->coordinate = value->rotation = value->rate = value->potential = value->dissipated =
       value->supplied = 0;
   value->rows.n = 0;
@@ -177,6 +194,14 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
   rows->turn = p->turn < 0 ? 0 : data->turn[p->turn];
   memcpy(rows->body, p->body, sizeof rows->body);
   rows->first = p->row;
+  if (p->friction) {
+    const mbd_stick *stick = &data->stick[p->friction->rubbing.stick];
+    if (stick->stuck)
+      mbd_joint_coordinate(p->joint, p->friction->coordinate, a, b, stick->hold, rows);
+    else
+      mbd_rows_zero(rows);
+    return rows;
+  }
   if (!p->driver) {
     p->joint->ops->eval(p->joint, a, b, rows);
     return rows;

@@ -26,6 +26,15 @@ typedef struct {
   double dissipated; /* turned into heat */
 } mbd_work;
 
+/* What a friction does (force/friction.c, stick.h): its row holds the coordinate, or it slides, or others hold the
+ * coordinate. A row that is not in use has no equation, as a dependent one. */
+typedef struct {
+  bool stuck;
+  int way;       /* when not stuck: sign of the rate that it resists, 0: none */
+  double hold;   /* coordinate at which it sticks [m, rad] */
+  double normal; /* the force that its coefficient multiplies, at the last evaluation [N], of a torque [N m] */
+} mbd_stick;
+
 /* The mutable state of a run with its workspace. */
 typedef struct {
   double t;            /* [s] */
@@ -33,8 +42,9 @@ typedef struct {
   double *yp;          /* (nunknown) their time derivatives */
   double *angle;       /* (nforce) continuous angle of torsional forces at t [rad] */
   double *turn;        /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
-  int ndependent;      /* constraint rows that others imply; mbd_assemble finds them */
-  bool *dependent;     /* (nrow) */
+  mbd_stick *stick;    /* (nfriction) */
+  int ndependent;      /* constraint rows that others imply, but rows of frictions; mbd_assemble finds them */
+  bool *dependent;     /* (nrow) these, and rows of frictions that do not stick */
   int open_row;        /* a dependent row that the motion has opened: the others do not imply it after all; -1: none */
   int turned;          /* the first force whose rotation came near half a turn, -1: none */
   double turned_at;    /* when [s] */
@@ -58,6 +68,7 @@ typedef struct {
   double (*quaternion)[3][4]; /* (nbody) dtheta = T dp */
   mbd_rows rows;              /* of one joint or driver */
   mbd_force_value force;      /* of one force */
+  double *response;           /* (nreacting x (6 nbody + nrow)) accelerations and lambda by 1 N or N m of a friction */
   mbd_stats stats;
 } mbd_data;
 
@@ -113,7 +124,8 @@ static inline tdm_mat3 mbd_inertia_world(const mbd_body *body, const mbd_kin *k)
 const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int i, bool second);
 
 /* Evaluate part i of the constraints (model->part) at data->kin and data->now into data->rows (with H if second). What
- * parts give for the same row adds up. */
+ * parts give for the same row adds up. A friction that does not stick gives a row of
+ * zeros: matrices are filled in always the same order. */
 const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool second);
 
 /* (G M^-1 G^T)_ii of row k of a part. Two parts with a body in common count as if they had none. */

@@ -48,4 +48,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_bump;
-const mbd_force_ops mbd_force_bump = {"bump", "N", "gap", "m", load, eval, false};
+const mbd_force_ops mbd_force_bump = {"bump", "N", "gap", "m", load, eval, false, false};

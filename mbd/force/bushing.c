@@ -105,4 +105,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_bushing;
-const mbd_force_ops mbd_force_bushing = {"bushing", "N", "deflection", "m", load, eval, true};
+const mbd_force_ops mbd_force_bushing = {"bushing", "N", "deflection", "m", load, eval, true, false};

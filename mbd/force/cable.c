@@ -38,4 +38,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_cable;
-const mbd_force_ops mbd_force_cable = {"cable", "N", "length", "m", load, eval, false};
+const mbd_force_ops mbd_force_cable = {"cable", "N", "length", "m", load, eval, false, false};

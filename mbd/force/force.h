@@ -20,6 +20,8 @@ typedef struct {
   bool second;                  /* fill K and C as well */
   double near;                  /* its coordinate a moment ago: angles come out within half a turn of it */
   double now;                   /* time of the evaluation [s] */
+  int way;                      /* friction: sign of the rate that it resists, 0: it has no force but the viscous one */
+  double normal;                /* friction: the force that its coefficient multiplies [N], of a torque [N m] */
   double Q[MBD_PAIR];           /* wrenches on the first and second body [N, N m] */
   double K[MBD_PAIR][MBD_PAIR]; /* dQ/dq */
   double C[MBD_PAIR][MBD_PAIR]; /* dQ/dV */
@@ -40,8 +42,20 @@ typedef struct {
   /* Read the keys behind name and type. */
   void (*load)(mbd_force *force, tdm_object *o, const mbd_model *model);
   void (*eval)(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value);
-  bool turns; /* it has the rotation between two frames, an output that must stay below half a turn */
+  bool turns;  /* it has the rotation between two frames, an output that must stay below half a turn */
+  bool sticks; /* friction: a constraint row of its own holds its coordinate at times (../stick.h) */
 } mbd_force_ops;
+
+/* Friction: its force is level(rate) times a normal force, which is `base` and what the joint's own reaction adds. */
+typedef struct {
+  double hold, slide; /* coefficients of friction at rest and in motion [1]; or the limits themselves [N, N m] */
+  double scale;       /* Stribeck velocity [m/s, rad/s], 0: `hold` counts at rest alone */
+  double base;        /* normal force without the reaction [N], of a torque times the radius [N m]; of limits 1 */
+  bool reacts;        /* the joint's reaction adds to it */
+  double across, along, about; /* factors of the reaction's force across and along the axis and moment about it */
+  double length;               /* of the bearing, whose ends take the moment across the axis [m]; 0: they do not */
+  int stick, part, row;        /* places in mbd_data.stick, of the joint in mbd_model.part, and of its own row */
+} mbd_rubbing;
 
 struct mbd_force {
   char name[40];
@@ -57,7 +71,7 @@ struct mbd_force {
   double preload;             /* tension [N] or torque [N m] at the free length or angle */
   mbd_curve *spring, *damper; /* tables that stand for stiffness and damping, NULL: none; owned */
   double smoothing;           /* cable: length over which its stiffness sets in [m] */
-  double limit, scale;        /* friction: largest force or torque [N, N m]; speed that brings tanh(1) of it */
+  mbd_rubbing rubbing;        /* friction */
   double range[2];            /* stop: lower and upper limit of the coordinate */
   double exponent;            /* contacts: of the penetration */
   double radius;              /* bump: distance of the points, or of point and plane, at contact [m] */
@@ -90,6 +104,9 @@ void mbd_contact_load(mbd_force *force, tdm_object *o);
 /* Push f = k d^n (1 + c ddot) at the penetration d, never negative (Hunt & Crossley, J. Appl. Mech. 42 (1975) 440-445);
  * derivatives are by d and ddot. */
 mbd_scalar mbd_contact_law(const mbd_force *force, double penetration, double rate);
+
+/* Coefficient of friction (or limit) of a friction that slides at `rate`, and its derivative by it. */
+double mbd_friction_level(const mbd_force *force, double rate, double *slope);
 
 /* Rates of the coordinates value->rows. */
 void mbd_force_rates(const mbd_force_value *value, const mbd_kin *a, const mbd_kin *b, double *rate);

@@ -16,4 +16,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_spring_damper;
-const mbd_force_ops mbd_force_spring_damper = {"spring_damper", "N", "length", "m", load, eval, false};
+const mbd_force_ops mbd_force_spring_damper = {"spring_damper", "N", "length", "m", load, eval, false, false};

@@ -30,4 +30,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_stop;
-const mbd_force_ops mbd_force_stop = {"stop", NULL, NULL, NULL, load, eval, false};
+const mbd_force_ops mbd_force_stop = {"stop", NULL, NULL, NULL, load, eval, false, false};

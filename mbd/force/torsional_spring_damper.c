@@ -31,4 +31,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 
 extern const mbd_force_ops mbd_force_torsional_spring_damper;
 const mbd_force_ops mbd_force_torsional_spring_damper = {
-    "torsional_spring_damper", "N m", "angle", "rad", load, eval, false};
+    "torsional_spring_damper", "N m", "angle", "rad", load, eval, false, false};

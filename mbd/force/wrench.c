@@ -44,4 +44,4 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
 }
 
 extern const mbd_force_ops mbd_force_wrench;
-const mbd_force_ops mbd_force_wrench = {"wrench", "N", "factor", "1", load, eval, false};
+const mbd_force_ops mbd_force_wrench = {"wrench", "N", "factor", "1", load, eval, false, false};

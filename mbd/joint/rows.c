@@ -198,6 +198,10 @@ void mbd_rows_rotation(mbd_rows *rows, tdm_mat3 triad_a, tdm_mat3 triad_b) {
   }
 }
 
+void mbd_rows_zero(mbd_rows *rows) {
+  rows->g[next_row(rows)] = 0;
+}
+
 void mbd_rows_scale(mbd_rows *rows, double factor) {
   int i = rows->n - 1;
   rows->g[i] *= factor;

@@ -50,6 +50,9 @@ void mbd_rows_angle(mbd_rows *rows, tdm_vec3 a1, tdm_vec3 a2, tdm_vec3 b1, tdm_v
  * the triads in world axes) [rad]; regular below a full turn, |g| <= pi. */
 void mbd_rows_rotation(mbd_rows *rows, tdm_mat3 triad_a, tdm_mat3 triad_b);
 
+/* One row of zeros. */
+void mbd_rows_zero(mbd_rows *rows);
+
 /* The last row times `factor`. */
 void mbd_rows_scale(mbd_rows *rows, double factor);
 

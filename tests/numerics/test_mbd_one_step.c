@@ -146,27 +146,22 @@ END_TEST
 
 /* Damping far too stiff for the step, from a start out of its equilibrium, with a start in each window and without. */
 START_TEST(test_stiff_start) {
-  static const char *const force[] = {
-      "{'name':'s','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],[0,0,-1]],'stiffness':1,"
-      "'damping':1e7}",
-      "{'name':'s','type':'friction','joint':'guide','limit':19.62,'velocity_scale':1e-4}"};
-  static const double radius[] = {0.8, 1, 0}, rest[] = {-9.81e-7, -5.493e-5};
-  for (int i = 0; i < 12; i++) {
+  static const double radius[] = {0.8, 1, 0};
+  for (int i = 0; i < 6; i++) {
     run r;
     char scene[1024];
-    int of = i % 2, restart = i / 2 % 2;
-    double H = of ? 1e-2 : 1e-3;
     snprintf(
         scene, sizeof scene,
         "{'formulation':'one_step','restart_each_window':%s,'bodies':[{'name':'box','mass':1,'inertia':[1,1,1],"
         "'position':[0,0,-1]}],'joints':[{'name':'guide','type':'prismatic','bodies':['ground','box'],'point':[0,0,"
-        "0],'axis':[0,0,1]}],'forces':[%s],'solver':{'spectral_radius':%g}}",
-        restart ? "true" : "false", force[of], radius[i / 4]);
+        "0],'axis':[0,0,1]}],'forces':[{'name':'s','type':'spring_damper','bodies':['ground','box'],'points':[[0,0,0],"
+        "[0,0,-1]],'stiffness':1,'damping':1e7}],'solver':{'spectral_radius':%g}}",
+        i % 2 ? "true" : "false", radius[i / 2]);
     run_open_good(&r, scene, "box");
     for (int k = 0; k < 100; k++) {
-      run_window(&r, H * (k + 1), NULL, 0, 0, NULL);
+      run_window(&r, 1e-3 * (k + 1), NULL, 0, 0, NULL);
       double v = r.state[0].twist.velocity.z;
-      ck_assert_msg(fabs(v / rest[of] - 1) < (of ? 0.15 : 1e-3), "case %d, window %d: %g m/s", i, k, v);
+      ck_assert_msg(fabs(v / -9.81e-7 - 1) < 1e-3, "case %d, window %d: %g m/s", i, k, v);
     }
     run_close(&r);
   }

@@ -94,8 +94,12 @@ static const char *const scenes[] = {
     PLAIN("wrench", "'body':'b','point':[0.1,0.2,0.3],'force':[1,2,3],'moment':[4,5,6],'axes':'body'"),
     PLAIN("wrench", "'body':'a','point':[0.1,0.2,0.3],'force':[1,2,3],'moment':[4,5,6],"
                     "'factor':{'type':'harmonic','amplitude':1,'frequency':1}"),
-    ON_JOINT("friction", "'coordinate':'angle','limit':5,'velocity_scale':2,'viscous':0.4"),
-    ON_JOINT("friction", "'coordinate':'translation','coefficient':0.3,'preload':10,'velocity_scale':2"),
+    ON_JOINT("friction", "'coordinate':'angle','limit':{'static':5,'dynamic':3},'velocity_scale':2,'viscous':0.4"),
+    ON_JOINT("friction", "'coordinate':'translation','coefficient':0.3,'preload':10,'reaction':false"),
+    ON_JOINT("friction", "'coordinate':'translation','coefficient':{'static':0.7,'dynamic':0.4},'velocity_scale':2,"
+                         "'length':0.7,'radius':0.4"),
+    ON_JOINT("friction", "'coordinate':'angle','coefficient':0.3,'preload':4,'radius':0.3,'thrust_radius':0.5"),
+    ON_JOINT("friction", "'coordinate':'angle','coefficient':0.3,'radius':0.3,'length':1.4"),
     ON_JOINT("stop", "'coordinate':'angle','upper':-50,'stiffness':20,'damping':0.01"),
     ON_JOINT("stop", "'coordinate':'translation','lower':50,'stiffness':20,'damping':0.01,'exponent':1.5"),
 };
@@ -103,6 +107,14 @@ static const char *const scenes[] = {
 static double uniform(unsigned *seed) {
   *seed = *seed * 1664525u + 1013904223u;
   return (double)(*seed >> 8) / (1 << 24) * 2 - 1;
+}
+
+/* Frictions slide, this way or that, under a normal force. */
+static void slide(const mbd_model *m, mbd_data *d, unsigned seed) {
+  for (int k = 0; k < m->nfriction; k++) {
+    d->stick[k].way = seed % 4 < 2 ? 1 : -1;
+    d->stick[k].normal = 2.5;
+  }
 }
 
 /* Largest |J - J_fd| relative to the largest entry of its row. */
@@ -155,6 +167,7 @@ START_TEST(test_jacobian) {
   mbd_data *d = mbd_data_create(m);
   for (unsigned seed = 1; seed <= 20; seed++) {
     m->solver.formulation = seed % 2 ? MBD_GGL : MBD_INDEX3;
+    slide(m, d, seed);
     double worst = deviation(m, d, seed);
     ck_assert_msg(worst < 1e-7, "scene %s, seed %u: %g", scenes[_i], seed, worst);
   }
@@ -275,6 +288,7 @@ START_TEST(test_tangent) {
   const double eps = 1e-6;
   double *y = calloc((size_t)mbd_nunknown(m), 8), *lambda = calloc((size_t)m->nrow + 1, 8), a[NV], up[NV], down[NV];
   ck_assert_int_eq(6 * m->nbody, NV);
+  slide(m, d, seed);
   for (int i = 0; i < mbd_nunknown(m); i++)
     y[i] = uniform(&seed);
   for (int i = 0; i < m->nrow; i++)
