@@ -78,7 +78,7 @@ static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, int i) {
   add_impulse(b, h, own ? &own->moment[0] : &loop->mean[i]);
   b->work[CPL_DEM] += own ? own->work : work_of_mean(&loop->mean[i], &loop->sent_start[i], there);
   b->blending += own ? own->blending : 0;
-  b->work[CPL_MBD] += cpl_work_along(&loop->state_start[i], here, h, &loop->load[i * CPL_HISTORY_MAX], loop->nload);
+  b->work[CPL_MBD] += cpl_work_along(&loop->state_start[i], here, h, &loop->load[i * TDM_LOAD_MAX], loop->nload);
   tdm_vec3 way = tdm_sub(here->pose.position, there->pose.position);
   tdm_vec3 turn = tdm_quat_turn(there->pose.orientation, here->pose.orientation);
   if (loop->correction) { /* DEM's body ended beside its proxy by that */

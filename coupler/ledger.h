@@ -69,7 +69,7 @@ json_t *cpl_ledger_summary(const cpl_ledger *ledger);
 
 /* Work of W(s) = sum_j load[j] s^j, s = (t - t0)/duration, on a body that goes from start to end: its velocity is that
  * of the cubic Hermite path between the two states, its angular velocity likewise the parabola with the values at both
- * ends whose mean is the turn. In closed form; nload at most CPL_HISTORY_MAX [J]. */
+ * ends whose mean is the turn. In closed form; [J]. */
 double cpl_work_along(const tdm_state *start, const tdm_state *end, double duration, const tdm_wrench *load, int nload);
 
 #endif

@@ -280,11 +280,22 @@ static const struct {
   const char *name;
   bool always;   /* asked for whatever the scheme, for the ledger */
   bool per_body; /* empty without coupled bodies */
-} extras[] = {
-    {"acceleration", false, true}, {"mobility", false, false}, {"interface", true, true}, {"energy", true, false}};
+} extras[] = {{"acceleration", false, true},
+              {"mobility", false, false},
+              {"interface", true, true},
+              {"energy", true, false},
+              {"matched_load", false, true}};
 enum { NEXTRA = sizeof extras / sizeof extras[0] };
 
+/* Further coefficients of the load: of a DEM solver that carries a proxy, if it can and mbd takes so many. */
+static bool matches(const cpl_session *s) {
+  static const char name[] = "matched_load";
+  return listed(s->scheme->needs[CPL_DEM], "proxy") && has(s, CPL_DEM, name) && has(s, CPL_MBD, name);
+}
+
 bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
+  if (strcmp(extra, "matched_load") == 0)
+    return role == CPL_DEM && matches(s);
   for (int i = 0; i < NEXTRA; i++)
     if (strcmp(extras[i].name, extra) == 0)
       return listed(s->scheme->needs[role], extra) || (extras[i].always && has(s, role, extra));
@@ -389,6 +400,8 @@ static tdm_status check_finite(const cpl_session *s, int role, const tdm_step *s
        false}, /* Y first of all */
       {"moments of the load, an end or a work", (const double *)(const void *)r->body, sizeof *r->body / sizeof(double),
        r->ninterface, true},
+      {"a further coefficient of the load", (const double *)(const void *)r->further, TDM_FURTHER * TDM_WRENCH_DOUBLES,
+       r->nfurther, true},
       {"a supplied energy", r->has_energy ? &r->energy->supplied : NULL, 1, r->has_energy, false},
   };
   for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
@@ -417,7 +430,7 @@ static tdm_status check_result(const cpl_session *s, int role, const tdm_step *s
                     (unsigned long long)r->window, r->nbody, r->nstate, r->nload, r->nsample, r->nchannel,
                     (unsigned long long)step->window, step->nbody, nstate, nload, step->nsample,
                     s->partner[role].nchannel);
-  const bool came[NEXTRA] = {r->nacceleration > 0, r->has_mobility, r->ninterface > 0, r->has_energy};
+  const bool came[NEXTRA] = {r->nacceleration > 0, r->has_mobility, r->ninterface > 0, r->has_energy, r->nfurther > 0};
   for (int i = 0; i < NEXTRA; i++) {
     bool some = step->nbody > 0 || !extras[i].per_body;
     if (came[i] != (some && cpl_session_asks(s, (cpl_role)role, extras[i].name)))

@@ -3,6 +3,7 @@
 #include "coupler/adapt.h"
 #include "coupler/mismatch.h"
 #include "coupler/record.h"
+#include "protocol/legendre.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@ static void keep_proxy(cpl_loop *loop, const double *acceleration, const tdm_mob
   for (size_t i = 0; i < n; i++) {
     tdm_wrench end = {0};
     for (int j = 0; j < loop->nload; j++) {
-      const tdm_wrench *c = &loop->load[i * CPL_HISTORY_MAX + (size_t)j];
+      const tdm_wrench *c = &loop->load[i * TDM_LOAD_MAX + (size_t)j];
       end.force = tdm_add(end.force, c->force);
       end.moment = tdm_add(end.moment, c->moment);
     }
@@ -68,8 +69,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->speed = calloc(nbody, sizeof *loop->speed);
   loop->mean = calloc(nbody, sizeof *loop->mean);
   loop->history = calloc(nbody, sizeof *loop->history);
-  loop->load = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->load);
-  loop->packed = calloc(nbody * CPL_HISTORY_MAX, sizeof *loop->packed);
+  loop->load = calloc(nbody * TDM_LOAD_MAX, sizeof *loop->load);
+  loop->packed = calloc(nbody * TDM_LOAD_MAX, sizeof *loop->packed);
   if (cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
@@ -220,7 +221,7 @@ static tdm_status check_turn(cpl_loop *loop, int body, tdm_error *err) {
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
   for (int i = 0; i < loop->nbody; i++)
     for (int j = 0; j < ncoefficient; j++)
-      loop->packed[i * ncoefficient + j] = loop->load[i * CPL_HISTORY_MAX + j];
+      loop->packed[i * ncoefficient + j] = loop->load[i * TDM_LOAD_MAX + j];
   loop->nload = ncoefficient;
   tdm_step step = {.nload = ncoefficient, .load = loop->packed};
   tdm_status status = exchange(loop, CPL_MBD, &step, err);
@@ -266,9 +267,34 @@ static void from_moments(const tdm_wrench *moment, uint64_t nstep, int ncoeffici
   const double x4 = 0.2 + 4 * q / 3 - 8 * q * q / 15, norm = 2.25 * (x4 - x2 * x2);
   for (int i = 0; i < TDM_WRENCH_DOUBLES; i++) {
     double slope = ncoefficient > 1 ? 3 * m1[i] : 0, bend = ncoefficient > 2 ? (m2[i] - q * m0[i]) / norm : 0;
-    const double c[CPL_HISTORY_MAX] = {m0[i] - slope + bend, 2 * slope - 6 * bend, 6 * bend};
+    const double c[3] = {m0[i] - slope + bend, 2 * slope - 6 * bend, 6 * bend};
     for (int j = 0; j < ncoefficient; j++)
       ((double *)(void *)&out[j])[i] = c[j];
+  }
+}
+
+/* Add c_3 P_3 + c_4 P_4 + ... to the parabolas of all bodies, up to the last that is not zero; `further` (nbody x
+ * TDM_FURTHER). */
+static void add_further(cpl_loop *loop, const tdm_wrench *further) {
+  for (int j = 3; j < TDM_LOAD_MAX; j++) {
+    double power[TDM_LOAD_MAX];
+    bool any = false;
+    for (int i = 0; i < loop->nbody && !any; i++)
+      for (int l = 0; l < TDM_WRENCH_DOUBLES; l++)
+        any = any || ((const double *)(const void *)&further[i * TDM_FURTHER + j - 3])[l] != 0;
+    if (!any)
+      continue;
+    for (int i = 0; i < loop->nbody; i++)
+      memset(&loop->load[i * TDM_LOAD_MAX + loop->nload], 0, (size_t)(j + 1 - loop->nload) * sizeof *loop->load);
+    loop->nload = j + 1;
+    tdm_legendre_powers(j, power);
+    for (int i = 0; i < loop->nbody; i++)
+      for (int p = 0; p <= j; p++) {
+        tdm_wrench *to = &loop->load[i * TDM_LOAD_MAX + p];
+        const tdm_wrench *c = &further[i * TDM_FURTHER + j - 3];
+        to->force = tdm_axpy(power[p], c->force, to->force);
+        to->moment = tdm_axpy(power[p], c->moment, to->moment);
+      }
   }
 }
 
@@ -285,16 +311,18 @@ tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_err
   loop->nload = nstep == 1 ? 1 : nstep < 4 ? 2 : 3;
   for (int i = 0; i < loop->nbody; i++) {
     const tdm_interface *body = &loop->result[CPL_DEM].body[i];
-    from_moments(body->moment, nstep, loop->nload, &loop->load[i * CPL_HISTORY_MAX]);
+    from_moments(body->moment, nstep, loop->nload, &loop->load[i * TDM_LOAD_MAX]);
     loop->dem_end[i] = body->end;
   }
+  if (loop->nload == 3 && loop->result[CPL_DEM].nfurther > 0)
+    add_further(loop, loop->result[CPL_DEM].further);
   return TDM_OK;
 }
 
 tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err) {
   int ncoefficient = 1;
   for (int i = 0; i < loop->nbody; i++)
-    ncoefficient = cpl_extrapolate(&loop->history[i], nmean, loop->t0, loop->t1, &loop->load[i * CPL_HISTORY_MAX]);
+    ncoefficient = cpl_extrapolate(&loop->history[i], nmean, loop->t0, loop->t1, &loop->load[i * TDM_LOAD_MAX]);
   if (cpl_solve_mbd(loop, ncoefficient, err) != TDM_OK)
     return err->status;
   if (cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err) != TDM_OK)

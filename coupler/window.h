@@ -47,7 +47,7 @@ typedef struct cpl_loop {
   double *speed;          /* (nbody) largest so far [m/s] */
   tdm_wrench *mean;       /* (nbody) mean load over the window, once DEM has solved */
   cpl_history *history;   /* (nbody) */
-  tdm_wrench *load;       /* (nbody x CPL_HISTORY_MAX) load polynomial for MBD, row i: body i */
+  tdm_wrench *load;       /* (nbody x TDM_LOAD_MAX) load polynomial for MBD, row i: body i */
   int nload;              /* its coefficients; of the last window until there are new ones */
   tdm_proxy proxy;        /* the mechanism at t0, if the scheme needs it; points into proxy_block */
   double *proxy_block;
@@ -81,7 +81,8 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);
 
 /* DEM over the window with a proxy: it carries the mechanism, as MBD left it, through the window itself, and ends
  * beside that by `correction` (nbody x 12, see tdm_proxy; NULL: zeros). Sets mean, dem_end, and load to the polynomial
- * with the moments that DEM found (nload coefficients: the mean alone for one step a window, a line for two and three).
+ * with the moments that DEM found (nload coefficients: the mean alone for one step a window, a line for two and three)
+ * and with the further coefficients that end where its proxy did, if both solvers know them.
  */
 tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_error *err);
 

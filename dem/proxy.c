@@ -3,6 +3,7 @@
 
 #include "dem/geometry/wall_stiffness.h"
 #include "dem/geometry/walls.h"
+#include "dem/matched.h"
 
 #include <gsl/gsl_linalg.h>
 #include <stdlib.h>
@@ -38,6 +39,7 @@ struct dem_proxy {
   double *J_now, *B_now; /* at the end of the step */
   double *block;         /* all of the above from W0 on */
   gsl_matrix *L, *exponential;
+  dem_matched *matched; /* NULL: not wanted */
 };
 
 /* ---- memory ---- */
@@ -73,13 +75,14 @@ static bool reserve(dem_proxy *x, int f) {
   return x->block && x->L && x->exponential;
 }
 
-dem_proxy *dem_proxy_create(const dem_model *model) {
+dem_proxy *dem_proxy_create(const dem_model *model, bool matched) {
   dem_proxy *x = calloc(1, sizeof *x);
   if (!x)
     return NULL;
   x->k6 = 6 * model->ncoupled;
   x->body = calloc((size_t)model->ncoupled + 1, sizeof *x->body);
-  if (!x->body)
+  x->matched = matched ? dem_matched_create(model->ncoupled) : NULL;
+  if (!x->body || (matched && !x->matched))
     dem_proxy_destroy(&x);
   return x;
 }
@@ -90,6 +93,7 @@ void dem_proxy_destroy(dem_proxy **proxy) {
     return;
   gsl_matrix_free(x->L);
   gsl_matrix_free(x->exponential);
+  dem_matched_destroy(&x->matched);
   free(x->body);
   free(x->block);
   free(x);
@@ -268,6 +272,8 @@ tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step
     take_prescribed(x, step, u2);
   if (x->f > 0)
     take_flow(x, &step->proxy.mobility, u2);
+  if (x->matched && !dem_matched_begin(x->matched, &step->proxy.mobility, step->nstep, dt, x->E))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a mechanism of %d degrees of freedom", x->f);
   take_drift(x, d, step);
   gather(x, d);
   return TDM_OK;
@@ -329,6 +335,8 @@ static void push(dem_proxy *x, double h) {
 static void half_kick(dem_proxy *x) {
   const tdm_quat turn = turn_so_far(x);
   const double h = 0.5 * x->dt;
+  if (x->matched)
+    dem_matched_half_kick(x->matched, x->W);
   turn_model(x, x->tau, turn);
   for (int after = 0; after < 2; after++) {
     if (after)
@@ -398,6 +406,8 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
     b->now.pose.orientation = tdm_quat_turned(b->now.pose.orientation, tdm_scale(dt, b->mid.angular));
   }
   memcpy(x->z, next, (size_t)n * sizeof *next);
+  if (x->matched)
+    dem_matched_flow(x->matched);
   x->tau += dt;
 
   /* contacts see the velocity predicted for the end of the step */
@@ -421,7 +431,7 @@ void dem_proxy_kick(dem_proxy *x, const dem_data *d) {
   half_kick(x);
 }
 
-void dem_proxy_end(dem_proxy *x, dem_data *d, tdm_interface *body) {
+void dem_proxy_end(dem_proxy *x, dem_data *d, tdm_interface *body, tdm_wrench *further) {
   for (int c = 0; 6 * c < x->k6; c++) {
     const carried *b = &x->body[c];
     put(x, d, c, b->now.twist);
@@ -431,4 +441,6 @@ void dem_proxy_end(dem_proxy *x, dem_data *d, tdm_interface *body) {
       body[c].blending = b->blending;
     }
   }
+  if (x->matched && body && further)
+    dem_matched_end(x->matched, body, further);
 }

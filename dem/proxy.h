@@ -26,8 +26,9 @@
 
 typedef struct dem_proxy dem_proxy;
 
-/* For the coupled bodies of a model. NULL: no memory. */
-dem_proxy *dem_proxy_create(const dem_model *model);
+/* For the coupled bodies of a model; matched: windows find the load that ends where the proxy does (matched.h). NULL:
+ * no memory. */
+dem_proxy *dem_proxy_create(const dem_model *model, bool matched);
 void dem_proxy_destroy(dem_proxy **proxy);
 
 /* Take up the window of `step` (with a proxy), of steps dt [s]; contact_time: the shortest that is expected [s]. */
@@ -43,7 +44,8 @@ void dem_proxy_kick(dem_proxy *proxy, const dem_data *data);
 /* Largest square of a frequency of the bodies on the springs of their contacts now (dem_walls_rate2) [1/s2]. */
 double dem_proxy_rate2(const dem_proxy *proxy, const dem_data *data);
 
-/* After the last step: gives the bodies their velocities at the end, and tells where they went, and works. */
-void dem_proxy_end(dem_proxy *proxy, dem_data *data, tdm_interface *body);
+/* After the last step: gives the bodies their velocities at the end, and tells where they went, and works. `further`
+ * (bodies x TDM_FURTHER) is for a proxy that matches, from the moments in `body`. Both may be NULL. */
+void dem_proxy_end(dem_proxy *proxy, dem_data *data, tdm_interface *body, tdm_wrench *further);
 
 #endif

@@ -383,7 +383,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   s->data = dem_data_create(s->model);
   s->motion = calloc((size_t)assignment->nbody + 1, sizeof *s->motion);
   s->load = calloc((size_t)assignment->nbody + 1, sizeof *s->load);
-  s->proxy = dem_proxy_create(s->model);
+  s->proxy = dem_proxy_create(s->model, assignment->matched_load);
   if (!s->data || !s->motion || !s->load || !s->proxy || !make_channels(s))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", s->model->nparticle);
   return start(s, ready, err);
@@ -495,7 +495,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
   if (step->has_proxy)
-    dem_proxy_end(s->proxy, d, result->ninterface > 0 ? result->body : NULL);
+    dem_proxy_end(s->proxy, d, result->ninterface > 0 ? result->body : NULL,
+                  result->nfurther > 0 ? result->further : NULL);
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
   if (result->has_energy)
@@ -547,7 +548,7 @@ const dem_data *dem_solver_data(const void *self) {
   const dem_solver *s = self;
   return s->data;
 }
-static const char *const capabilities[] = {"restore", "interface", "proxy", "energy"};
+static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load", "energy"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,

@@ -10,7 +10,7 @@
 #include "mbd/joint/joint.h"
 #include "protocol/participant.h"
 
-enum { MBD_GROUND = -1, MBD_NAME_MAX = 40, MBD_LOAD_MAX = 8 };
+enum { MBD_GROUND = -1, MBD_NAME_MAX = 40 };
 
 /* a point with axes that is fixed to a body */
 typedef struct {

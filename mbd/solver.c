@@ -373,7 +373,7 @@ const mbd_stats *mbd_solver_stats(void *self) {
   return &s->data->stats;
 }
 
-static const char *const capabilities[] = {"restore", "acceleration", "mobility", "energy"};
+static const char *const capabilities[] = {"restore", "acceleration", "mobility", "matched_load", "energy"};
 
 const tdm_solver_ops mbd_solver_ops = {
     .capabilities = capabilities,

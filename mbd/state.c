@@ -25,7 +25,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   d->lambda = array(model->nrow);
   d->wrench = array(6 * model->nbody);
   d->shift = array(6 * model->nbody);
-  d->load = calloc((size_t)model->ncoupled * MBD_LOAD_MAX + 1, sizeof *d->load);
+  d->load = calloc((size_t)model->ncoupled * TDM_LOAD_MAX + 1, sizeof *d->load);
   d->kin = calloc(nbody + 1, sizeof *d->kin);
   d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
   d->response = array(model->nreacting * (6 * model->nbody + model->nrow));
@@ -88,15 +88,15 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   memcpy(to->stick, from->stick, (size_t)model->nfriction * sizeof *to->stick);
   for (int k = model->nrow - model->nfriction; k < model->nrow; k++)
     to->dependent[k] = from->dependent[k];
-  memcpy(to->load, from->load, (size_t)model->ncoupled * MBD_LOAD_MAX * sizeof *to->load);
+  memcpy(to->load, from->load, (size_t)model->ncoupled * TDM_LOAD_MAX * sizeof *to->load);
   memcpy(to->acceleration, from->acceleration, 6 * nbody * size);
   memcpy(to->lambda, from->lambda, (size_t)model->nrow * size);
 }
 
 tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err) {
-  if (step->nload > MBD_LOAD_MAX)
+  if (step->nload > TDM_LOAD_MAX)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "the load polynomial has %d coefficients; at most %d are supported",
-                    step->nload, MBD_LOAD_MAX);
+                    step->nload, TDM_LOAD_MAX);
   if (step->nload > 0 && step->nbody != model->ncoupled)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP carries %d bodies, ASSIGN named %d", step->nbody,
                     model->ncoupled);

@@ -55,7 +55,7 @@ typedef struct {
   /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
   double load_t0, load_t1; /* [s] */
   int nload;               /* coefficients, 0: no load */
-  tdm_wrench *load;        /* (ncoupled x MBD_LOAD_MAX) */
+  tdm_wrench *load;        /* (ncoupled x TDM_LOAD_MAX) */
 
   double *acceleration; /* (6 nbody) of the last acceleration-level solve */
   double *lambda;       /* (nrow) of the same */

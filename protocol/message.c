@@ -172,7 +172,7 @@ void tdm_error_from_json(const json_t *json, tdm_error *err) {
 /* ---- STEP and RESULT ---- */
 
 /* what a RESULT has behind its channels: bits of the u16 at 36 */
-enum { HAS_ACCELERATION = 1, HAS_MOBILITY = 2, HAS_INTERFACE = 4, HAS_ENERGY = 8, HAS_ALL = 15 };
+enum { HAS_ACCELERATION = 1, HAS_MOBILITY = 2, HAS_INTERFACE = 4, HAS_ENERGY = 8, HAS_FURTHER = 16, HAS_ALL = 31 };
 
 /* what a STEP has behind its sample times: bits of the u16 at 40 */
 enum { HAS_PROXY = 1 };
@@ -347,7 +347,8 @@ static size_t result_doubles(const tdm_result *r) {
     sample += (size_t)r->nbody * TDM_WRENCH_DOUBLES;
   return (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nbody * (size_t)r->nload * TDM_WRENCH_DOUBLES +
          (size_t)r->nsample * sample + 6 * (size_t)r->nacceleration + (size_t)r->ninterface * TDM_INTERFACE_DOUBLES +
-         (r->has_energy ? sizeof(tdm_energy) / sizeof(double) : 0);
+         (r->has_energy ? sizeof(tdm_energy) / sizeof(double) : 0) +
+         (size_t)r->nfurther * TDM_FURTHER * TDM_WRENCH_DOUBLES;
 }
 
 /* Returns where the reduced model begins. */
@@ -360,6 +361,7 @@ static double *result_point(tdm_result *r, double *at) {
   r->acceleration = cut(&at, 6 * (size_t)r->nacceleration);
   r->body = cut(&at, (size_t)r->ninterface * TDM_INTERFACE_DOUBLES);
   r->energy = cut(&at, r->has_energy ? sizeof(tdm_energy) / sizeof(double) : 0);
+  r->further = cut(&at, (size_t)r->nfurther * TDM_FURTHER * TDM_WRENCH_DOUBLES);
   return at;
 }
 
@@ -389,7 +391,7 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
   at = put_u32(at, (uint32_t)r->nchannel);
   const uint16_t extra[2] = {(uint16_t)((r->nacceleration > 0 ? HAS_ACCELERATION : 0) |
                                         (r->has_mobility ? HAS_MOBILITY : 0) | (r->ninterface > 0 ? HAS_INTERFACE : 0) |
-                                        (r->has_energy ? HAS_ENERGY : 0)),
+                                        (r->has_energy ? HAS_ENERGY : 0) | (r->nfurther > 0 ? HAS_FURTHER : 0)),
                              (uint16_t)(r->has_mobility ? r->mobility.nfree : 0)};
   at = put(at, extra, sizeof extra);
   at = put(at, r->state, (size_t)r->nstate * sizeof(tdm_state));
@@ -401,6 +403,7 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
   at = put(at, r->acceleration, 6 * (size_t)r->nacceleration * sizeof(double));
   at = put(at, r->body, (size_t)r->ninterface * sizeof *r->body);
   at = put(at, r->energy, r->has_energy ? sizeof *r->energy : 0);
+  at = put(at, r->further, (size_t)r->nfurther * TDM_FURTHER * sizeof *r->further);
   if (r->has_mobility)
     tdm_mobility_copy((double *)(void *)at, &r->mobility);
   return TDM_OK;
@@ -430,6 +433,7 @@ tdm_status tdm_result_read(tdm_result *r, const tdm_header *header, tdm_frame *s
   r->has_mobility = extra[0] & HAS_MOBILITY;
   r->ninterface = extra[0] & HAS_INTERFACE ? r->nbody : 0;
   r->has_energy = extra[0] & HAS_ENERGY;
+  r->nfurther = extra[0] & HAS_FURTHER ? r->nbody : 0;
   r->mobility = (tdm_mobility){.nbody = r->nbody, .nfree = extra[1]};
   if (extra[0] > HAS_ALL || extra[1] > (r->has_mobility ? TDM_FREE_MAX : 0))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,

@@ -43,6 +43,8 @@ enum {
   TDM_STEP_BYTES = 48,              /* fixed blocks behind the header */
   TDM_RESULT_BYTES = 40,
   TDM_COUNT_MAX = 1 << 20,                                               /* of any count in STEP or RESULT */
+  TDM_FURTHER = 6,                                                       /* coefficients behind the parabola */
+  TDM_LOAD_MAX = 3 + TDM_FURTHER,                                        /* of a load polynomial */
   TDM_FREE_MAX = 32,                                                     /* independent velocities of a reduced model */
   TDM_INTERFACE_DOUBLES = 3 * TDM_WRENCH_DOUBLES + TDM_STATE_DOUBLES + 2 /* of a tdm_interface */
 };
@@ -165,9 +167,11 @@ typedef struct {
   double *channel;         /* (nsample x nchannel) at the sample times */
   double *acceleration;    /* (nacceleration x 6) of v and w at t1, with the load at the end of the window */
   int ninterface;          /* nbody if ASSIGN asks for "interface", else 0 */
+  int nfurther;            /* nbody if ASSIGN asks for "matched_load", else 0 */
   bool has_energy;         /* ASSIGN asks for "energy" */
   tdm_interface *body;     /* (ninterface) */
   tdm_energy *energy;      /* (1 if has_energy) */
+  tdm_wrench *further;     /* (nfurther x TDM_FURTHER) what P_3, P_4, ... have in the load polynomial */
   tdm_mobility mobility;   /* if has_mobility; to be sent: the solver's own arrays */
 } tdm_result;
 

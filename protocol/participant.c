@@ -20,8 +20,8 @@ struct tdm_participant {
   json_t *assign; /* the ASSIGN message: the assignment points into it */
   tdm_assigned_body *body;
   int nbody, nchannel;
-  bool acceleration, mobility, interface, energy; /* asked for */
-  bool is_mbd, finished;                          /* finished: the server said FINISH or was lost */
+  bool acceleration, mobility, interface, energy, matched_load; /* asked for */
+  bool is_mbd, finished;                                        /* finished: the server said FINISH or was lost */
   double last_sent, step_start;
   double last_look, silence; /* when it last listened; how long nothing came while it listened [s] */
   uint64_t window;
@@ -195,6 +195,7 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   p->mobility = a->mobility = asks(&o, "mobility");
   p->interface = a->interface = asks(&o, "interface");
   p->energy = a->energy = asks(&o, "energy");
+  p->matched_load = a->matched_load = asks(&o, "matched_load");
   a->restores = tdm_get_bool(&o, "restores", false);
   a->proxy = tdm_get_bool(&o, "proxy", false);
   json_t *bodies = tdm_get_array(&o, "bodies", true);
@@ -366,6 +367,7 @@ bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result
                          .nacceleration = p->acceleration ? p->nbody : 0,
                          .has_mobility = p->mobility,
                          .ninterface = p->interface ? p->nbody : 0,
+                         .nfurther = p->matched_load ? p->nbody : 0,
                          .has_energy = p->energy,
                          .mobility = {.nbody = p->nbody}};
   return tdm_result_layout(result, &p->result_store, err) == TDM_OK;

@@ -64,6 +64,7 @@ typedef struct {
   const tdm_assigned_body *body; /* (nbody) entry i stands at coupling.bodies[i].<role> in the scene */
   bool acceleration, mobility;   /* READY and RESULT are to carry these (mbd with the capability) */
   bool interface, energy;        /* RESULT is to carry these (dem; any role) */
+  bool matched_load;             /* RESULT is to carry further coefficients of the load (dem with the capability) */
   bool restores;                 /* SAVE and RESTORE will come, perhaps in every window */
   bool proxy;                    /* STEP will have a proxy (dem with the capability) */
 } tdm_assignment;

@@ -59,7 +59,7 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
     return err->status;
   for (int i = 0; i < loop->nbody; i++) {
     bool told = loop->result[CPL_DEM].ninterface > 0;
-    loop->load[i * CPL_HISTORY_MAX] = told ? loop->result[CPL_DEM].body[i].moment[0] : loop->mean[i];
+    loop->load[i * TDM_LOAD_MAX] = told ? loop->result[CPL_DEM].body[i].moment[0] : loop->mean[i];
     cpl_history_push(&loop->history[i], loop->t1, loop->mean[i]);
   }
   return cpl_solve_mbd(loop, 1, err);

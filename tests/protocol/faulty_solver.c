@@ -6,6 +6,7 @@
  *   nan        returns a load that is no number in that window
  *   moments, work, supplied, infinite   announce "interface" and "energy" and return such a moment, work or energy
  *   channel, unit, twin   announce a channel of the name or unit FAULT_TEXT, or two of one name
+ *   further    announces "matched_load" as well, and returns such a coefficient
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
  *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
  */
@@ -31,7 +32,7 @@ static int is(const char *name) {
 
 /* faults of what RESULT carries by these capabilities */
 static int is_extra(void) {
-  return is("moments") || is("work") || is("supplied") || is("infinite");
+  return is("moments") || is("work") || is("supplied") || is("infinite") || is("further");
 }
 
 static void sleep_forever(void) {
@@ -76,6 +77,7 @@ static void answer_step(const tdm_header *header) {
   tdm_result r = {.window = step.window, .t = step.t1, .nbody = nbody, .nload = 1, .nsample = step.nsample};
   r.ninterface = is_extra() ? nbody : 0;
   r.has_energy = is_extra();
+  r.nfurther = is("further") ? nbody : 0;
   if (step.window >= fault_window) {
     r.nload = is("counts") ? 3 : 1;
     r.window += is("late");
@@ -90,6 +92,8 @@ static void answer_step(const tdm_header *header) {
   if (is_extra() && step.window >= fault_window) {
     r.body[0].moment[2].force.z = is("moments") ? NAN : 0;
     r.body[0].work = is("work") ? NAN : 0;
+    if (is("further"))
+      r.further[TDM_FURTHER - 1].moment.z = NAN;
     *r.energy = (tdm_energy){NAN, is("infinite") ? INFINITY : NAN, is("supplied") ? NAN : 0, 0};
   }
   tdm_result_write(&frame, &r, &err);
@@ -141,7 +145,9 @@ int main(int argc, char **argv) {
     signal(SIGTERM, SIG_IGN);
   if (tdm_transport_connect(&transport, endpoint, NULL, &err) != TDM_OK)
     return 2;
-  json_t *capabilities = is_extra() ? json_pack("[s, s]", "interface", "energy") : json_array();
+  json_t *capabilities = is("further") ? json_pack("[s, s, s, s]", "interface", "energy", "proxy", "matched_load")
+                         : is_extra()  ? json_pack("[s, s]", "interface", "energy")
+                                       : json_array();
   send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s, s:o}", "name", "faulty", "role", "dem", "software", "faulty 1.0",
                                  "capabilities", capabilities));
   if (!window)

@@ -151,7 +151,7 @@ END_TEST
 static tdm_result extended_result(int k, int f, tdm_frame *store, double *block) {
   tdm_error err = {0};
   tdm_result out = {.window = 5, .t = 2, .nbody = k, .nstate = k, .nsample = 1, .nchannel = 1};
-  out.nacceleration = out.ninterface = k;
+  out.nacceleration = out.ninterface = out.nfurther = k;
   out.has_mobility = out.has_energy = true;
   out.mobility = (tdm_mobility){.nbody = k, .nfree = f};
   ck_assert_int_eq(tdm_result_layout(&out, store, &err), TDM_OK);
@@ -184,6 +184,8 @@ START_TEST(mobility_round_trip) {
     ck_assert_mem_eq(in.acceleration, out.acceleration, 12 * sizeof(double));
     ck_assert_mem_eq(in.body, out.body, 2 * sizeof *in.body);
     ck_assert_mem_eq(in.energy, out.energy, sizeof *in.energy);
+    ck_assert_int_eq(in.nfurther, 2);
+    ck_assert_mem_eq(in.further, out.further, 2 * TDM_FURTHER * sizeof *in.further);
     ck_assert_mem_eq(in.mobility.Y, block, n * sizeof(double)); /* one block, in wire order */
     ck_assert_ptr_eq(in.mobility.B_rate + 12 * f, in.mobility.Y + n);
     frame.data[TDM_HEADER_BYTES + 36] ^= 4; /* something else is announced */

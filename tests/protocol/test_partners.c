@@ -106,6 +106,7 @@ static const struct {
     {"moments", "5", {"faulty (faulty 1.0): returned moments of the load", "of body \"mass\" that is not finite"}},
     {"work", "5", {"faulty (faulty 1.0): returned moments of the load, an end or a work of body \"mass\"", NULL}},
     {"supplied", "5", {"faulty (faulty 1.0): returned a supplied energy that is not finite", NULL}},
+    {"further", "5", {"faulty (faulty 1.0): returned a further coefficient of the load of body \"mass\"", NULL}},
     {"infinite", "5", {"faulty (faulty 1.0): returned an infinite energy", NULL}},
     {"wordy", "5", {"scene.json:6:2: dem.depth: faulty (faulty 1.0): too deep; raise it", NULL}},
 };
