@@ -12,3 +12,7 @@ long cpl_adapt_next(const cpl_auto *s, int order, long n, double excess) {
   double next = factor > 1 ? ceil(factor * (double)n) : floor(factor * (double)n);
   return (long)fmax((double)s->n_min, fmin(next, (double)s->n_max));
 }
+
+long cpl_adapt_longest(const cpl_auto *s, long n) {
+  return cpl_adapt_next(s, 1, n, 0);
+}

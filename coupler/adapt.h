@@ -8,4 +8,7 @@
  * power `order` of the window. */
 long cpl_adapt_next(const cpl_auto *settings, int order, long n, double excess);
 
+/* The most that cpl_adapt_next can make of a window of n steps. */
+long cpl_adapt_longest(const cpl_auto *settings, long n);
+
 #endif

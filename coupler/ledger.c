@@ -58,6 +58,27 @@ double cpl_work_along(const tdm_state *start, const tdm_state *end, double durat
   return duration * work;
 }
 
+/* Gauss's points and weights on [0, 1] */
+static const double gauss_at[] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263};
+static const double gauss_weight[] = {0.17392742256872692, 0.32607257743127308, 0.32607257743127308,
+                                      0.17392742256872692};
+
+double cpl_work_through(const tdm_nodes *path, int body, const tdm_state *start, double t0, const tdm_wrench *load,
+                        int nload) {
+  const double duration = path->time[path->nnode - 1] - t0;
+  double work = 0, from = t0;
+  for (int k = 0; k < path->nnode; from = path->time[k++])
+    for (int g = 0; g < 4; g++) {
+      const double t = from + gauss_at[g] * (path->time[k] - from), s = (t - t0) / duration;
+      const tdm_twist twist = tdm_nodes_at(path, body, start, t0, t).twist;
+      double power = 0; /* Horner */
+      for (int j = nload - 1; j >= 0; j--)
+        power = s * power + tdm_dot(load[j].force, twist.velocity) + tdm_dot(load[j].moment, twist.angular);
+      work += gauss_weight[g] * (path->time[k] - from) * power;
+    }
+  return work;
+}
+
 static void add_impulse(cpl_ledger_body *b, double h, const tdm_wrench *mean) {
   b->impulse.force = tdm_axpy(h, mean->force, b->impulse.force);
   b->impulse.moment = tdm_axpy(h, mean->moment, b->impulse.moment);
@@ -70,7 +91,8 @@ static double work_of_mean(const tdm_wrench *mean, const tdm_state *start, const
   return tdm_dot(mean->force, way) + tdm_dot(mean->moment, turn);
 }
 
-static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, int i) {
+/* through: MBD's path, with nodes if any were told */
+static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, const tdm_nodes *through, int i) {
   const tdm_result *dem = &loop->result[CPL_DEM];
   const tdm_interface *own = dem->ninterface > 0 ? &dem->body[i] : NULL;
   const tdm_state *there = own ? &own->end : &loop->sent_end[i], *here = &loop->state_end[i];
@@ -78,7 +100,10 @@ static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, int i) {
   add_impulse(b, h, own ? &own->moment[0] : &loop->mean[i]);
   b->work[CPL_DEM] += own ? own->work : work_of_mean(&loop->mean[i], &loop->sent_start[i], there);
   b->blending += own ? own->blending : 0;
-  b->work[CPL_MBD] += cpl_work_along(&loop->state_start[i], here, h, &loop->load[i * TDM_LOAD_MAX], loop->nload);
+  const tdm_wrench *load = &loop->load[i * TDM_LOAD_MAX];
+  b->work[CPL_MBD] += through->nnode > 0
+                          ? cpl_work_through(through, i, &loop->state_start[i], loop->t0, load, loop->nload)
+                          : cpl_work_along(&loop->state_start[i], here, h, load, loop->nload);
   tdm_vec3 way = tdm_sub(here->pose.position, there->pose.position);
   tdm_vec3 turn = tdm_quat_turn(there->pose.orientation, here->pose.orientation);
   if (loop->correction) { /* DEM's body ended beside its proxy by that */
@@ -102,13 +127,16 @@ static double residual_of(const cpl_ledger_body *b) {
 static void enter_exchange(cpl_ledger *l, const cpl_loop *loop) {
   const tdm_result *mbd = &loop->result[CPL_MBD];
   double given = 0, felt = 0;
+  l->drivers = 0;
   if (mbd->has_energy && l->nbody == 1)
     l->body[0].work[CPL_MBD] = mbd->energy->exchanged;
   for (int i = 0; i < l->nbody; i++) {
     given += l->body[i].work[CPL_DEM] + l->body[i].blending;
     felt += l->body[i].work[CPL_MBD];
+    if (loop->paths.prescribed[i])
+      l->drivers += residual_of(&l->body[i]) - l->body[i].blending;
   }
-  l->exchange = (mbd->has_energy ? mbd->energy->exchanged : felt) - given;
+  l->exchange = (mbd->has_energy ? mbd->energy->exchanged : felt) - given - l->drivers;
   l->exchange_lowest = fmin(l->exchange_lowest, l->exchange);
   l->exchange_rise = fmax(l->exchange_rise, l->exchange - l->exchange_lowest);
   l->residual = fmax(l->residual, fabs(l->exchange));
@@ -136,7 +164,7 @@ static bool look(cpl_ledger *l) {
     supplied += l->energy[r].supplied;
     l->size += fabs(l->energy[r].stored) + fabs(l->energy[r].supplied);
   }
-  double now = stored - supplied;
+  double now = stored - supplied - l->drivers;
   if (l->looks++ == 0)
     l->start = l->lowest = now;
   l->balance = now - l->start;
@@ -294,14 +322,15 @@ static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
 
 /* ---- a window ---- */
 
-tdm_status cpl_ledger_window(cpl_ledger *l, const cpl_loop *loop, uint64_t first_sample, tdm_error *err) {
+tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, uint64_t first_sample, tdm_error *err) {
   const double interval = l->settings->output_interval;
   const double end = loop->t1 - 1e-6 * l->settings->dt; /* times are multiples of two steps, which round apart */
   int k = 0;
   for (; k < loop->nsample && loop->sample_time[k] < end; k++)
     write_row(l, (double)(first_sample + (uint64_t)k) * interval);
+  const tdm_nodes *through = cpl_path_through(loop, loop->state_start, loop->state_end);
   for (int i = 0; i < l->nbody; i++)
-    enter_body(&l->body[i], loop, i);
+    enter_body(&l->body[i], loop, through, i);
   enter_exchange(l, loop);
   judge(l, loop, err);
   for (; k < loop->nsample; k++)

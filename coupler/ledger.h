@@ -6,10 +6,10 @@
  *              the interface residual is what the second has more
  *   blending   work of the load along the closing of drift
  *   exchange   sum of residuals - blending: energy that the exchange has made, of both paths' works and loads that
- *              differ. Dissipation does not hide it
- *   drift      between the two end states of a window
- *   balance    G = stored - supplied of both solvers, from its first value on: friction and damping lower it, nothing
- *              may raise it
+ *              differ. Dissipation does not hide it. Bodies whose motion is prescribed are left out: no load moves
+ * them, and what the works differ by is the drivers' drift      between the two end states of a window balance    G =
+ * stored - supplied of both solvers, less what was left out of the exchange, from its first value on: friction and
+ * damping lower it, nothing may raise it
  *
  * ledger.csv has sums since the start, drifts as the largest since the row before, energies as last looked at, all as
  * of the end of the last window that was over at the row's time.
@@ -47,6 +47,7 @@ typedef struct {
   double potential[2];          /* least and greatest of what is stored otherwise [J] */
   double rise;                  /* largest of G over its lowest [J] */
   double exchange;              /* energy that the exchange has made [J] */
+  double drivers;               /* residuals - blending of the bodies whose motion is prescribed [J] */
   double exchange_lowest;       /* [J] */
   double exchange_rise;         /* largest over its lowest [J] */
   double residual;              /* largest magnitude of the exchange so far [J] */
@@ -62,7 +63,7 @@ void cpl_ledger_free(cpl_ledger *ledger);
 
 /* Enter the window that the loop has solved; its first output time has the number first_sample. TDM_ERR_NUMERIC: energy
  * has appeared from nowhere (coupling.guard). */
-tdm_status cpl_ledger_window(cpl_ledger *ledger, const struct cpl_loop *loop, uint64_t first_sample, tdm_error *err);
+tdm_status cpl_ledger_window(cpl_ledger *ledger, struct cpl_loop *loop, uint64_t first_sample, tdm_error *err);
 
 /* The final figures for summary.json (new reference). */
 json_t *cpl_ledger_summary(const cpl_ledger *ledger);
@@ -71,5 +72,10 @@ json_t *cpl_ledger_summary(const cpl_ledger *ledger);
  * of the cubic Hermite path between the two states, its angular velocity likewise the parabola with the values at both
  * ends whose mean is the turn. In closed form; [J]. */
 double cpl_work_along(const tdm_state *start, const tdm_state *end, double duration, const tdm_wrench *load, int nload);
+
+/* The same on a body that goes from `start` at t0 to the last node of a path, through all of its nodes: by quadrature
+ * between nodes, exact for positions where nload <= 5 [J]. */
+double cpl_work_through(const tdm_nodes *path, int body, const tdm_state *start, double t0, const tdm_wrench *load,
+                        int nload);
 
 #endif

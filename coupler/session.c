@@ -250,7 +250,7 @@ tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const 
   return err->status;
 }
 
-static bool has(const cpl_session *s, int role, const char *capability) {
+bool cpl_session_has(const cpl_session *s, cpl_role role, const char *capability) {
   size_t i;
   json_t *entry;
   json_array_foreach(s->partner[role].capabilities, i, entry) {
@@ -264,7 +264,7 @@ static bool has(const cpl_session *s, int role, const char *capability) {
 /* The first capability that a scheme needs and a role's solver lacks; NULL: none. */
 static const char *lacks(const cpl_session *s, int role, const cpl_scheme *scheme) {
   const char *const *need = scheme->needs[role];
-  while (need && *need && has(s, role, *need))
+  while (need && *need && cpl_session_has(s, (cpl_role)role, *need))
     need++;
   return need ? *need : NULL;
 }
@@ -280,17 +280,17 @@ static const struct {
   const char *name;
   bool always;   /* asked for whatever the scheme, for the ledger */
   bool per_body; /* empty without coupled bodies */
-} extras[] = {{"acceleration", false, true},
-              {"mobility", false, false},
-              {"interface", true, true},
-              {"energy", true, false},
-              {"matched_load", false, true}};
+  bool may_lack; /* where there is nothing to tell */
+} extras[] = {{"acceleration", false, true, false}, {"mobility", false, false, false},
+              {"interface", true, true, false},     {"energy", true, false, false},
+              {"matched_load", false, true, false}, {"ahead", true, true, true}};
 enum { NEXTRA = sizeof extras / sizeof extras[0] };
 
 /* Further coefficients of the load: of a DEM solver that carries a proxy, if it can and mbd takes so many. */
 static bool matches(const cpl_session *s) {
   static const char name[] = "matched_load";
-  return listed(s->scheme->needs[CPL_DEM], "proxy") && has(s, CPL_DEM, name) && has(s, CPL_MBD, name);
+  return listed(s->scheme->needs[CPL_DEM], "proxy") && cpl_session_has(s, CPL_DEM, name) &&
+         cpl_session_has(s, CPL_MBD, name);
 }
 
 bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
@@ -298,7 +298,7 @@ bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
     return role == CPL_DEM && matches(s);
   for (int i = 0; i < NEXTRA; i++)
     if (strcmp(extras[i].name, extra) == 0)
-      return listed(s->scheme->needs[role], extra) || (extras[i].always && has(s, role, extra));
+      return listed(s->scheme->needs[role], extra) || (extras[i].always && cpl_session_has(s, role, extra));
   return false;
 }
 
@@ -336,16 +336,19 @@ static json_t *assigned_body(const cpl_session *s, int role, int i) {
   return body;
 }
 
+tdm_interpolation cpl_session_interpolation(const cpl_session *s) {
+  return s->settings->interpolates ? s->settings->interpolation : s->scheme->interpolation;
+}
+
 static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_error *err) {
   const cpl_settings *set = s->settings;
-  tdm_interpolation path = set->interpolates ? set->interpolation : s->scheme->interpolation;
   json_t *bodies = json_array();
   for (int i = 0; i < set->nbody; i++)
     json_array_append_new(bodies, assigned_body(s, role, i));
-  json_t *message = json_pack("{s:o, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene",
-                              tdm_scene_section(scene->root, cpl_role_names[role]), "start", 0.0, "end", set->time_end,
-                              "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
-                              path == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
+  json_t *message = json_pack(
+      "{s:o, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", tdm_scene_section(scene->root, cpl_role_names[role]),
+      "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
+      cpl_session_interpolation(s) == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
   json_t *results = json_array();
   for (int i = 0; i < NEXTRA; i++)
     if (cpl_session_asks(s, (cpl_role)role, extras[i].name))
@@ -353,6 +356,8 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   if (json_array_size(results) > 0)
     json_object_set(message, "results", results);
   json_decref(results);
+  if (cpl_session_asks(s, (cpl_role)role, "ahead"))
+    json_object_set_new(message, "ahead", json_real(cpl_first_window(set)));
   if (listed(s->scheme->needs[role], "restore"))
     json_object_set_new(message, "restores", json_true());
   if (listed(s->scheme->needs[role], "proxy"))
@@ -386,6 +391,18 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
 
 /* ---- windows ---- */
 
+/* The nodes of a path: only where they were asked for, behind t1 and not beyond the time asked for. */
+static tdm_status check_path(const tdm_step *step, const tdm_result *r, tdm_error *err) {
+  const double slack = 1e-9 * (step->ahead - step->t1);
+  double before = step->t1;
+  for (int k = 0; k < r->path.nnode; before = r->path.time[k++])
+    if (!(step->ahead > 0 && r->path.time[k] > before && r->path.time[k] <= step->ahead + slack))
+      return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
+                      "malformed RESULT: a path with a node at %g s, asked for from %g s to %g s", r->path.time[k],
+                      step->t1, step->ahead);
+  return TDM_OK;
+}
+
 /* Numbers that schemes and the ledger go on with; states and loads are looked at in window.c. */
 static tdm_status check_finite(const cpl_session *s, int role, const tdm_step *step, const tdm_result *r,
                                tdm_error *err) {
@@ -402,6 +419,7 @@ static tdm_status check_finite(const cpl_session *s, int role, const tdm_step *s
        r->ninterface, true},
       {"a further coefficient of the load", (const double *)(const void *)r->further, TDM_FURTHER * TDM_WRENCH_DOUBLES,
        r->nfurther, true},
+      {"a path", (const double *)(const void *)r->path.state, TDM_STATE_DOUBLES, r->path.nnode * r->nbody, false},
       {"a supplied energy", r->has_energy ? &r->energy->supplied : NULL, 1, r->has_energy, false},
   };
   for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
@@ -430,15 +448,19 @@ static tdm_status check_result(const cpl_session *s, int role, const tdm_step *s
                     (unsigned long long)r->window, r->nbody, r->nstate, r->nload, r->nsample, r->nchannel,
                     (unsigned long long)step->window, step->nbody, nstate, nload, step->nsample,
                     s->partner[role].nchannel);
-  const bool came[NEXTRA] = {r->nacceleration > 0, r->has_mobility, r->ninterface > 0, r->has_energy, r->nfurther > 0};
+  const bool came[NEXTRA] = {r->nacceleration > 0, r->has_mobility, r->ninterface > 0,
+                             r->has_energy,        r->nfurther > 0, r->path.nnode > 0};
   for (int i = 0; i < NEXTRA; i++) {
-    bool some = step->nbody > 0 || !extras[i].per_body;
-    if (came[i] != (some && cpl_session_asks(s, (cpl_role)role, extras[i].name)))
+    const bool some = step->nbody > 0 || !extras[i].per_body;
+    const bool due = some && cpl_session_asks(s, (cpl_role)role, extras[i].name);
+    if (came[i] != due && (came[i] || !extras[i].may_lack))
       return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %s \"%s\", not as ASSIGN asked",
                       came[i] ? "with" : "without", extras[i].name);
   }
   if (!(fabs(r->t - step->t1) <= 1e-9 * (step->t1 - step->t0) + 1e-15 * fabs(step->t1)))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: it reached %g s, asked for %g s", r->t, step->t1);
+  if (check_path(step, r, err) != TDM_OK)
+    return err->status;
   return check_finite(s, role, step, r, err);
 }
 
@@ -507,6 +529,9 @@ void cpl_session_close(cpl_session *s, const tdm_error *err) {
   free(s->body);
   free(s->load);
   free(s->acceleration);
+  free(s->prescribed);
+  free(s->path.time);
+  free(s->path.state);
   free(s->mobility.Y); /* the first in its block */
   *s = (cpl_session){0};
 }

@@ -38,6 +38,8 @@ typedef struct {
   tdm_wrench *load;        /* (nbody) from dem's READY: at the start */
   double *acceleration;    /* (nbody x 6) from mbd's READY if the scheme needs it: at the start, without load */
   tdm_mobility mobility;   /* the same */
+  tdm_nodes path;          /* from mbd's READY: from the start until the first window's end; no nodes: not told */
+  bool *prescribed;        /* (nbody) from mbd's READY: loads leave the body's motion as it is; NULL: not told */
   char refused[256];       /* why the last stranger was turned away, "" if none was */
   json_t *warnings;        /* array of {"path", "message"} of both */
   json_t *bodies;          /* of mbd's READY: `body` has strings of it */
@@ -58,7 +60,14 @@ tdm_status cpl_session_read_ready(cpl_session *session, cpl_role role, const tdm
 /* After both READYs: a warning where the solvers go by different gravities. */
 void cpl_session_compare(cpl_session *session);
 
-/* Whether a role's RESULTs carry "acceleration", "mobility", "interface" or "energy" in this run. */
+/* Whether a role's solver has announced a capability. */
+bool cpl_session_has(const cpl_session *session, cpl_role role, const char *capability);
+
+/* Path of a position that DEM is sent along without nodes: the scene's, or the scheme's. */
+tdm_interpolation cpl_session_interpolation(const cpl_session *session);
+
+/* Whether a role's RESULTs carry "acceleration", "mobility", "interface" or "energy" in this run, or "ahead": mbd's
+ * READY and RESULTs may tell the path of the next window. */
 bool cpl_session_asks(const cpl_session *session, cpl_role role, const char *extra);
 
 /* One STEP and its RESULT. The result's arrays live until the next step of the same role. */

@@ -108,6 +108,36 @@ static void read_mobility(cpl_session *s, tdm_object *ready, tdm_error *err) {
   tdm_get_numbers(&o, "numbers", block, (int)n, true);
 }
 
+/* The path until the first window's end, and which bodies no load moves; both may be missing. */
+static void read_ahead(cpl_session *s, tdm_object *ready, tdm_error *err) {
+  const size_t nbody = (size_t)s->settings->nbody;
+  json_t *flags = tdm_get_array(ready, "prescribed", false);
+  if (flags && json_array_size(flags) != nbody)
+    tdm_object_fail(ready, "prescribed", "has %zu entries, expected %zu", json_array_size(flags), nbody);
+  s->prescribed = flags && !err->status ? calloc(nbody + 1, sizeof *s->prescribed) : NULL;
+  for (size_t i = 0; i < nbody && s->prescribed; i++)
+    s->prescribed[i] = json_is_true(json_array_get(flags, i));
+  if (!tdm_has(ready, "path") || err->status)
+    return;
+  tdm_object o = tdm_get_object(ready, "path", true);
+  const size_t nnode = json_array_size(json_object_get(o.json, "times"));
+  if (nnode > TDM_NODES_MAX)
+    tdm_object_fail(&o, "times", "are %zu, more than %d", nnode, TDM_NODES_MAX);
+  if (err->status)
+    return;
+  s->path = (tdm_nodes){(int)nnode, (int)nbody, calloc(nnode + 1, sizeof *s->path.time),
+                        calloc(nnode * nbody + 1, sizeof *s->path.state)};
+  if (!s->path.time || !s->path.state) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
+  tdm_get_numbers(&o, "times", s->path.time, (int)nnode, true);
+  tdm_get_numbers(&o, "states", (double *)(void *)s->path.state, (int)(nnode * nbody) * TDM_STATE_DOUBLES, true);
+  for (size_t k = 0; k < nnode && !err->status; k++)
+    if (!(s->path.time[k] > (k > 0 ? s->path.time[k - 1] : 0)))
+      tdm_object_fail(&o, "times", "do not ascend from the start on");
+}
+
 static void read_energy(cpl_session *s, int role, tdm_object *ready) {
   double numbers[3] = {NAN, NAN, 0}; /* of a tdm_energy, in order */
   if (cpl_session_asks(s, (cpl_role)role, "energy") && tdm_has(ready, "energy"))
@@ -123,6 +153,8 @@ tdm_status cpl_session_read_ready(cpl_session *s, cpl_role role, const tdm_heade
     if (role == CPL_MBD) {
       read_bodies(s, &ready, err);
       read_mobility(s, &ready, err);
+      if (!err->status && cpl_session_asks(s, CPL_MBD, "ahead"))
+        read_ahead(s, &ready, err);
     } else
       read_loads(s, &ready, err);
     read_channels(p, &ready, err);

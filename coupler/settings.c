@@ -13,6 +13,11 @@ uint64_t cpl_total_steps(const cpl_settings *s) {
   return tdm_total_steps(&(tdm_time){s->time_end, s->dt});
 }
 
+double cpl_first_window(const cpl_settings *s) {
+  const uint64_t n = (uint64_t)(s->adapt.on ? s->adapt.n_min : s->n), total = cpl_total_steps(s);
+  return (double)(n < total ? n : total) * s->dt;
+}
+
 uint64_t cpl_total_windows(const cpl_settings *s) {
   uint64_t n = (uint64_t)s->n;
   return (cpl_total_steps(s) + n - 1) / n;

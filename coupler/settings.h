@@ -72,6 +72,9 @@ void cpl_settings_free(cpl_settings *settings);
 
 /* DEM steps of the whole run, and windows of n steps; the last window may be shorter. */
 uint64_t cpl_total_steps(const cpl_settings *settings);
+
+/* End of the first window [s]. */
+double cpl_first_window(const cpl_settings *settings);
 uint64_t cpl_total_windows(const cpl_settings *settings);
 
 #endif

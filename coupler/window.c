@@ -71,7 +71,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->history = calloc(nbody, sizeof *loop->history);
   loop->load = calloc(nbody * TDM_LOAD_MAX, sizeof *loop->load);
   loop->packed = calloc(nbody * TDM_LOAD_MAX, sizeof *loop->packed);
-  if (cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session))
+  if ((cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session)) ||
+      !cpl_paths_init(&loop->paths, loop))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
       !loop->packed || !loop->dem_end || !loop->radius || !loop->speed)
@@ -101,6 +102,7 @@ void cpl_loop_free(cpl_loop *loop) {
   free(loop->load);
   free(loop->packed);
   free(loop->proxy_block);
+  cpl_paths_free(&loop->paths);
   cpl_ledger_free(&loop->ledger);
   *loop = (cpl_loop){0};
 }
@@ -143,8 +145,10 @@ static void adapt(cpl_loop *loop) {
 static void open_window(cpl_loop *loop) {
   const cpl_settings *s = loop->settings;
   uint64_t total = cpl_total_steps(s);
-  if (s->adapt.on)
-    loop->n = limit_turn(loop, loop->n);
+  if (s->adapt.on) {
+    const long reach = cpl_path_reach(loop);
+    loop->n = limit_turn(loop, loop->n < reach ? loop->n : reach > 1 ? reach : 1);
+  }
   const uint64_t n = (uint64_t)loop->n;
   loop->step0 = loop->step1;
   loop->step1 = n < total - loop->step0 ? loop->step0 + n : total;
@@ -167,7 +171,9 @@ static void open_window(cpl_loop *loop) {
 tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   open_window(loop);
   uint64_t first_sample = loop->next_sample - (uint64_t)loop->nsample;
-  tdm_status status = loop->scheme->advance(loop, err);
+  tdm_status status = cpl_path_open(loop, err);
+  if (status == TDM_OK)
+    status = loop->scheme->advance(loop, err);
   if (status != TDM_OK)
     return status;
   if (loop->settings->adapt.on)
@@ -180,6 +186,7 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
   if (loop->proxy_block)
     keep_proxy(loop, loop->result[CPL_MBD].acceleration, &loop->result[CPL_MBD].mobility);
+  cpl_path_keep(&loop->paths, &loop->result[CPL_MBD].path);
   loop->window++;
   return status;
 }
@@ -204,11 +211,14 @@ static tdm_status not_finite(cpl_loop *loop, cpl_role role, int body, const char
       cpl_session_name(loop->session, role), what, loop->settings->body[body].name[role], loop->t0, loop->t1);
 }
 
-/* SLERP takes the short way: a body may not turn far within a window. */
+/* SLERP takes the short way, and the linear model of a mechanism ends: a body may not turn far within a window. Where
+ * nodes tell how it turns they are gone by, and where no load moves it, it may turn as it likes. */
 static tdm_status check_turn(cpl_loop *loop, int body, tdm_error *err) {
   const double most = 1; /* [rad] */
   double rate = fmax(tdm_norm(loop->state_start[body].twist.angular), tdm_norm(loop->state_end[body].twist.angular));
-  double turn = rate * (loop->t1 - loop->t0);
+  double turn = rate * (loop->t1 - loop->t0), by_nodes = cpl_path_turn(loop, body);
+  if (!isnan(by_nodes))
+    turn = loop->paths.prescribed[body] ? 0 : by_nodes;
   if (turn <= most)
     return TDM_OK;
   return tdm_fail(
@@ -223,7 +233,7 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
     for (int j = 0; j < ncoefficient; j++)
       loop->packed[i * ncoefficient + j] = loop->load[i * TDM_LOAD_MAX + j];
   loop->nload = ncoefficient;
-  tdm_step step = {.nload = ncoefficient, .load = loop->packed};
+  tdm_step step = {.nload = ncoefficient, .load = loop->packed, .ahead = cpl_path_ahead(loop)};
   tdm_status status = exchange(loop, CPL_MBD, &step, err);
   if (status != TDM_OK)
     return status;
@@ -251,6 +261,10 @@ static tdm_status solve_dem(cpl_loop *loop, tdm_step *step, tdm_error *err) {
 
 tdm_status cpl_solve_dem_along(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err) {
   tdm_step step = {.nstate = loop->nbody, .start = start, .end = end};
+  if (loop->paths.takes)
+    step.path = *cpl_path_through(loop, start, end);
+  else if (cpl_path_check(loop, start, end, err) != TDM_OK)
+    return err->status;
   loop->sent_start = start;
   loop->sent_end = end;
   return solve_dem(loop, &step, err);
@@ -306,6 +320,10 @@ tdm_status cpl_solve_dem_proxy(cpl_loop *loop, const double *correction, tdm_err
   loop->correction = correction;
   if (correction)
     step.proxy.correction = correction;
+  if (loop->paths.takes)
+    step.path = loop->paths.told;
+  else if (cpl_path_check(loop, NULL, NULL, err) != TDM_OK)
+    return err->status;
   if (solve_dem(loop, &step, err) != TDM_OK)
     return err->status;
   loop->nload = nstep == 1 ? 1 : nstep < 4 ? 2 : 3;

@@ -7,6 +7,7 @@
 
 #include "coupler/extrapolate.h"
 #include "coupler/ledger.h"
+#include "coupler/path.h"
 #include "coupler/scheme/scheme.h"
 #include "coupler/session.h"
 #include "coupler/settings.h"
@@ -51,6 +52,7 @@ typedef struct cpl_loop {
   int nload;              /* its coefficients; of the last window until there are new ones */
   tdm_proxy proxy;        /* the mechanism at t0, if the scheme needs it; points into proxy_block */
   double *proxy_block;
+  cpl_paths paths;
   void *own; /* the scheme's */
   cpl_iterations iterations;
   uint64_t surprises;                     /* windows of proxy in which the mechanism changed */

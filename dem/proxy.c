@@ -16,6 +16,9 @@ typedef struct {
 
 typedef struct {
   tdm_state start, now;  /* by the proxy alone */
+  tdm_state path;        /* where the path is now, if there is one */
+  tdm_quat before;       /* its orientation before the step under way */
+  tdm_vec3 aside;        /* way away from it [m] */
   tdm_twist mid;         /* twist of the last step's middle */
   cubic drift, correct;  /* over blend_time, over the window */
   double work, blending; /* [J] */
@@ -25,7 +28,10 @@ struct dem_proxy {
   int k6, f, capacity; /* 6 bodies; independent velocities; room for so many */
   double dt, H, blend_time, tau;
   bool turns;      /* J and B turn with the (one) body */
+  bool turned_so;  /* they did when it last was seen to turn */
   bool path_turns; /* so does the velocity that drivers prescribe */
+  tdm_nodes path;  /* of the window's STEP, whose arrays outlive it; no nodes: there is none */
+  double t0;       /* [s] */
   carried *body;   /* (k6 / 6) */
   double *W0, *W;  /* (k6) loads at the start, now */
   double *V;       /* (k6) scratch */
@@ -166,7 +172,9 @@ static bool take_model(dem_proxy *x, const tdm_step *step) {
   for (int i = 0; i < k * k; i++)
     any = fmax(any, fabs(m->Y[i]));
   const bool alone = m->nfree == 0 && any > 0;
-  const int f = x->f = alone ? k : m->nfree;
+  const int f = alone ? k : m->nfree;
+  x->turned_so = x->turned_so && f == x->f;
+  x->f = f;
   if (!reserve(x, f))
     return false;
   memset(x->J, 0, 4 * (size_t)(k * f) * sizeof(double)); /* J, B and their rates */
@@ -200,8 +208,10 @@ static void take_prescribed(dem_proxy *x, const tdm_step *step, const double *u2
     }
   }
   const tdm_vec3 omega = step->start[0].twist.angular;
-  const bool rests = tdm_dot(omega, omega) == 0;
-  x->turns = k == 6 && f > 0 && (rests ? f == 1 : turns_with(omega, x->J, x->J_rate, f));
+  const bool rests = tdm_norm(omega) * x->H <= 1e-9;
+  if (!rests) /* at rest there is nothing to see it by: as last, which a hinge's turning points need */
+    x->turned_so = turns_with(omega, x->J, x->J_rate, f);
+  x->turns = k == 6 && f > 0 && (x->turned_so || (rests && f == 1));
   x->path_turns = k == 6 && !rests && turns_with(omega, x->Vt, x->at, 1);
 }
 
@@ -248,7 +258,7 @@ static void take_drift(dem_proxy *x, const dem_data *d, const tdm_step *step) {
     const tdm_state *start = &step->start[c];
     const double *correction = step->proxy.correction + 12 * c;
     carried *to = &x->body[c];
-    *to = (carried){.start = *start, .now = *start, .mid = start->twist};
+    *to = (carried){.start = *start, .now = *start, .path = *start, .mid = start->twist};
     to->drift.value0.velocity = tdm_sub(d->pose[b].position, start->pose.position);
     to->drift.value0.angular = tdm_quat_turn(start->pose.orientation, d->pose[b].orientation);
     to->drift.rate0.velocity = tdm_sub(d->twist[b].velocity, start->twist.velocity);
@@ -270,6 +280,13 @@ tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step
   memcpy(x->W0, step->proxy.load, (size_t)x->k6 * sizeof(double));
   if (x->k6 > 0)
     take_prescribed(x, step, u2);
+  x->path = step->path;
+  x->t0 = step->t0;
+  if (x->path.nnode > 0 && x->f > 0) { /* the path has it all */
+    memset(x->u1, 0, (size_t)x->f * sizeof *x->u1);
+    memset(x->work_area, 0, (size_t)x->f * sizeof *x->work_area);
+    u2 = x->work_area;
+  }
   if (x->f > 0)
     take_flow(x, &step->proxy.mobility, u2);
   if (x->matched && !dem_matched_begin(x->matched, &step->proxy.mobility, step->nstep, dt, x->E))
@@ -301,16 +318,29 @@ static void turn_model(dem_proxy *x, double tau, tdm_quat turn) {
     }
 }
 
+/* What drivers prescribe of the twists at time tau, into V: by the path, which is put there, or from the start on. */
+static void prescribed_twists(dem_proxy *x, double tau, tdm_quat turn) {
+  for (int c = 0; x->path.nnode > 0 && 6 * c < x->k6; c++) {
+    carried *b = &x->body[c];
+    b->path = tdm_nodes_at(&x->path, c, &b->start, x->t0, x->t0 + tau);
+    set(x->V + 6 * c, b->path.twist.velocity);
+    set(x->V + 6 * c + 3, b->path.twist.angular);
+  }
+  if (x->path.nnode > 0)
+    return;
+  for (int i = 0; i < x->k6; i++)
+    x->V[i] = x->path_turns ? 0 : x->Vt[i] + tau * x->at[i];
+  for (int half = 0; half < 2 && x->path_turns; half++)
+    set(x->V + 3 * half, tdm_quat_rotate(turn, vec(x->Vt + 3 * half)));
+}
+
 /* Twists of the bodies at time tau, with J_now, into V. */
 static void twists(dem_proxy *x, double tau, tdm_quat turn) {
   const int k = x->k6, f = x->f;
-  for (int i = 0; i < k; i++) {
-    x->V[i] = x->path_turns ? 0 : x->Vt[i] + tau * x->at[i];
+  prescribed_twists(x, tau, turn);
+  for (int i = 0; i < k; i++)
     for (int j = 0; j < f; j++)
       x->V[i] += x->J_now[i * f + j] * (x->u1[j] + x->z[f + j] / x->dt);
-  }
-  for (int half = 0; half < 2 && x->path_turns; half++)
-    set(x->V + 3 * half, tdm_add(vec(x->V + 3 * half), tdm_quat_rotate(turn, vec(x->Vt + 3 * half))));
 }
 
 /* how far the (one) body has turned since the start */
@@ -380,6 +410,24 @@ static void tell_mobilities(const dem_proxy *x, dem_data *d) {
   }
 }
 
+/* A body over the step at its twist in the middle. Along a path the step of the path is taken as it is, so that a body
+ * that no load moves stays on it. */
+static void move(const dem_proxy *x, carried *b, int c) {
+  tdm_vec3 turn = b->mid.angular;
+  if (x->path.nnode == 0)
+    b->now.pose.position = tdm_axpy(x->dt, b->mid.velocity, b->now.pose.position);
+  else {
+    const tdm_twist along_path = b->path.twist; /* in the middle */
+    b->path = tdm_nodes_at(&x->path, c, &b->start, x->t0, x->t0 + x->tau + x->dt);
+    b->aside = tdm_axpy(x->dt, tdm_sub(b->mid.velocity, along_path.velocity), b->aside);
+    b->now.pose.position = tdm_add(b->path.pose.position, b->aside);
+    b->now.pose.orientation =
+        tdm_quat_turned(b->now.pose.orientation, tdm_quat_turn(b->before, b->path.pose.orientation));
+    turn = tdm_sub(turn, along_path.angular);
+  }
+  b->now.pose.orientation = tdm_quat_turned(b->now.pose.orientation, tdm_scale(x->dt, turn));
+}
+
 void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   const int f = x->f, n = 2 * f;
   const double dt = x->dt;
@@ -398,12 +446,12 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   tdm_quat turn =
       x->k6 > 0 ? tdm_quat_turned(turn_so_far(x), tdm_scale(0.5 * dt, x->body[0].mid.angular)) : tdm_quat_identity();
   turn_model(x, middle, turn);
+  for (int c = 0; 6 * c < x->k6; c++)
+    x->body[c].before = x->body[c].path.pose.orientation;
   twists(x, middle, turn);
   for (int c = 0; 6 * c < x->k6; c++) {
-    carried *b = &x->body[c];
-    b->mid = twist_of(x->V + 6 * c);
-    b->now.pose.position = tdm_axpy(dt, b->mid.velocity, b->now.pose.position);
-    b->now.pose.orientation = tdm_quat_turned(b->now.pose.orientation, tdm_scale(dt, b->mid.angular));
+    x->body[c].mid = twist_of(x->V + 6 * c);
+    move(x, &x->body[c], c);
   }
   memcpy(x->z, next, (size_t)n * sizeof *next);
   if (x->matched)

@@ -10,6 +10,10 @@
  * so bodies and particles exchange momentum without loss, and stiff bushings do not bind dt. Contacts see the body with
  * the velocity predicted for the end of the step, as they see particles (integrate.h).
  *
+ * Where a STEP has nodes of a path (what drivers prescribe bends within the window), the mechanism goes along that, and
+ * u are its deviations from it:
+ *   u'' = B(tau) (W - W_0) - A_c u' - A_k u,  u = u' = 0 at the start,    V = V_path(tau) + J(tau) u'
+ *
  * J and B are those of the window's start, turning with the body where they do (a hinge, a slider on the fixed world),
  * else on the line that the multibody solver gives.
  *

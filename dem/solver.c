@@ -401,8 +401,10 @@ static tdm_status make_paths(dem_solver *s, const tdm_step *step, double dt, tdm
     return err->status;
   if (step->has_proxy)
     return dem_proxy_begin(s->proxy, s->data, step, dt, s->contact_time, err);
-  for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window */
-    s->motion[c] = dem_motion_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
+  for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window without nodes */
+    s->motion[c] = step->path.nnode > 0
+                       ? dem_motion_through(step, c)
+                       : dem_motion_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
   return TDM_OK;
 }
 
@@ -548,7 +550,7 @@ const dem_data *dem_solver_data(const void *self) {
   const dem_solver *s = self;
   return s->data;
 }
-static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load", "energy"};
+static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load", "energy", "path"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,

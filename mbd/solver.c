@@ -1,5 +1,6 @@
 #include "mbd/solver.h"
 
+#include "mbd/ahead.h"
 #include "mbd/energy.h"
 #include "mbd/integrator.h"
 #include "mbd/output.h"
@@ -23,6 +24,8 @@ typedef struct {
   bool started;
   bool acceleration;       /* of the coupled bodies, asked for */
   mbd_reduced *reduced;    /* NULL: not asked for */
+  mbd_ahead *ahead;        /* NULL: not asked for */
+  tdm_nodes path;          /* at the start */
   double *rate;            /* (6 ncoupled) accelerations at the start */
   tdm_mobility mobility;   /* at the start */
   tdm_energy energy;       /* at the start */
@@ -59,6 +62,7 @@ static void destroy(void *self) {
   if (s->integrator)
     s->integrator->destroy(s->integration);
   mbd_reduced_destroy(&s->reduced);
+  mbd_ahead_destroy(&s->ahead);
   mbd_kkt_destroy(&s->kkt);
   mbd_data_destroy(&s->data);
   mbd_model_destroy(&s->model);
@@ -237,6 +241,15 @@ static bool should_stop(void *context) {
   return tdm_participant_alive(s->participant) != TDM_OK || s->data->turned >= 0;
 }
 
+/* The path from the start on, if that is asked for. */
+static tdm_status look_ahead(solver *s, const tdm_assignment *a, tdm_error *err) {
+  if (!(a->ahead > a->time_start))
+    return TDM_OK;
+  if (mbd_ahead_create(&s->ahead, s->model, s->data, s->assembly.freedom, should_stop, s, err))
+    return err->status;
+  return mbd_ahead_path(s->ahead, s->data, a->time_start, a->ahead, &s->path, err);
+}
+
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
                          tdm_error *err) {
   solver *s = *self = calloc(1, sizeof *s);
@@ -256,7 +269,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for %d bodies", s->model->nbody);
   s->data->t = assignment->time_start;
   if (mbd_assemble(s->model, s->data, s->kkt, &s->assembly, err) || prepare(s, assignment->time_start, err) ||
-      linearise_start(s, assignment, err) ||
+      linearise_start(s, assignment, err) || look_ahead(s, assignment, err) ||
       s->integrator->create(&s->integration, s->model, s->data, s->kkt, should_stop, s, err))
     return err->status;
   s->energy = energy_now(s, assignment->time_start);
@@ -264,6 +277,8 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
                        .energy = &s->energy,
                        .acceleration = s->rate,
                        .mobility = &s->mobility,
+                       .path = &s->path,
+                       .prescribed = s->ahead ? mbd_ahead_prescribed(s->ahead) : NULL,
                        .nchannel = s->nchannel,
                        .channel = s->channel,
                        .initial = s->initial,
@@ -332,6 +347,8 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
   if (result->has_energy)
     *result->energy = energy_now(s, in->t1);
+  if (in->ahead > 0 && s->ahead && mbd_ahead_path(s->ahead, s->data, in->t1, in->ahead, &result->path, err))
+    return err->status;
   return linearise(s, in->t1, result->acceleration, &result->mobility, err);
 }
 
@@ -373,7 +390,7 @@ const mbd_stats *mbd_solver_stats(void *self) {
   return &s->data->stats;
 }
 
-static const char *const capabilities[] = {"restore", "acceleration", "mobility", "matched_load", "energy"};
+static const char *const capabilities[] = {"restore", "acceleration", "mobility", "matched_load", "energy", "ahead"};
 
 const tdm_solver_ops mbd_solver_ops = {
     .capabilities = capabilities,

@@ -172,10 +172,18 @@ void tdm_error_from_json(const json_t *json, tdm_error *err) {
 /* ---- STEP and RESULT ---- */
 
 /* what a RESULT has behind its channels: bits of the u16 at 36 */
-enum { HAS_ACCELERATION = 1, HAS_MOBILITY = 2, HAS_INTERFACE = 4, HAS_ENERGY = 8, HAS_FURTHER = 16, HAS_ALL = 31 };
+enum {
+  HAS_ACCELERATION = 1,
+  HAS_MOBILITY = 2,
+  HAS_INTERFACE = 4,
+  HAS_ENERGY = 8,
+  HAS_FURTHER = 16,
+  HAS_PATH = 32,
+  HAS_ALL = 63
+};
 
 /* what a STEP has behind its sample times: bits of the u16 at 40 */
-enum { HAS_PROXY = 1 };
+enum { HAS_PROXY = 1, HAS_AHEAD = 2 };
 
 _Static_assert(sizeof(tdm_interface) == TDM_INTERFACE_DOUBLES * sizeof(double), "sent as doubles");
 
@@ -228,6 +236,33 @@ void tdm_mobility_copy(double *block, const tdm_mobility *mobility) {
       memcpy(cut(&block, size[i]), *part[i], size[i] * sizeof(double));
 }
 
+/* ---- paths ---- */
+
+static size_t path_doubles(int nnode, int nbody) {
+  return (size_t)nnode * (1 + (size_t)nbody * TDM_STATE_DOUBLES);
+}
+
+static uint8_t *put_path(uint8_t *at, const tdm_nodes *path) {
+  at = put(at, path->time, (size_t)path->nnode * sizeof(double));
+  return put(at, path->state, (size_t)path->nnode * (size_t)path->nbody * sizeof(tdm_state));
+}
+
+static tdm_nodes cut_path(double **at, int nnode, int nbody) {
+  tdm_nodes path = {.nnode = nnode, .nbody = nbody};
+  path.time = cut(at, (size_t)nnode);
+  path.state = cut(at, (size_t)nnode * (size_t)nbody * TDM_STATE_DOUBLES);
+  return path;
+}
+
+/* Nodes come one after the other, the first behind t0, the last at t1 but for rounding. */
+static bool path_is_in_order(const tdm_nodes *path, double t0, double t1) {
+  double before = t0;
+  for (int i = 0; i < path->nnode; before = path->time[i++])
+    if (!(path->time[i] > before))
+      return false;
+  return path->nnode == 0 || fabs(before - t1) <= 1e-9 * (t1 - t0) + 1e-15 * fabs(t1);
+}
+
 /* ---- STEP ---- */
 
 enum { PROXY_DOUBLES = 6 + TDM_WRENCH_DOUBLES + 12 }; /* a body, besides the reduced model */
@@ -235,7 +270,7 @@ enum { PROXY_DOUBLES = 6 + TDM_WRENCH_DOUBLES + 12 }; /* a body, besides the red
 /* doubles behind the fixed block */
 static size_t step_doubles(const tdm_step *s) {
   size_t n = 2 * (size_t)s->nstate * TDM_STATE_DOUBLES + (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES +
-             (size_t)s->nsample;
+             (size_t)s->nsample + (s->ahead > 0) + path_doubles(s->path.nnode, s->nbody);
   if (s->has_proxy)
     n += (size_t)s->nbody * PROXY_DOUBLES + tdm_mobility_doubles(&s->proxy.mobility);
   return n;
@@ -266,6 +301,7 @@ static tdm_status copy_doubles(tdm_frame *store, const tdm_header *header, size_
 tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
   assert(s->nstate == 0 || s->nstate == s->nbody);
   assert(!s->has_proxy || (s->nstate == s->nbody && s->proxy.mobility.nbody == s->nbody));
+  assert(s->path.nnode == 0 || (s->nstate > 0 && s->path.nbody == s->nbody));
   tdm_status status = header_write(frame, TDM_STEP, s->window, TDM_STEP_BYTES + 8 * step_doubles(s), err);
   if (status != TDM_OK)
     return status;
@@ -277,12 +313,17 @@ tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
   at = put_u32(at, (uint32_t)s->nstate);
   at = put_u32(at, (uint32_t)s->nload);
   at = put_u32(at, (uint32_t)s->nsample);
-  const uint16_t extra[4] = {s->has_proxy ? HAS_PROXY : 0, (uint16_t)(s->has_proxy ? s->proxy.mobility.nfree : 0)};
+  const uint16_t extra[2] = {(uint16_t)((s->has_proxy ? HAS_PROXY : 0) | (s->ahead > 0 ? HAS_AHEAD : 0)),
+                             (uint16_t)(s->has_proxy ? s->proxy.mobility.nfree : 0)};
   at = put(at, extra, sizeof extra);
+  at = put_u32(at, (uint32_t)s->path.nnode);
   at = put(at, s->start, (size_t)s->nstate * sizeof(tdm_state));
   at = put(at, s->end, (size_t)s->nstate * sizeof(tdm_state));
   at = put(at, s->load, (size_t)s->nbody * (size_t)s->nload * sizeof(tdm_wrench));
   at = put(at, s->sample_time, (size_t)s->nsample * sizeof(double));
+  if (s->ahead > 0)
+    at = put_f64(at, s->ahead);
+  at = put_path(at, &s->path);
   if (!s->has_proxy)
     return TDM_OK;
   at = put(at, s->proxy.acceleration, 6 * (size_t)s->nbody * sizeof(double));
@@ -294,8 +335,8 @@ tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
 }
 
 tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store, tdm_error *err) {
-  uint32_t counts[4];
-  uint16_t extra[4];
+  uint32_t counts[4], nnode;
+  uint16_t extra[2];
   *s = (tdm_step){.window = header->window};
   if (header->size < TDM_STEP_BYTES)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %zu bytes", header->size);
@@ -303,7 +344,8 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
   at = get(at, &s->t1, 8);
   at = get(at, &s->nstep, 8);
   at = get(at, counts, sizeof counts);
-  get(at, extra, sizeof extra);
+  at = get(at, extra, sizeof extra);
+  get(at, &nnode, sizeof nnode);
   tdm_status status = check_counts(header, counts, 4, err);
   if (status != TDM_OK)
     return status;
@@ -314,11 +356,17 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
   if (!(s->t1 > s->t0) || !isfinite(s->t1 - s->t0) || s->nstep == 0 || (s->nstate != 0 && s->nstate != s->nbody))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a window from %g s to %g s in %llu steps", s->t0,
                     s->t1, (unsigned long long)s->nstep);
-  s->has_proxy = extra[0] == HAS_PROXY;
+  s->has_proxy = extra[0] & HAS_PROXY;
   s->proxy.mobility = (tdm_mobility){.nbody = s->nbody, .nfree = extra[1]};
-  if (extra[0] > HAS_PROXY || extra[1] > (s->has_proxy ? TDM_FREE_MAX : 0) || (s->has_proxy && s->nstate == 0))
+  if (extra[0] > (HAS_PROXY | HAS_AHEAD) || extra[1] > (s->has_proxy ? TDM_FREE_MAX : 0) ||
+      (s->has_proxy && s->nstate == 0))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %u, %u where the proxy is announced", extra[0],
                     extra[1]);
+  if (nnode > TDM_NODES_MAX || (nnode > 0 && s->nstate == 0))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a path of %u nodes; at most %d", nnode,
+                    TDM_NODES_MAX);
+  s->ahead = extra[0] & HAS_AHEAD; /* there is one: it counts */
+  s->path.nnode = (int)nnode;
   status = copy_doubles(store, header, TDM_STEP_BYTES, step_doubles(s), err);
   if (status != TDM_OK)
     return status;
@@ -329,6 +377,13 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
   s->end = cut(&data, (size_t)s->nstate * TDM_STATE_DOUBLES);
   s->load = cut(&data, (size_t)s->nbody * (size_t)s->nload * TDM_WRENCH_DOUBLES);
   s->sample_time = cut(&data, (size_t)s->nsample);
+  if (s->ahead > 0)
+    s->ahead = *(double *)cut(&data, 1);
+  s->path = cut_path(&data, (int)nnode, s->nbody);
+  if (extra[0] & HAS_AHEAD && !(s->ahead > s->t1))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a path ahead from %g s to %g s", s->t1, s->ahead);
+  if (!path_is_in_order(&s->path, s->t0, s->t1))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: the nodes of its path are not in order");
   if (s->has_proxy) {
     s->proxy.acceleration = cut(&data, 6 * (size_t)s->nbody);
     s->proxy.load = cut(&data, (size_t)s->nbody * TDM_WRENCH_DOUBLES);
@@ -340,7 +395,7 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
 
 /* ---- RESULT ---- */
 
-/* but for the reduced model */
+/* but for the reduced model and the path */
 static size_t result_doubles(const tdm_result *r) {
   size_t sample = (size_t)r->nstate * TDM_STATE_DOUBLES + (size_t)r->nchannel;
   if (r->nload > 0)
@@ -376,8 +431,10 @@ tdm_status tdm_result_layout(tdm_result *r, tdm_frame *store, tdm_error *err) {
 }
 
 tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *err) {
-  size_t n = result_doubles(r) + (r->has_mobility ? tdm_mobility_doubles(&r->mobility) : 0);
+  size_t n = result_doubles(r) + (r->has_mobility ? tdm_mobility_doubles(&r->mobility) : 0) +
+             path_doubles(r->path.nnode, r->nbody);
   assert(!r->has_mobility || r->mobility.nbody == r->nbody);
+  assert(r->path.nnode == 0 || r->path.nbody == r->nbody);
   tdm_status status = header_write(frame, TDM_RESULT, r->window, TDM_RESULT_BYTES + 8 * n, err);
   if (status != TDM_OK)
     return status;
@@ -391,7 +448,8 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
   at = put_u32(at, (uint32_t)r->nchannel);
   const uint16_t extra[2] = {(uint16_t)((r->nacceleration > 0 ? HAS_ACCELERATION : 0) |
                                         (r->has_mobility ? HAS_MOBILITY : 0) | (r->ninterface > 0 ? HAS_INTERFACE : 0) |
-                                        (r->has_energy ? HAS_ENERGY : 0) | (r->nfurther > 0 ? HAS_FURTHER : 0)),
+                                        (r->has_energy ? HAS_ENERGY : 0) | (r->nfurther > 0 ? HAS_FURTHER : 0) |
+                                        (r->path.nnode > 0 ? HAS_PATH : 0)),
                              (uint16_t)(r->has_mobility ? r->mobility.nfree : 0)};
   at = put(at, extra, sizeof extra);
   at = put(at, r->state, (size_t)r->nstate * sizeof(tdm_state));
@@ -404,8 +462,23 @@ tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *r, tdm_error *er
   at = put(at, r->body, (size_t)r->ninterface * sizeof *r->body);
   at = put(at, r->energy, r->has_energy ? sizeof *r->energy : 0);
   at = put(at, r->further, (size_t)r->nfurther * TDM_FURTHER * sizeof *r->further);
-  if (r->has_mobility)
+  if (r->has_mobility) {
     tdm_mobility_copy((double *)(void *)at, &r->mobility);
+    at += 8 * tdm_mobility_doubles(&r->mobility);
+  }
+  put_path(at, &r->path);
+  return TDM_OK;
+}
+
+/* The path is what is left of the frame behind n doubles: the number of its nodes follows. */
+static tdm_status count_nodes(tdm_result *r, const tdm_header *header, size_t n, tdm_error *err) {
+  const size_t known = TDM_RESULT_BYTES + 8 * n, node = 8 * path_doubles(1, r->nbody);
+  const size_t left = header->size > known ? header->size - known : 0;
+  if (left == 0 || left % node != 0 || left / node > TDM_NODES_MAX)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
+                    "malformed RESULT: %zu bytes are left for a path, whose nodes have %zu bytes each; 1 to %d nodes",
+                    left, node, TDM_NODES_MAX);
+  r->path.nnode = (int)(left / node);
   return TDM_OK;
 }
 
@@ -439,11 +512,17 @@ tdm_status tdm_result_read(tdm_result *r, const tdm_header *header, tdm_frame *s
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
                     "malformed RESULT: %u, %u where what follows the channels is announced", extra[0], extra[1]);
   size_t n = result_doubles(r) + (r->has_mobility ? tdm_mobility_doubles(&r->mobility) : 0);
+  if (extra[0] & HAS_PATH && count_nodes(r, header, n, err) != TDM_OK)
+    return err ? err->status : TDM_ERR_PROTOCOL;
+  n += path_doubles(r->path.nnode, r->nbody);
   status = copy_doubles(store, header, TDM_RESULT_BYTES, n, err);
   if (status != TDM_OK)
     return status;
   double *rest = result_point(r, (double *)(void *)store->data);
-  if (r->has_mobility)
+  if (r->has_mobility) {
     tdm_mobility_point(&r->mobility, rest);
+    rest += tdm_mobility_doubles(&r->mobility);
+  }
+  r->path = cut_path(&rest, r->path.nnode, r->nbody);
   return TDM_OK;
 }

@@ -7,7 +7,7 @@
 #ifndef TDM_MESSAGE_H
 #define TDM_MESSAGE_H
 
-#include "pose.h"
+#include "nodes.h"
 #include "status.h"
 
 #include <jansson.h>
@@ -124,6 +124,9 @@ typedef struct {
   const tdm_state *end;      /* (nstate) bodies at t1 */
   const tdm_wrench *load;    /* (nbody x nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
   const double *sample_time; /* (nsample) [s], ascending */
+  double ahead;              /* to mbd: RESULT is to tell the path from t1 on until then [s]; 0: no path */
+  tdm_nodes path;            /* to dem with the capability "path": how the bodies go; the last node is at t1. No node:
+                              * as `end` or the proxy says */
   bool has_proxy;            /* to dem with the capability: `end` means nothing, the bodies move as `proxy` says */
   tdm_proxy proxy;
 } tdm_step;
@@ -173,6 +176,7 @@ typedef struct {
   tdm_energy *energy;      /* (1 if has_energy) */
   tdm_wrench *further;     /* (nfurther x TDM_FURTHER) what P_3, P_4, ... have in the load polynomial */
   tdm_mobility mobility;   /* if has_mobility; to be sent: the solver's own arrays */
+  tdm_nodes path;          /* of the bodies from t1 to the STEP's `ahead`, if that asks for it; likewise */
 } tdm_result;
 
 /* Numbers in a reduced model whose nbody and nfree are set, and its arrays pointed into a block of so many, in wire

@@ -196,6 +196,7 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   p->interface = a->interface = asks(&o, "interface");
   p->energy = a->energy = asks(&o, "energy");
   p->matched_load = a->matched_load = asks(&o, "matched_load");
+  a->ahead = tdm_get_number(&o, "ahead", 0, TDM_ANY);
   a->restores = tdm_get_bool(&o, "restores", false);
   a->proxy = tdm_get_bool(&o, "proxy", false);
   json_t *bodies = tdm_get_array(&o, "bodies", true);
@@ -260,6 +261,12 @@ static json_t *mobility_to_json(const tdm_mobility *mobility) {
   return json;
 }
 
+static json_t *path_to_json(const tdm_nodes *path) {
+  const int n = path->nnode * path->nbody * TDM_STATE_DOUBLES;
+  return json_pack("{s:o, s:o}", "times", tdm_numbers_to_json(path->time, path->nnode), "states",
+                   tdm_numbers_to_json((const double *)(const void *)path->state, n));
+}
+
 static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
   json_t *loads = json_array(), *channels = json_array(), *warnings = json_array();
   for (int i = 0; !p->is_mbd && i < p->nbody; i++)
@@ -281,6 +288,14 @@ static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
     json_object_set_new(json, "acceleration", tdm_numbers_to_json(ready->acceleration, 6 * p->nbody));
   if (json && p->mobility)
     json_object_set_new(json, "mobility", mobility_to_json(ready->mobility));
+  if (json && ready->path && ready->path->nnode > 0)
+    json_object_set_new(json, "path", path_to_json(ready->path));
+  if (json && ready->prescribed) {
+    json_t *flags = json_array();
+    for (int i = 0; i < p->nbody; i++)
+      json_array_append_new(flags, json_boolean(ready->prescribed[i]));
+    json_object_set_new(json, "prescribed", flags);
+  }
   if (json && p->energy && ready->energy && isfinite(ready->energy->stored))
     json_object_set_new(json, "energy", tdm_numbers_to_json(&ready->energy->kinetic, 3));
   if (json && ready->gravity)

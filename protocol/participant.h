@@ -65,6 +65,7 @@ typedef struct {
   bool acceleration, mobility;   /* READY and RESULT are to carry these (mbd with the capability) */
   bool interface, energy;        /* RESULT is to carry these (dem; any role) */
   bool matched_load;             /* RESULT is to carry further coefficients of the load (dem with the capability) */
+  double ahead;                  /* READY is to tell the path until then [s]; 0: none (mbd with the capability) */
   bool restores;                 /* SAVE and RESTORE will come, perhaps in every window */
   bool proxy;                    /* STEP will have a proxy (dem with the capability) */
 } tdm_assignment;
@@ -86,7 +87,9 @@ typedef struct {
   const tdm_wrench *load;        /* dem: (nbody) load on each coupled body at the start */
   const double *acceleration;    /* (nbody x 6) without load, if the assignment asks for it */
   const tdm_mobility *mobility;  /* at the start, without load, if the assignment asks for it */
-  const tdm_energy *energy;      /* at the start, if the assignment asks for it; NULL: not known then */
+  const tdm_nodes *path;    /* mbd: until the assignment's `ahead`, without load; NULL: the accelerations tell it */
+  const bool *prescribed;   /* mbd: (nbody) whether loads leave the body's motion as it is; NULL: not known */
+  const tdm_energy *energy; /* at the start, if the assignment asks for it; NULL: not known then */
   int nchannel;
   const tdm_channel *channel; /* (nchannel) */
   const double *initial;      /* (nchannel) values at the start */

@@ -1,10 +1,10 @@
 /* dem-first: DEM goes first on a predicted path, MBD follows with the load of the same window.
  *
  *   window k:  path of a body from where DEM left it to   r + H v + H^2/2 a,  exp(H w + H^2/2 alpha) q,
- *              with pose, twist and acceleration that MBD has at t_k
- *              DEM  moves the bodies along it and returns the mean load of its steps: by their kicks if it has the
- *                   capability "interface", else that of [L18] Eq. 2, which is late by half a step
- *              MBD  integrates the same window under that mean; its state wins
+ *              with pose, twist and acceleration that MBD has at t_k; where MBD tells the path ahead, since drivers
+ * bend it, to the end of that, by its nodes DEM  moves the bodies along it and returns the mean load of its steps: by
+ * their kicks if it has the capability "interface", else that of [L18] Eq. 2, which is late by half a step MBD
+ * integrates the same window under that mean; its state wins
  *
  * No load is extrapolated, so nothing overshoots where loads jump. The prediction leaves DEM's bodies O(H^3) away from
  * MBD's; they never jump there: the next path begins where the last one ended. The first window is that of `hold`,
@@ -13,21 +13,6 @@
 #include "coupler/window.h"
 
 #include <stdlib.h>
-
-/* Pose and twist after the time h under a constant acceleration (linear, angular). */
-static tdm_state predict(const tdm_state *state, const double *acceleration, double h) {
-  tdm_vec3 a = {acceleration[0], acceleration[1], acceleration[2]};
-  tdm_vec3 alpha = {acceleration[3], acceleration[4], acceleration[5]};
-  const tdm_twist *twist = &state->twist;
-  tdm_vec3 moved = tdm_axpy(0.5 * h * h, a, tdm_scale(h, twist->velocity));
-  tdm_vec3 turned = tdm_axpy(0.5 * h * h, alpha, tdm_scale(h, twist->angular));
-  tdm_state next;
-  next.pose.position = tdm_add(state->pose.position, moved);
-  next.pose.orientation = tdm_quat_turned(state->pose.orientation, turned);
-  next.twist.velocity = tdm_axpy(h, a, twist->velocity);
-  next.twist.angular = tdm_axpy(h, alpha, twist->angular);
-  return next;
-}
 
 /* loop->own: the paths through the window, (nbody) states at its start and (nbody) at its end, where DEM leaves the
  * bodies. */
@@ -43,6 +28,7 @@ static void finish(cpl_loop *loop) {
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   tdm_state *start = loop->own, *end = start + loop->nbody;
+  const tdm_nodes *path = &loop->paths.told;
   if (loop->window == 0) {
     if (cpl_scheme_hold.advance(loop, err) != TDM_OK)
       return err->status;
@@ -53,7 +39,8 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   for (int i = 0; i < loop->nbody; i++) {
     const double *acceleration = loop->result[CPL_MBD].acceleration + 6 * i;
     start[i] = (tdm_state){end[i].pose, loop->state_start[i].twist};
-    end[i] = loop->dem_end[i] = predict(&loop->state_start[i], acceleration, loop->t1 - loop->t0);
+    end[i] = loop->dem_end[i] = path->nnode > 0 ? path->state[(path->nnode - 1) * loop->nbody + i]
+                                                : cpl_predict(&loop->state_start[i], acceleration, loop->t1 - loop->t0);
   }
   if (cpl_solve_dem_along(loop, start, end, err) != TDM_OK)
     return err->status;

@@ -10,11 +10,26 @@ dem_motion dem_motion_make(const tdm_state *start, const tdm_state *end, double 
   return m;
 }
 
+dem_motion dem_motion_through(const tdm_step *step, int body) {
+  return (dem_motion){.duration = step->t1 - step->t0,
+                      .start = step->start[body],
+                      .end = step->end[body],
+                      .path = step->path,
+                      .body = body,
+                      .t0 = step->t0};
+}
+
+static tdm_state through_nodes(const dem_motion *m, double s) {
+  return tdm_nodes_at(&m->path, m->body, &m->start, m->t0, m->t0 + s * m->duration);
+}
+
 tdm_pose dem_motion_pose(const dem_motion *m, double s) {
   if (s <= 0)
     return m->start.pose;
   if (s >= 1)
     return m->end.pose;
+  if (m->path.nnode > 0)
+    return through_nodes(m, s).pose;
   tdm_vec3 x0 = m->start.pose.position, x1 = m->end.pose.position, x;
   if (m->interpolation == TDM_LINEAR) {
     x = tdm_axpy(s, tdm_sub(x1, x0), x0);
@@ -32,6 +47,8 @@ tdm_pose dem_motion_pose(const dem_motion *m, double s) {
 }
 
 tdm_twist dem_motion_twist(const dem_motion *m, double s) {
+  if (m->path.nnode > 0)
+    return through_nodes(m, s).twist;
   tdm_vec3 mean = tdm_scale(1 / m->duration, tdm_sub(m->end.pose.position, m->start.pose.position));
   tdm_vec3 v = mean;
   if (m->interpolation == TDM_HERMITE) {

@@ -105,15 +105,72 @@ START_TEST(proxy_round_trip) {
     ck_assert_mem_eq(in.sample_time, out.sample_time, 3 * sizeof(double));
     ck_assert_mem_eq(in.proxy.acceleration, block, n * sizeof(double)); /* one block, in wire order */
     ck_assert_ptr_eq(in.proxy.mobility.B_rate + 12 * f, in.proxy.acceleration + n);
-    frame.data[TDM_HEADER_BYTES + 40] ^= 2; /* something else is announced */
+    frame.data[TDM_HEADER_BYTES + 40] ^= 4; /* something else is announced */
     ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
-    frame.data[TDM_HEADER_BYTES + 40] ^= 3; /* nothing is */
+    frame.data[TDM_HEADER_BYTES + 40] ^= 5; /* nothing is */
     ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
     frame.data[TDM_HEADER_BYTES + 40] ^= 1;
     frame.data[TDM_HEADER_BYTES + 42] = TDM_FREE_MAX + 1; /* too much freedom */
     ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
     err = (tdm_error){0};
   }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+}
+END_TEST
+
+/* three nodes of a path of two bodies that begins at t0 and ends at t1 */
+static tdm_nodes example_path(double t0, double t1) {
+  static double time[3];
+  static tdm_state state[6];
+  for (int k = 0; k < 3; k++)
+    time[k] = k < 2 ? t0 + (t1 - t0) * (k + 1) / 3 : t1;
+  for (int i = 0; i < 6 * TDM_STATE_DOUBLES; i++)
+    ((double *)(void *)state)[i] = 500 + i;
+  return (tdm_nodes){3, 2, time, state};
+}
+
+static tdm_status step_back(tdm_step *in, const tdm_step *out, tdm_frame *frame, tdm_frame *store, tdm_error *err) {
+  tdm_header header;
+  ck_assert_int_eq(tdm_step_write(frame, out, err), TDM_OK);
+  ck_assert_int_eq(read_header(&header, frame, err), TDM_OK);
+  return tdm_step_read(in, &header, store, err);
+}
+
+/* STEP: where to look ahead to, and nodes with and without a proxy */
+START_TEST(path_in_a_step) {
+  tdm_frame frame = {0}, store = {0};
+  tdm_error err = {0};
+  tdm_step in;
+  double block[2000];
+  for (int proxy = 0; proxy < 2; proxy++) {
+    tdm_step out = proxy ? step_with_proxy(2, block) : example_step();
+    out.path = example_path(out.t0, out.t1);
+    out.ahead = proxy ? 0 : 2.5;
+    ck_assert_int_eq(step_back(&in, &out, &frame, &store, &err), TDM_OK);
+    ck_assert_double_eq(in.ahead, out.ahead);
+    ck_assert_int_eq(in.path.nnode, 3);
+    ck_assert_int_eq(in.path.nbody, 2);
+    ck_assert_mem_eq(in.path.time, out.path.time, 3 * sizeof(double));
+    ck_assert_mem_eq(in.path.state, out.path.state, 6 * sizeof(tdm_state));
+    ck_assert_mem_eq(in.sample_time, out.sample_time, 3 * sizeof(double));
+    ck_assert(in.has_proxy == proxy);
+    if (proxy)
+      ck_assert_mem_eq(in.proxy.acceleration, block, 48 * sizeof(double));
+  }
+  /* not in order, not to the end, looking back */
+  for (int bad = 0; bad < 4; bad++) {
+    tdm_step out = example_step();
+    out.path = example_path(out.t0, bad == 1 ? 1.9 : out.t1);
+    out.path.time[0] = bad == 0 ? 1.9 : bad == 3 ? 1 : out.path.time[0];
+    out.ahead = bad == 2 ? 1.5 : 0;
+    err = (tdm_error){0};
+    ck_assert_int_eq(step_back(&in, &out, &frame, &store, &err), TDM_ERR_PROTOCOL);
+  }
+  frame.data[TDM_HEADER_BYTES + 44] = TDM_NODES_MAX + 1;
+  tdm_header header;
+  ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+  ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
   tdm_frame_free(&frame);
   tdm_frame_free(&store);
 }
@@ -201,6 +258,38 @@ START_TEST(mobility_round_trip) {
 }
 END_TEST
 
+/* RESULT: as many nodes as the frame has left */
+START_TEST(path_in_a_result) {
+  tdm_frame frame = {0}, store = {0}, store2 = {0};
+  tdm_error err = {0};
+  tdm_header header;
+  double block[2000];
+  for (int f = 0; f <= 2; f += 2) {
+    tdm_result in, out = extended_result(2, f, &store, block);
+    out.path = example_path(2, 3);
+    ck_assert_int_eq(tdm_result_write(&frame, &out, &err), TDM_OK);
+    ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_OK);
+    ck_assert_int_eq(in.path.nnode, 3);
+    ck_assert_mem_eq(in.path.time, out.path.time, 3 * sizeof(double));
+    ck_assert_mem_eq(in.path.state, out.path.state, 6 * sizeof(tdm_state));
+    ck_assert_mem_eq(in.mobility.Y, block, tdm_mobility_doubles(&out.mobility) * sizeof(double));
+    header.size -= 8; /* no whole number of nodes */
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_ERR_PROTOCOL);
+    out.path.nnode = 0; /* announced, and none there */
+    ck_assert_int_eq(tdm_result_write(&frame, &out, &err), TDM_OK);
+    frame.data[TDM_HEADER_BYTES + 36] |= 32;
+    err = (tdm_error){0};
+    ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
+    ck_assert_int_eq(tdm_result_read(&in, &header, &store2, &err), TDM_ERR_PROTOCOL);
+    err = (tdm_error){0};
+  }
+  tdm_frame_free(&frame);
+  tdm_frame_free(&store);
+  tdm_frame_free(&store2);
+}
+END_TEST
+
 START_TEST(malformed_headers_are_refused) {
   tdm_frame frame = {0};
   tdm_error err = {0};
@@ -241,6 +330,10 @@ START_TEST(any_damage_is_survived) {
   for (int kind = 0; kind < 4; kind++) {
     tdm_step step = kind == 3 ? step_with_proxy(1, other) : example_step();
     tdm_result result = extended_result(1, 2, &store, block);
+    result.path = example_path(2, 3);
+    result.path.nbody = 1;
+    if (kind == 3)
+      step.path = example_path(step.t0, step.t1);
     if (kind != 2)
       ck_assert_int_eq(tdm_step_write(&frame, &step, &err), TDM_OK);
     else
@@ -307,5 +400,6 @@ START_TEST(errors_travel) {
 }
 END_TEST
 
-TEST_MAIN("message", 60, control_round_trip, step_round_trip, proxy_round_trip, result_round_trip, mobility_round_trip,
-          malformed_headers_are_refused, any_damage_is_survived, absurd_steps_are_refused, errors_travel)
+TEST_MAIN("message", 60, control_round_trip, step_round_trip, proxy_round_trip, path_in_a_step, result_round_trip,
+          mobility_round_trip, path_in_a_result, malformed_headers_are_refused, any_damage_is_survived,
+          absurd_steps_are_refused, errors_travel)
