@@ -62,7 +62,7 @@ static void setup(const char *scene) {
 }
 
 static void run(const char *options) {
-  int status = command("tandem run %s/scene.json --out %s/out %s", dir, dir, options);
+  int status = command("tandem run %s/scene.json --force --out %s/out %s", dir, dir, options);
   ck_assert_msg(status == 0, "%s: %d: %s", options, status, command_output);
 }
 
@@ -225,8 +225,8 @@ END_TEST
 START_TEST(windows_that_bend_too_much_are_refused) {
   setup(vibrating);
   for (int i = 0; i < 5; i++) {
-    int status = command("tandem run %s/scene.json --out %s/out --set coupling.n=7500 --set coupling.scheme=%s", dir,
-                         dir, schemes[i]);
+    int status = command("tandem run %s/scene.json --force --out %s/out --set coupling.n=7500 --set coupling.scheme=%s",
+                         dir, dir, schemes[i]);
     ck_assert_msg(status == 1, "%s: %d: %s", schemes[i], status, command_output);
     expect_output(
         "coupling.n: what drivers prescribe for body \"deck\" bends too much in the window from 0 s to 0.15 s");
@@ -243,13 +243,13 @@ START_TEST(a_solver_that_takes_no_nodes) {
   setup(vibrating);
   static const char *const explicit[] = {"lommen", "hold", "dem-first"};
   for (int i = 0; i < 3; i++) {
-    int status =
-        command("tandem run %s/scene.json --out %s/out %s --set coupling.scheme=%s", dir, dir, foreign, explicit[i]);
+    int status = command("tandem run %s/scene.json --force --out %s/out %s --set coupling.scheme=%s", dir, dir, foreign,
+                         explicit[i]);
     ck_assert_msg(status == 1, "%s: %d: %s", explicit[i], status, command_output);
     expect_output("coupling.n: what drivers prescribe for body \"deck\" bends by ");
     expect_output("it lacks the capability \"path\"; take a smaller n");
-    status = command("tandem run %s/scene.json --out %s/out %s --set coupling.scheme=%s --set coupling.n=25", dir, dir,
-                     foreign, explicit[i]);
+    status = command("tandem run %s/scene.json --force --out %s/out %s --set coupling.scheme=%s --set coupling.n=25",
+                     dir, dir, foreign, explicit[i]);
     ck_assert_msg(status == 0, "%s: %d: %s", explicit[i], status, command_output);
   }
   directory_remove(dir);
