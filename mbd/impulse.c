@@ -9,7 +9,7 @@ struct mbd_impulse {
   bool begun;    /* a window has */
   double t0, t1; /* of it [s] */
   int n;         /* coefficients of X */
-  double *X;     /* (MBD_LOAD_MAX x nv) */
+  double *X;     /* (TDM_LOAD_MAX x nv) */
   double *P;     /* (nv) at t0 */
   double *load;  /* (nv) W_j */
 };
@@ -19,7 +19,7 @@ mbd_impulse *mbd_impulse_create(const mbd_model *model) {
   if (!p)
     return NULL;
   p->nv = 6 * model->nbody;
-  p->X = calloc(MBD_LOAD_MAX * (size_t)p->nv + 1, sizeof *p->X);
+  p->X = calloc(TDM_LOAD_MAX * (size_t)p->nv + 1, sizeof *p->X);
   p->P = calloc((size_t)p->nv + 1, sizeof *p->P);
   p->load = calloc((size_t)p->nv + 1, sizeof *p->load);
   if (!p->X || !p->P || !p->load)
