@@ -3,6 +3,7 @@
 #include "coupler/html.h"
 #include "coupler/record.h"
 #include "coupler/table.h"
+#include "protocol/input.h"
 
 #include <errno.h>
 #include <math.h>
@@ -89,10 +90,11 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
   cpl_table table = {0};
   size_t size = 0;
   snprintf(picture, sizeof picture, "%.*s", (int)(strlen(file) - strlen(".csv")), file);
-  FILE *f = fopen(path, "r");
+  const char *why;
+  FILE *f = tdm_open_input(path, false, &why);
   panels *p = calloc(1, sizeof *p);
   if (!f || !p || getline(&line, &size, f) <= 0)
-    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be read: %s", path, f ? "it is empty" : strerror(errno));
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be read: %s", path, f ? "it is empty" : why);
   if (f)
     fclose(f);
   if (err->status == TDM_OK && cpl_table_read(&table, path, err) == TDM_OK) {
@@ -145,6 +147,8 @@ static double wall(const report *r, const char *part) {
 
 static tdm_status plot_time(report *r, tdm_error *err) {
   char path[4352];
+  if (!json_object_get(r->summary, "wall_s"))
+    return err->status; /* a run that did not come to its end */
   snprintf(path, sizeof path, "%s/time.csv", r->dir);
   tdm_mark_add_in(r->dir, "time.csv");
   FILE *f = fopen(path, "w");
@@ -261,7 +265,12 @@ static tdm_status write_report(report *r, const json_t *scene, const cpl_scenari
 
 tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error *err) {
   json_t *scene = tdm_results_read(dir, "scene.json", err);
-  json_t *summary = scene ? tdm_results_read(dir, "summary.json", err) : NULL;
+  tdm_error lack = {0};
+  json_t *summary = scene ? tdm_results_read(dir, "summary.json", &lack) : NULL;
+  if (lack.status != TDM_OK && !tdm_mark_has(dir))
+    tdm_fail(err, lack.status, NULL, "%s", lack.message);
+  else if (lack.status != TDM_OK) /* its histories are worth a look all the same */
+    fprintf(stderr, "tandem: notice: no figures of the run: %s/summary.json cannot be read\n", dir);
   report *r = calloc(1, sizeof *r);
   if (!r)
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");

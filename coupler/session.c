@@ -302,6 +302,24 @@ bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
   return false;
 }
 
+/* The reduced model of all bodies must fit into a message; its size goes with the square of their number. */
+static tdm_status check_size(const cpl_session *s, tdm_error *err) {
+  const size_t room = TDM_FRAME_MAX - (1 << 20); /* the rest of a message: states, samples */
+  int most = s->settings->nbody;
+  if (!listed(s->scheme->needs[CPL_MBD], "mobility"))
+    return TDM_OK;
+  while (8 * tdm_mobility_doubles(&(tdm_mobility){.nbody = most, .nfree = TDM_FREE_MAX}) > room)
+    most--;
+  if (most == s->settings->nbody)
+    return TDM_OK;
+  return tdm_fail(
+      err, TDM_ERR_SCENE, "coupling.bodies",
+      "has %d entries, but the scheme %s sends how every body moves every other one, and a message has room "
+      "for %d; couple fewer bodies (parts that a joint fixes are one), or take dem-first or lommen as "
+      "coupling.scheme",
+      s->settings->nbody, s->scheme->name, most);
+}
+
 /* The scheme of the scene, or its fallback when a solver lacks what that needs. */
 static tdm_status choose_scheme(cpl_session *s, tdm_error *err) {
   const cpl_scheme *wanted = s->settings->scheme, *fallback = s->settings->fallback;
@@ -321,7 +339,7 @@ static tdm_status choose_scheme(cpl_session *s, tdm_error *err) {
     s->scheme = fallback;
     r = -1; /* what it needs, of both */
   }
-  return TDM_OK;
+  return check_size(s, err);
 }
 
 static json_t *assigned_body(const cpl_session *s, int role, int i) {

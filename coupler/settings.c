@@ -45,6 +45,11 @@ static void check_name(tdm_object *o, const char *key, const char *name) {
 static void read_bodies(cpl_settings *s, tdm_object *coupling) {
   json_t *array = tdm_get_array(coupling, "bodies", true);
   char path[TDM_PATH_MAX];
+  if (json_array_size(array) > CPL_BODIES_MAX) {
+    tdm_object_fail(coupling, "bodies", "has %zu entries; at most %d bodies can be coupled", json_array_size(array),
+                    CPL_BODIES_MAX);
+    return;
+  }
   s->nbody = (int)json_array_size(array);
   s->body = calloc((size_t)s->nbody + 1, sizeof *s->body);
   if (!s->body) {
@@ -52,20 +57,24 @@ static void read_bodies(cpl_settings *s, tdm_object *coupling) {
     tdm_fail(coupling->err, TDM_ERR_MEMORY, NULL, "out of memory");
     return;
   }
-  for (int i = 0; i < s->nbody; i++) {
+  json_t *const seen[CPL_NROLE] = {json_object(), json_object()}; /* names, with their numbers */
+  for (int i = 0; i < s->nbody && !coupling->err->status; i++) {
     tdm_object o =
         tdm_object_open(json_array_get(array, (size_t)i), tdm_path(path, coupling, "bodies", i), coupling->err);
     for (int r = 0; r < CPL_NROLE; r++) {
       s->body[i].name[r] = tdm_get_string(&o, cpl_role_names[r], NULL);
       check_name(&o, cpl_role_names[r], s->body[i].name[r]);
-      for (int j = 0; j < i; j++)
-        if (strcmp(s->body[i].name[r], s->body[j].name[r]) == 0)
-          tdm_object_fail(&o, cpl_role_names[r],
-                          "\"%s\" is coupled twice (coupling.bodies[%d] too); a body has one partner",
-                          s->body[i].name[r], j);
+      const json_t *other = json_object_get(seen[r], s->body[i].name[r]);
+      if (other)
+        tdm_object_fail(&o, cpl_role_names[r],
+                        "\"%s\" is coupled twice (coupling.bodies[%lld] too); a body has one partner",
+                        s->body[i].name[r], (long long)json_integer_value(other));
+      json_object_set_new(seen[r], s->body[i].name[r], json_integer(i));
     }
     tdm_object_close(&o);
   }
+  for (int r = 0; r < CPL_NROLE; r++)
+    json_decref(seen[r]);
 }
 
 /* "tcp://127.0.0.1:PORT": this machine only, a link beyond it would need keys. */

@@ -7,6 +7,9 @@
 #include "protocol/scene.h"
 
 typedef enum { CPL_MBD, CPL_DEM, CPL_NROLE } cpl_role;
+
+enum { CPL_BODIES_MAX = 10000 }; /* coupled bodies: the solvers' loading and messages stay within reason */
+
 extern const char *const cpl_role_names[CPL_NROLE]; /* "mbd", "dem": also the names of their sections */
 
 typedef enum { CPL_IPC, CPL_TCP, CPL_INPROC } cpl_transport_kind;

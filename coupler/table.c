@@ -1,5 +1,7 @@
 #include "coupler/table.h"
 
+#include "protocol/input.h"
+
 #include <errno.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -56,9 +58,10 @@ static double *read_rows(cpl_table *t, FILE *f, char **line, size_t *size, int *
 
 tdm_status cpl_table_read(cpl_table *t, const char *file, tdm_error *err) {
   *t = (cpl_table){0};
-  FILE *f = fopen(file, "r");
+  const char *why;
+  FILE *f = tdm_open_input(file, false, &why);
   if (!f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be opened: %s", file, strerror(errno));
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be opened: %s", file, why);
   char *line = NULL;
   size_t size = 0;
   int bad_row = 0;

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PARTICLES_MAX = 20000000 };
+enum { PARTICLES_MAX = 20000000, CELLS_MANY = 100000000 };
 
 /* one row a way to make particles: its "type", read by read_<type> */
 #define FILL_LIST(X) \
@@ -162,6 +162,14 @@ static bool choose_cells(const double size[3], double least, long count, double 
   return true;
 }
 
+void dem_fewer_cells(double n[3], double most) {
+  while (n[0] * n[1] * n[2] > most) {
+    int a = n[0] >= n[1] && n[0] >= n[2] ? 0 : n[1] >= n[2] ? 1 : 2;
+    double others = n[(a + 1) % 3] * n[(a + 2) % 3];
+    n[a] = floor(fmax(most / others, 0.5 * n[a]));
+  }
+}
+
 static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3], const double n[3], long count) {
   double cell[3] = {size[0] / n[0], size[1] / n[1], size[2] / n[2]};
   long ncell = (long)(n[0] * n[1] * n[2]), left = count;
@@ -182,12 +190,14 @@ static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3],
   }
 }
 
-static void read_region(tdm_object *o, tdm_vec3 *low, tdm_vec3 *high) {
+static void read_region(tdm_object *o, double radius, tdm_vec3 *low, tdm_vec3 *high) {
   tdm_object region = tdm_get_object(o, "region", true);
   *low = tdm_get_vec3(&region, "min", NULL);
   *high = tdm_get_vec3(&region, "max", NULL);
   if (!o->err->status && !(high->x > low->x && high->y > low->y && high->z > low->z))
     tdm_object_fail(&region, "max", "must be greater than min in x, y and z");
+  dem_check_place(&region, "min", *low, radius);
+  dem_check_place(&region, "max", *high, radius);
   tdm_object_close(&region);
 }
 
@@ -196,7 +206,7 @@ static void read_random(filler *f) {
   long count = tdm_get_integer(o, "count", TDM_REQUIRED_INT, 0);
   double largest = f->sizes.max, n[3];
   tdm_vec3 low, high;
-  read_region(o, &low, &high);
+  read_region(o, largest, &low, &high);
   double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
   if (o->err->status || count == 0 || !make_room(f, count))
     return;
@@ -209,6 +219,7 @@ static void read_random(filler *f) {
       tdm_object_fail(o, "region", "is smaller than a particle of radius %g m; make it larger", largest);
     return;
   }
+  dem_fewer_cells(n, fmax(CELLS_MANY, 2 * (double)count));
   gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
   gsl_rng_set(rng, (unsigned long)f->seed);
   scatter(f, rng, low, size, n, count);
@@ -258,7 +269,7 @@ static void read_poured(filler *f) {
   long count = read_amount(f);
   dem_pouring p = {.entry = f->entry, .first = m->nparticle, .frame = f->frame, .seed = f->seed};
   p.largest = f->sizes.max;
-  read_region(o, &p.low, &p.high);
+  read_region(o, p.largest, &p.low, &p.high);
   check_pouring(o, f, &p);
   if (o->err->status || !make_room(f, count))
     return;

@@ -56,6 +56,18 @@ static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
   }
 }
 
+/* Particles that are due are counted one by one. */
+static void check_rate(const dem_model *m, tdm_object *o, const dem_source *s) {
+  const double most = 1e6; /* a step */
+  double mass = s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.min);
+  double a_step = m->dt * (s->mass_rate > 0 ? s->mass_rate / mass : s->rate);
+  if (!o->err->status && !(a_step <= most))
+    tdm_object_fail(o, tdm_has(o, "rate") ? "rate" : "mass_rate",
+                    "makes %.3g particles in a step of %g s; give a rate of at most %g a step: no region has room for "
+                    "more",
+                    a_step, m->dt, most);
+}
+
 static void read_place(tdm_object *o, dem_source *s) {
   bool point = tdm_has(o, "position"), region = tdm_has(o, "region");
   if (point == region) {
@@ -112,6 +124,9 @@ static void read_source(dem_model *m, tdm_object *o) {
   s->seed = (uint64_t)tdm_get_integer(o, "seed", 1, 0);
   if (!o->err->status)
     read_rate(m, o, s);
+  check_rate(m, o, s);
+  dem_check_place(o, tdm_has(o, "position") ? "position" : "region", s->low, s->sizes.max);
+  dem_check_place(o, tdm_has(o, "position") ? "position" : "region", s->high, s->sizes.max);
   tdm_object_close(o);
 }
 

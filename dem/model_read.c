@@ -8,6 +8,7 @@
 #include "dem/guard.h"
 #include "dem/integrate.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +51,15 @@ void dem_check_mass(tdm_object *o, const char *key, double mass) {
                     "gives a particle of %g kg, which double precision does not hold when squared or inverted; "
                     "give a mass between 1e-150 and 1e150 kg",
                     mass);
+}
+
+void dem_check_place(tdm_object *o, const char *key, tdm_vec3 x, double radius) {
+  double far = fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))), apart = DBL_EPSILON * far;
+  if (!o->err->status && !(apart <= 1e-6 * radius))
+    tdm_object_fail(o, key,
+                    "reaches %g m from the origin, where the numbers of double precision are %.2g m apart, more than "
+                    "1e-6 of the radius, %g m; take places nearer to the origin",
+                    far, apart, radius);
 }
 
 static const char *choose(tdm_object *o, const char *key, const char *const *names, int fallback) {

@@ -13,6 +13,10 @@ tdm_vec3 dem_read_vector(tdm_object *o, const char *key, const tdm_vec3 *fallbac
 /* Refuse a mass [kg] whose square or inverse square double precision does not hold; `key` gives it. */
 void dem_check_mass(tdm_object *o, const char *key, double mass);
 
+/* Refuse a place [m] where neighbouring numbers are more than 1e-6 of the radius [m] apart: no contact could be told
+ * there. `key` gives it. */
+void dem_check_place(tdm_object *o, const char *key, tdm_vec3 place, double radius);
+
 /* The key "material" of an object as an index; 0 after an error. */
 int dem_read_material(const dem_model *model, tdm_object *o);
 

@@ -3,9 +3,12 @@
 
 #include "dem/draw.h"
 #include "dem/extras.h"
+#include "dem/fill.h"
 #include "dem/room.h"
 
 #include <stdio.h>
+
+enum { CELLS_MANY = 10000000 }; /* of a layer: looked at one by one, again and again */
 
 static const uint64_t LAYERS = (uint64_t)1 << 32; /* numbers of layers among those of particles, for drawing */
 
@@ -64,8 +67,12 @@ static void world_box(const dem_pouring *p, tdm_vec3 *low, tdm_vec3 *high) {
 static uint64_t cells_of(const dem_pouring *p, uint64_t n[3]) {
   tdm_vec3 size = tdm_sub(p->high, p->low);
   const double length[3] = {size.x, size.y, size.z};
+  double cells[3];
   for (int a = 0; a < 3; a++)
-    n[a] = (uint64_t)fmax(1, floor(length[a] / (2 * p->largest) * (1 + 1e-12)));
+    cells[a] = fmax(1, floor(length[a] / (2 * p->largest) * (1 + 1e-12)));
+  dem_fewer_cells(cells, fmax(CELLS_MANY, 2.0 * p->count));
+  for (int a = 0; a < 3; a++)
+    n[a] = (uint64_t)cells[a];
   return n[0] * n[1] * n[2];
 }
 

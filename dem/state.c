@@ -7,6 +7,7 @@
 #include "dem/geometry/walls.h"
 #include "dem/integrate.h"
 #include "dem/search/pairs.h"
+#include "protocol/input.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -426,7 +427,7 @@ static char *read_all(FILE *f, size_t *size) {
     *size += fread(bytes + *size, 1, capacity - *size, f);
     if (ferror(f))
       break;
-    if (*size < capacity)
+    if (*size < capacity || memcmp(bytes, magic, sizeof magic) != 0) /* no more of what is no stored state */
       return bytes;
   }
   free(bytes);
@@ -436,10 +437,11 @@ static char *read_all(FILE *f, size_t *size) {
 tdm_status dem_state_read(dem_data *d, dem_state_use use, const char *file, const char *key, void *note, size_t size,
                           tdm_error *err) {
   reader r = {.use = use, .file = file, .key = key};
-  FILE *f = fopen(file, "rb");
+  const char *why;
+  FILE *f = tdm_open_input(file, false, &why);
   char *bytes = f ? read_all(f, &r.size) : NULL;
   if (!bytes)
-    tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be read: %s; name another file", file, strerror(errno));
+    tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be read: %s; name another file", file, f ? strerror(errno) : why);
   if (f)
     fclose(f);
   r.bytes = bytes;

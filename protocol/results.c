@@ -1,5 +1,7 @@
 #include "protocol/results.h"
 
+#include "protocol/input.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -257,8 +259,13 @@ json_t *tdm_results_read(const char *dir, const char *name, tdm_error *err) {
   char path[4352];
   json_error_t where;
   snprintf(path, sizeof path, "%s/%s", dir, name);
-  json_t *json = json_load_file(path, 0, &where);
+  const char *why;
+  FILE *f = tdm_open_input(path, false, &why);
+  json_t *json = f ? json_loadf(f, 0, &where) : NULL;
+  if (f)
+    fclose(f);
   if (!json)
-    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %s; give the directory of a run (--out of tandem run)", path, where.text);
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %s; give the directory of a run (--out of tandem run)", path,
+             f ? where.text : why);
   return json;
 }

@@ -1,6 +1,8 @@
 /* The scene file: reading, "--set" overrides, and the place of a JSON path in the text. */
 #include "protocol/scene.h"
 
+#include "protocol/input.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
@@ -9,10 +11,13 @@
 
 /* ---- reading ---- */
 
+enum { SCENE_MAX = 1 << 28 }; /* bytes */
+
 static char *read_file(const char *file, size_t *size, tdm_error *err) {
-  FILE *f = fopen(file, "rb");
+  const char *why;
+  FILE *f = tdm_open_input(file, true, &why);
   if (!f) {
-    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be opened: %s; check the name", file, strerror(errno));
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be opened: %s; check the name", file, why);
     return NULL;
   }
   char *text = NULL;
@@ -28,8 +33,13 @@ static char *read_file(const char *file, size_t *size, tdm_error *err) {
       text = larger;
     }
     got = fread(text + used, 1, capacity - used - 1, f);
+    if (memchr(text + used, 0, got)) /* /dev/zero, and any binary file */
+      tdm_fail(err, TDM_ERR_JSON, NULL, "%s: holds a byte of value 0, which no scene does; check the name", file);
     used += got;
-  } while (got > 0);
+    if (used > SCENE_MAX)
+      tdm_fail(err, TDM_ERR_FILE, NULL, "%s: is larger than %d MiB, which no scene is; check the name", file,
+               SCENE_MAX >> 20);
+  } while (got > 0 && err->status == TDM_OK);
   if (ferror(f))
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be read: %s", file, strerror(errno));
   fclose(f);

@@ -1,6 +1,8 @@
 /* STL files: see stl.h. */
 #include "protocol/stl.h"
 
+#include "protocol/input.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
@@ -41,14 +43,14 @@ static tdm_status fail(reader *r, tdm_status status, const char *format, ...) {
 }
 
 static tdm_status load(reader *r) {
-  FILE *f = fopen(r->file, "rb");
   struct stat info;
-  if (!f)
+  const char *why;
+  FILE *f = tdm_open_input(r->file, false, &why);
+  if (!f || fstat(fileno(f), &info) != 0) {
+    if (f)
+      fclose(f);
     return fail(r, TDM_ERR_FILE, "\"%s\" cannot be opened: %s; check the name and the folder", r->file,
-                strerror(errno));
-  if (fstat(fileno(f), &info) != 0 || !S_ISREG(info.st_mode)) {
-    fclose(f);
-    return fail(r, TDM_ERR_FILE, "\"%s\" is no file that can be read; give an STL file", r->file);
+                f ? strerror(errno) : why);
   }
   r->size = (size_t)info.st_size;
   r->bytes = malloc(r->size + 1);

@@ -5,8 +5,8 @@
  */
 #include "mbd/curve.h"
 #include "mbd/driver/motion.h"
+#include "protocol/input.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,10 +46,10 @@ static bool two_numbers(const char *line, double *t, double *x) {
 }
 
 static void read_csv(points *p, const char *file, const char *path, tdm_error *err) {
-  FILE *f = fopen(file, "r");
+  const char *why;
+  FILE *f = tdm_open_input(file, false, &why);
   if (!f) {
-    tdm_fail(err, TDM_ERR_FILE, path, "\"%s\" cannot be opened: %s; check the name and the folder", file,
-             strerror(errno));
+    tdm_fail(err, TDM_ERR_FILE, path, "\"%s\" cannot be opened: %s; check the name and the folder", file, why);
     return;
   }
   char *line = NULL;

@@ -53,6 +53,8 @@ static const struct {
     {"--set dem.materials[0].densty=1", "dem.materials[0].densty", "did you mean \"density\""},
     {"--set dem.materials[0].density=-2500", "dem.materials[0].density", "greater than 0"},
     {"--set dem.pairs=[]", "dem.pairs", "soft"},
+    {"--set dem.settle.speed=1 --set dem.settle.store=/dev/zero", "dem.settle.store", "a device or a pipe"},
+    {"--set dem.start=/dev/zero", "dem.start", "a device or a pipe"},
     {"--set time.dt=9e-5 --set output.interval=1e-4 --set dem.materials[0].young_modulus=5e11", "time.dt",
      "half of the shortest contact"},
     {"--set time.dt=9e-5 --set output.interval=1e-4 --set dem.materials[0].young_modulus=5e11 --set "
@@ -104,6 +106,10 @@ START_TEST(files) {
   ck_assert_int_eq(command("tandem run %s/twice.json --out %s/out", dir, dir), 1);
   expect_output("twice.json:2:");
   expect_output("duplicate");
+  ck_assert_int_eq(command("tandem run /dev/zero --out %s/out", dir), 1);
+  expect_output("a byte of value 0");
+  ck_assert_int_eq(command("tandem run %s --out %s/out", dir, dir), 1);
+  expect_output("it is a folder");
   write_file(dir, "empty.json", "{}");
   ck_assert_int_eq(command("tandem run %s/empty.json --out %s/out", dir, dir), 1);
   expect_output("time: missing");
@@ -122,6 +128,38 @@ START_TEST(result_directories) {
   expect_output("/proc/out");
   ck_assert_int_eq(command("tandem verify collision --json %s/file/x.json --out %s/v", dir, dir), 1);
   expect_output("cannot be written");
+  directory_remove(dir);
+}
+END_TEST
+
+/* A scene of n coupled bodies, as text for the scene that is asked about. */
+static void write_many(const char *name, int n) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  FILE *f = fopen(path, "w");
+  ck_assert_ptr_nonnull(f);
+  fputs("{\"time\": {\"end\": 0.001, \"dt\": 1e-4}, \"coupling\": {\"n\": 1, \"bodies\": [", f);
+  for (int i = 0; i < n; i++)
+    fprintf(f, "%s{\"mbd\": \"b%d\", \"dem\": \"d%d\"}", i ? "," : "", i, i);
+  fputs("]},\n \"mbd\": {\"bodies\": [", f);
+  for (int i = 0; i < n; i++)
+    fprintf(f, "%s{\"name\": \"b%d\", \"mass\": 1, \"inertia\": [1, 1, 1], \"position\": [%d, 0, 0]}", i ? "," : "", i,
+            2 * i);
+  fputs("]},\n \"dem\": {}}\n", f);
+  fclose(f);
+}
+
+START_TEST(more_bodies_than_a_message_holds) {
+  dir = directory_make();
+  write_many("many.json", 600);
+  ck_assert_int_eq(command("tandem run %s/many.json --out %s/out", dir, dir), 1);
+  expect_output("many.json:1:");
+  expect_output("coupling.bodies: has 600 entries, but the scheme proxy sends");
+  expect_output("has room for 468");
+  expect_output("take dem-first or lommen");
+  write_many("many.json", 40000);
+  ck_assert_int_eq(command("tandem run %s/many.json --out %s/out --set coupling.scheme=lommen", dir, dir), 1);
+  expect_output("coupling.bodies: has 40000 entries; at most 10000 bodies can be coupled");
   directory_remove(dir);
 }
 END_TEST
@@ -153,4 +191,5 @@ START_TEST(command_lines) {
 }
 END_TEST
 
-TEST_MAIN("bad input", 180, values_of_the_scene, a_step_above_the_limit_warns, files, result_directories, command_lines)
+TEST_MAIN("bad input", 180, values_of_the_scene, a_step_above_the_limit_warns, files, result_directories, command_lines,
+          more_bodies_than_a_message_holds)

@@ -1,4 +1,5 @@
 /* Result directories: what a run removes, what it leaves, where it refuses to write. */
+#include "protocol/results.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 
@@ -123,6 +124,79 @@ START_TEST(a_foreign_mark_removes_nothing_elsewhere) {
 }
 END_TEST
 
+START_TEST(a_directory_that_is_removed_ends_the_run) {
+  static const char *const how[] = {"rm -r out", "mv out old", "mv out old && mkdir out"};
+  char out[128];
+  setup();
+  snprintf(out, sizeof out, "%s/out", dir);
+  for (int i = 0; i < 3; i++) {
+    const char *const arguments[] = {"run", SCENE, "--out", out, "--set", "time.end=1e5", NULL};
+    pid_t pid = background(dir, arguments);
+    for (int k = 0; k < 200 && command("test -s %s/body_cube.csv", out) != 0; k++)
+      usleep(50000);
+    expect_in_dir(0, how[i]);
+    ck_assert_int_eq(background_end(pid, 20), 1);
+    background_output(dir);
+    expect_output("the result directory was removed or replaced while the run wrote into it");
+    expect_in_dir(0, "rm -rf out old");
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_report_without_a_summary) {
+  static const char *const harm[] = {": > out/summary.json", "rm out/summary.json",
+                                     "echo '{\"scene\":' > out/summary.json", "ln -sf /dev/zero out/summary.json"};
+  setup();
+  expect_in_dir(0, "tandem run " SCENE " --out out " SHORT);
+  for (int i = 0; i < 4; i++) {
+    ck_assert_int_eq(command("sh -c 'cd %s && %s'", dir, harm[i]), 0);
+    expect_in_dir(0, "rm -f out/mbd.png; tandem report out && test -s out/mbd.png && test -s out/index.html");
+    expect_output("no figures of the run");
+  }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(a_run_that_was_killed_says_so) {
+  char out[128];
+  setup();
+  snprintf(out, sizeof out, "%s/out", dir);
+  const char *const arguments[] = {"run", SCENE, "--out", out, "--set", "time.end=1e5", NULL};
+  pid_t pid = background(dir, arguments);
+  for (int k = 0; k < 200 && command("test -s %s/body_cube.csv", out) != 0; k++)
+    usleep(50000);
+  kill(pid, SIGKILL);
+  waitpid(pid, NULL, 0);
+  expect_in_dir(0, "tandem report out && grep -q 'status: unfinished' out/index.html");
+  directory_remove(dir);
+}
+END_TEST
+
+/* The new file cannot be written, as on a full disk: the summary takes the room that was kept for it. */
+START_TEST(a_summary_on_a_full_disk) {
+  char link[256], out[128];
+  tdm_results r;
+  tdm_error err = {0};
+  setup();
+  snprintf(out, sizeof out, "%s/out", dir);
+  const tdm_results_def def = {.dir = out, .log = "server.log"};
+  ck_assert_int_eq(tdm_results_open(&r, &def, &err), TDM_OK);
+  ck_assert_int_eq(tdm_results_start(&r, &err), TDM_OK);
+  snprintf(link, sizeof link, "%s/summary.json.part", out);
+  ck_assert_int_eq(symlink("/dev/full", link), 0);
+  json_t *json = json_pack("{s:s, s:f}", "status", "TDM_ERR_FILE", "simulated_s", 0.25);
+  ck_assert_msg(tdm_results_summary(&r, json, &err) == TDM_OK, "%s", err.message);
+  json_t *read = tdm_results_read(out, "summary.json", &err);
+  ck_assert_msg(read && json_equal(read, json), "%s", err.message);
+  json_decref(json);
+  json_decref(read);
+  tdm_results_close(&r);
+  directory_remove(dir);
+}
+END_TEST
+
 TEST_MAIN("results", 60, only_tandems_own_files_are_removed, a_name_is_no_pattern,
           a_run_that_is_refused_removes_nothing, a_solver_alone_keeps_them_too, a_check_leaves_nothing,
-          a_foreign_mark_removes_nothing_elsewhere)
+          a_foreign_mark_removes_nothing_elsewhere, a_directory_that_is_removed_ends_the_run,
+          a_report_without_a_summary, a_run_that_was_killed_says_so, a_summary_on_a_full_disk)

@@ -1,5 +1,6 @@
 /* The solver through its operations: bad scenes are refused with their path, good ones report; windows and samples. */
 #include "../numerics/test_dem_support.h"
+#include "dem/solver.h"
 #include "tests/test_main.h"
 
 #define MATERIALS "'materials':[{'name':'grain','density':1000,'young_modulus':1e7,'poisson_ratio':0.2}]"
@@ -53,6 +54,21 @@ static const bad bads[] = {
     {"{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,'count':100,"
      "'region':{'min':[0,0,0],'max':[1,1,0.4]}}]}",
      "dem.particles[0].region", "holds 50"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,'count':100,"
+     "'region':{'min':[0,0,0],'max':[1e12,1,0.4]}}]}",
+     "dem.particles[0].region.max", "reaches 1e+12 m from the origin"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,'count':100,"
+     "'region':{'min':[-1e19,0,0],'max':[1,1,0.4]}}]}",
+     "dem.particles[0].region.min", "reaches 1e+19 m from the origin"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'poured','material':'grain','radius':0.1,'count':100,"
+     "'region':{'min':[0,0,0],'max':[1e30,1,0.4]}}]}",
+     "dem.particles[0].region.max", "reaches 1e+30 m from the origin"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':9e15,'position':[0,0,0]") "]}", "dem.sources[0].rate",
+     "particles in a step"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'mass_rate':1e300,'position':[0,0,0]") "]}",
+     "dem.sources[0].mass_rate", "particles in a step"},
+    {"{" MATERIALS "," PAIRS ",'sources':[" SOURCE("'rate':1,'position':[0,1e40,0]") "]}", "dem.sources[0].position",
+     "reaches 1e+40 m from the origin"},
     {"{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,'count':-1,"
      "'region':{'min':[0,0,0],'max':[1,1,0.4]}}]}",
      "dem.particles[0].count", "at least 0"},
@@ -404,5 +420,34 @@ START_TEST(test_fill) {
 }
 END_TEST
 
+/* Far more cells than particles: they are not looked at one by one, and the particles are all over the region. */
+START_TEST(a_wide_region) {
+  static const char *const max[] = {"[1e7,1,1]", "[1e7,1e7,1]", "[1e7,1e7,1e7]"};
+  for (int k = 0; k < 3; k++) {
+    tdm_error err = {0};
+    json_t *json = scene_json("{" MATERIALS "," PAIRS ",'particles':[{'type':'random','material':'grain','radius':0.1,"
+                              "'count':100,'region':{'min':[0,0,0],'max':%s}}]}",
+                              max[k]);
+    tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1};
+    void *self = NULL;
+    tdm_ready ready = {0};
+    ck_assert_msg(!dem_solver_ops.create(&self, &a, &ready, NULL, &err), "%s: %s", err.path, err.message);
+    const dem_data *d = dem_solver_data(self);
+    double sum = 0;
+    ck_assert_int_eq(d->nparticle, 100);
+    for (int i = 0; i < 100; i++) {
+      tdm_vec3 x = d->sphere[i].position;
+      ck_assert(x.x >= 0.1 && x.x <= 1e7 - 0.1);
+      sum += x.x / 100;
+      for (int j = 0; j < i; j++)
+        ck_assert(tdm_norm(tdm_sub(x, d->sphere[j].position)) > 0.2);
+    }
+    ck_assert(sum > 3.5e6 && sum < 6.5e6); /* 5e6 with a deviation of 2.9e5 */
+    dem_solver_ops.destroy(self);
+    json_decref(json);
+  }
+}
+END_TEST
+
 TEST_MAIN("dem input", 120, test_bad_scenes, test_ready, test_doubts, test_no_particles, test_split_windows,
-          test_repeatable, test_fill, test_flow_channels)
+          test_repeatable, test_fill, test_flow_channels, a_wide_region)
