@@ -2,7 +2,7 @@
 #include "coupler/ledger.h"
 
 #include "coupler/window.h"
-#include "protocol/log.h"
+#include "protocol/remark.h"
 #include "protocol/results.h"
 
 #include <math.h>
@@ -283,7 +283,7 @@ static void find_cause(const cpl_ledger *l, const cpl_loop *loop, char *text, si
 }
 
 static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
-  char text[TDM_MESSAGE_MAX], quoted[TDM_MESSAGE_MAX], cause[512];
+  char text[TDM_MESSAGE_MAX], cause[512];
   const cpl_settings *s = l->settings;
   const double rise = l->start + l->balance - l->lowest, made = l->exchange - l->exchange_lowest;
   find_cause(l, loop, cause, sizeof cause);
@@ -295,9 +295,7 @@ static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
            lenience * s->guard.energy * largest_energy(l), (unsigned long long)loop->window, loop->t1, cause);
   if (s->guard.action == CPL_GUARD_STOP)
     return tdm_fail(err, TDM_ERR_NUMERIC, "coupling.n", "%s", text);
-  if (!l->told)
-    tdm_log(TDM_LOG_WARNING, "guard", "message=%s further=not_logged", tdm_log_quote(quoted, sizeof quoted, text));
-  l->told = true;
+  tdm_remark(TDM_WARNING, "guard", "coupling.n", loop->t1, "%s", text);
   return TDM_OK;
 }
 

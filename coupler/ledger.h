@@ -53,7 +53,6 @@ typedef struct {
   double residual;              /* largest magnitude of the exchange so far [J] */
   int rises;                    /* looks in a row with more than the guard allows */
   double gained_at;             /* when the guard first would have spoken [s]; NaN: never */
-  bool told;                    /* the guard has warned */
 } cpl_ledger;
 
 /* Opens the books: writes the header and the row of t = 0 into `file` (borrowed). */

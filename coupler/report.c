@@ -242,6 +242,36 @@ static void write_picture(FILE *page, const char *name) {
   fputs("\"></a>\n", page);
 }
 
+/* Warnings and notices of the run, on the page and on the terminal. */
+static void write_remarks(FILE *page, const report *r) {
+  static const char *const lists[] = {"warnings", "notices"}, *const names[] = {"warning", "notice"};
+  for (int l = 0; l < 2; l++) {
+    size_t i;
+    json_t *entry, *list = json_object_get(r->summary, lists[l]);
+    if (json_array_size(list) == 0)
+      continue;
+    fprintf(page, "<h2>%s</h2>\n<ul>\n", lists[l]);
+    json_array_foreach(list, i, entry) {
+      char text[2048];
+      const char *from = json_string_value(json_object_get(entry, "from"));
+      const char *path = json_string_value(json_object_get(entry, "path"));
+      const char *message = json_string_value(json_object_get(entry, "message"));
+      const long long count = json_integer_value(json_object_get(entry, "count"));
+      int n = snprintf(text, sizeof text, "%s%s%s%s%s", from ? from : "", from ? ": " : "", path ? path : "",
+                       path && *path ? ": " : "", message ? message : "");
+      if (count > 1 && n > 0 && (size_t)n < sizeof text)
+        snprintf(text + n, sizeof text - (size_t)n, " (%lld times, from t = %.6g s to %.6g s)", count,
+                 json_number_value(json_object_get(entry, "first_s")),
+                 json_number_value(json_object_get(entry, "last_s")));
+      printf("%s: %s\n", names[l], text);
+      fputs("<li>", page);
+      cpl_html_text(page, text);
+      fputs("</li>\n", page);
+    }
+    fputs("</ul>\n", page);
+  }
+}
+
 static tdm_status write_report(report *r, const json_t *scene, const cpl_scenario *scenario, tdm_error *err) {
   char path[4352];
   snprintf(path, sizeof path, "%s/index.html", r->dir);
@@ -250,6 +280,7 @@ static tdm_status write_report(report *r, const json_t *scene, const cpl_scenari
   if (!page)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   write_head(page, r);
+  write_remarks(page, r);
   compare(r, scenario, page);
   if (err->status == TDM_OK && plot_time(r, err) == TDM_OK)
     plot_histories(r, scene, err);

@@ -7,6 +7,7 @@
 #include "coupler/window.h"
 #include "protocol/log.h"
 #include "protocol/progress.h"
+#include "protocol/remark.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +22,9 @@ typedef struct {
   cpl_record record;
   cpl_session session;
   cpl_loop loop;
+  tdm_remarks remarks; /* the server's own */
+  tdm_teller teller;
+  uint64_t told;   /* changes of all remarks that were told */
   void *context;   /* ZeroMQ context shared with threads */
   cpl_private own; /* of the ipc socket, and of the logs of a check that leaves none */
   bool session_open, thread_hangs;
@@ -100,10 +104,13 @@ static tdm_status start(run_state *run, tdm_error *err) {
   run->session_open = true;
   if (cpl_session_open(&run->session, &run->settings, endpoint, run->context, err) != TDM_OK)
     return err->status;
+  tdm_progress_begin(&run->session.progress, 0, "", run->options->quiet);
   for (int r = 0; r < CPL_NROLE; r++)
     if (launch(run, (cpl_role)r, err) != TDM_OK)
       return err->status;
-  return cpl_session_start(&run->session, &run->scene, err);
+  cpl_session_start(&run->session, &run->scene, err);
+  tdm_progress_end(&run->session.progress);
+  return err->status;
 }
 
 /* Warnings of the solvers: printed, or refused when strict. */
@@ -128,6 +135,30 @@ static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_erro
   return TDM_OK;
 }
 
+/* ---- remarks ---- */
+
+/* Those of both solvers and the server's own (new reference). */
+static json_t *all_remarks(const run_state *run) {
+  json_t *all = json_array(), *own = tdm_remarks_to_json(&run->remarks, "server");
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (run->session.partner[r].remarks)
+      json_array_extend(all, run->session.partner[r].remarks);
+  json_array_extend(all, own);
+  json_decref(own);
+  return all;
+}
+
+/* What is new goes to the terminal at once. */
+static void tell_remarks(run_state *run) {
+  uint64_t changes = run->remarks.changes + run->session.remarks_taken;
+  if (run->options->quiet || changes == run->told)
+    return;
+  run->told = changes;
+  json_t *all = all_remarks(run);
+  tdm_remarks_tell(&run->teller, all, run->session.progress.terminal ? TDM_PROGRESS_CLEAR : NULL);
+  json_decref(all);
+}
+
 /* ---- the loop ---- */
 
 static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
@@ -147,6 +178,7 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
     result->surprises = run->loop.surprises;
     result->first_surprise = run->loop.first_surprise;
     tdm_progress_update(&progress, run->loop.t1, run->loop.window);
+    tell_remarks(run);
   }
   tdm_progress_end(&progress);
   result->loop = tdm_clock() - begin;
@@ -168,25 +200,7 @@ double cpl_run_coupling(const cpl_run_result *r) {
   return r->loop - r->step[CPL_MBD] - r->step[CPL_DEM];
 }
 
-static void print_notices(const cpl_run_result *r) {
-  if (r->surprises > 0)
-    fprintf(
-        stderr,
-        "tandem: notice: the mechanism changed inside %llu window%s, first in that from %.6g s on (a stop, a slack "
-        "cable, friction that turns): there the particles felt it late; take a smaller coupling.n, or \"iterative\" "
-        "as coupling.scheme\n",
-        (unsigned long long)r->surprises, r->surprises == 1 ? "" : "s", r->first_surprise);
-  const cpl_iterations *i = &r->iterations;
-  if (i->not_converged > 0)
-    fprintf(stderr,
-            "tandem: notice: the iterations of %llu of %llu windows did not converge, first in that from %.6g s on: "
-            "there the smallest residual was taken; take a smaller coupling.n, or a larger coupling.iterative.max or "
-            "tolerance\n",
-            (unsigned long long)i->not_converged, (unsigned long long)i->windows, i->first_not_converged);
-}
-
 void cpl_run_print(const cpl_run_result *r, const char *out) {
-  print_notices(r);
   double exchange = 0, own = cpl_run_coupling(r);
   printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
          r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
@@ -203,7 +217,7 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
   printf("  %-8s %10.3f %10.3f %12.3f\n", "server", fmax(0, own), r->step[CPL_MBD] + r->step[CPL_DEM], exchange);
 }
 
-static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error *err) {
+static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *remarks, const tdm_error *err) {
   const cpl_settings *s = &run->settings;
   const cpl_scheme *scheme = run->session.scheme ? run->session.scheme : s->scheme;
   struct utsname machine = {0};
@@ -238,7 +252,8 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const tdm_error 
                         json_pack("{s:s, s:o}", "software", p->software, "report", report));
   }
   json_object_set_new(json, "solvers", solvers);
-  json_object_set(json, "warnings", run->session.warnings);
+  json_object_set_new(json, "warnings", run->session.warnings ? json_copy(run->session.warnings) : json_array());
+  tdm_remarks_enter(json, remarks);
   if (run->loop.ledger.settings)
     json_object_set_new(json, "ledger", cpl_ledger_summary(&run->loop.ledger));
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
@@ -265,9 +280,13 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   char quoted[TDM_MESSAGE_MAX];
   tdm_scene_locate(&run->scene, err);
   cpl_record_close(&run->record, err);
+  json_t *remarks = all_remarks(run);
+  tell_remarks(run);
+  if (!run->options->quiet)
+    tdm_remarks_tell_counts(&run->teller, remarks);
   if (run->record.results.log) {
     result->wall = tdm_clock() - begin;
-    json_t *json = summary(run, result, err);
+    json_t *json = summary(run, result, remarks, err);
     tdm_results_summary(&run->record.results, json, err);
     json_decref(json);
     if (err->status != TDM_OK)
@@ -277,6 +296,9 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
       tdm_log(TDM_LOG_INFO, "finished", "windows=%llu simulated=%g wall=%.3f", (unsigned long long)result->windows,
               result->simulated, result->wall);
   }
+  json_decref(remarks);
+  tdm_remarks_open(NULL);
+  tdm_teller_free(&run->teller);
   if (run->record.results.staged && !run->options->quiet)
     fprintf(stderr, "tandem: notice: the results in %s stay as they are; the logs of this start are in %s\n",
             run->record.results.home, run->record.results.dir);
@@ -292,7 +314,9 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
 
 tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {
   double begin = tdm_clock();
-  run_state run = {.options = options};
+  run_state run = {.options = options, .teller = {.program = "tandem"}};
+  run.teller.scene = &run.scene;
+  tdm_remarks_open(&run.remarks);
   *result = (cpl_run_result){0};
   if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
     result->setup = tdm_clock() - begin;

@@ -34,9 +34,7 @@ typedef struct {
 /* What is neither solver's own work in the loop [s]: exchange, extrapolation, records. */
 double cpl_run_coupling(const cpl_run_result *result);
 
-/* Print where the loop's time went: a row a part with its work, its waiting and its exchange. Before that, on standard
- * error, what the user should know of the run: windows in which the mechanism changed, windows that did not converge.
- */
+/* Print where the loop's time went: a row a part with its work, its waiting and its exchange. */
 void cpl_run_print(const cpl_run_result *result, const char *out);
 
 /* Run. The result is filled as far as the run came, also after an error. The result directory holds what was computed.

@@ -3,8 +3,10 @@
 #include "coupler/scheme/scheme.h"
 #include "protocol/command_line.h"
 #include "protocol/log.h"
+#include "protocol/remark.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,7 +89,7 @@ static void meet_stranger(cpl_session *s, const tdm_peer *peer, const void *data
   json_decref(hello);
   if (reason.status != TDM_OK) {
     snprintf(s->refused, sizeof s->refused, "%.250s", reason.message);
-    tdm_log(TDM_LOG_WARNING, "stranger", "message=%s", tdm_log_quote(quoted, sizeof quoted, reason.message));
+    tdm_remark(TDM_WARNING, "stranger", NULL, NAN, "a stranger was turned away: %.900s", reason.message);
     send_error(s, peer, &reason);
   }
 }
@@ -167,7 +169,32 @@ static int who(const cpl_session *s, const tdm_peer *peer) {
   return -1;
 }
 
-/* A frame of a partner: HEARTBEAT is swallowed (*got stays false), ERROR and what was not expected become err. */
+/* REMARKS: the solver's remarks so far replace those from before. */
+static tdm_status take_remarks(cpl_session *s, int from, const tdm_header *header, tdm_error *err) {
+  cpl_partner *p = &s->partner[from];
+  json_t *json = NULL, *remarks = NULL;
+  if (tdm_control_read(header, &json, err) == TDM_OK)
+    remarks = tdm_remarks_from_json(json_object_get(json, "remarks"), cpl_role_names[from], err);
+  const char *progress = json_string_value(json_object_get(json, "progress"));
+  if (remarks && progress && !p->ready) {
+    char text[160];
+    snprintf(text, sizeof text, "%s: %.140s", cpl_session_name(s, (cpl_role)from), progress);
+    tdm_utf8_clean(text);
+    for (char *c = text; *c; c++)
+      *c = (unsigned char)*c < ' ' || *c == 127 ? ' ' : *c;
+    tdm_progress_say(&s->progress, text);
+  }
+  json_decref(json);
+  if (!remarks)
+    return blame(s, from, err, true);
+  json_decref(p->remarks);
+  p->remarks = remarks;
+  s->remarks_taken++;
+  return TDM_OK;
+}
+
+/* A frame of a partner: HEARTBEAT and REMARKS are taken (*got stays false), ERROR and what was not expected become err.
+ */
 static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type, const void *data, size_t size,
                        tdm_header *header, bool *got, tdm_error *err) {
   char message[160];
@@ -175,6 +202,8 @@ static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type
     return blame(s, from, err, true);
   if (header->type == TDM_HEARTBEAT)
     return TDM_OK;
+  if (header->type == TDM_REMARKS)
+    return take_remarks(s, from, header, err);
   if (header->type == TDM_ERROR) {
     json_t *json = NULL;
     if (tdm_control_read(header, &json, err) == TDM_OK)
@@ -334,8 +363,9 @@ static tdm_status choose_scheme(cpl_session *s, tdm_error *err) {
                       "solver%s",
                       s->scheme->name, missing, cpl_session_name(s, (cpl_role)r),
                       fallback ? "" : ", or name one that does without it as coupling.fallback");
-    tdm_log(TDM_LOG_WARNING, "fallback", "scheme=%s lacks=%s of=%s takes=%s", wanted->name, missing, cpl_role_names[r],
-            fallback->name);
+    tdm_remark(TDM_NOTICE, "fallback", "coupling.fallback", 0,
+               "the scheme %s needs the capability \"%s\", which %s does not have: %s was taken instead", wanted->name,
+               missing, cpl_session_name(s, (cpl_role)r), fallback->name);
     s->scheme = fallback;
     r = -1; /* what it needs, of both */
   }
@@ -367,6 +397,7 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
       "{s:o, s:f, s:f, s:f, s:I, s:s, s:f, s:o}", "scene", tdm_scene_section(scene->root, cpl_role_names[role]),
       "start", 0.0, "end", set->time_end, "dt", set->dt, "n", (json_int_t)set->n, "interpolation",
       cpl_session_interpolation(s) == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
+  json_object_set_new(message, "remarks", json_true());
   json_t *results = json_array();
   for (int i = 0; i < NEXTRA; i++)
     if (cpl_session_asks(s, (cpl_role)role, extras[i].name))
@@ -536,6 +567,7 @@ void cpl_session_close(cpl_session *s, const tdm_error *err) {
     }
     json_decref(p->capabilities);
     json_decref(p->report);
+    json_decref(p->remarks);
     free(p->channel);
     free(p->initial);
     tdm_frame_free(&p->store);

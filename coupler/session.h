@@ -8,6 +8,7 @@
 
 #include "coupler/launch.h"
 #include "coupler/settings.h"
+#include "protocol/progress.h"
 #include "protocol/transport.h"
 
 /* A solver as the server sees it. */
@@ -21,6 +22,7 @@ typedef struct {
   tdm_channel *channel; /* (nchannel) from READY */
   double *initial;      /* (nchannel) values at the start */
   json_t *report;       /* from READY */
+  json_t *remarks;      /* from its last REMARKS, as tdm_remarks_from_json makes them; NULL: none */
   bool has_gravity;
   tdm_vec3 gravity;  /* from READY, if it tells [m/s2] */
   tdm_energy energy; /* from READY: at the start; NaN when not known */
@@ -43,6 +45,8 @@ typedef struct {
   char refused[256];       /* why the last stranger was turned away, "" if none was */
   json_t *warnings;        /* array of {"path", "message"} of both */
   json_t *bodies;          /* of mbd's READY: `body` has strings of it */
+  uint64_t remarks_taken;  /* messages REMARKS so far */
+  tdm_progress progress;   /* of what solvers are at until they are READY */
   tdm_frame out;
   double last_heartbeat;
 } cpl_session;

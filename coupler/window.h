@@ -20,7 +20,6 @@ typedef struct {
   uint64_t all;     /* iterations in them */
   int largest;      /* in one window */
   uint64_t not_converged;
-  double first_not_converged; /* start of the first of these windows [s] */
 } cpl_iterations;
 
 typedef struct cpl_loop {

@@ -6,6 +6,9 @@
 #include "dem/geometry/walls.h"
 #include "dem/room.h"
 #include "protocol/log.h"
+#include "protocol/remark.h"
+
+#include <stdio.h>
 
 enum {
   TRIES = 20,       /* places tried in a region in one step */
@@ -82,13 +85,33 @@ static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, de
 }
 
 static void note_wait(const dem_source *s, dem_source_state *now, double t) {
+  char event[96];
   if (now->blocked)
     return;
   now->blocked = 1;
-  if (++now->waits <= LOGGED_WAITS)
-    tdm_log(TDM_LOG_WARNING, "source_waits",
-            "t=%.9g source=%s particle=%llu reason=\"its place is taken by a particle or a wall\"%s", t, s->name,
-            (unsigned long long)now->made, now->waits == LOGGED_WAITS ? " further=not_logged" : "");
+  now->waits++;
+  snprintf(event, sizeof event, "source_waits.%s", s->name);
+  tdm_remark(
+      TDM_NOTICE, event, "dem.sources", t,
+      "the source \"%s\" waits with particle %llu from t = %.9g s on: its place is taken by a particle or a wall",
+      s->name, (unsigned long long)now->made, t);
+}
+
+void dem_flow_end(const dem_data *d, double t) {
+  for (int s = 0; s < d->model->nsource; s++) {
+    const dem_source *source = &d->model->source[s];
+    const dem_source_state *now = &d->source[s];
+    char event[96], path[TDM_PATH_MAX];
+    if (now->made == now->due)
+      continue;
+    snprintf(event, sizeof event, "source_behind.%s", source->name);
+    snprintf(path, sizeof path, "dem.sources[%d]", s);
+    tdm_remark(TDM_WARNING, event, path, t,
+               "%llu of the %llu particles that the source \"%s\" should have made still wait at the end, t = %.9g s: "
+               "their place is taken; lower its rate, enlarge its region, or give the particles a velocity that makes "
+               "room",
+               (unsigned long long)(now->due - now->made), (unsigned long long)now->due, source->name, t);
+  }
 }
 
 static void note_room(const dem_source *s, dem_source_state *now, double t) {

@@ -19,6 +19,9 @@
  * no memory. */
 bool dem_flow(dem_data *data, double t, double dt);
 
+/* At the end of the run, t [s]: remarks on sources whose particles still wait. */
+void dem_flow_end(const dem_data *data, double t);
+
 /* Created and initial particles less removed ones less those inside: 0, and 0 kg exactly. */
 double dem_balance_number(const dem_data *data);
 double dem_balance_mass(const dem_data *data);

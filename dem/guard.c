@@ -7,12 +7,12 @@
 #include "dem/limits.h"
 #include "dem/stored.h"
 #include "dem/supply.h"
-#include "protocol/log.h"
+#include "protocol/remark.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { STEP_LOOKS = 10, LOGGED = 10, PACE_STEPS = 10 };
+enum { STEP_LOOKS = 10, PACE_STEPS = 10 };
 
 void dem_guard_read(dem_model *m, tdm_object *section) {
   static const char *const actions[] = {"warn", "stop"};
@@ -25,13 +25,16 @@ void dem_guard_read(dem_model *m, tdm_object *section) {
   tdm_object_close(&o);
 }
 
-static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const char *text, tdm_error *err) {
+static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const char *text, double t, tdm_error *err) {
+  static const char *const events[DEM_GUARD_KINDS] = {[DEM_GUARD_LEAP] = "guard.leap",
+                                                      [DEM_GUARD_OVERLAP] = "guard.overlap",
+                                                      [DEM_GUARD_LOST] = "guard.lost",
+                                                      [DEM_GUARD_STEP] = "guard.step",
+                                                      [DEM_GUARD_ENERGY] = "guard.energy"};
   if (d->model->guard.action == DEM_GUARD_STOP)
     return tdm_fail(err, TDM_ERR_NUMERIC, path, "%s", text);
-  char quoted[TDM_MESSAGE_MAX];
-  if (++d->guard.told[kind] <= LOGGED)
-    tdm_log(TDM_LOG_WARNING, "guard", "message=%s%s", tdm_log_quote(quoted, sizeof quoted, text),
-            d->guard.told[kind] == LOGGED ? " further=not_logged" : "");
+  d->guard.told[kind]++;
+  tdm_remark(TDM_WARNING, events[kind], path, t, "%s", text);
   return TDM_OK;
 }
 
@@ -66,7 +69,7 @@ static tdm_status look_at_leap(dem_data *d, double t, tdm_error *err) {
            (unsigned long long)d->nstep);
   d->guard.leaper = 0;
   d->guard.leap = 0;
-  return tell(d, DEM_GUARD_LEAP, path, text, err);
+  return tell(d, DEM_GUARD_LEAP, path, text, t, err);
 }
 
 /* ---- overlaps ---- */
@@ -119,7 +122,7 @@ static tdm_status look_at_overlaps(dem_data *d, double t, tdm_error *err) {
            "dem.guard.overlap = %g, at t = %.9g s, step %llu; use a stiffer material or a smaller time.dt",
            n, (unsigned long long)d->id[worst.particle], x.x, x.y, x.z, partner, worst.share, d->model->guard.overlap,
            t, (unsigned long long)d->nstep);
-  return tell(d, DEM_GUARD_OVERLAP, path, text, err);
+  return tell(d, DEM_GUARD_OVERLAP, path, text, t, err);
 }
 
 /* ---- particles behind planes ---- */
@@ -150,7 +153,7 @@ static tdm_status look_at_lost(dem_data *d, double t, tdm_error *err) {
            "t = %.9g s, step %llu; use a stiffer material, a smaller time.dt or lower speeds",
            n, (unsigned long long)d->id[i], m->body[m->wall[w].body].name, x.x, x.y, x.z, (unsigned long long)lost, t,
            (unsigned long long)d->nstep);
-  return tell(d, DEM_GUARD_LOST, path, text, err);
+  return tell(d, DEM_GUARD_LOST, path, text, t, err);
 }
 
 /* ---- how often ---- */
@@ -183,7 +186,7 @@ static tdm_status tell_body(dem_data *d, int body, double way, double radius, do
       "\"%s\" moves up to %.3g m in a step, more than the smallest radius %.3g m, at t = %.9g s, step %llu: it may "
       "pass through particles; reduce time.dt or its speed",
       d->model->body[body].name, way, radius, t, (unsigned long long)d->nstep);
-  return tell(d, DEM_GUARD_LEAP, "dem.bodies", text, err);
+  return tell(d, DEM_GUARD_LEAP, "dem.bodies", text, t, err);
 }
 
 /* Add up how far a particle and its partner can have gone towards each other. *due: so far that one may have begun to
@@ -219,7 +222,7 @@ static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err)
   snprintf(text, sizeof text, "a step of %g s is above %s, %.3g s, at t = %.9g s, step %llu; reduce time.dt", dt,
            eigen < contact ? "0.8 of the stable step of the stiffest particle" : "a tenth of the shortest contact time",
            fmin(eigen, contact), t, (unsigned long long)d->nstep);
-  return tell(d, DEM_GUARD_STEP, "time.dt", text, err);
+  return tell(d, DEM_GUARD_STEP, "time.dt", text, t, err);
 }
 
 /* ---- energy ---- */
@@ -262,7 +265,7 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
            "there were, at t = %.9g s, step %llu; reduce time.dt, or look for particles that are pressed together",
            rise, d->model->guard.energy, there, t, (unsigned long long)d->nstep);
   g->judging = 0; /* from here anew */
-  return tell(d, DEM_GUARD_ENERGY, "dem", text, err);
+  return tell(d, DEM_GUARD_ENERGY, "dem", text, t, err);
 }
 
 bool dem_guard_bodies_due(const dem_data *d) {
@@ -279,7 +282,7 @@ tdm_status dem_guard_bodies(dem_data *d, double rate2, double t, double dt, tdm_
            "a step of %g s is above 0.8 of the stable step of the coupled bodies on the springs of their contacts, "
            "%.3g s, at t = %.9g s, step %llu; reduce time.dt",
            dt, limit, t, (unsigned long long)d->nstep);
-  return tell(d, DEM_GUARD_STEP, "time.dt", text, err);
+  return tell(d, DEM_GUARD_STEP, "time.dt", text, t, err);
 }
 
 tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {

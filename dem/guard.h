@@ -1,4 +1,5 @@
-/* The guard: looks at a running simulation every dem.guard.every steps, and warns (log event "guard") or stops.
+/* The guard: looks at a running simulation every dem.guard.every steps, and warns (remarks "guard.overlap" ...) or
+ * stops.
  *
  *   overlap  of two particles, or of one and a wall, above a share of the smaller radius. Looked at more often when
  *            something is so fast that a particle could begin to pass through a wall or another particle meanwhile:

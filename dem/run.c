@@ -184,6 +184,7 @@ static tdm_status solve(run_state *run, tdm_error *err) {
     if (advance(run, next, err) == TDM_OK)
       write_due(run, err);
     tdm_progress_update(&progress, (double)run->nstep * dt, run->nstep);
+    tdm_alone_tell(&run->alone, progress.terminal);
   }
   tdm_progress_end(&progress);
   run->loop = tdm_clock() - begin;
@@ -198,7 +199,7 @@ static json_t *repose(const run_state *run) {
                    "high_side_deg", tdm_real_or_null(r.high));
 }
 
-static json_t *summary(const run_state *run, double wall, const tdm_error *err) {
+static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   const dem_data *d = run->alone.solver ? dem_solver_data(run->alone.solver) : NULL;
   json_t *json = tdm_alone_summary(&run->alone, err);
@@ -214,26 +215,6 @@ static json_t *summary(const run_state *run, double wall, const tdm_error *err) 
   return json;
 }
 
-/* what makes the results doubtful and is in the log alone otherwise */
-static void doubt(const run_state *run) {
-  const dem_data *d = dem_solver_data(run->alone.solver);
-  uint64_t told = 0;
-  for (int k = 0; k < DEM_GUARD_KINDS; k++)
-    told += d->guard.told[k];
-  long lost = dem_count_lost(d);
-  if (told > 0)
-    fprintf(stderr,
-            "tandem-dem: warning: the guard saw %llu doubtful states; %s/dem.log says which. With dem.guard.action "
-            "\"stop\" a run ends at the first\n",
-            (unsigned long long)told, run->alone.results.dir);
-  if (lost > 0)
-    fprintf(
-        stderr,
-        "tandem-dem: warning: %ld particles are behind a plane at the end (particles.lost); reduce time.dt or their "
-        "speed if they went through it\n",
-        lost);
-}
-
 /* the files of the end: plots, summary.json, the last line of the log */
 static void conclude(run_state *run, double begin, tdm_error *err) {
   char pairs[128];
@@ -246,9 +227,8 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   if (run->pictures.drawn > 1)
     dem_pictures_row(&run->pictures, &run->picture_notice);
   if (run->picture_notice.status != TDM_OK && !tdm_plot_interrupted())
-    fprintf(stderr, "tandem-dem: notice: %s\n", run->picture_notice.message);
-  if (run->nstep > 0)
-    doubt(run);
+    tdm_remark(TDM_NOTICE, "pictures", NULL, (double)run->nstep * run->settings.time.dt, "%s",
+               run->picture_notice.message);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);

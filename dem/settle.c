@@ -23,6 +23,18 @@ static void drag(dem_data *d, double share) {
   }
 }
 
+/* what a user who waits is told */
+static void say(const dem_data *d, tdm_participant *p, const dem_settled *out) {
+  const dem_settling *settle = &d->model->settle;
+  uint64_t all = (uint64_t)d->model->nparticle;
+  if (d->ledger.created < all)
+    tdm_participant_progress(p, "settling: %.3g s, %llu of %llu particles poured", out->time,
+                             (unsigned long long)d->ledger.created, (unsigned long long)all);
+  else
+    tdm_participant_progress(p, "settling: %.3g of %.3g s at most, fastest %.2g m/s (at rest: %.2g)", out->time,
+                             settle->max_time, out->speed, settle->speed);
+}
+
 /* step until all is poured and the bed was slow for `quiet` seconds, or max_time after the last particle came */
 static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled *out, tdm_error *err) {
   const dem_settling *settle = &d->model->settle;
@@ -42,6 +54,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
       return err->status;
     out->time = (double)k * out->dt;
     out->speed = fastest(d);
+    say(d, p, out);
     slow = poured && out->speed < settle->speed ? slow + 1 : 0;
     out->rest = (double)slow * out->dt >= quiet;
     if (out->rest)
@@ -129,6 +142,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
     if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
       return err->status;
     still = pressed && fastest(d) < settle->speed ? still + 1 : 0;
+    tdm_participant_progress(p, "pressing a lid: %.3g of %.3g s at most", (double)k * out->dt, settle->max_time);
   }
   out->pressed = (double)still * out->dt >= quiet;
   stand_still(d);
@@ -170,8 +184,12 @@ tdm_status dem_settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_err
   *out = (dem_settled){.rest = true, .pressed = true};
   if (d->model->nparticle == 0)
     dem_lids_place(d);
-  else if (settle_or_read(d, p, out, err))
-    return err->status;
+  else {
+    settle_or_read(d, p, out, err);
+    tdm_participant_progress_end(p);
+    if (err->status)
+      return err->status;
+  }
   if (!dem_forces_now(d, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   return TDM_OK;

@@ -20,6 +20,7 @@
 #include "dem/step.h"
 #include "dem/supply.h"
 #include "protocol/log.h"
+#include "protocol/remark.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +47,7 @@ static const tdm_channel channels[] = {
     CHANNEL_LIST(X)
 #undef X
 };
-enum { NCHANNEL = sizeof channels / sizeof channels[0], LOST = 9 };
+enum { NCHANNEL = sizeof channels / sizeof channels[0] };
 
 typedef struct {
   dem_model *model;
@@ -61,11 +62,7 @@ typedef struct {
   tdm_channel *channel; /* (nchannel) */
   double *initial;      /* (nchannel) */
   dem_report report;
-  long lost; /* particles through walls so far, as logged */
-  struct {
-    dem_data *data; /* NULL: nothing was saved */
-    long lost;
-  } slot[TDM_SLOTS_MAX];
+  dem_data *slot[TDM_SLOTS_MAX]; /* states that were saved; NULL: none */
 } dem_solver;
 
 /* ---- outputs ---- */
@@ -257,14 +254,20 @@ static tdm_wrench mean_load(const tdm_wrench *sum, double n) {
   return (tdm_wrench){tdm_scale(1 / n, sum->force), tdm_scale(1 / n, sum->moment)};
 }
 
-static void note_lost(dem_solver *s, double t, long lost) {
-  if (lost > s->lost)
-    tdm_log(TDM_LOG_WARNING, "particles_lost", "t=%.9g particles=%ld", t, lost);
-  s->lost = lost;
+/* The run has come to its end: what is wrong with its state. */
+static void note_end(const dem_data *d, double t) {
+  long lost = dem_count_lost(d);
+  if (lost > 0)
+    tdm_remark(
+        TDM_WARNING, "lost", "dem", t,
+        "%ld particles are behind a plane at the end (particles.lost); reduce time.dt or their speed if they went "
+        "through it",
+        lost);
+  dem_flow_end(d, t);
 }
 
 /* Close the output interval: means since the sample before (which repeats if no step lies between), and channels. */
-static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
+static void close_sample(dem_solver *s, int j, tdm_result *result) {
   dem_data *d = s->data;
   int nc = s->model->ncoupled;
   for (int l = 0; l <= s->model->nload; l++) {
@@ -275,11 +278,8 @@ static void close_sample(dem_solver *s, int j, double t, tdm_result *result) {
   for (int c = 0; c < nc && result->nload > 0; c++)
     result->sample_load[j * nc + c] = d->sample_mean[s->model->coupled_body[c]];
   d->sample_count = 0;
-  if (result->nchannel == s->nchannel) {
-    double *values = &result->channel[j * s->nchannel];
-    channel_values(d, values);
-    note_lost(s, t, (long)values[LOST]);
-  }
+  if (result->nchannel == s->nchannel)
+    channel_values(d, &result->channel[j * s->nchannel]);
 }
 
 /* ---- create ---- */
@@ -492,7 +492,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
 
     /* the last step closes what is left */
     while (sample < step->nsample && (t >= step->sample_time[sample] - 1e-6 * dt || k == step->nstep))
-      close_sample(s, sample++, t, result);
+      close_sample(s, sample++, result);
     if (tdm_participant_alive(s->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
@@ -503,6 +503,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
   if (result->has_energy)
     *result->energy = dem_supply_look(d);
+  if (step->t1 >= m->time_end - 1e-3 * m->dt)
+    note_end(d, step->t1);
   return dem_check_finite(d, step->t1, err);
 }
 
@@ -510,22 +512,20 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
 
 static tdm_status save(void *self, int slot, tdm_error *err) {
   dem_solver *s = self;
-  dem_data **kept = &s->slot[slot].data;
+  dem_data **kept = &s->slot[slot];
   if (!*kept)
     *kept = dem_data_create(s->model);
   if (!*kept || !dem_data_copy(*kept, s->data))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", s->data->nparticle);
-  s->slot[slot].lost = s->lost;
   return TDM_OK;
 }
 
 static tdm_status restore(void *self, int slot, tdm_error *err) {
   dem_solver *s = self;
-  if (!s->slot[slot].data)
+  if (!s->slot[slot])
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
-  if (!dem_data_copy(s->data, s->slot[slot].data))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", s->slot[slot].data->nparticle);
-  s->lost = s->slot[slot].lost;
+  if (!dem_data_copy(s->data, s->slot[slot]))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", s->slot[slot]->nparticle);
   return TDM_OK;
 }
 
@@ -534,7 +534,7 @@ static void destroy(void *self) {
   if (!s)
     return;
   for (int k = 0; k < TDM_SLOTS_MAX; k++)
-    dem_data_destroy(&s->slot[k].data);
+    dem_data_destroy(&s->slot[k]);
   json_decref(s->report.json);
   dem_proxy_destroy(&s->proxy);
   dem_data_destroy(&s->data);

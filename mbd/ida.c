@@ -12,6 +12,7 @@
 #include "mbd/stick.h"
 #include "mbd/vector.h"
 #include "protocol/log.h"
+#include "protocol/remark.h"
 
 #include <float.h>
 #include <ida/ida.h>
@@ -342,6 +343,10 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
       restart(ida, t)) {
     ida->npoint = 0;
     ida->data->stats.restarts++;
+    tdm_remark(TDM_NOTICE, "integrator_failed", "mbd.solver", t,
+               "the integration failed at t = %.9g s (IDA %d: %.200s) and was started again from there; look at what "
+               "happens then: a load or a force that jumps, or a singular position",
+               t, flag, ida->message);
     return TDM_OK;
   }
   return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",

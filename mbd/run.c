@@ -154,8 +154,10 @@ static tdm_status solve(run_state *run, tdm_error *err) {
   if (begin_outputs(run, err) != TDM_OK)
     return err->status;
   tdm_progress_begin(&progress, run->settings.end, "steps", false);
-  while (run->t < run->settings.end && advance(run, err) == TDM_OK)
+  while (run->t < run->settings.end && advance(run, err) == TDM_OK) {
     tdm_progress_update(&progress, run->t, (uint64_t)mbd_solver_stats(run->alone.solver)->steps);
+    tdm_alone_tell(&run->alone, progress.terminal);
+  }
   tdm_progress_end(&progress);
   run->loop = tdm_clock() - begin;
   return err->status;
@@ -192,7 +194,7 @@ static json_t *solver_settings(const mbd_model *model) {
                    "absolute_tolerance", s->absolute_tolerance, "max_order", s->max_order, "max_step", s->max_step);
 }
 
-static json_t *summary(const run_state *run, double wall, const tdm_error *err) {
+static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const mbd_run_settings *s = &run->settings;
   json_t *json = tdm_alone_summary(&run->alone, err);
   json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:f, s:{s:f, s:f, s:f, s:f}}", "settings", "time.end", s->end, "window",
@@ -223,7 +225,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
       tdm_alone_plot(&run->alone, plots[k].name, plots[k].of, &notice);
   }
   if (notice.status != TDM_OK && !tdm_plot_interrupted())
-    fprintf(stderr, "tandem-mbd: notice: %s\n", notice.message);
+    tdm_remark(TDM_NOTICE, "plots", NULL, run->t, "%s", notice.message);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);

@@ -2,6 +2,7 @@
 
 #include "protocol/log.h"
 #include "protocol/plot.h"
+#include "protocol/progress.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -18,6 +19,8 @@ static const double flush_interval = 1; /* of the time histories, wall clock [s]
 
 tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err) {
   const tdm_alone_options *o = run->options;
+  run->teller = (tdm_teller){.program = run->program->name, .scene = &run->scene};
+  tdm_remarks_open(&run->remarks);
   if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
     return err->status;
   for (const char *const *set = o->set; set && *set; set++)
@@ -90,6 +93,17 @@ tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   memcpy(run->values, run->ready.initial, (size_t)run->ready.nchannel * sizeof *run->values);
   return heed_warnings(run, err);
+}
+
+/* ---- remarks ---- */
+
+void tdm_alone_tell(tdm_alone *run, bool bar) {
+  if (run->told == run->remarks.changes)
+    return;
+  run->told = run->remarks.changes;
+  json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
+  tdm_remarks_tell(&run->teller, remarks, bar ? TDM_PROGRESS_CLEAR : NULL);
+  json_decref(remarks);
 }
 
 /* ---- time histories ---- */
@@ -178,7 +192,7 @@ json_t *tdm_real_or_null(double x) {
   return isfinite(x) ? json_real(x) : json_null();
 }
 
-json_t *tdm_alone_summary(const tdm_alone *run, const tdm_error *err) {
+json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err) {
   struct utsname machine = {0};
   char name[4096];
   uname(&machine);
@@ -188,7 +202,12 @@ json_t *tdm_alone_summary(const tdm_alone *run, const tdm_error *err) {
                            run->program->ops->software, "scene", name, "machine", "system", machine.sysname,
                            "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN));
   json_object_set(json, "report", run->ready.report ? run->ready.report : json_null());
-  json_object_set(json, "warnings", run->warnings ? run->warnings : json_null());
+  json_object_set_new(json, "warnings", run->warnings ? json_copy(run->warnings) : json_array());
+  json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
+  tdm_remarks_enter(json, remarks);
+  tdm_alone_tell(run, false);
+  tdm_remarks_tell_counts(&run->teller, remarks);
+  json_decref(remarks);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
   if (err->status != TDM_OK)
     json_object_set_new(json, "error", json_string(err->message));
@@ -205,6 +224,8 @@ void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
 }
 
 void tdm_alone_free(tdm_alone *run) {
+  tdm_remarks_open(NULL);
+  tdm_teller_free(&run->teller);
   if (run->results.staged)
     fprintf(stderr, "%s: notice: the results in %s stay as they are; the log of this start is in %s\n",
             run->program->name, run->results.home, run->results.dir);

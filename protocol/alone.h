@@ -14,6 +14,7 @@
 #define TDM_ALONE_H
 
 #include "protocol/participant.h"
+#include "protocol/remark.h"
 #include "protocol/results.h"
 #include "protocol/scene.h"
 
@@ -55,6 +56,9 @@ typedef struct {
   tdm_warning doubt[TDM_ALONE_DOUBTS]; /* about the sections time and output */
   json_t *section;                     /* of the scene, as the solver gets it */
   json_t *warnings;
+  tdm_remarks remarks; /* of this thread, while the run lasts */
+  tdm_teller teller;
+  uint64_t told; /* changes of the remarks that the terminal knows */
   FILE *channels;
   double last_flush; /* wall clock [s] */
   uint64_t nrow;     /* rows of the time histories */
@@ -77,6 +81,9 @@ void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end);
  * solver's warnings are printed, or refused when strict. */
 tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err);
 
+/* Print remarks that are new; `bar`: there is a progress bar. To be called often. */
+void tdm_alone_tell(tdm_alone *run, bool bar);
+
 /* The run begins: channels.csv is opened, with its head; run->values are the values at the start. */
 tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err);
 /* Write `values` (nchannel) as the next row, at time t [s]. */
@@ -87,8 +94,9 @@ void tdm_alone_close(tdm_alone *run, tdm_error *err);
  * a panel a unit; what is zero throughout is left out. Nothing to plot is no error. */
 tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err);
 
-/* A new object with tandem, software, scene, machine, report, warnings, status and error. */
-json_t *tdm_alone_summary(const tdm_alone *run, const tdm_error *err);
+/* A new object with tandem, software, scene, machine, report, warnings, notices, status and error. Prints the last
+ * remarks, and how often each came. */
+json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err);
 
 /* A number of a summary; null when it is not finite. */
 json_t *tdm_real_or_null(double x);

@@ -29,7 +29,8 @@
   X(CHECKPOINT, 8, "server") \
   X(FINISH, 9, "server")     \
   X(ERROR, 10, "both")       \
-  X(HEARTBEAT, 11, "both")
+  X(HEARTBEAT, 11, "both")   \
+  X(REMARKS, 12, "solver")
 
 typedef enum {
 #define X(name, number, from) TDM_##name = number,

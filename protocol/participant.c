@@ -2,10 +2,13 @@
 
 #include "protocol/command_line.h"
 #include "protocol/log.h"
+#include "protocol/progress.h"
+#include "protocol/remark.h"
 #include "protocol/scene.h"
 #include "protocol/transport.h"
 
 #include <assert.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +30,11 @@ struct tdm_participant {
   uint64_t window;
   double t1; /* end of the window under way */
   tdm_keeper keeper;
+  bool tells;                       /* the server wants REMARKS */
+  uint64_t told;                    /* changes of the remarks that it knows */
+  double last_progress;             /* when it was last told what the solver is at [s] */
+  tdm_remarks remarks;              /* of this solver's thread */
+  tdm_remarks *kept[TDM_SLOTS_MAX]; /* those of the states that were saved; NULL: none */
 };
 
 tdm_participant_def tdm_participant_default_def(void) {
@@ -43,6 +51,19 @@ static tdm_status send_frame(tdm_participant *p, tdm_error *err) {
 static tdm_status send_control(tdm_participant *p, tdm_message_type type, const json_t *json, tdm_error *err) {
   tdm_status status = tdm_control_write(&p->out, type, p->window, json, err);
   return status == TDM_OK ? send_frame(p, err) : status;
+}
+
+/* REMARKS, if there is something new since the last, or to say what the solver is at (NULL: not to be said). */
+static tdm_status send_remarks(tdm_participant *p, const char *progress, tdm_error *err) {
+  if (!p->tells || (p->told == p->remarks.changes && !progress))
+    return TDM_OK;
+  p->told = p->remarks.changes;
+  json_t *json = json_pack("{s:o}", "remarks", tdm_remarks_to_json(&p->remarks, NULL));
+  if (progress)
+    json_object_set_new(json, "progress", json_string(progress));
+  tdm_status status = send_control(p, TDM_REMARKS, json, err);
+  json_decref(json);
+  return status;
 }
 
 /* Count time without a word from the server. Only time spent listening counts: a process that was stopped (Ctrl-Z) and
@@ -109,9 +130,36 @@ tdm_status tdm_participant_alive(tdm_participant *p) {
   }
   if (count_silence(p, heard, 4 * alive_interval))
     p->finished = true;
-  if (!p->finished && send_control(p, TDM_HEARTBEAT, NULL, &err) != TDM_OK)
+  if (!p->finished && (send_control(p, TDM_HEARTBEAT, NULL, &err) != TDM_OK || send_remarks(p, NULL, &err) != TDM_OK))
     p->finished = true;
   return p->finished ? TDM_ERR_INTERRUPTED : TDM_OK;
+}
+
+static _Thread_local tdm_progress alone_progress; /* of a solver without a server */
+
+void tdm_participant_progress(tdm_participant *p, const char *format, ...) {
+  double now = tdm_clock();
+  if (p ? p->finished || now - p->last_progress < alive_interval : now - alone_progress.last < alive_interval)
+    return;
+  char text[160];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  if (p) {
+    p->last_progress = now;
+    send_remarks(p, text, NULL); /* that the server has gone is found elsewhere */
+    return;
+  }
+  if (!alone_progress.unit)
+    tdm_progress_begin(&alone_progress, 0, "", false);
+  tdm_progress_say(&alone_progress, text);
+}
+
+void tdm_participant_progress_end(tdm_participant *p) {
+  if (!p && alone_progress.unit)
+    tdm_progress_end(&alone_progress);
+  alone_progress = (tdm_progress){0};
 }
 
 /* ---- HELLO, ASSIGN, READY ---- */
@@ -137,6 +185,7 @@ tdm_status tdm_participant_connect(tdm_participant **participant, const tdm_part
     tdm_participant_finalize(&p, NULL);
     return status;
   }
+  tdm_remarks_open(&p->remarks);
   *participant = p;
   return TDM_OK;
 }
@@ -199,6 +248,7 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   a->ahead = tdm_get_number(&o, "ahead", 0, TDM_ANY);
   a->restores = tdm_get_bool(&o, "restores", false);
   a->proxy = tdm_get_bool(&o, "proxy", false);
+  p->tells = tdm_get_bool(&o, "remarks", false);
   json_t *bodies = tdm_get_array(&o, "bodies", true);
   p->nbody = (int)json_array_size(bodies);
   p->body = calloc((size_t)p->nbody + 1, sizeof *p->body);
@@ -310,13 +360,27 @@ tdm_status tdm_participant_ready(tdm_participant *p, const tdm_ready *ready, tdm
   p->nchannel = ready->nchannel;
   tdm_status status = send_control(p, TDM_READY, json, err);
   json_decref(json);
-  return status;
+  return status == TDM_OK ? send_remarks(p, NULL, err) : status;
 }
 
 /* ---- the loop ---- */
 
 void tdm_participant_keep(tdm_participant *p, const tdm_keeper *keeper) {
   p->keeper = *keeper;
+}
+
+static tdm_status keep_remarks(tdm_participant *p, int slot, tdm_error *err) {
+  if (!p->kept[slot])
+    p->kept[slot] = calloc(1, sizeof *p->kept[slot]);
+  if (!p->kept[slot])
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save the state");
+  tdm_remarks_copy(p->kept[slot], &p->remarks);
+  return TDM_OK;
+}
+
+static void bring_remarks_back(tdm_participant *p, int slot) {
+  if (p->kept[slot] && (p->remarks.count > 0 || p->kept[slot]->count > 0))
+    tdm_remarks_copy(&p->remarks, p->kept[slot]);
 }
 
 /* SAVE or RESTORE, answered by a message of the same type */
@@ -329,10 +393,10 @@ static tdm_status keep(tdm_participant *p, const tdm_header *header, tdm_error *
   if (!json_is_integer(slot) || number < 0 || number >= TDM_SLOTS_MAX)
     tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: \"slot\" must be a whole number from 0 to %d",
              tdm_message_name(header->type), TDM_SLOTS_MAX - 1);
-  else if (header->type == TDM_SAVE)
+  else if (header->type == TDM_SAVE && keep_remarks(p, (int)number, err) == TDM_OK)
     p->keeper.save(p->keeper.self, (int)number, err);
-  else
-    p->keeper.restore(p->keeper.self, (int)number, err);
+  else if (header->type == TDM_RESTORE && p->keeper.restore(p->keeper.self, (int)number, err) == TDM_OK)
+    bring_remarks_back(p, (int)number);
   json_decref(json);
   if (err->status != TDM_OK)
     return err->status;
@@ -393,7 +457,9 @@ tdm_status tdm_participant_advance(tdm_participant *p, const tdm_result *result,
   r.window = p->window;
   r.t = p->t1;
   r.wall = tdm_clock() - p->step_start;
-  tdm_status status = tdm_result_write(&p->out, &r, err);
+  tdm_status status = send_remarks(p, NULL, err);
+  if (status == TDM_OK)
+    status = tdm_result_write(&p->out, &r, err);
   return status == TDM_OK ? send_frame(p, err) : status;
 }
 
@@ -403,9 +469,13 @@ void tdm_participant_finalize(tdm_participant **participant, const tdm_error *er
     return;
   if (p->transport && err && err->status != TDM_OK) {
     json_t *json = tdm_error_to_json(err);
+    send_remarks(p, NULL, NULL);
     send_control(p, TDM_ERROR, json, NULL);
     json_decref(json);
   }
+  tdm_remarks_open(NULL);
+  for (int k = 0; k < TDM_SLOTS_MAX; k++)
+    free(p->kept[k]);
   tdm_transport_close(&p->transport);
   tdm_frame_free(&p->out);
   tdm_frame_free(&p->step_store);

@@ -10,6 +10,8 @@
  *     tdm_participant_advance(p, &result, err);        RESULT
  *   tdm_participant_finalize(&p, err);                 sends err, if it is set, as ERROR; frees
  *
+ * What the thread says with tdm_remark (remark.h) goes to the server by itself, with RESULTs, signs of life and ERROR.
+ *
  * tests/protocol/dummy_solver.c is a complete example. tdm_participant_run wraps this loop for a solver that is written
  * as a table of operations. A handle belongs to one thread.
  */
@@ -134,6 +136,11 @@ tdm_status tdm_participant_advance(tdm_participant *p, const tdm_result *result,
  * a message at most twice a second. Returns TDM_ERR_INTERRUPTED when the server asked to stop or is gone: drop the work
  * then. p is NULL when a solver runs by itself: then a signal asks it to stop. */
 tdm_status tdm_participant_alive(tdm_participant *p);
+
+/* Say what the solver is at, with printf's arguments, while that takes long and no STEP is under way ("settling: t =
+ * 0.3 s"): to be called as often as tdm_participant_alive. Without a server (p is NULL) it goes to standard error. */
+void tdm_participant_progress(tdm_participant *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void tdm_participant_progress_end(tdm_participant *p);
 
 /* Send ERROR if err is set, close and free. *p becomes NULL. p or *p may be NULL. */
 void tdm_participant_finalize(tdm_participant **p, const tdm_error *err);

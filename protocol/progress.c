@@ -49,9 +49,21 @@ void tdm_progress_update(tdm_progress *p, double time, uint64_t count) {
   fflush(stderr);
 }
 
+void tdm_progress_say(tdm_progress *p, const char *text) {
+  double now = tdm_clock();
+  if (p->quiet || now - p->last < (p->terminal ? bar_interval : line_interval))
+    return;
+  p->last = now;
+  if (p->terminal)
+    fprintf(stderr, TDM_PROGRESS_CLEAR "%.78s", text);
+  else
+    fprintf(stderr, "tandem: %s\n", text);
+  fflush(stderr);
+}
+
 void tdm_progress_end(tdm_progress *p) {
   if (!p->quiet && p->terminal) {
-    fprintf(stderr, "\r\033[K");
+    fprintf(stderr, TDM_PROGRESS_CLEAR);
     fflush(stderr);
   }
 }

@@ -12,7 +12,7 @@
  */
 #include "coupler/mismatch.h"
 #include "coupler/window.h"
-#include "protocol/log.h"
+#include "protocol/remark.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -100,13 +100,11 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
 /* The window has come to its last iteration and its residual is too large: go on with the best one. */
 static tdm_status settle_for(cpl_loop *loop, double excess, bool again, tdm_error *err) {
   iteration *it = loop->own;
-  if (loop->iterations.not_converged++ == 0) {
-    loop->iterations.first_not_converged = loop->t0;
-    tdm_log(TDM_LOG_WARNING, "not_converged",
-            "t=%.9g iterations=%d residual_over_tolerance=%.3g advice=\"smaller coupling.n, larger "
-            "coupling.iterative.tolerance or max\"",
-            loop->t0, loop->settings->iterative.most, excess);
-  }
+  loop->iterations.not_converged++;
+  tdm_remark(TDM_NOTICE, "not_converged", "coupling.iterative", loop->t0,
+             "the %d iterations of the window from %.6g s on did not converge; the smallest residual, %.3g of the "
+             "tolerance, was taken: take a smaller coupling.n, or a larger coupling.iterative.max or tolerance",
+             loop->settings->iterative.most, loop->t0, excess);
   if (!again)
     return TDM_OK;
   if (restore(loop, err) != TDM_OK)

@@ -12,7 +12,7 @@
  */
 #include "coupler/mismatch.h"
 #include "coupler/window.h"
-#include "protocol/log.h"
+#include "protocol/remark.h"
 
 #include <math.h>
 
@@ -26,11 +26,14 @@ static void look_for_surprise(cpl_loop *loop) {
     double is = cpl_length(CPL_APART, apart);
     if (!(is > surprise * cpl_motion(loop, i) + least_surprise))
       continue;
-    if (loop->surprises++ == 0) {
+    if (loop->surprises++ == 0)
       loop->first_surprise = loop->t0;
-      tdm_log(TDM_LOG_WARNING, "mechanism_changed", "t=%.9g body=%s mismatch_m=%.3g further=not_logged", loop->t0,
-              loop->settings->body[i].name[CPL_MBD], is);
-    }
+    tdm_remark(
+        TDM_NOTICE, "mechanism_changed", "coupling.n", loop->t0,
+        "the mechanism changed inside the window from %.6g s on, at body \"%s\" (a stop, a slack cable, friction "
+        "that turns; %.3g m): there the particles felt it late; take a smaller coupling.n, or \"iterative\" as "
+        "coupling.scheme",
+        loop->t0, loop->settings->body[i].name[CPL_MBD], is);
     return;
   }
 }

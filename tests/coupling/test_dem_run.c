@@ -491,7 +491,8 @@ END_TEST
 START_TEST(doubts_are_told) {
   setup();
   run("out", "--set dem.particles[0].velocity=[0,0,-4000]");
-  expect_output("doubtful states");
+  expect_output("tandem-dem: warning: ");
+  expect_output("guard.leap: ");
   expect_output("7 particles are behind a plane");
   run("calm", "");
   ck_assert_msg(strstr(command_output, "warning") == NULL, "%s", command_output);

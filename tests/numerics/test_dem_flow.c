@@ -400,7 +400,7 @@ START_TEST(test_waiting) {
   ck_assert_int_eq(d->nparticle, 1);
   ck_assert_uint_eq(d->source[0].made, 0);
   ck_assert_uint_eq(d->source[0].due, 3);
-  ck_assert_ptr_nonnull(strstr(text, "source_waits t=0 source=feed particle=0"));
+  ck_assert_ptr_nonnull(strstr(text, "event=source_waits.feed t=0 message=\"the source 'feed' waits with particle 0"));
   ck_assert_ptr_null(strstr(text, "source_resumes"));
   d->sphere[0].position.y = 1;
   steps(r, NULL, 1);

@@ -99,6 +99,16 @@ static void answer_step(const tdm_header *header) {
   tdm_result_write(&frame, &r, &err);
   if (step.window >= fault_window)
     spoil();
+  if (step.window >= fault_window && (is("chatty") || is("mumbles") || is("wordy"))) {
+    json_t *remark = json_pack("{s:s, s:s, s:s, s:i}", "event", "dust", "level", is("mumbles") ? "shout" : "warning",
+                               "message", "it is dusty", "count", (int)step.window + 1);
+    tdm_frame result = frame;
+    frame = (tdm_frame){0};
+    send_json(TDM_REMARKS, json_pack("{s:[o]}", "remarks", remark));
+    send_frame();
+    tdm_frame_free(&frame);
+    frame = result;
+  }
   if (is("wordy") && step.window >= fault_window) {
     tdm_log(TDM_LOG_INFO, "words", "last=words");
     send_json(TDM_ERROR, json_pack("{s:s, s:s, s:s}", "status", "TDM_ERR_SCENE", "path", "dem.depth", "message",

@@ -77,7 +77,9 @@ START_TEST(a_scheme_that_a_solver_cannot_serve) {
   ck_assert_int_eq(command(run, dir, dir, ""), 0);
   ck_assert_int_eq(command("cat %s/out/summary.json %s/out/server.log", dir, dir), 0);
   expect_output("\"coupling.scheme\": \"lommen\"");
-  expect_output("scheme=proxy lacks=interface of=dem takes=lommen");
+  expect_output("event=fallback");
+  expect_output("\"from\": \"server\"");
+  expect_output("lommen was taken instead");
   ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=dem-first"), 0); /* needs mbd's accelerations only */
   ck_assert_int_eq(command(run, dir, dir, "--set coupling.fallback=none"), 1);
   expect_output("coupling.fallback");
@@ -108,7 +110,8 @@ static const struct {
     {"supplied", "5", {"faulty (faulty 1.0): returned a supplied energy that is not finite", NULL}},
     {"further", "5", {"faulty (faulty 1.0): returned a further coefficient of the load of body \"mass\"", NULL}},
     {"infinite", "5", {"faulty (faulty 1.0): returned an infinite energy", NULL}},
-    {"wordy", "5", {"scene.json:6:2: dem.depth: faulty (faulty 1.0): too deep; raise it", NULL}},
+    {"mumbles", "5", {"faulty (faulty 1.0): malformed REMARKS: entry 0 needs event, level", NULL}},
+    {"wordy", "5", {"scene.json:6:2: dem.depth: faulty (faulty 1.0): too deep; raise it", "warning: dem: it is dusty"}},
 };
 enum { NFAULT = sizeof faults / sizeof faults[0] };
 
@@ -156,6 +159,17 @@ START_TEST(names_of_channels_are_looked_at) {
     run_with(good[i][0], NULL);
     ck_assert_msg(strstr(command_output, "malformed READY") == NULL, "%s", command_output);
   }
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(remarks_of_a_foreign_solver) {
+  setup();
+  ck_assert_msg(run_with("chatty", "5") == 0, "%s", command_output);
+  expect_output("tandem: warning: dem: it is dusty");
+  ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
+  expect_output("\"event\": \"dust\"");
+  expect_output("\"count\": 2000"); /* the last of 2000 windows said so */
   directory_remove(dir);
 }
 END_TEST
@@ -260,5 +274,5 @@ END_TEST
 
 TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section,
           a_scheme_that_a_solver_cannot_serve, faults_are_named, names_of_channels_are_looked_at,
-          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
-          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
+          remarks_of_a_foreign_solver, a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended,
+          a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
