@@ -69,6 +69,25 @@ static const double singular = 1e-3;
 
 /* ---- callbacks ---- */
 
+/* Index 3 has velocities from positions alone. In a step of order 1 whose length is not that of the step before, the
+ * accelerations of what is constrained, and so the reactions, are then off by their own size ((h + h0)/2h times what
+ * they should be), and every longer step fails; and in a very short one, rounding of the positions over its length is
+ * more than velocities may be off. Such steps hold the velocity constraints as well. */
+static void choose_index(ida_solver *ida, const double *y) {
+  const mbd_model *m = ida->model;
+  const double rounding = 2.2e-16, share = 0.03;
+  double h = 0, reach = 1;
+  int order = 1;
+  if (m->solver.formulation != MBD_INDEX3)
+    return;
+  IDAGetCurrentOrder(ida->mem, &order);
+  IDAGetCurrentStep(ida->mem, &h);
+  for (int b = 0; b < m->nbody; b++)
+    for (int i = 0; i < 3; i++)
+      reach = fmax(reach, fabs(y[MBD_BODY_UNKNOWNS * b + MBD_R + i]));
+  ida->data->index3 = order > 1 && rounding * reach < share * loose * m->solver.absolute_tolerance * h;
+}
+
 /* y and yp of the mechanism at IDA's unknowns (zp, yp: NULL) */
 static void from_ida(const ida_solver *ida, double t, N_Vector z, N_Vector zp, N_Vector y, N_Vector yp) {
   const size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
@@ -81,6 +100,7 @@ static void from_ida(const ida_solver *ida, double t, N_Vector z, N_Vector zp, N
 static int residual(realtype t, N_Vector z, N_Vector zp, N_Vector r, void *user) {
   ida_solver *ida = user;
   from_ida(ida, t, z, zp, ida->trial, ida->rate);
+  choose_index(ida, N_VGetArrayPointer(ida->trial));
   mbd_residual(ida->model, ida->data, t, N_VGetArrayPointer(ida->trial), N_VGetArrayPointer(ida->rate),
                N_VGetArrayPointer(r));
   return 0;
@@ -93,6 +113,7 @@ static int jacobian(realtype t, realtype cj, N_Vector z, N_Vector zp, N_Vector r
   mbd_sparse *j = ida->jacobian;
   ida->fresh = true;
   from_ida(ida, t, z, zp, ida->trial, ida->rate);
+  choose_index(ida, N_VGetArrayPointer(ida->trial));
   mbd_sparse_begin(j);
   mbd_jacobian(ida->model, ida->data, t, cj, N_VGetArrayPointer(ida->trial), N_VGetArrayPointer(ida->rate), j);
   return mbd_sparse_end(j) == MBD_SPARSE_NO_MEMORY ? -1 : 0;
@@ -330,10 +351,24 @@ static int set_stop(ida_solver *ida, double t, double t1) {
   return IDASetStopTime(ida->mem, stop);
 }
 
-static const char advice[] =
-    "A load or a force jumped or grew without bound, or the mechanism is in or near a singular position: try "
-    "mbd.corrector \"modified\", mbd.formulation \"one_step\", a larger mbd.solver.relative_tolerance, or shorter "
-    "windows";
+/* What may help, and is not so already. */
+static void advise(const mbd_model *m, char *out, size_t size) {
+  const mbd_settings *s = &m->solver;
+  const double finest = mbd_model_finest(m);
+  char absolute[128] = "";
+  if (s->absolute_tolerance < finest)
+    snprintf(
+        absolute, sizeof absolute,
+        "a larger mbd.solver.absolute_tolerance (%.3g is below what rounding leaves of the positions: take %.1g), ",
+        s->absolute_tolerance, finest);
+  snprintf(out, size,
+           "A load or a force jumped or grew without bound, or the mechanism is in or near a singular position: try "
+           "%s%s%s%smbd.formulation \"one_step\"%s",
+           s->max_step > 0 ? "a larger mbd.solver.max_step, " : "", absolute,
+           s->modified ? "" : "mbd.corrector \"modified\", ",
+           s->relative_tolerance < 1e-4 ? "a larger mbd.solver.relative_tolerance, " : "",
+           m->ncoupled > 0 ? ", or shorter windows" : "");
+}
 
 /* Start IDA again from the last good state, which IDA left in ida->y. */
 static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool again, tdm_error *err) {
@@ -349,6 +384,8 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
                t, flag, ida->message);
     return TDM_OK;
   }
+  char advice[512];
+  advise(ida->model, advice, sizeof advice);
   return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                   "the integration failed at t = %.9g s in the window to %.9g s (IDA %d: %s). %s", t, t1, flag,
                   ida->message, advice);
@@ -584,10 +621,13 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
       return err->status;
     if (ida->over)
       ida->npoint = 0;
-    if (nstep % many == 0 && t - mark < hardly * (t1 - start))
+    if (nstep % many == 0 && t - mark < hardly * (t1 - start)) {
+      char advice[512];
+      advise(ida->model, advice, sizeof advice);
       return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                       "the integration stands still at t = %.9g s: the last %ld steps cover %.3g s. %s", t, many,
                       t - mark, advice);
+    }
     if (nstep % many == 0)
       mark = t;
   }

@@ -94,22 +94,23 @@ static void dynamic_rows(const mbd_model *model, const mbd_data *data, int b, do
 
 /* ---- joints and drivers ---- */
 
-/* Rows of the constraints: G dq, and G dV + (V^T H) dq (index 2). */
+/* Rows of the constraints: G dq, and G dV + (V^T H) dq (index 2; the same calls, of zeros, in index 3). */
 static void constraint_rows(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, mbd_sparse *matrix) {
+  const double hold = data->index3 ? 0 : 1;
   double twist[MBD_PAIR];
   mbd_pair_twist(&data->kin[rows->body[0] + 1], &data->kin[rows->body[1] + 1], twist);
   for (int k = 0; k < rows->n; k++) {
-    double c[MBD_PAIR] = {0};
+    double by_position[MBD_PAIR] = {0}, by_twist[MBD_PAIR];
     if (data->dependent[rows->first + k])
       continue;
-    for (int i = 0; i < MBD_PAIR; i++)
+    for (int i = 0; i < MBD_PAIR; i++) {
+      by_twist[i] = hold * rows->G[k][i];
       for (int l = 0; l < MBD_PAIR; l++)
-        c[l] += twist[i] * rows->H[k][i][l];
+        by_position[l] += hold * twist[i] * rows->H[k][i][l];
+    }
     add_pair_position(matrix, data, mbd_index_mu(model, rows->first + k), rows->body, rows->G[k]);
-    if (model->solver.formulation == MBD_INDEX3)
-      continue;
-    add_pair_twist(matrix, mbd_index_lambda(model, rows->first + k), rows->body, rows->G[k]);
-    add_pair_position(matrix, data, mbd_index_lambda(model, rows->first + k), rows->body, c);
+    add_pair_twist(matrix, mbd_index_lambda(model, rows->first + k), rows->body, by_twist);
+    add_pair_position(matrix, data, mbd_index_lambda(model, rows->first + k), rows->body, by_position);
   }
 }
 
@@ -235,7 +236,7 @@ void mbd_jacobian(const mbd_model *model, mbd_data *data, double t, double cj, c
     constraint_block(model, data, i, y, matrix);
   for (int i = 0; i < model->nrow; i++) {
     int row_lambda = mbd_index_lambda(model, i), row_mu = mbd_index_mu(model, i);
-    bool dependent = data->dependent[i], index3 = model->solver.formulation == MBD_INDEX3;
+    bool dependent = data->dependent[i], index3 = data->index3;
     mbd_sparse_add(matrix, row_lambda, row_lambda, dependent ? 1 : 0);
     mbd_sparse_add(matrix, row_mu, row_mu, dependent ? 1 : 0);
     mbd_sparse_add(matrix, row_lambda, row_mu, index3 && !dependent ? 1 : 0);

@@ -77,6 +77,15 @@ double mbd_model_extent(const mbd_model *model) {
   return extent;
 }
 
+double mbd_model_finest(const mbd_model *model) {
+  double reach = fmax(1, mbd_model_extent(model));
+  for (int b = 0; b < model->nbody; b++) {
+    tdm_vec3 r = model->body[b].start.pose.position;
+    reach = fmax(reach, fmax(fabs(r.x), fmax(fabs(r.y), fabs(r.z))));
+  }
+  return 3e-14 * reach;
+}
+
 /* ---- joints, drivers and forces: the common part; the table's entry reads the rest ---- */
 
 /* Read "type" and leave the index in the table; -1 after an error. */
@@ -158,7 +167,8 @@ static void load_force(mbd_model *model, json_t *json, const char *path, tdm_err
   model->nforce++;
 }
 
-static void load_solver(mbd_settings *s, tdm_object *section) {
+static void load_solver(mbd_model *model, tdm_object *section) {
+  mbd_settings *s = &model->solver;
   const char *formulations[MBD_FORMULATIONS];
   static const char *const correctors[] = {"original", "modified"};
   for (int i = 0; i < MBD_FORMULATIONS; i++)
@@ -169,7 +179,8 @@ static void load_solver(mbd_settings *s, tdm_object *section) {
   s->restart_each_window = tdm_get_bool(section, "restart_each_window", false);
   tdm_object o = tdm_get_object(section, "solver", false);
   s->relative_tolerance = tdm_get_number(&o, "relative_tolerance", 1e-8, TDM_POSITIVE);
-  s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance", 0.01 * s->relative_tolerance, TDM_POSITIVE);
+  s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance",
+                                         fmax(0.01 * s->relative_tolerance, mbd_model_finest(model)), TDM_POSITIVE);
   s->max_order = (int)tdm_get_integer(&o, "max_order", 5, 1);
   s->max_step = tdm_get_number(&o, "max_step", 0, TDM_NOT_NEGATIVE);
   s->spectral_radius = tdm_get_number(&o, "spectral_radius", 0.8, TDM_NOT_NEGATIVE);
@@ -264,7 +275,7 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   load_array(&o, "forces", false, m, load_force);
   if (!err->status)
     list_parts(m);
-  load_solver(&m->solver, &o);
+  load_solver(m, &o);
   m->section = NULL;
   tdm_object_close(&o);
   return err->status;

@@ -116,4 +116,8 @@ tdm_vec3 mbd_model_direction(const mbd_model *model, int body, tdm_vec3 world_di
  * points, that of the one around the joint points of the ground, or a radius of gyration, whichever is largest. */
 double mbd_model_extent(const mbd_model *model);
 
+/* The absolute tolerance below which rounding of positions counts [m]: 3e-14 of the largest coordinate of a body at the
+ * start, or of the mechanism's size, or of 1 m. */
+double mbd_model_finest(const mbd_model *model);
+
 #endif

@@ -91,7 +91,7 @@ void mbd_residual(const mbd_model *model, mbd_data *data, double t, const double
     int row_lambda = mbd_index_lambda(model, i), row_mu = mbd_index_mu(model, i);
     if (data->dependent[i]) /* no equation, so no multipliers */
       out[row_lambda] = y[row_lambda], out[row_mu] = y[row_mu];
-    else if (model->solver.formulation == MBD_INDEX3) /* no velocity constraint, so no mu */
+    else if (data->index3) /* no velocity constraint, so no mu */
       out[row_lambda] = y[row_mu];
   }
   for (int b = 0; b < model->nbody; b++)

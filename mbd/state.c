@@ -43,6 +43,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   }
   d->kin[0].A = tdm_m3_identity();
   d->open_row = d->turned = -1;
+  d->index3 = model->solver.formulation == MBD_INDEX3;
   return d;
 }
 

@@ -45,6 +45,7 @@ typedef struct {
   mbd_stick *stick;    /* (nfriction) */
   int ndependent;      /* constraint rows that others imply, but rows of frictions; mbd_assemble finds them */
   bool *dependent;     /* (nrow) these, and rows of frictions that do not stick */
+  bool index3;         /* the residual leaves the velocity constraints out: formulation "index3", where it can */
   int open_row;        /* a dependent row that the motion has opened: the others do not imply it after all; -1: none */
   int turned;          /* the first force whose rotation came near half a turn, -1: none */
   double turned_at;    /* when [s] */

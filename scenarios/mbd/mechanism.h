@@ -29,7 +29,8 @@ typedef enum {
 typedef struct {
   const char *name; /* of the scenario and its folder */
   double at;        /* time at which digits are counted, a row of the reference [s] */
-  double absolute;  /* absolute tolerance over the relative one: the size of what is near zero now and then */
+  double absolute;  /* absolute tolerance over the relative one: the size of what is near zero now and then; 0: the
+                       default */
   double budget;    /* wall time of one run at most [s] */
   scn_coordinate coordinate[SCN_COORDINATES];
   const char *body; /* whose momentum it is */

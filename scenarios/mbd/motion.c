@@ -35,7 +35,8 @@ static json_t *with_method(const json_t *mbd, const scn_method *method, double t
     return copy;
   }
   json_object_set_new(solver, "relative_tolerance", json_real(tolerance));
-  json_object_set_new(solver, "absolute_tolerance", json_real(absolute * tolerance));
+  if (absolute > 0)
+    json_object_set_new(solver, "absolute_tolerance", json_real(absolute * tolerance));
   return copy;
 }
 

@@ -24,7 +24,7 @@ static const double least_digits = 8, most_drift = 1e-9; /* [m] */
 static const scn_mechanism pendulum_a01 = {
     .name = "pendulum_a01",
     .at = 10,
-    .absolute = 0.01,
+    .absolute = 0,
     .budget = 5,
     .coordinate = {CHANNEL("x", "body.mass.x"), CHANNEL("y", "body.mass.y")},
 };
@@ -32,7 +32,7 @@ static const scn_mechanism pendulum_a01 = {
 static const scn_mechanism double_pendulum = {
     .name = "double_pendulum",
     .at = 2,
-    .absolute = 0.01,
+    .absolute = 0,
     .budget = 5,
     .coordinate = {{"phi1", SCN_ANGLE, "upper", NULL, M_PI / 2}, {"phi2", SCN_ANGLE, "lower", NULL, M_PI / 2}},
 };
@@ -40,7 +40,7 @@ static const scn_mechanism double_pendulum = {
 static const scn_mechanism slider_crank = {
     .name = "slider_crank",
     .at = 1,
-    .absolute = 0.01,
+    .absolute = 0,
     .budget = 5,
     .coordinate = {{"theta", SCN_ANGLE, "crank", NULL, 0}, CHANNEL("x_slider", "body.slider.x")},
 };
@@ -48,7 +48,7 @@ static const scn_mechanism slider_crank = {
 static const scn_mechanism car_axis = {
     .name = "car_axis",
     .at = 3,
-    .absolute = 0.01,
+    .absolute = 0,
     .budget = 10,
     .coordinate = {CHANNEL("xl", "body.left.x"), CHANNEL("yl", "body.left.y"), CHANNEL("xr", "body.right.x"),
                    CHANNEL("yr", "body.right.y")},
@@ -79,7 +79,7 @@ static const scn_mechanism regular_precession = {
 static const scn_mechanism torque_free = {
     .name = "torque_free",
     .at = 4, /* after the first flip; later errors grow a hundredfold a flip */
-    .absolute = 0.01,
+    .absolute = 0,
     .budget = 10,
     .coordinate = {ROTATION("body")},
     .body = "body",

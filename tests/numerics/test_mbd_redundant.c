@@ -187,20 +187,71 @@ START_TEST(test_balance) {
 }
 END_TEST
 
-/* Index 3 with velocities in the error test shortens its steps to nothing: an error with advice, not an endless run. */
+/* Steps that are too short to get anywhere: an error with advice, not an endless run. */
 START_TEST(test_standstill) {
   run r;
   run_open_good(&r,
-                "{'formulation':'index3','corrector':'original','bodies':[{'name':'a','mass':1,'inertia':[0.1,0.1,0.1],"
-                "'position':[1,0,0]}],'joints':[{'name':'h','type':'revolute','bodies':['ground','a'],'point':[0,0,0],"
-                "'axis':[0,1,0]}]}",
+                "{'solver':{'max_step':1e-10},'bodies':[{'name':'a','mass':1,'inertia':[0.1,0.1,0.1],'position':[1,0,0]"
+                "}],'joints':[{'name':'h','type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,1,0]}]}",
                 "a");
-  tdm_status status = TDM_OK;
-  for (int i = 1; i <= 100 && status == TDM_OK; i++)
-    status = run_step(&r, 0.01 * i, NULL, 0, 0, NULL);
-  ck_assert_int_eq(status, TDM_ERR_NUMERIC);
-  ck_assert_msg(strstr(r.err.message, "corrector") != NULL, "%s", r.err.message);
+  ck_assert_int_eq(run_step(&r, 1, NULL, 0, 0, NULL), TDM_ERR_NUMERIC);
+  ck_assert_msg(strstr(r.err.message, "stands still") != NULL, "%s", r.err.message);
+  ck_assert_msg(strstr(r.err.message, "larger mbd.solver.max_step") != NULL, "%s", r.err.message);
   run_close(&r);
+}
+END_TEST
+
+/* a shaft that turns with two arms hinged to it, as they swing out */
+#define ARM(name, x, v)                                                                            \
+  "{'name':'" name "','mass':1,'inertia':[0.1,0.1,0.1],'position':[" x ",0,-0.3],'velocity':[0," v \
+  ",0],'angular_velocity':[0,0,5]}"
+#define GOVERNOR(rest)                                                                                                 \
+  "{" rest ",'bodies':[{'name':'shaft','mass':1,'inertia':[0.1,0.1,0.1],'position':[0,0,0],'angular_velocity':[0,0,5]" \
+  "}," ARM("a", "0.4", "2") "," ARM("b", "-0.4", "-2") "],'joints':[" HINGE(                                           \
+      "spin", "ground", "shaft", "0", "0") ",{'name':'ha','type':'revolute','bodies':['shaft','a'],'point':[0.05,0,0]" \
+                                           ",'axis':[0,1,0]},{'name':'hb','type'"                                      \
+                                           ":'revolute','bodies':['shaft','b'],'point':[-0.05,0,0],'axis':[0,1,0]}]}"
+
+/* All formulations on IDA start at every tolerance there is, and get ever nearer to the one solution, in steps that do
+ * not shrink with the square root of the tolerance, as those of order 1 would. */
+START_TEST(test_tolerances) {
+  static const char *const method[] = {"'formulation':'ggl'", "'formulation':'ggl','corrector':'modified'",
+                                       "'formulation':'index3'"};
+  double exact = 0;
+  for (int k = 0; k <= 7; k++) { /* the first is what the others compare with */
+    const double tolerance = pow(10, k == 0 ? -13 : -6 - k);
+    char scene[2048];
+    snprintf(scene, sizeof scene, GOVERNOR("%s,'solver':{'relative_tolerance':%g}"), k == 0 ? method[0] : method[_i],
+             tolerance);
+    run r;
+    run_open_good(&r, scene, "");
+    run_to(&r, 0.5);
+    double angle = run_value(&r, "joint.ha.angle");
+    exact = k == 0 ? angle : exact;
+    CLOSE(angle, exact, 300 * tolerance);
+    CLOSE(run_value(&r, "joint.hb.angle"), -angle, 300 * tolerance);
+    CLOSE(run_value(&r, "constraint.drift"), 0, 1e-9);
+    CLOSE(run_value(&r, "energy.balance"), 0, 1e4 * tolerance);
+    ck_assert_int_lt(run_close_steps(&r), 2000);
+  }
+}
+END_TEST
+
+/* what is advised when it fails helps, and is not so already */
+START_TEST(test_advice) {
+  static const char *const rest[] = {"", "'corrector':'modified',"};
+  for (int k = 0; k < 2; k++) {
+    char scene[2048];
+    snprintf(scene, sizeof scene, GOVERNOR("%s'solver':{'relative_tolerance':1e-13,'absolute_tolerance':1e-18}"),
+             rest[k]);
+    run r;
+    run_open_good(&r, scene, "");
+    ck_assert_int_eq(run_step(&r, 5, NULL, 0, 0, NULL), TDM_ERR_NUMERIC);
+    ck_assert_msg(strstr(r.err.message, "larger mbd.solver.absolute_tolerance") != NULL, "%s", r.err.message);
+    ck_assert_msg((strstr(r.err.message, "\"modified\"") == NULL) == (k == 1), "%s", r.err.message);
+    ck_assert_msg(strstr(r.err.message, "windows") == NULL, "%s", r.err.message); /* nothing is coupled */
+    run_close(&r);
+  }
 }
 END_TEST
 
@@ -238,6 +289,8 @@ int main(void) {
   tcase_add_loop_test(tcase, test_refused, 0, sizeof bad / sizeof bad[0]);
   tcase_add_test(tcase, test_singular);
   tcase_add_test(tcase, test_standstill);
+  tcase_add_loop_test(tcase, test_tolerances, 0, 3);
+  tcase_add_test(tcase, test_advice);
   tcase_add_test(tcase, test_restart);
   tcase_add_loop_test(tcase, test_balance, 0, 3);
   suite_add_tcase(suite, tcase);
