@@ -382,9 +382,9 @@ END_TEST
 /* a load polynomial that is too long is the partner's fault, not a crash */
 START_TEST(test_long_polynomial) {
   run r;
-  tdm_wrench load[9] = {{{0, 0, 0}, {0, 0, 0}}};
+  tdm_wrench load[TDM_LOAD_MAX + 1] = {{{0, 0, 0}, {0, 0, 0}}};
   run_open_good(&r, "{" BOX "}", "box");
-  ck_assert_int_eq(run_step(&r, 0.1, load, 9, 0, NULL), TDM_ERR_PROTOCOL);
+  ck_assert_int_eq(run_step(&r, 0.1, load, TDM_LOAD_MAX + 1, 0, NULL), TDM_ERR_PROTOCOL);
   run_close(&r);
 }
 END_TEST
