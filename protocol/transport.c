@@ -1,6 +1,7 @@
 #include "protocol/transport.h"
 
 #include "protocol/log.h"
+#include "protocol/patience.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -13,6 +14,7 @@ struct tdm_transport {
   void *context, *socket;
   int owns_context, is_server;
   int timeout_ms; /* as set on the socket */
+  tdm_patience patience;
   char endpoint[256];
   zmq_msg_t message;
 };
@@ -106,17 +108,35 @@ static int drop_parts(tdm_transport *t) {
   return parts;
 }
 
-/* Look for a message without sleeping for a short while: the partner often answers within microseconds, and waking a
- * thread costs more than that. Yielding lets ZeroMQ's own threads work on few processors. Returns as zmq_msg_recv. */
-static int receive_soon(tdm_transport *t, int timeout_ms) {
-  const double patience = 100e-6; /* [s] */
-  if (timeout_ms == 0)
-    return zmq_msg_recv(&t->message, t->socket, ZMQ_DONTWAIT);
-  double until = tdm_clock() + patience;
+static bool nothing_came(int got) {
+  return got < 0 && errno == EAGAIN;
+}
+
+/* Look for a message without sleeping for a short while. Yielding lets ZeroMQ's own threads, and partners on the same
+ * processor, work; what comes back late had somebody else's work in between. Returns as zmq_msg_recv. */
+static int look(tdm_transport *t) {
+  const double while_looking = 100e-6, away = 50e-6; /* [s] */
+  const double begin = tdm_clock();
+  double now = begin, before;
   int got;
-  while ((got = zmq_msg_recv(&t->message, t->socket, ZMQ_DONTWAIT)) < 0 && errno == EAGAIN && tdm_clock() < until)
+  do {
+    before = now;
     sched_yield();
-  return got >= 0 || errno != EAGAIN ? got : zmq_msg_recv(&t->message, t->socket, 0);
+    got = zmq_msg_recv(&t->message, t->socket, ZMQ_DONTWAIT);
+    now = tdm_clock();
+  } while (nothing_came(got) && now - before < away && now - begin < while_looking);
+  const int reason = errno;
+  tdm_patience_learn(&t->patience, got >= 0 && now - before < away);
+  errno = reason;
+  return got;
+}
+
+/* The next message, looked for first where that pays (patience.h). Returns as zmq_msg_recv. */
+static int receive_soon(tdm_transport *t, int timeout_ms) {
+  int got = zmq_msg_recv(&t->message, t->socket, ZMQ_DONTWAIT);
+  if (nothing_came(got) && timeout_ms != 0 && tdm_patience_looks(&t->patience))
+    got = look(t);
+  return nothing_came(got) && timeout_ms != 0 ? zmq_msg_recv(&t->message, t->socket, 0) : got;
 }
 
 tdm_status tdm_transport_receive(tdm_transport *t, int timeout_ms, tdm_peer *peer, const void **data, size_t *size,
