@@ -26,6 +26,8 @@ tdm_status scn_coupling_collision(cpl_verify *v, tdm_error *err);
 tdm_status scn_coupling_spring_damper(cpl_verify *v, tdm_error *err);
 tdm_status scn_coupling_torsional(cpl_verify *v, tdm_error *err);
 tdm_status scn_coupling_heavy_fill(cpl_verify *v, tdm_error *err);
+tdm_status scn_coupling_stiff_support(cpl_verify *v, tdm_error *err);
+tdm_status scn_coupling_stiff_hinge(cpl_verify *v, tdm_error *err);
 
 /* particles alone, dem_physics/ */
 tdm_status scn_normal_laws(cpl_verify *v, tdm_error *err);

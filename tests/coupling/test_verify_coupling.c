@@ -159,15 +159,15 @@ START_TEST(an_unstable_cell_is_a_result) {
 END_TEST
 
 START_TEST(the_group_is_there) {
-  static const char *const names[] = {"coupling_collision", "coupling_spring_damper", "coupling_torsional",
-                                      "coupling_heavy_fill"};
+  static const char *const names[] = {"coupling_collision",  "coupling_spring_damper", "coupling_torsional",
+                                      "coupling_heavy_fill", "coupling_stiff_support", "coupling_stiff_hinge"};
   int found = 0;
   for (const cpl_scenario *s = scn_table; s->name; s++)
     if (strcmp(s->group, "coupling") == 0) {
-      ck_assert_int_lt(found, 4);
+      ck_assert_int_lt(found, 6);
       ck_assert_str_eq(s->name, names[found++]);
     }
-  ck_assert_int_eq(found, 4);
+  ck_assert_int_eq(found, 6);
 }
 END_TEST
 
