@@ -21,6 +21,9 @@ static const double round_off = 1e-9; /* of the sums that the balance is made of
  * is stored in tangential springs is not counted. */
 static const double lenience = 5;
 
+/* share of what the guard allows that is too little to call a run inexact */
+static const double trifle = 0.1;
+
 /* columns of a body, behind its name */
 static const char *const body_columns[BODY_COLUMNS] = {"impulse.x [N s]",
                                                        "impulse.y [N s]",
@@ -91,14 +94,15 @@ static double work_of_mean(const tdm_wrench *mean, const tdm_state *start, const
   return tdm_dot(mean->force, way) + tdm_dot(mean->moment, turn);
 }
 
-/* through: MBD's path, with nodes if any were told */
-static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, const tdm_nodes *through, int i) {
+/* through: MBD's path, with nodes if any were told. Returns the work on DEM's side. */
+static double enter_body(cpl_ledger_body *b, const cpl_loop *loop, const tdm_nodes *through, int i) {
   const tdm_result *dem = &loop->result[CPL_DEM];
   const tdm_interface *own = dem->ninterface > 0 ? &dem->body[i] : NULL;
   const tdm_state *there = own ? &own->end : &loop->sent_end[i], *here = &loop->state_end[i];
   const double h = loop->t1 - loop->t0;
   add_impulse(b, h, own ? &own->moment[0] : &loop->mean[i]);
-  b->work[CPL_DEM] += own ? own->work : work_of_mean(&loop->mean[i], &loop->sent_start[i], there);
+  const double work = own ? own->work : work_of_mean(&loop->mean[i], &loop->sent_start[i], there);
+  b->work[CPL_DEM] += work;
   b->blending += own ? own->blending : 0;
   const tdm_wrench *load = &loop->load[i * TDM_LOAD_MAX];
   b->work[CPL_MBD] += through->nnode > 0
@@ -116,6 +120,7 @@ static void enter_body(cpl_ledger_body *b, const cpl_loop *loop, const tdm_nodes
   b->angle = fmax(b->angle, angle);
   b->most_drift = fmax(b->most_drift, drift);
   b->most_angle = fmax(b->most_angle, angle);
+  return work;
 }
 
 static double residual_of(const cpl_ledger_body *b) {
@@ -327,8 +332,10 @@ tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, uint64_t first_sampl
   for (; k < loop->nsample && loop->sample_time[k] < end; k++)
     write_row(l, (double)(first_sample + (uint64_t)k) * interval);
   const tdm_nodes *through = cpl_path_through(loop, loop->state_start, loop->state_end);
-  for (int i = 0; i < l->nbody; i++)
-    enter_body(&l->body[i], loop, through, i);
+  for (int i = 0; i < l->nbody; i++) {
+    const double work = enter_body(&l->body[i], loop, through, i);
+    l->worked += loop->paths.prescribed[i] ? 0 : fabs(work);
+  }
   enter_exchange(l, loop);
   judge(l, loop, err);
   for (; k < loop->nsample; k++)
@@ -340,6 +347,13 @@ tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, uint64_t first_sampl
 
 static json_t *number(double x) {
   return isfinite(x) ? json_real(x) : json_null();
+}
+
+bool cpl_ledger_inexact(const cpl_ledger *l, double *share) {
+  const double most = largest_energy(l);
+  *share = l->worked > 0 ? l->residual / l->worked : 0;
+  return most > round_off * l->size && l->residual > trifle * l->settings->guard.energy * most &&
+         *share > l->settings->guard.residual;
 }
 
 json_t *cpl_ledger_summary(const cpl_ledger *l) {
@@ -354,14 +368,16 @@ json_t *cpl_ledger_summary(const cpl_ledger *l) {
                                   "blending_J", number(b->blending), "largest_drift_m", number(b->most_drift),
                                   "largest_drift_rad", number(b->most_angle)));
   }
-  double most = largest_energy(l);
+  double share, most = largest_energy(l);
+  const bool inexact = cpl_ledger_inexact(l, &share);
   double scale = most > round_off * l->size ? most : NAN; /* else all of it is round-off */
   double allowed = l->settings->guard.energy * scale;
   bool gained = !isnan(l->gained_at) || l->exchange_rise > lenience * allowed ||
                 l->rise > (through_exchange(l, l->rise) ? allowed : lenience * allowed);
-  return json_pack("{s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "energy_residual",
-                   number(l->residual / scale), "energy_rise", number(l->rise / scale), "exchange_rise",
-                   number(l->exchange_rise / scale), "largest_energy_J", number(most), "exchange_J",
-                   number(l->exchange), "balance_J", l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s",
-                   number(l->gained_at), "bodies", bodies);
+  return json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "inexact",
+                   (int)inexact, "residual_share", number(share), "energy_residual", number(l->residual / scale),
+                   "energy_rise", number(l->rise / scale), "exchange_rise", number(l->exchange_rise / scale),
+                   "largest_energy_J", number(most), "exchange_J", number(l->exchange), "balance_J",
+                   l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s", number(l->gained_at), "bodies",
+                   bodies);
 }

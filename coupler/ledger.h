@@ -51,6 +51,7 @@ typedef struct {
   double exchange_lowest;       /* [J] */
   double exchange_rise;         /* largest over its lowest [J] */
   double residual;              /* largest magnitude of the exchange so far [J] */
+  double worked;                /* sum over windows and bodies of |work on DEM's side|, but for prescribed bodies [J] */
   int rises;                    /* looks in a row with more than the guard allows */
   double gained_at;             /* when the guard first would have spoken [s]; NaN: never */
 } cpl_ledger;
@@ -63,6 +64,10 @@ void cpl_ledger_free(cpl_ledger *ledger);
 /* Enter the window that the loop has solved; its first output time has the number first_sample. TDM_ERR_NUMERIC: energy
  * has appeared from nowhere (coupling.guard). */
 tdm_status cpl_ledger_window(cpl_ledger *ledger, struct cpl_loop *loop, uint64_t first_sample, tdm_error *err);
+
+/* What the exchange has made is more than coupling.guard.residual of the work that went through it (*share), and no
+ * trifle: more than a tenth of the energy that the guard allows. False where a solver does not tell its energy. */
+bool cpl_ledger_inexact(const cpl_ledger *ledger, double *share);
 
 /* The final figures for summary.json (new reference). */
 json_t *cpl_ledger_summary(const cpl_ledger *ledger);

@@ -160,6 +160,7 @@ static void read_guard(cpl_settings *s, tdm_object *coupling) {
   tdm_object o = tdm_get_object(coupling, "guard", false);
   s->guard.energy = tdm_get_number(&o, "energy", 0.1, TDM_POSITIVE);
   s->guard.action = (cpl_guard_action)tdm_get_choice(&o, "action", actions, 3, CPL_GUARD_STOP);
+  s->guard.residual = tdm_get_number(&o, "residual", 0.02, TDM_POSITIVE);
   tdm_object_close(&o);
 }
 

@@ -20,6 +20,7 @@ typedef enum { CPL_GUARD_STOP, CPL_GUARD_WARN, CPL_GUARD_OFF } cpl_guard_action;
 typedef struct {
   double energy; /* largest rise, as a share of the largest energy so far */
   cpl_guard_action action;
+  double residual; /* of the work, that the exchange may make before a run is called inexact */
 } cpl_guard;
 
 typedef struct {

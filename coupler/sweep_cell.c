@@ -1,4 +1,4 @@
-/* One cell of a sweep: run it, compare it, decide whether it is ok, unstable or failed. */
+/* One cell of a sweep: run it, compare it, decide whether it is ok, inexact, unstable or failed. */
 #include "coupler/scheme/scheme.h"
 #include "coupler/sweep.h"
 
@@ -71,7 +71,7 @@ static void judge(json_t *row, const char *status, const char *reason) {
   json_object_set_new(row, "reason", json_string(reason));
 }
 
-/* ---- instability that a run survives ---- */
+/* ---- what a run that came to its end may still have ---- */
 
 /* The first time at which particles have left, or NAN. */
 static double time_of_loss(const cpl_table *dem) {
@@ -82,7 +82,7 @@ static double time_of_loss(const cpl_table *dem) {
   return NAN;
 }
 
-static void look_for_instability(const cpl_cell *cell, json_t *row, const json_t *summary) {
+static void look_for_doubts(const cpl_cell *cell, json_t *row, const json_t *summary) {
   char file[4352], reason[160];
   cpl_table dem = {0};
   snprintf(file, sizeof file, "%s/dem.csv", cell->dir);
@@ -98,6 +98,10 @@ static void look_for_instability(const cpl_cell *cell, json_t *row, const json_t
     judge(row, "unstable", reason);
   } else if (json_is_true(tdm_scene_value(summary, "ledger.gained"))) {
     judge(row, "unstable", "the energy grew without a source, over less than three looks");
+  } else if (json_is_true(tdm_scene_value(summary, "ledger.inexact"))) {
+    snprintf(reason, sizeof reason, "the works of both sides differ by %.2g of what went through the interface",
+             json_number_value(tdm_scene_value(summary, "ledger.residual_share")));
+    judge(row, "inexact", reason);
   }
   cpl_table_free(&dem);
 }
@@ -137,7 +141,7 @@ json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
   if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC)) {
     json_t *summary = tdm_results_read(cell->dir, "summary.json", &(tdm_error){0});
     const json_t *residual = tdm_scene_value(summary, "ledger.energy_residual");
-    look_for_instability(cell, row, summary);
+    look_for_doubts(cell, row, summary);
     json_object_set_new(row, "energy_residual", residual ? json_copy((json_t *)residual) : json_null());
     json_object_set_new(row, "window_s", json_real((result.loop - result.step[CPL_DEM]) / (double)result.windows));
     json_decref(summary);

@@ -4,6 +4,7 @@
  * Each cell's reference is its run with n = 1: the fill is compliant, no rigid body. A fill that rattles is chaotic,
  * and two runs of it that differ by round-off agree to 0.998 only; so a lid presses it, as on the arm of `torsional`.
  */
+#include "coupler/table.h"
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 
@@ -23,19 +24,17 @@ typedef struct {
 
 /* What a scene is run with. */
 typedef struct {
-  const char *scene, *state;
-  const char *fill[3]; /* settings of the fill, or NULL */
-  scn_compare *compare;
+  const char *scene, *column; /* column of body_box.csv that is looked at */
+  const char *fill[3];        /* settings of the fill, or NULL */
   int nmass, nstiffness, nhard;
   double mass[3], stiffness[4], damping[3];
   support hard[2]; /* without --full */
 } family;
 
 static const family slider = {.scene = "spring_damper",
-                              .state = "x",
+                              .column = "z",
                               .fill = {"dem.materials[0].young_modulus=1e7", "dem.pairs[0].restitution=0.5",
                                        "dem.bodies[0].shapes[0].lid={\"face\":\"+z\",\"gap\":1e-3,\"press\":5000}"},
-                              .compare = scn_spring_damper_compare,
                               .nmass = 3,
                               .nstiffness = 3,
                               .nhard = 2,
@@ -44,8 +43,7 @@ static const family slider = {.scene = "spring_damper",
                               .damping = {0, 50, 5000},
                               .hard = {{20, 5e4, 0}, {20, 5e5, 0}}};
 static const family hinge = {.scene = "torsional",
-                             .state = "theta",
-                             .compare = scn_torsional_compare,
+                             .column = "y",
                              .nmass = 1,
                              .nstiffness = 4,
                              .nhard = 1,
@@ -81,31 +79,36 @@ static void prepare(const family *f, const support *s, cpl_verify_case run[RUNS]
   }
 }
 
-/* nse of the first state against the run with n = 1; NaN when the run did not reach its end. */
-static double agreement(const family *f, const cpl_verify_case *run, const cpl_comparison *reference) {
-  cpl_comparison c = {0};
+static tdm_status read(const cpl_verify_case *run, cpl_table *table, tdm_error *err) {
+  char file[4352];
+  snprintf(file, sizeof file, "%s/body_box.csv", run->dir);
+  return cpl_table_read(table, file, err);
+}
+
+/* nse of the column against the run with n = 1; NaN when the run did not reach its end. */
+static double agreement(const family *f, const cpl_verify_case *run, const cpl_table *reference) {
   tdm_error err = {0};
+  cpl_table t = {0};
   double nse = NAN;
-  if (run->err.status == TDM_OK && f->compare(run->dir, &c, &err) == TDM_OK && c.nrow == reference->nrow)
-    nse = cpl_nse(c.curve[0].simulation, reference->curve[0].simulation, c.nrow);
-  cpl_comparison_free(&c);
+  if (run->err.status == TDM_OK && read(run, &t, &err) == TDM_OK && t.nrow == reference->nrow)
+    nse = cpl_nse(cpl_table_column(&t, f->column, &err), cpl_table_column(reference, f->column, &err), t.nrow);
+  cpl_table_free(&t);
   return nse;
 }
 
 static tdm_status measure(cpl_verify *v, const family *f, const cpl_verify_case run[RUNS], tdm_error *err) {
-  cpl_comparison reference = {0};
+  cpl_table reference = {0};
   char name[32];
   for (int i = 0; i < RUNS; i++) /* one that blows up is a result, one that is refused is an error */
     if (run[i].err.status != TDM_OK && (i < 1 || run[i].err.status != TDM_ERR_NUMERIC))
       return tdm_fail(err, run[i].err.status, NULL, "%.100s: %.800s", run[i].name, run[i].err.message);
-  snprintf(name, sizeof name, "nse_%s", f->state);
-  if (f->compare(run[0].dir, &reference, err) == TDM_OK) {
+  snprintf(name, sizeof name, "nse_%s", f->column);
+  if (read(&run[0], &reference, err) == TDM_OK && cpl_table_column(&reference, f->column, err))
     for (int i = 1; i < RUNS; i++) {
       cpl_verify_about(v, &run[i]);
       cpl_verify_measure(v, name, run[i].name, agreement(f, &run[i], &reference), CPL_AT_LEAST, least_nse);
     }
-  }
-  cpl_comparison_free(&reference);
+  cpl_table_free(&reference);
   return err->status;
 }
 

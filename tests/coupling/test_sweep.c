@@ -178,6 +178,21 @@ START_TEST(a_row_names_the_fallback) {
 }
 END_TEST
 
+START_TEST(an_inexact_cell_is_not_ok) {
+  dir = directory_make();
+  int status = command("tandem sweep %s/scenarios/collision/scene.json --n 1,40 --scheme lommen --set "
+                       "mbd.bodies[0].mass=0.02 --out %s/s --json %s/rows.json",
+                       TANDEM_SOURCE_DIR, dir, dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  json_t *rows = rows_of("rows.json");
+  ck_assert_str_eq(text(json_array_get(rows, 0), "status"), "ok");
+  ck_assert_str_eq(text(json_array_get(rows, 1), "status"), "inexact");
+  ck_assert_ptr_nonnull(strstr(text(json_array_get(rows, 1), "reason"), "through the interface"));
+  json_decref(rows);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(interrupted_and_resumed) {
   setup();
   char file[128], out[128];
@@ -221,4 +236,5 @@ START_TEST(wrong_command_lines) {
 END_TEST
 
 TEST_MAIN("sweep", 180, a_grid_and_its_rows, resuming_keeps_what_is_there, another_scene_in_the_same_directory,
-          failing_cells_are_results, a_row_names_the_fallback, interrupted_and_resumed, wrong_command_lines)
+          failing_cells_are_results, a_row_names_the_fallback, an_inexact_cell_is_not_ok, interrupted_and_resumed,
+          wrong_command_lines)
