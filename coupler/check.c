@@ -33,7 +33,7 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
   printf("  %-28s %s: %s\n", session->scheme == s->scheme ? "scheme" : "scheme (the fallback)", session->scheme->name,
          session->scheme->summary);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->output_interval,
-         floor((double)cpl_total_steps(s) * s->dt / s->output_interval + 1e-6) + 1);
+         ceil((double)cpl_total_steps(s) * s->dt / s->output_interval - 1e-6) + 1);
   for (int i = 0; i < s->nbody; i++)
     print_body(&s->body[i], &session->body[i], &session->load[i], i == 0);
 }

@@ -325,12 +325,11 @@ static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
 
 /* ---- a window ---- */
 
-tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, uint64_t first_sample, tdm_error *err) {
-  const double interval = l->settings->output_interval;
+tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, tdm_error *err) {
   const double end = loop->t1 - 1e-6 * l->settings->dt; /* times are multiples of two steps, which round apart */
   int k = 0;
   for (; k < loop->nsample && loop->sample_time[k] < end; k++)
-    write_row(l, (double)(first_sample + (uint64_t)k) * interval);
+    write_row(l, loop->row_time[k]);
   const tdm_nodes *through = cpl_path_through(loop, loop->state_start, loop->state_end);
   for (int i = 0; i < l->nbody; i++) {
     const double work = enter_body(&l->body[i], loop, through, i);
@@ -339,7 +338,7 @@ tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, uint64_t first_sampl
   enter_exchange(l, loop);
   judge(l, loop, err);
   for (; k < loop->nsample; k++)
-    write_row(l, (double)(first_sample + (uint64_t)k) * interval);
+    write_row(l, loop->row_time[k]);
   return err->status;
 }
 

@@ -61,9 +61,8 @@ tdm_status cpl_ledger_begin(cpl_ledger *ledger, const cpl_settings *settings, co
                             tdm_error *err);
 void cpl_ledger_free(cpl_ledger *ledger);
 
-/* Enter the window that the loop has solved; its first output time has the number first_sample. TDM_ERR_NUMERIC: energy
- * has appeared from nowhere (coupling.guard). */
-tdm_status cpl_ledger_window(cpl_ledger *ledger, struct cpl_loop *loop, uint64_t first_sample, tdm_error *err);
+/* Enter the window that the loop has solved. TDM_ERR_NUMERIC: energy has appeared from nowhere (coupling.guard). */
+tdm_status cpl_ledger_window(cpl_ledger *ledger, struct cpl_loop *loop, tdm_error *err);
 
 /* What the exchange has made is more than coupling.guard.residual of the work that went through it (*share), and no
  * trifle: more than a tenth of the energy that the guard allows. False where a solver does not tell its energy. */

@@ -29,7 +29,6 @@ tdm_status cpl_record_begin(cpl_record *record, const cpl_session *s, tdm_error 
   char name[256];
   if (tdm_results_start(&record->results, err) != TDM_OK)
     return err->status;
-  record->interval = s->settings->output_interval;
   record->body = calloc((size_t)s->settings->nbody + 1, sizeof *record->body);
   if (!record->body)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
@@ -79,11 +78,11 @@ static tdm_status flush_all(cpl_record *record, tdm_error *err) {
   return tdm_results_there(&record->results, err);
 }
 
-tdm_status cpl_record_samples(cpl_record *record, uint64_t first, int nsample, const tdm_result *result,
+tdm_status cpl_record_samples(cpl_record *record, int nsample, const double *row_time, const tdm_result *result,
                               tdm_error *err) {
   const tdm_result *mbd = &result[CPL_MBD], *dem = &result[CPL_DEM];
   for (int k = 0; k < nsample; k++) {
-    double time = (double)(first + (uint64_t)k) * record->interval;
+    const double time = row_time[k];
     for (int i = 0; i < record->nbody; i++)
       write_body_row(record->body[i], time, &mbd->sample_state[k * record->nbody + i],
                      &dem->sample_load[k * record->nbody + i]);

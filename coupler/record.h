@@ -19,7 +19,6 @@ typedef struct cpl_record {
   FILE *channel[CPL_NROLE]; /* NULL when a solver has no channels */
   FILE *ledger;             /* its rows are the ledger's */
   int nbody, nchannel[CPL_NROLE];
-  double interval;
   double last_flush;
 } cpl_record;
 
@@ -32,8 +31,8 @@ const char *cpl_record_body_file(const char *body, char *out, size_t size);
 /* The run begins (tdm_results_start): open the time histories and write the row of t = 0. */
 tdm_status cpl_record_begin(cpl_record *record, const cpl_session *session, tdm_error *err);
 
-/* Rows for the output times first … first + nsample - 1 of the grid, from the results of both solvers. */
-tdm_status cpl_record_samples(cpl_record *record, uint64_t first, int nsample, const tdm_result *result,
+/* Rows for the output times of a window, (nsample) at row_time [s], from the results of both solvers. */
+tdm_status cpl_record_samples(cpl_record *record, int nsample, const double *row_time, const tdm_result *result,
                               tdm_error *err);
 
 /* Close the time histories. An error of the disk that came up late is reported here. */

@@ -48,7 +48,7 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
                          tdm_error *err) {
   size_t nbody = (size_t)settings->nbody + 1;                                  /* + 1: never an empty allocation */
   double steps = fmin((double)settings->n, (double)cpl_total_steps(settings)); /* of the longest window */
-  double samples = ceil(steps * settings->dt / settings->output_interval) + 2;
+  double samples = ceil(steps * settings->dt / settings->output_interval) + 3;
   *loop = (cpl_loop){
       .settings = settings, .scheme = session->scheme, .session = session, .record = record, .nbody = settings->nbody};
   for (int r = 0; r < CPL_NROLE; r++) { /* a window's RESULT must fit into a frame */
@@ -62,6 +62,7 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
   loop->n = settings->adapt.on ? settings->adapt.n_min : settings->n;
   loop->sample_time = calloc((size_t)samples, sizeof *loop->sample_time);
+  loop->row_time = calloc((size_t)samples, sizeof *loop->row_time);
   loop->state_start = calloc(nbody, sizeof *loop->state_start);
   loop->state_end = calloc(nbody, sizeof *loop->state_end);
   loop->dem_end = calloc(nbody, sizeof *loop->dem_end);
@@ -74,8 +75,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   if ((cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session)) ||
       !cpl_paths_init(&loop->paths, loop))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  if (!loop->sample_time || !loop->state_start || !loop->state_end || !loop->mean || !loop->history || !loop->load ||
-      !loop->packed || !loop->dem_end || !loop->radius || !loop->speed)
+  if (!loop->sample_time || !loop->row_time || !loop->state_start || !loop->state_end || !loop->mean ||
+      !loop->history || !loop->load || !loop->packed || !loop->dem_end || !loop->radius || !loop->speed)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_start[i] = session->body[i].state;
@@ -95,6 +96,7 @@ void cpl_loop_free(cpl_loop *loop) {
   free(loop->radius);
   free(loop->speed);
   free(loop->sample_time);
+  free(loop->row_time);
   free(loop->state_start);
   free(loop->state_end);
   free(loop->mean);
@@ -141,6 +143,11 @@ static void adapt(cpl_loop *loop) {
   loop->n = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, worst);
 }
 
+static void add_sample(cpl_loop *loop, double time, double row) {
+  loop->sample_time[loop->nsample] = time;
+  loop->row_time[loop->nsample++] = row;
+}
+
 /* The ends of the next window, and the output times in it. */
 static void open_window(cpl_loop *loop) {
   const cpl_settings *s = loop->settings;
@@ -163,14 +170,16 @@ static void open_window(cpl_loop *loop) {
     double time = (double)loop->next_sample * s->output_interval;
     if (time > loop->t1 + 1e-6 * s->dt)
       break;
-    loop->sample_time[loop->nsample++] = time < loop->t1 ? time : loop->t1;
+    add_sample(loop, time < loop->t1 ? time : loop->t1, time);
     loop->next_sample++;
   }
+  /* the last state, on the grid or not */
+  if (loop->step1 == total && (double)(loop->next_sample - 1) * s->output_interval < loop->t1 - 1e-6 * s->dt)
+    add_sample(loop, loop->t1, loop->t1);
 }
 
 tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
   open_window(loop);
-  uint64_t first_sample = loop->next_sample - (uint64_t)loop->nsample;
   tdm_status status = cpl_path_open(loop, err);
   if (status == TDM_OK)
     status = loop->scheme->advance(loop, err);
@@ -180,9 +189,9 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
     adapt(loop);
   for (int i = 0; i < loop->nbody; i++)
     loop->speed[i] = fmax(loop->speed[i], cpl_speed(&loop->state_end[i], loop->radius[i]));
-  status = cpl_record_samples(loop->record, first_sample, loop->nsample, loop->result, err);
+  status = cpl_record_samples(loop->record, loop->nsample, loop->row_time, loop->result, err);
   if (status == TDM_OK)
-    status = cpl_ledger_window(&loop->ledger, loop, first_sample, err);
+    status = cpl_ledger_window(&loop->ledger, loop, err);
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
   if (loop->proxy_block)
     keep_proxy(loop, loop->result[CPL_MBD].acceleration, &loop->result[CPL_MBD].mobility);

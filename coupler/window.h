@@ -37,6 +37,7 @@ typedef struct cpl_loop {
   long n_least, n_most;  /* of the windows so far; the last of the run left out, if it is cut */
   int nsample;           /* output times in (t0, t1] */
   double *sample_time;   /* (nsample) */
+  double *row_time;      /* (nsample) the same as the records have them: k times the interval, not rounded to a step */
   uint64_t next_sample;  /* number of the next output time on the grid */
 
   /* the bodies */

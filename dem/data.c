@@ -311,7 +311,7 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   dst->nrebuild = src->nrebuild;
   dst->ncontact = src->ncontact;
   dst->energy = src->energy;
-  dst->sample_count = src->sample_count;
+  dst->sample_steps = src->sample_steps;
   return true;
 }
 

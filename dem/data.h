@@ -203,7 +203,7 @@ typedef struct dem_data {
   /* means over the output interval, (model.nload + 1): as body_load, then of the contacts on fixed particles */
   tdm_wrench *sample_sum;
   tdm_wrench *sample_mean; /* the last sample's */
-  uint64_t sample_count;   /* steps in sample_sum */
+  double sample_steps;     /* steps in sample_sum; parts of one where an output time lies inside a step */
 
   /* not part of the state */
   dem_wall_contacts spare_walls; /* the list of before, at a rebuild */

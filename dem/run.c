@@ -18,6 +18,10 @@ typedef struct {
   tdm_alone alone;
   dem_run_settings settings;
 
+  int ndue;      /* rows of the time histories that the last window made */
+  double due[2]; /* (ndue) their times [s] */
+  double *rows;  /* (ndue x nchannel) */
+
   int nframe, frame_capacity; /* times written for ParaView */
   double *frame_time;         /* (nframe) [s] */
   dem_snapshot snapshot;
@@ -66,11 +70,22 @@ static tdm_status make_polygons(run_state *run, tdm_error *err) {
 }
 
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
+  const size_t n = (size_t)run->alone.ready.nchannel;
+  run->rows = calloc(2 * n + 1, sizeof *run->rows);
+  if (!run->rows)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  memcpy(run->rows, run->alone.ready.initial, n * sizeof *run->rows);
+  run->ndue = 1;
   if (tdm_alone_begin(&run->alone, err) != TDM_OK || take_snapshot(run, err) != TDM_OK)
     return err->status;
   run->bounds = dem_scene_bounds(dem_solver_data(run->alone.solver), &run->snapshot);
   dem_pictures_begin(&run->pictures, &run->settings.pictures, &run->alone.results, &run->bounds);
   return TDM_OK;
+}
+
+/* time reached [s] */
+static double now(const run_state *run) {
+  return (double)run->nstep * run->settings.time.dt;
 }
 
 static double row_time(const run_state *run) {
@@ -86,7 +101,7 @@ static tdm_status write_frame(run_state *run, tdm_error *err) {
     run->frame_time = time;
     run->frame_capacity = room;
   }
-  run->frame_time[run->nframe] = run->nframe * run->settings.particles_interval;
+  run->frame_time[run->nframe] = now(run); /* of the state that is shown, which is that of a step */
   if (make_polygons(run, err) != TDM_OK ||
       dem_vtp_particles(&run->alone.results, run->nframe, &run->snapshot, err) != TDM_OK ||
       dem_vtp_walls(&run->alone.results, run->nframe, &run->polygons, err) != TDM_OK)
@@ -101,7 +116,7 @@ static tdm_status draw(run_state *run, tdm_error *err) {
   int before = run->pictures.drawn;
   if (make_polygons(run, err) != TDM_OK)
     return err->status;
-  if (dem_picture_draw(&run->pictures, &run->snapshot, &run->polygons, &notice) != TDM_OK)
+  if (dem_picture_draw(&run->pictures, now(run), &run->snapshot, &run->polygons, &notice) != TDM_OK)
     tdm_fail(run->pictures.drawn > before ? &run->picture_notice : err, notice.status, NULL, "%s", notice.message);
   return err->status;
 }
@@ -121,25 +136,23 @@ static uint64_t row_step(const run_state *run) {
   return step_at(run, row_time(run));
 }
 
+static uint64_t least(uint64_t a, uint64_t b) {
+  return a < b ? a : b;
+}
+
 static uint64_t frame_step(const run_state *run) {
-  return run->settings.particles_interval > 0 ? step_at(run, run->nframe * run->settings.particles_interval)
-                                              : UINT64_MAX;
+  const double interval = run->settings.particles_interval;
+  return interval > 0 ? least(step_at(run, run->nframe * interval), tdm_total_steps(&run->settings.time)) : UINT64_MAX;
 }
 
 static uint64_t picture_step(const run_state *run) {
   return picture_left(run) ? step_at(run, run->settings.pictures.time[run->pictures.drawn]) : UINT64_MAX;
 }
 
-static uint64_t least(uint64_t a, uint64_t b) {
-  return a < b ? a : b;
-}
-
-/* a row on the grid; and one of the last state, which need not lie on it */
 static tdm_status write_due(run_state *run, tdm_error *err) {
-  bool due = run->nstep >= row_step(run), last = run->nstep == tdm_total_steps(&run->settings.time);
-  double time = due ? row_time(run) : (double)run->nstep * run->settings.time.dt;
-  if ((due || last) && tdm_alone_row(&run->alone, time, run->alone.values, err) != TDM_OK)
-    return err->status;
+  for (int k = 0; k < run->ndue; k++)
+    if (tdm_alone_row(&run->alone, run->due[k], run->rows + k * run->alone.ready.nchannel, err) != TDM_OK)
+      return err->status;
   bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
   if (frame || picture || run->settings.pictures.ntime > 0)
     if (take_snapshot(run, err) != TDM_OK || dem_pictures_watch(&run->pictures, &run->snapshot, err) != TDM_OK)
@@ -153,16 +166,24 @@ static tdm_status write_due(run_state *run, tdm_error *err) {
 
 /* ---- the loop ---- */
 
+/* the rows of a window that ends with step `end`: one of the grid, and one of the last state, on the grid or not */
+static void find_due(run_state *run, uint64_t end) {
+  const double dt = run->settings.time.dt, row = row_time(run), t1 = (double)end * dt;
+  run->ndue = 0;
+  if (end >= row_step(run))
+    run->due[run->ndue++] = row;
+  if (end == tdm_total_steps(&run->settings.time) && (run->ndue == 0 || row < t1 - 1e-6 * dt))
+    run->due[run->ndue++] = t1;
+}
+
 /* from the step reached to step `end`; the time histories are sampled there if they are due */
 static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   const dem_data *d = dem_solver_data(run->alone.solver);
-  double dt = run->settings.time.dt, sample = row_time(run), begin = tdm_clock();
-  const tdm_step step = {.t0 = (double)run->nstep * dt,
-                         .t1 = (double)end * dt,
-                         .nstep = end - run->nstep,
-                         .nsample = end >= row_step(run) || end == tdm_total_steps(&run->settings.time),
-                         .sample_time = &sample};
-  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->alone.values};
+  double dt = run->settings.time.dt, begin = tdm_clock();
+  find_due(run, end);
+  const tdm_step step = {
+      .t0 = now(run), .t1 = (double)end * dt, .nstep = end - run->nstep, .nsample = run->ndue, .sample_time = run->due};
+  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->rows};
   double nparticle = d->nparticle;
   if (dem_solver_ops.step(run->alone.solver, &step, &result, err) != TDM_OK)
     return err->status;
@@ -249,6 +270,7 @@ static void let_go(run_state *run) {
   dem_pictures_free(&run->pictures);
   dem_run_settings_free(&run->settings);
   free(run->frame_time);
+  free(run->rows);
   tdm_alone_free(&run->alone);
 }
 
@@ -276,7 +298,7 @@ static void print_scene(const run_state *run) {
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, ceil(s->time.end / s->interval - 1e-6) + 1);
   if (s->particles_interval > 0)
     printf("  %-28s every %g s: %.0f files\n", "particles for ParaView", s->particles_interval,
-           floor(s->time.end / s->particles_interval + 1e-6) + 1);
+           ceil(s->time.end / s->particles_interval - 1e-6) + 1);
   if (s->pictures.ntime > 0)
     printf("  %-28s %d\n", "pictures", s->pictures.ntime);
   printf("dem: %s\n", dem_solver_ops.software);

@@ -19,6 +19,7 @@
 #include "dem/state.h"
 #include "dem/step.h"
 #include "dem/supply.h"
+#include "dem/within.h"
 #include "protocol/log.h"
 #include "protocol/remark.h"
 
@@ -61,6 +62,7 @@ typedef struct {
   int nchannel;
   tdm_channel *channel; /* (nchannel) */
   double *initial;      /* (nchannel) */
+  double *before;       /* (nchannel) at the beginning of a step that an output time lies inside of */
   dem_report report;
   dem_data *slot[TDM_SLOTS_MAX]; /* states that were saved; NULL: none */
 } dem_solver;
@@ -211,7 +213,8 @@ static bool make_channels(dem_solver *s) {
     s->nchannel += count_channels(m, l);
   s->channel = calloc((size_t)s->nchannel, sizeof *s->channel);
   s->initial = calloc((size_t)s->nchannel, sizeof *s->initial);
-  if (!s->channel || !s->initial)
+  s->before = calloc((size_t)s->nchannel, sizeof *s->before);
+  if (!s->channel || !s->initial || !s->before)
     return false;
   memcpy(s->channel, channels, sizeof channels);
   tdm_channel *c = s->channel + NCHANNEL;
@@ -245,9 +248,9 @@ static bool make_channels(dem_solver *s) {
   return true;
 }
 
-static void add_load(tdm_wrench *sum, const tdm_wrench *load) {
-  sum->force = tdm_add(sum->force, load->force);
-  sum->moment = tdm_add(sum->moment, load->moment);
+static void add_load(tdm_wrench *sum, double weight, const tdm_wrench *load) {
+  sum->force = tdm_axpy(weight, load->force, sum->force);
+  sum->moment = tdm_axpy(weight, load->moment, sum->moment);
 }
 
 static tdm_wrench mean_load(const tdm_wrench *sum, double n) {
@@ -266,20 +269,50 @@ static void note_end(const dem_data *d, double t) {
   dem_flow_end(d, t);
 }
 
-/* Close the output interval: means since the sample before (which repeats if no step lies between), and channels. */
-static void close_sample(dem_solver *s, int j, tdm_result *result) {
+/* The share `share` of the present step, into the means of the output interval. */
+static void sum_loads(dem_data *d, double share, tdm_vec3 fixed) {
+  const int nload = d->model->nload;
+  for (int l = 0; l < nload; l++)
+    add_load(&d->sample_sum[l], share, &d->body_load[l]);
+  add_load(&d->sample_sum[nload], share, &(tdm_wrench){.force = fixed});
+  d->sample_steps += share;
+}
+
+/* Close the output interval: means since the sample before (which repeats if no time lies between), and channels, at
+ * `share` of the present step. */
+static void close_sample(dem_solver *s, int j, double share, double dt, tdm_result *result) {
   dem_data *d = s->data;
   int nc = s->model->ncoupled;
   for (int l = 0; l <= s->model->nload; l++) {
-    if (d->sample_count > 0)
-      d->sample_mean[l] = mean_load(&d->sample_sum[l], (double)d->sample_count);
+    if (d->sample_steps > 0)
+      d->sample_mean[l] = mean_load(&d->sample_sum[l], d->sample_steps);
     d->sample_sum[l] = (tdm_wrench){0};
   }
   for (int c = 0; c < nc && result->nload > 0; c++)
     result->sample_load[j * nc + c] = d->sample_mean[s->model->coupled_body[c]];
-  d->sample_count = 0;
-  if (result->nchannel == s->nchannel)
-    channel_values(d, &result->channel[j * s->nchannel]);
+  d->sample_steps = 0;
+  if (result->nchannel == s->nchannel) {
+    double *values = &result->channel[j * s->nchannel];
+    channel_values(d, values);
+    if (share < 1)
+      dem_channels_within(s->nchannel, s->channel, share, dt, s->before, values);
+  }
+}
+
+/* Step k of the window, which ended at t, is done: its loads into the means, and the output times up to t. The last
+ * step closes what is left. `fixed`: force on fixed particles before any came or went. */
+static void sample_step(dem_solver *s, const tdm_step *step, bool last, double t, double dt, tdm_vec3 fixed,
+                        int *sample, tdm_result *result) {
+  double from = 0;
+  for (; *sample < step->nsample && (last || step->sample_time[*sample] <= t + 1e-6 * dt); ++*sample) {
+    double share = dem_share_of_step(step->sample_time[*sample], t, dt);
+    if (share > from)
+      sum_loads(s->data, share - from, fixed);
+    from = fmax(from, share);
+    close_sample(s, *sample, share, dt, result);
+  }
+  if (from < 1)
+    sum_loads(s->data, 1 - from, fixed);
 }
 
 /* ---- create ---- */
@@ -469,6 +502,9 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
   int sample = 0;
 
   for (uint64_t k = 1; k <= step->nstep; k++) {
+    const double end = step_time(d, step, k - 1, dt) + dt;
+    if (sample < step->nsample && dem_share_of_step(step->sample_time[sample], end, dt) < 1)
+      channel_values(d, s->before);
     d->traction.wanted = m->triangle_forces && k == step->nstep; /* runs end windows where they write files */
     if (!advance(s, step, k, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
@@ -476,11 +512,8 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
 
     /* [L18] Eq. 2: the mean of the n samples after each step */
     for (int c = 0; c < m->ncoupled; c++)
-      add_load(&s->load[c], &d->body_load[m->coupled_body[c]]);
-    for (int l = 0; l < m->nload; l++)
-      add_load(&d->sample_sum[l], &d->body_load[l]);
-    add_load(&d->sample_sum[m->nload], &(tdm_wrench){.force = dem_fixed_force(d)});
-    d->sample_count++;
+      add_load(&s->load[c], 1, &d->body_load[m->coupled_body[c]]);
+    const tdm_vec3 fixed = dem_fixed_force(d);
 
     double t = step_time(d, step, k, dt);
     if (dem_guard(d, t, dt, err))
@@ -490,9 +523,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     if (!dem_flow(d, t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
 
-    /* the last step closes what is left */
-    while (sample < step->nsample && (t >= step->sample_time[sample] - 1e-6 * dt || k == step->nstep))
-      close_sample(s, sample++, result);
+    sample_step(s, step, k == step->nstep, t, dt, fixed, &sample, result);
     if (tdm_participant_alive(s->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
   }
@@ -541,6 +572,7 @@ static void destroy(void *self) {
   dem_model_destroy(&s->model);
   free(s->channel);
   free(s->initial);
+  free(s->before);
   free(s->motion);
   free(s->load);
   free(s);

@@ -42,7 +42,9 @@ typedef struct {
 
 /* numbers of dem_data that are no arrays */
 typedef struct {
-  uint64_t nstep, since_sort, ncontact, sample_count, restart, strain_steps;
+  uint64_t nstep, since_sort, ncontact;
+  double sample_steps;
+  uint64_t restart, strain_steps;
   double skin;
   double memory_dt, strained, strain_dt;
   dem_ledger ledger;
@@ -152,7 +154,7 @@ static counters counters_of(const dem_data *d) {
                     .since_sort = d->since_sort,
                     .skin = d->skin,
                     .ncontact = (uint64_t)d->ncontact,
-                    .sample_count = d->sample_count,
+                    .sample_steps = d->sample_steps,
                     .restart = d->restart,
                     .strain_steps = d->strain_steps,
                     .memory_dt = d->memory_dt,
@@ -346,7 +348,7 @@ static bool get_run(const reader *r, dem_data *d, counters *c) {
     return false;
   d->nstep = c->nstep;
   d->ncontact = (long)c->ncontact;
-  d->sample_count = c->sample_count;
+  d->sample_steps = c->sample_steps;
   d->restart = c->restart != 0;
   d->memory_dt = c->memory_dt;
   d->strained = c->strained;

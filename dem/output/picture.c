@@ -107,6 +107,7 @@ tdm_status dem_pictures_watch(dem_pictures *p, const dem_snapshot *s, tdm_error 
 
 void dem_pictures_free(dem_pictures *p) {
   free(p->born);
+  free(p->time);
   *p = (dem_pictures){0};
 }
 
@@ -222,7 +223,7 @@ static void write_panel(FILE *f, const dem_pictures *p, int number) {
           "plot 'picture_%03d.dat' index 0 using 1:2 with filledcurves closed fc rgb '#c4c4c4', \\\n"
           "  '' index 0 using 1:2 with lines lc rgb '#505050', \\\n"
           "  '' index 1 using 1:2:3:4 with circles lc palette\n",
-          p->low[0], p->high[0], p->low[1], p->high[1], p->settings->time[number], number);
+          p->low[0], p->high[0], p->low[1], p->high[1], p->time[number], number);
 }
 
 /* pixels of a panel's drawing area */
@@ -264,9 +265,14 @@ static tdm_status write_data(const dem_pictures *p, const dem_snapshot *s, const
   return close_file(p, f, err);
 }
 
-tdm_status dem_picture_draw(dem_pictures *p, const dem_snapshot *s, const dem_polygons *walls, tdm_error *err) {
+tdm_status dem_picture_draw(dem_pictures *p, double t, const dem_snapshot *s, const dem_polygons *walls,
+                            tdm_error *err) {
   char name[64];
-  double size[2];
+  double size[2], *time = realloc(p->time, ((size_t)p->drawn + 1) * sizeof *time);
+  if (!time)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  p->time = time;
+  p->time[p->drawn] = t;
   snprintf(name, sizeof name, "picture_%03d", p->drawn);
   if (write_data(p, s, walls, err) != TDM_OK)
     return err->status;

@@ -41,6 +41,7 @@ typedef struct {
   const tdm_results *results;           /* borrowed */
   double low[2], high[2];               /* shown: across, up [m] */
   int drawn;                            /* pictures so far */
+  double *time;                         /* (drawn) of the states that they show [s] */
   int64_t nborn;                        /* particles whose start is known */
   size_t capacity;
   tdm_vec3 *born; /* (nborn) position of each id when first seen [m] */
@@ -57,9 +58,10 @@ void dem_pictures_begin(dem_pictures *pictures, const dem_picture_settings *sett
 /* Note where new particles are. */
 tdm_status dem_pictures_watch(dem_pictures *pictures, const dem_snapshot *snapshot, tdm_error *err);
 
-/* Draw the state at the next time of the settings. A missing gnuplot is an error that the caller may take as a notice.
+/* Draw the state of the time `t` [s], the step that the next time of the settings lies in or at. A missing gnuplot is
+ * an error that the caller may take as a notice.
  */
-tdm_status dem_picture_draw(dem_pictures *pictures, const dem_snapshot *snapshot, const dem_polygons *walls,
+tdm_status dem_picture_draw(dem_pictures *pictures, double t, const dem_snapshot *snapshot, const dem_polygons *walls,
                             tdm_error *err);
 
 /* pictures.png: all that were drawn, in a row. */
