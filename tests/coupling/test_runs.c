@@ -148,7 +148,7 @@ START_TEST(the_grid_does_not_depend_on_n) {
   }
   cpl_table t;
   read_body(&t, "fine");
-  ck_assert_int_eq(t.nrow, 334); /* 0, 3e-4, ... 0.0999 */
+  ck_assert_int_eq(t.nrow, 335); /* 0, 3e-4, ... 0.0999, and the last state at 0.1 */
   cpl_table_free(&t);
   directory_remove(dir);
 }
