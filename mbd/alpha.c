@@ -36,8 +36,7 @@ static void evaluate(mbd_alpha *s, double t, const double *y) {
   s->data->stats.residuals++;
 }
 
-/* out = [M x + G^T l; G x] with (x, l) = in, at the last evaluation */
-static void multiply(const mbd_alpha *s, const double *in, double *out) {
+void mbd_alpha_multiply(const mbd_alpha *s, const double *in, double *out) {
   const double *lambda = in + s->nv;
   double *row = out + s->nv;
   memset(row, 0, (size_t)s->model->nrow * sizeof(double));
@@ -109,15 +108,18 @@ static bool solve_mass(mbd_alpha *s, const double *r) {
     memset(s->x, 0, (size_t)s->n * sizeof(double));
     double last = INFINITY;
     for (int i = 0; i < 6; i++) {
-      multiply(s, s->x, s->dx);
+      mbd_alpha_multiply(s, s->x, s->dx);
       for (int k = 0; k < s->n; k++)
         s->dx[k] = r[k] - s->dx[k];
       mbd_lu_solve(s->now.mass, s->dx);
       for (int k = 0; k < s->n; k++)
         s->x[k] += s->dx[k];
       double change = largest(s->dx, s->nv), size = largest(s->x, s->nv);
-      if (change <= 1e-11 * size)
+      if (change <= 1e-11 * size) {
+        if (i > 3)
+          s->now.mass_made = false; /* worn: the next solution makes its own */
         return true;
+      }
       if (!(change < 0.1 * last))
         break;
       last = change;
@@ -130,76 +132,54 @@ static bool solve_mass(mbd_alpha *s, const double *r) {
 
 /* ---- the load ---- */
 
-/* The line over [t, t + h] with the mean and first moment of the window's mbd_alpha_load: exact for its eight
- * coefficients by Gauss's rule with five points. */
-static void fit_line(mbd_alpha *s, double t, double h) {
-  static const double point[5] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831, 0.9061798459386640};
-  static const double weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
-                                   0.2369268850561891};
-  const mbd_data *d = s->data;
-  s->line.t0 = t;
-  s->line.t1 = t + h;
-  s->line.n = d->nload > 0 ? 2 : 0;
-  for (int c = 0; c < s->model->ncoupled; c++) {
-    tdm_wrench mean = {{0, 0, 0}, {0, 0, 0}}, moment = mean;
-    for (int k = 0; k < 5; k++) {
-      tdm_wrench w = mbd_load_at(d, c, t + 0.5 * h * (1 + point[k]));
-      mean = mbd_alpha_along(mean, 0.5 * weight[k], w);
-      moment = mbd_alpha_along(moment, 0.5 * weight[k] * point[k], w);
-    }
-    s->line.load[2 * c] = mbd_alpha_along(mean, -3, moment);
-    s->line.load[2 * c + 1] = (tdm_wrench){tdm_scale(6, moment.force), tdm_scale(6, moment.moment)};
-  }
-}
-
-/* Exchange data's load and the step's. */
-static void swap_load(mbd_alpha *s) {
-  mbd_data *d = s->data;
-  mbd_alpha_load other = {d->load_t0, d->load_t1, d->nload, d->load};
-  d->load_t0 = s->line.t0;
-  d->load_t1 = s->line.t1;
-  d->nload = s->line.n;
-  d->load = s->line.load;
-  s->line = other;
-}
-
-/* The jump of the load (order 0) or its slope (1) from the last step's end to the line into s->r; false: none. */
-static bool load_jump(mbd_alpha *s, double h, int order) {
+bool mbd_alpha_respond(mbd_alpha *s, double t) {
   const mbd_model *m = s->model;
-  bool jumps = false;
-  memset(s->r, 0, (size_t)s->n * sizeof(double));
-  for (int c = 0; c < m->ncoupled; c++) {
-    tdm_wrench zero = {{0, 0, 0}, {0, 0, 0}}, *now = &s->now.load[2 * c + order];
-    tdm_wrench to = s->line.n ? mbd_alpha_along(zero, order == 1 ? 1 / h : 1, s->line.load[2 * c + order]) : zero;
-    tdm_wrench jump = mbd_alpha_along(to, -1, *now);
-    mbd_set3(s->r + 6 * m->coupled[c], jump.force);
-    mbd_set3(s->r + 6 * m->coupled[c] + 3, jump.moment);
-    jumps = jumps || tdm_norm(jump.force) > 0 || tdm_norm(jump.moment) > 0;
-    *now = to;
-  }
-  return jumps;
-}
-
-/* Vdot and the rise at (t, y0) respond to the jump from the last step's load to the line. */
-static bool respond(mbd_alpha *s, double t, double h) {
-  bool evaluated = false;
-  for (int order = 0; order < 2; order++) {
-    if (!load_jump(s, h, order))
+  const mbd_data *d = s->data;
+  s->responded = true;
+  memset(s->X, 0, TDM_LOAD_MAX * (size_t)s->n * sizeof(double));
+  if (m->ncoupled == 0 || d->nload == 0)
+    return true;
+  evaluate(s, t, s->y0);
+  for (int j = 0; j < d->nload; j++) {
+    memset(s->r, 0, (size_t)s->n * sizeof(double));
+    for (int c = 0; c < m->ncoupled; c++)
+      memcpy(s->r + 6 * m->coupled[c], &d->load[c * d->nload + j], sizeof(tdm_wrench));
+    if (largest(s->r, s->nv) == 0)
       continue;
-    if (!evaluated)
-      evaluate(s, t, s->y0);
-    evaluated = true;
     if (!solve_mass(s, s->r))
       return false;
-    for (int i = 0; i < s->nv; i++)
-      if (order == 0)
-        s->now.vdot[i] += s->x[i];
-      else
-        s->now.rise[i] += (s->am - s->af) * s->x[i];
-    for (int i = 0; i < s->model->nrow && order == 0; i++)
-      s->now.lambda[i] += s->x[s->nv + i];
+    memcpy(s->X + j * s->n, s->x, (size_t)s->n * sizeof(double));
   }
   return true;
+}
+
+void mbd_alpha_response(const mbd_alpha *s, double t, double *out) {
+  const mbd_data *d = s->data;
+  const double at = d->load_t1 > d->load_t0 ? (t - d->load_t0) / (d->load_t1 - d->load_t0) : 0;
+  memset(out, 0, (size_t)s->n * sizeof(double));
+  for (int j = d->nload - 1; j >= 0; j--)
+    for (int k = 0; k < s->n; k++)
+      out[k] = at * out[k] + s->X[j * s->n + k];
+}
+
+/* X, P and S of the step from t to t1 */
+static void respond(mbd_alpha *s, double t, double t1) {
+  const mbd_data *d = s->data;
+  const double H = d->load_t1 - d->load_t0, from = H > 0 ? (t - d->load_t0) / H : 0,
+               to = H > 0 ? (t1 - d->load_t0) / H : 0;
+  double before = from, after = to; /* to the power of j + 1 */
+  mbd_alpha_response(s, t, s->X0);
+  mbd_alpha_response(s, t1, s->X1);
+  memset(s->P, 0, (size_t)s->nv * sizeof(double));
+  memset(s->S, 0, (size_t)s->nv * sizeof(double));
+  for (int j = 0; j < d->nload; j++, before *= from, after *= to) {
+    const double p = H * (after - before) / (j + 1);
+    const double q = H * H * ((after * to - before * from) / (j + 2) - before * (to - from)) / (j + 1);
+    for (int k = 0; k < s->nv; k++) {
+      s->P[k] += p * s->X[j * s->n + k];
+      s->S[k] += q * s->X[j * s->n + k];
+    }
+  }
 }
 
 /* ---- poses ---- */
@@ -218,15 +198,19 @@ void mbd_alpha_place(const mbd_model *model, double *y, const double *y0, const 
   }
 }
 
+/* a at the end of the step, of component k */
+static double next_a(const mbd_alpha *s, int k) {
+  return ((1 - s->af) * (s->vdot1[k] - s->X1[k]) + s->af * s->now.w[k] - s->am * s->now.a[k]) / (1 - s->am);
+}
+
 /* y1 from y0 and vdot1 over h */
 static void place_end(mbd_alpha *s, double h) {
   for (int b = 0; b < s->model->nbody; b++)
     for (int i = 0; i < 6; i++) {
       int k = 6 * b + i, v = MBD_BODY_UNKNOWNS * b + MBD_V + i;
-      double vdot = s->now.vdot[k], a = vdot + h * s->now.rise[k];
-      double a1 = ((1 - s->af) * s->vdot1[k] + s->af * vdot - s->am * a) / (1 - s->am);
-      s->move[k] = h * s->y0[v] + h * h * ((0.5 - s->beta) * a + s->beta * a1);
-      s->y1[v] = s->y0[v] + h * ((1 - s->gamma) * a + s->gamma * a1);
+      double a = s->now.a[k], a1 = next_a(s, k);
+      s->move[k] = h * s->y0[v] + h * h * ((0.5 - s->beta) * a + s->beta * a1) + s->S[k];
+      s->y1[v] = s->y0[v] + h * ((1 - s->gamma) * a + s->gamma * a1) + s->P[k];
     }
   mbd_alpha_place(s->model, s->y1, s->y0, s->move);
 }
@@ -297,17 +281,43 @@ static void find_rounding(mbd_alpha *s) {
   s->rounding[1] = 4e-15 * turn;
 }
 
-/* One correction of vdot1, lambda1 and y1; returns its size in positions and angles, in units of what
- * rounding leaves. */
-static double correct(mbd_alpha *s, double h) {
+double mbd_alpha_by_mass(const mbd_alpha *s, int b, const double *x) {
+  tdm_vec3 along = mbd_get3(x), about = mbd_get3(x + 3);
+  return s->model->body[b].mass * tdm_dot(along, along) + tdm_dot(about, tdm_m3_mul(s->inertia[b], about));
+}
+
+/* sqrt(x M x) of x (nv) */
+static double size_of(const mbd_alpha *s, const double *x) {
+  double sum = 0;
+  for (int b = 0; b < s->model->nbody; b++)
+    sum += mbd_alpha_by_mass(s, b, x + 6 * b);
+  return sqrt(sum);
+}
+
+/* the same of the velocities in y */
+static double motion_of(const mbd_alpha *s, const double *y) {
+  double sum = 0;
+  for (int b = 0; b < s->model->nbody; b++)
+    sum += mbd_alpha_by_mass(s, b, y + MBD_BODY_UNKNOWNS * b + MBD_V);
+  return sqrt(sum);
+}
+
+/* how far a correction went: in positions and angles, in units of what rounding leaves, and sqrt(dVdot M dVdot) */
+typedef struct {
+  double position, acceleration;
+} correction;
+
+/* One correction of vdot1, lambda1 and y1. `closed`: the constraints are closed to rounding, and what is left of them
+ * does not count: divided by h^2 it would. */
+static correction correct(mbd_alpha *s, double h, bool closed) {
   double by_position = h * h * s->beta * (1 - s->af) / (1 - s->am);
   memcpy(s->x, s->vdot1, (size_t)s->nv * sizeof(double));
   memcpy(s->x + s->nv, s->lambda1, (size_t)s->model->nrow * sizeof(double));
-  multiply(s, s->x, s->dx);
+  mbd_alpha_multiply(s, s->x, s->dx);
   for (int k = 0; k < s->nv; k++)
     s->dx[k] = s->Q[k] - s->dx[k];
   for (int k = s->nv; k < s->n; k++)
-    s->dx[k] = -s->g[k - s->nv] / by_position;
+    s->dx[k] = closed ? 0 : -s->g[k - s->nv] / by_position;
   mbd_lu_solve(s->now.step, s->dx);
   for (int k = 0; k < s->nv; k++)
     s->vdot1[k] += s->dx[k];
@@ -317,36 +327,72 @@ static double correct(mbd_alpha *s, double h) {
   double size = 0;
   for (int k = 0; k < s->nv; k += 3)
     size = fmax(size, largest(s->dx + k, 3) / s->rounding[k % 6 / 3]);
-  return by_position * size;
+  return (correction){by_position * size, size_of(s, s->dx)};
 }
 
-/* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. */
-static bool newton(mbd_alpha *s, double t1, double h) {
-  double last = 0;
-  memcpy(s->vdot1, s->now.vdot, (size_t)s->nv * sizeof(double));
-  memcpy(s->lambda1, s->now.lambda, (size_t)s->model->nrow * sizeof(double));
+/* Where Newton starts. */
+static void predict(mbd_alpha *s, double h) {
+  for (int k = 0; k < s->nv; k++)
+    s->guess[k] = s->vdot1[k] = s->now.w[k] + h * s->now.slope[k] + s->X1[k];
+  for (int k = 0; k < s->model->nrow; k++)
+    s->lambda1[k] = s->now.lambda[k] + h * s->now.lambda_slope[k] + s->X1[s->nv + k];
   place_end(s, h);
+}
+
+/* What of Vdot1 may be left, sqrt(dVdot M dVdot): little against the local error, or rounding. */
+static double negligible(mbd_alpha *s, double h) {
+  const double little = 0.02, rounding = 1e-13;
+  double change = 0;
+  for (int b = 0; b < s->model->nbody; b++) {
+    double d[6];
+    for (int i = 0; i < 6; i++)
+      d[i] = s->vdot1[6 * b + i] - s->guess[6 * b + i];
+    change += mbd_alpha_by_mass(s, b, d);
+  }
+  return fmax(little * fabs(s->c3) * sqrt(change), rounding * (size_of(s, s->vdot1) + 1e-4 * motion_of(s, s->y1) / h));
+}
+
+/* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. Positions go down to what rounding leaves
+ * first, then accelerations: what is left of them is no way to speak of in a short step, but adds up over many. */
+static bool newton(mbd_alpha *s, double t1, double h) {
+  const double fastest =
+      0.1; /* a rate is not taken for better: rounding of the constraints may be in the change before */
+  correction last = {0, 0};
+  bool closed = false, fresh = false;
+  int since = 0; /* corrections with these factors on constraints that were closed */
+  predict(s, h);
   for (int total = 0, i = 0; total < ITERATIONS_MAX; total++, i++) {
     evaluate(s, t1, s->y1);
     if (total == 0)
       find_rounding(s);
-    if (fabs(s->now.step_length - h) > 1e-6 * h && !make_step(s, h)) /* windows differ by rounding */
+    if (fabs(s->now.step_length - h) > 1e-6 * h) { /* windows differ by rounding */
+      if (!make_step(s, h))
+        return false;
+      fresh = true;
+    }
+    correction now = correct(s, h, closed);
+    since += closed;
+    double rate = i > 0 ? now.position / last.position : 0;
+    double slower = i > 0 ? fmax(fastest, now.acceleration / last.acceleration) : 1;
+    if (!(now.position < 1e18)) /* or not a number */
       return false;
-    double size = correct(s, h), rate = i > 0 ? size / last : 0;
-    if (!(size < 1e18)) /* or not a number */
-      return false;
-    if (size <= 0.01 || (i > 0 && (size <= 1 || (rate < 0.3 && rate * size <= 0.1)))) {
+    closed =
+        closed || now.position <= 0.01 || (i > 0 && (now.position <= 1 || (rate < 0.3 && rate * now.position <= 0.1)));
+    if (closed && slower * now.acceleration <= negligible(s, h)) {
       if (i > 3)
         s->now.step_length = 0; /* worn out: the next step makes its own */
       return true;
     }
-    last = size;
-    if (rate > 0.3) { /* the matrix does not fit here */
+    last = now;
+    if (since > 1 && slower > 0.3 && fresh) /* rounding does not let it go on */
+      return true;
+    if (closed ? since > 1 && slower > 0.3 : rate > 0.3) { /* the matrix does not fit here */
       s->now.step_length = 0;
       i = -1;
+      since = 0;
     }
   }
-  return last <= 100; /* it stopped where rounding did not let it go on */
+  return closed || last.position <= 100; /* it stopped where rounding did not let it go on */
 }
 
 /* Put the velocities of y1 onto the constraints, at the last evaluation, which was there. */
@@ -356,7 +402,7 @@ static bool project(mbd_alpha *s) {
   for (int b = 0; b < s->model->nbody; b++)
     memcpy(s->x + 6 * b, s->y1 + MBD_BODY_UNKNOWNS * b + MBD_V, 6 * sizeof(double));
   memset(s->x + s->nv, 0, (size_t)s->model->nrow * sizeof(double));
-  multiply(s, s->x, s->r);
+  mbd_alpha_multiply(s, s->x, s->r);
   memset(s->r, 0, (size_t)s->nv * sizeof(double));
   for (int k = s->nv; k < s->n; k++)
     s->r[k] = -s->r[k] - s->g_t[k - s->nv];
@@ -401,46 +447,39 @@ static bool refine_reactions(mbd_alpha *s, double t1) {
   return true;
 }
 
-/* x M x of body b's part of x (nv), at the last evaluation */
-static double by_mass(const mbd_alpha *s, int b, const double *x) {
-  tdm_vec3 along = mbd_get3(x + 6 * b), about = mbd_get3(x + 6 * b + 3);
-  return s->model->body[b].mass * tdm_dot(along, along) + tdm_dot(about, tdm_m3_mul(s->inertia[b], about));
-}
-
-/* Does the acceleration of a body change by more than itself in a step h, at the rate `rise`? Bodies that hardly take
- * part do not count. */
-static bool stiff(const mbd_alpha *s, double h) {
-  double all = 0;
+/* Does the acceleration vdot of a body change by more than itself in a step h, at the rate `slope`? Bodies that hardly
+ * take part do not count. */
+static bool stiff(const mbd_alpha *s, double h, const double *vdot) {
+  const double all = size_of(s, vdot);
   for (int b = 0; b < s->model->nbody; b++)
-    all += by_mass(s, b, s->now.vdot);
-  for (int b = 0; b < s->model->nbody; b++)
-    if (h * h * by_mass(s, b, s->now.rise) > by_mass(s, b, s->now.vdot) + 1e-4 * all)
+    if (h * h * mbd_alpha_by_mass(s, b, s->now.slope + 6 * b) >
+        mbd_alpha_by_mass(s, b, vdot + 6 * b) + 1e-4 * all * all)
       return true;
   return false;
 }
 
-/* The first step after a start, where `rise` is d(Vdot)/dt. Forces that are stiff in a step do not begin it with what
- * they are now, but with what Newton's matrix lets them become. */
+/* The first step after a start, where `slope` is dw/dt. Forces that are stiff in a step do not begin it with what they
+ * are now, but with what Newton's matrix lets them become. */
 static bool relax(mbd_alpha *s, double t, double h) {
-  const size_t nv = (size_t)s->nv * sizeof(double), nrow = (size_t)s->model->nrow * sizeof(double);
   s->now.started = false;
   evaluate(s, t, s->y0);
-  bool stiffly = stiff(s, h);
-  for (int k = 0; k < s->nv; k++)
-    s->now.rise[k] *= stiffly ? 0 : s->am - s->af;
-  if (!stiffly)
+  for (int k = 0; k < s->n; k++) /* Vdot and lambda */
+    s->x[k] = s->X0[k] + (k < s->nv ? s->now.w[k] : s->now.lambda[k - s->nv]);
+  if (!stiff(s, h, s->x))
     return true;
-  memset(s->move, 0, nv);
-  memcpy(s->vdot1, s->now.vdot, nv);
-  memcpy(s->lambda1, s->now.lambda, nrow);
-  memcpy(s->x, s->now.vdot, nv);
-  memcpy(s->x + s->nv, s->now.lambda, nrow);
-  multiply(s, s->x, s->dx);
+  memset(s->move, 0, (size_t)s->nv * sizeof(double));
+  memset(s->now.slope, 0, (size_t)s->nv * sizeof(double));
+  memset(s->now.lambda_slope, 0, (size_t)s->model->nrow * sizeof(double));
+  memcpy(s->vdot1, s->x, (size_t)s->nv * sizeof(double));
+  memcpy(s->lambda1, s->x + s->nv, (size_t)s->model->nrow * sizeof(double));
+  mbd_alpha_multiply(s, s->x, s->dx);
   if (!make_step(s, h))
     return false;
   mbd_lu_solve(s->now.step, s->dx);
-  memcpy(s->now.vdot, s->dx, nv);
-  memcpy(s->now.lambda, s->dx + s->nv, nrow);
+  for (int k = 0; k < s->nv; k++)
+    s->now.w[k] = s->now.a[k] = s->dx[k] - s->X0[k];
+  for (int k = s->nv; k < s->n; k++)
+    s->now.lambda[k - s->nv] = s->dx[k] - s->X0[k];
   s->now.step_length = 0;
   return true;
 }
@@ -452,6 +491,14 @@ static bool turned_little(const mbd_alpha *s) {
     if (!(tdm_norm(mbd_get3(s->move + 6 * b + 3)) <= mbd_turn_most))
       return false;
   return true;
+}
+
+/* a belongs to the step before. Of its distance from w the part that goes with the step is taken along; what is left
+ * of a jump is not, and dies away: it would grow with growing steps. */
+static void lengthen(mbd_alpha *s, double h) {
+  const double by = (s->am - s->af) * (h - s->now.last);
+  for (int k = 0; k < s->nv; k++)
+    s->now.a[k] += by * s->now.slope[k];
 }
 
 /* y1 with the normal forces of frictions as they are. */
@@ -490,31 +537,47 @@ static bool solve_with_normals(mbd_alpha *s, double t1, double h) {
 
 bool mbd_alpha_step(mbd_alpha *s, double t, double t1) {
   const double h = t1 - t;
+  respond(s, t, t1);
   bool good = !s->now.started || relax(s, t, h);
-  fit_line(s, t, h);
-  good = good && respond(s, t, h);
-  swap_load(s);
+  lengthen(s, h);
   good = good && solve_with_normals(s, t1, h) && refine_reactions(s, t1);
-  swap_load(s);
   if (!good)
     s->now.step_length = 0;
   return good;
 }
 
+void mbd_alpha_copy(const mbd_alpha *s, mbd_alpha_memory *to, const mbd_alpha_memory *from) {
+  const size_t nv = (size_t)s->nv * sizeof(double), nrow = (size_t)s->model->nrow * sizeof(double);
+  memcpy(to->w, from->w, nv);
+  memcpy(to->slope, from->slope, nv);
+  memcpy(to->a, from->a, nv);
+  memcpy(to->lambda, from->lambda, nrow);
+  memcpy(to->lambda_slope, from->lambda_slope, nrow);
+  memcpy(to->speed, from->speed, (size_t)s->model->nbody * sizeof(double));
+  to->last = from->last;
+  to->wanted = from->wanted;
+  to->started = from->started;
+}
+
 void mbd_alpha_accept(mbd_alpha *s, double t1, double h) {
   const mbd_model *m = s->model;
-  memcpy(s->Q, s->now.vdot, (size_t)s->nv * sizeof(double));
   for (int i = 0; i < s->nv; i++) {
-    double vdot = s->now.vdot[i], a = vdot + h * s->now.rise[i];
-    double a1 = ((1 - s->af) * s->vdot1[i] + s->af * vdot - s->am * a) / (1 - s->am);
-    s->now.rise[i] = (a1 - s->vdot1[i]) / h;
+    const double w = s->vdot1[i] - s->X1[i];
+    s->Q[i] = s->now.w[i] + s->X0[i];
+    s->now.a[i] = next_a(s, i);
+    s->now.slope[i] = (w - s->now.w[i]) / h;
+    s->now.w[i] = w;
   }
-  memcpy(s->now.vdot, s->vdot1, (size_t)s->nv * sizeof(double));
-  memcpy(s->lambda0, s->now.lambda, (size_t)m->nrow * sizeof(double));
-  memcpy(s->now.lambda, s->lambda1, (size_t)m->nrow * sizeof(double));
-  for (int c = 0; c < m->ncoupled; c++) /* from the line's start to its end */
-    s->now.load[2 * c] = mbd_alpha_along(s->now.load[2 * c], h, s->now.load[2 * c + 1]);
+  for (int i = 0; i < m->nrow; i++) {
+    const double lambda = s->lambda1[i] - s->X1[s->nv + i];
+    s->lambda0[i] = s->now.lambda[i] + s->X0[s->nv + i];
+    s->now.lambda_slope[i] = (lambda - s->now.lambda[i]) / h;
+    s->now.lambda[i] = lambda;
+  }
   memcpy(s->y1 + mbd_index_lambda(m, 0), s->lambda1, (size_t)m->nrow * sizeof(double));
+  for (int b = 0; b < m->nbody; b++)
+    s->now.speed[b] = fmax(s->now.speed[b], mbd_alpha_speed(s, b, s->y1));
+  s->now.last = h;
   s->data->stats.steps++;
   mbd_accept(m, s->data, t1, s->y1);
 }

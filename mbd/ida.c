@@ -8,6 +8,7 @@
 #include "mbd/integrator.h"
 #include "mbd/jacobian.h"
 #include "mbd/linear_solver.h"
+#include "mbd/pace.h"
 #include "mbd/residual.h"
 #include "mbd/stick.h"
 #include "mbd/vector.h"
@@ -36,8 +37,8 @@ typedef struct {
   N_Vector trial, rate; /* the mechanism's where IDA asks for the residual */
   N_Vector sample, id, atol;
   mbd_impulse *impulse;
-  double reached; /* end of the last step [s] */
-  int npoint;     /* ends of the last steps without trouble, oldest first */
+  mbd_pace pace; /* IDA's clock; tau: a time by it [s] */
+  int npoint;    /* ends of the last steps without trouble, oldest first */
   double point_t[POINTS_MAX], *point_y[POINTS_MAX], point_mu[POINTS_MAX]; /* largest |mu| there */
   long failures;                                                          /* convergence failures up to then */
   double regular;                                                         /* spread of pivots at the start */
@@ -49,7 +50,6 @@ typedef struct {
   bool over;               /* the last step went over a singular position */
   bool fresh;              /* the Jacobian belongs to the current step */
   bool started;
-  double stop;       /* stop time that IDA knows [s] */
   mbd_stats before;  /* counters from before the last (re)start */
   char message[256]; /* IDA's last complaint */
 } ida_solver;
@@ -59,6 +59,8 @@ static const double multiplier_tolerance = 1e10;
 /* Newton's iteration stops at this share of the tolerances: smaller than IDA's 0.33 so that the constraints hold well.
  */
 static const double newton_coefficient = 0.003;
+/* and at this share of that where windows of one step follow each other. */
+static const double short_steps = 1e-4;
 
 /* The modified corrector's absolute tolerance of velocities, beside that of displacements: they follow from these. */
 static const double loose = 1e4;
@@ -88,7 +90,7 @@ static void choose_index(ida_solver *ida, const double *y) {
   ida->data->index3 = order > 1 && rounding * reach < share * loose * m->solver.absolute_tolerance * h;
 }
 
-/* y and yp of the mechanism at IDA's unknowns (zp, yp: NULL) */
+/* y and yp of the mechanism at time t at IDA's unknowns (zp, yp: NULL) */
 static void from_ida(const ida_solver *ida, double t, N_Vector z, N_Vector zp, N_Vector y, N_Vector yp) {
   const size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
   memcpy(N_VGetArrayPointer(y), N_VGetArrayPointer(z), size);
@@ -97,8 +99,9 @@ static void from_ida(const ida_solver *ida, double t, N_Vector z, N_Vector zp, N
   mbd_impulse_add(ida->impulse, t, 1, N_VGetArrayPointer(y), yp ? N_VGetArrayPointer(yp) : NULL);
 }
 
-static int residual(realtype t, N_Vector z, N_Vector zp, N_Vector r, void *user) {
+static int residual(realtype tau, N_Vector z, N_Vector zp, N_Vector r, void *user) {
   ida_solver *ida = user;
+  const double t = mbd_pace_true(&ida->pace, tau);
   from_ida(ida, t, z, zp, ida->trial, ida->rate);
   choose_index(ida, N_VGetArrayPointer(ida->trial));
   mbd_residual(ida->model, ida->data, t, N_VGetArrayPointer(ida->trial), N_VGetArrayPointer(ida->rate),
@@ -106,11 +109,12 @@ static int residual(realtype t, N_Vector z, N_Vector zp, N_Vector r, void *user)
   return 0;
 }
 
-static int jacobian(realtype t, realtype cj, N_Vector z, N_Vector zp, N_Vector r, SUNMatrix matrix, void *user,
+static int jacobian(realtype tau, realtype cj, N_Vector z, N_Vector zp, N_Vector r, SUNMatrix matrix, void *user,
                     N_Vector w1, N_Vector w2, N_Vector w3) {
   (void)r, (void)matrix, (void)w1, (void)w2, (void)w3;
   ida_solver *ida = user;
   mbd_sparse *j = ida->jacobian;
+  const double t = mbd_pace_true(&ida->pace, tau);
   ida->fresh = true;
   from_ida(ida, t, z, zp, ida->trial, ida->rate);
   choose_index(ida, N_VGetArrayPointer(ida->trial));
@@ -122,7 +126,7 @@ static int jacobian(realtype t, realtype cj, N_Vector z, N_Vector zp, N_Vector r
 /* Weights of the error test: by the mechanism's unknowns, at the end of the last step. */
 static int weigh(N_Vector z, N_Vector weight, void *user) {
   ida_solver *ida = user;
-  from_ida(ida, ida->reached, z, NULL, ida->trial, NULL);
+  from_ida(ida, ida->pace.t, z, NULL, ida->trial, NULL);
   const double *y = N_VGetArrayPointer(ida->trial), *atol = N_VGetArrayPointer(ida->atol);
   double *w = N_VGetArrayPointer(weight);
   for (int i = 0; i < mbd_nunknown(ida->model); i++)
@@ -132,24 +136,29 @@ static int weigh(N_Vector z, N_Vector weight, void *user) {
 
 /* Newton's convergence test. IDA's own takes the rate of an earlier step for the first iteration; on constraints, which
  * a stale Jacobian and a scaled correction leave open, that rate is too good. Here a step has two iterations unless the
- * first correction is negligible itself, and the rate is always its own. */
+ * first correction is rounding itself, and the rate is always its own. Where windows keep the steps short, what each of
+ * them leaves adds up over many: there the iteration goes on almost to rounding. */
 static int converged(SUNNonlinearSolver newton, N_Vector y, N_Vector correction, realtype tolerance, N_Vector weight,
                      void *user) {
   (void)y;
   ida_solver *ida = user;
   int iteration = 0;
   double norm = N_VWrmsNorm(correction, weight);
+  const double rounding = 4 * DBL_EPSILON / ida->model->solver.relative_tolerance;
+  const double enough = ida->pace.count > 0 ? fmin(tolerance, fmax(4 * rounding, short_steps * tolerance)) : tolerance;
   SUNNonlinSolGetCurIter(newton, &iteration);
   if (iteration == 0) {
     ida->first_correction = norm;
-    return norm <= 0.01 * tolerance ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
+    return norm <= fmin(0.01 * tolerance, rounding) ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
   }
+  if (norm <= fmin(0.01 * tolerance, rounding))
+    return SUN_NLS_SUCCESS;
   double rate = pow(norm / ida->first_correction, 1.0 / iteration);
   if (ida->fresh && (rate > 0.9 || iteration >= 3) && norm <= stagnation)
     return SUN_NLS_SUCCESS;
   if (rate > 0.9)
     return SUN_NLS_CONV_RECVR;
-  return rate / (1 - rate) * norm <= tolerance ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
+  return rate / (1 - rate) * norm <= enough ? SUN_NLS_SUCCESS : SUN_NLS_CONTINUE;
 }
 
 static void complain(int code, const char *module, const char *function, char *text, void *user) {
@@ -305,7 +314,7 @@ static bool restart(ida_solver *ida, double t) {
     return false;
   mbd_impulse_begin(ida->impulse, ida->model, ida->data, ida->kkt, t, y);
   mbd_impulse_zero_at(ida->impulse, t);
-  ida->reached = t;
+  mbd_pace_reset(&ida->pace, t);
   memcpy(N_VGetArrayPointer(ida->z), y, size);
   memcpy(N_VGetArrayPointer(ida->zp), yp, size);
   mbd_impulse_add(ida->impulse, t, -1, N_VGetArrayPointer(ida->z), N_VGetArrayPointer(ida->zp));
@@ -341,14 +350,17 @@ static tdm_status start(void *self, double t, tdm_error *err) {
 
 /* ---- a window ---- */
 
-/* Tell IDA where the next step must end at the latest: at t1, or half way when the step that IDA wants would leave a
- * rest smaller than itself, so that no window ends with a sliver that the next step has to grow out of. */
-static int set_stop(ida_solver *ida, double t, double t1) {
-  double h = 0, stop = t1;
-  if (IDAGetCurrentStep(ida->mem, &h) == IDA_SUCCESS && h > 0 && h < (1 - 1e-9) * (t1 - t) && 2 * h > t1 - t)
-    stop = t + 0.5 * (t1 - t);
-  ida->stop = stop;
-  return IDASetStopTime(ida->mem, stop);
+/* Tell IDA where the next step must end at the latest, and how long it may be. Returns that time by its clock. */
+static double set_stop(ida_solver *ida, double t0, double t1) {
+  const double longest = ida->model->solver.max_step, before = ida->pace.longest;
+  double wanted = 0;
+  IDAGetCurrentStep(ida->mem, &wanted);
+  double stop = mbd_pace_stop(&ida->pace, t0, t1, wanted);
+  if (ida->pace.longest != before)
+    IDASetMaxStep(ida->mem,
+                  ida->pace.longest > 0 && !(longest > 0 && longest < ida->pace.longest) ? ida->pace.longest : longest);
+  IDASetStopTime(ida->mem, stop);
+  return stop;
 }
 
 /* What may help, and is not so already. */
@@ -483,12 +495,19 @@ static double step_over(ida_solver *ida, double t, double t1) {
 
 /* ---- samples ---- */
 
+/* Time t of the last step by IDA's clock. */
+static double inside(const ida_solver *ida, double t) {
+  double length = 0, tau = ida->pace.tau - (ida->pace.t - t);
+  IDAGetLastStep(ida->mem, &length);
+  return fmax(tau, ida->pace.tau - length);
+}
+
 /* The unknowns at time t inside the last step, or in what was stepped over. */
 static const double *unknowns_at(void *self, double t) {
   ida_solver *ida = self;
   if (ida->over)
     extrapolate(ida, t, ida->sample);
-  else if (IDAGetDky(ida->mem, t, 0, ida->sample) != IDA_SUCCESS)
+  else if (IDAGetDky(ida->mem, inside(ida, t), 0, ida->sample) != IDA_SUCCESS)
     return NULL;
   else
     mbd_impulse_add(ida->impulse, t, 1, N_VGetArrayPointer(ida->sample), NULL);
@@ -517,14 +536,10 @@ static tdm_status samples(ida_solver *ida, double from, double t, int *next, int
 }
 
 /* One step from *t, or over a singular position; or a new start of the integrator there. */
-static tdm_status step(ida_solver *ida, double *t, double t1, bool *again, tdm_error *err) {
-  double reached = *t;
-  int flag = set_stop(ida, *t, t1);
-  if (flag == IDA_SUCCESS)
-    flag = IDASolve(ida->mem, t1, &reached, ida->z, ida->zp, IDA_ONE_STEP);
-  if (flag == IDA_TSTOP_RETURN)
-    reached = ida->stop;
-  ida->reached = reached;
+static tdm_status step(ida_solver *ida, double *t, double t0, double t1, bool *again, tdm_error *err) {
+  double tau = ida->pace.tau, stop = set_stop(ida, t0, t1);
+  int flag = IDASolve(ida->mem, stop, &tau, ida->z, ida->zp, IDA_ONE_STEP);
+  double reached = mbd_pace_reach(&ida->pace, tau, flag == IDA_TSTOP_RETURN);
   from_ida(ida, reached, ida->z, ida->zp, ida->y, ida->yp);
   double over = flag < 0 || in_trouble(ida) ? step_over(ida, reached, t1) : reached;
   ida->over = over > reached;
@@ -604,7 +619,7 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no consistent accelerations at t = %.9g s %s", start, ida->message);
   for (long nstep = 1; t < t1; nstep++) {
     double from = t;
-    if (step(ida, &t, t1, &again, err))
+    if (step(ida, &t, start, t1, &again, err))
       return err->status;
     if (ida->stop_fn && ida->stop_fn(ida->stop_context))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HALVINGS_MAX = 12 };
+enum { FAILURES_MAX = 15 };
 
 static const double turn_wanted = 1;  /* of a body in a step [rad] */
 static const double steps_most = 1e7; /* in a window */
@@ -21,21 +21,27 @@ static double *array(int n) {
   return calloc((size_t)n + 1, sizeof(double));
 }
 
-static bool memory_create(mbd_alpha_memory *m, const mbd_model *model, int nv) {
-  m->vdot = array(nv);
-  m->rise = array(nv);
+static bool memory_create(mbd_alpha_memory *m, const mbd_model *model, int nv, bool factors) {
+  m->w = array(nv);
+  m->a = array(nv);
+  m->slope = array(nv);
   m->lambda = array(model->nrow);
-  m->load = calloc(2 * (size_t)model->ncoupled + 1, sizeof *m->load);
-  m->step = mbd_lu_create(nv + model->nrow);
-  m->mass = mbd_lu_create(nv + model->nrow);
-  return m->vdot && m->rise && m->lambda && m->load && m->step && m->mass;
+  m->lambda_slope = array(model->nrow);
+  m->speed = array(model->nbody);
+  if (factors) {
+    m->step = mbd_lu_create(nv + model->nrow);
+    m->mass = mbd_lu_create(nv + model->nrow);
+  }
+  return m->w && m->a && m->slope && m->lambda && m->lambda_slope && m->speed && (!factors || (m->step && m->mass));
 }
 
 static void memory_free(mbd_alpha_memory *m) {
-  free(m->vdot);
-  free(m->rise);
+  free(m->w);
+  free(m->a);
+  free(m->slope);
+  free(m->speed);
   free(m->lambda);
-  free(m->load);
+  free(m->lambda_slope);
   mbd_lu_destroy(&m->step);
   mbd_lu_destroy(&m->mass);
 }
@@ -55,21 +61,25 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   s->af = rho / (rho + 1);
   s->gamma = 0.5 + s->af - s->am;
   s->beta = 0.25 * (s->gamma + 0.5) * (s->gamma + 0.5);
+  const double shift = s->am - s->af + 0.5;
+  s->c2 = 0.5 * (s->am - s->af) + s->beta - 1.0 / 6;
+  s->c3 = 0.5 * (1 - s->af) - (1 - s->am - s->gamma) * shift - 1.0 / 6;
   s->nv = 6 * model->nbody;
   s->n = s->nv + model->nrow;
-  double **arrays[] = {&s->vdot1, &s->move, &s->Q, &s->lambda0, &s->lambda1, &s->g, &s->g_t, &s->r, &s->x, &s->dx};
-  bool good = memory_create(&s->now, model, s->nv);
+  double **arrays[] = {&s->vdot1, &s->guess, &s->move, &s->Q,  &s->lambda0, &s->lambda1, &s->g, &s->g_t,
+                       &s->r,     &s->x,     &s->dx,   &s->X0, &s->X1,      &s->P,       &s->S};
+  bool good = memory_create(&s->now, model, s->nv, true) && memory_create(&s->before, model, s->nv, false);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     good = (*arrays[i] = array(s->n)) && good;
   s->normal = array(model->nfriction);
   s->y0 = array(mbd_nunknown(model));
   s->y1 = array(mbd_nunknown(model));
   s->work = array(mbd_nunknown(model));
-  s->line.load = calloc(2 * (size_t)model->ncoupled + 1, sizeof *s->line.load);
+  s->X = array(TDM_LOAD_MAX * s->n);
   s->inertia = calloc((size_t)model->nbody + 1, sizeof *s->inertia);
   s->turned = calloc((size_t)model->nbody + 1, sizeof *s->turned);
   s->rows = calloc((size_t)model->npart + 1, sizeof *s->rows);
-  if (!good || !s->normal || !s->y0 || !s->y1 || !s->work || !s->line.load || !s->inertia || !s->turned || !s->rows)
+  if (!good || !s->normal || !s->y0 || !s->y1 || !s->work || !s->X || !s->inertia || !s->turned || !s->rows)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%d unknowns)", s->n);
   return TDM_OK;
 }
@@ -79,11 +89,11 @@ static void destroy(void *self) {
   if (!s)
     return;
   memory_free(&s->now);
-  double *arrays[] = {s->vdot1, s->move, s->Q,  s->lambda0, s->lambda1, s->g,    s->g_t,
-                      s->r,     s->x,    s->dx, s->y0,      s->y1,      s->work, s->normal};
+  memory_free(&s->before);
+  double *arrays[] = {s->vdot1, s->guess, s->move, s->Q,    s->lambda0, s->lambda1, s->g,  s->g_t, s->r, s->x,
+                      s->dx,    s->y0,    s->y1,   s->work, s->X,       s->X0,      s->X1, s->P,   s->S, s->normal};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
-  free(s->line.load);
   free(s->inertia);
   free(s->turned);
   free(s->rows);
@@ -111,7 +121,7 @@ static void interpolate(mbd_alpha *s, double at, double h) {
     for (int i = 0; i < 6; i++) {
       move[6 * b + i] = cubic(at, 0, h * u0[MBD_V + i], D[i], h * end[i]);
       s->work[MBD_BODY_UNKNOWNS * b + MBD_V + i] =
-          cubic(at, u0[MBD_V + i], h * s->Q[6 * b + i], u1[MBD_V + i], h * s->now.vdot[6 * b + i]);
+          cubic(at, u0[MBD_V + i], h * s->Q[6 * b + i], u1[MBD_V + i], h * s->vdot1[6 * b + i]);
     }
   }
   mbd_alpha_place(s->model, s->work, s->y0, move);
@@ -158,19 +168,23 @@ static tdm_status give_samples(mbd_alpha *s, samples *to, double t, double t1, t
 
 /* ---- friction that begins or ceases to stick ---- */
 
+/* A step from t to t1, whatever was tried before. */
+static bool step_to(mbd_alpha *s, double t, double t1) {
+  mbd_alpha_copy(s, &s->now, &s->before);
+  return mbd_alpha_step(s, t, t1);
+}
+
 /* The state after a step that ends at time t. */
 static const double *stepped_to(void *self, double t) {
   mbd_alpha *s = self;
   if (t <= s->from)
     return s->y0;
-  return mbd_alpha_step(s, s->from, t) ? s->y1 : NULL;
+  return step_to(s, s->from, t) ? s->y1 : NULL;
 }
 
-/* A step from t to *t1, or to where a friction ends its mode (*ends) before that; false: it failed. */
-static bool step_to_end(mbd_alpha *s, double t, double *t1, bool *ends) {
-  *ends = false;
-  if (!mbd_alpha_step(s, t, *t1))
-    return false;
+/* A step from t to *t1 has been made: shorten it to where a friction ends its mode (*ends) before that. false: that
+ * failed. */
+static bool cut(mbd_alpha *s, double t, double *t1, bool *ends) {
   *ends = mbd_stick_margin(s->model, s->data, s->kkt, *t1, s->y1) < 0;
   if (!*ends)
     return true;
@@ -178,7 +192,7 @@ static bool step_to_end(mbd_alpha *s, double t, double *t1, bool *ends) {
   const double least = 1e-8 * (*t1 - t); /* no slivers on either side */
   double end = fmax(t + least, mbd_stick_locate(s->model, s->data, s->kkt, t, *t1, stepped_to, s));
   *t1 = end < *t1 - least ? end : *t1;
-  return mbd_alpha_step(s, t, *t1);
+  return step_to(s, t, *t1);
 }
 
 static tdm_status start(void *self, double t, tdm_error *err);
@@ -189,44 +203,86 @@ static tdm_status settle(mbd_alpha *s, double t, tdm_error *err) {
   if (!mbd_stick_settle(s->model, s->data, s->kkt, t, s->y0, &changed))
     return mbd_stick_refuse(t, err);
   memcpy(s->data->y, s->y0, (size_t)mbd_nunknown(s->model) * sizeof(double));
-  return changed ? start(s, t, err) : TDM_OK;
-}
-
-/* One step, or where it fails two halves of it; and the rest where a friction ends its mode on the way. */
-static tdm_status advance_by(mbd_alpha *s, double t, double t1, samples *to, int halvings, tdm_error *err) {
-  bool ends;
-  double end = t1;
-  if (s->stop_fn && s->stop_fn(s->stop_context))
-    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
-  if (step_to_end(s, t, &end, &ends)) {
-    mbd_alpha_accept(s, end, end - t);
-    if (give_samples(s, to, t, end, err))
-      return err->status;
-    memcpy(s->y0, s->y1, (size_t)mbd_nunknown(s->model) * sizeof(double));
-    if (ends && settle(s, end, err))
-      return err->status;
-    return end < t1 ? advance_by(s, end, t1, to, halvings, err) : TDM_OK;
-  }
-  s->data->stats.convergence_failures++;
-  if (halvings == HALVINGS_MAX)
-    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
-                    "the integration failed at t = %.9g s with steps down to %.3g s. The load on a body jumped or grew "
-                    "without bound, or the mechanism is in a singular position: try shorter windows or a smaller "
-                    "mbd.solver.max_step",
-                    t, t1 - t);
-  double middle = 0.5 * (t + t1);
-  if (advance_by(s, t, middle, to, halvings + 1, err))
+  mbd_alpha_copy(s, &s->before, &s->now);
+  if (!changed || start(s, t, err))
     return err->status;
-  return advance_by(s, middle, t1, to, halvings + 1, err);
+  memcpy(s->now.speed, s->before.speed, (size_t)s->model->nbody * sizeof(double));
+  return TDM_OK;
 }
 
-/* The number of even steps to go on with over `rest` [s]: none longer than `longest` (0: no limit), and no body turns
- * by much more than turn_wanted in one. */
+/* The number of even steps over `rest` [s] that are none longer than `longest` (0: no limit), and in which no body
+ * turns by much more than turn_wanted. */
 static double steps_for(const mbd_alpha *s, double rest, double longest) {
   double n = longest > 0 ? rest / longest : 0;
   for (int b = 0; b < s->model->nbody; b++)
     n = fmax(n, rest * tdm_norm(mbd_get3(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_W)) / turn_wanted);
-  return fmax(1, ceil(n * (1 - 1e-9)));
+  return n;
+}
+
+/* What the error of a step of h lets the next one be, or itself where it was too large: the error goes with the cube of
+ * the step. Steps stay as they are where they hardly could be longer, so that Newton's matrix serves on. */
+static double want(const mbd_alpha *s, double h, double error) {
+  const double factor = 0.9 / cbrt(fmax(error, 1e-6));
+  if (error > 1)
+    return h * fmin(fmax(factor, 0.1), 0.7);
+  return factor < 1 ? factor * h : factor > 1.5 ? fmin(factor, 4) * h : fmax(h, s->now.wanted);
+}
+
+/* Try a step from t to *t1, or to where a friction ends its mode (*ends) before that; false: it is to be tried again,
+ * shorter. */
+static bool try(mbd_alpha *s, double t, double *t1, bool *ends) {
+  const double h = *t1 - t;
+  mbd_alpha_copy(s, &s->before, &s->now);
+  bool good = mbd_alpha_step(s, t, *t1);
+  double error = good ? mbd_alpha_error(s, h) : 0;
+  if (good && error <= 1 && cut(s, t, t1, ends)) {
+    s->failures = 0;
+    s->now.wanted = want(s, h, error);
+    return true;
+  }
+  mbd_alpha_copy(s, &s->now, &s->before);
+  good = good && error > 1;
+  s->now.wanted = good ? want(s, h, error) : 0.25 * h;
+  s->failures += good ? 0 : 1;
+  *(good ? &s->data->stats.error_failures : &s->data->stats.convergence_failures) += 1;
+  return false;
+}
+
+/* The number of even steps to go on with from t to t1 into *n: those of steps_for, or what the error test wants. */
+static tdm_status plan(const mbd_alpha *s, double t, double t1, double longest, double *n, tdm_error *err) {
+  const double even = steps_for(s, t1 - t, longest);
+  *n = fmax(1, ceil(fmax(even, s->now.wanted > 0 ? (t1 - t) / s->now.wanted : 0) * (1 - 1e-9)));
+  if (s->stop_fn && s->stop_fn(s->stop_context))
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
+  if (s->failures > FAILURES_MAX || !(t + (t1 - t) / *n > t))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "the integration failed at t = %.9g s with steps down to %.3g s. The load on a body jumped or grew "
+                    "without bound, a force jumps, or the mechanism is in a singular position: try shorter windows or "
+                    "a larger mbd.solver.relative_tolerance",
+                    t, (t1 - t) / *n);
+  if (even > steps_most)
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "at t = %.9g s the rest of a window, %.3g s, needs %.3g steps, one for each radian that the "
+                    "fastest body turns or each mbd.solver.max_step; more than %.0e are not tried. Check velocities "
+                    "and loads, or try shorter windows",
+                    t, t1 - t, even, steps_most);
+  return TDM_OK;
+}
+
+/* Many steps that cover hardly any of a window go nowhere. */
+static tdm_status gets_on(mbd_alpha *s, double t, double window, tdm_error *err) {
+  const long many = 20000;
+  const double hardly = 1e-5;
+  if (++s->since < many)
+    return TDM_OK;
+  if (t - s->mark < hardly * window)
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "the integration stands still at t = %.9g s: the last %ld steps cover %.3g s. A force is too stiff "
+                    "or jumps: try a larger mbd.solver.relative_tolerance, a softer force, or shorter windows",
+                    t, many, t - s->mark);
+  s->since = 0;
+  s->mark = t;
+  return TDM_OK;
 }
 
 static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
@@ -235,43 +291,72 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
   mbd_data *data = s->data;
   const double window = t1 - data->t, max_step = s->model->solver.max_step;
   const double longest = max_step > 0 || nsample < 2 ? max_step : window / nsample;
+  const size_t size = (size_t)mbd_nunknown(s->model) * sizeof(double);
   samples to = {0, nsample, sample_time, sample, context};
-  memcpy(s->y0, data->y, (size_t)mbd_nunknown(s->model) * sizeof(double));
-  memcpy(s->y1, data->y, (size_t)mbd_nunknown(s->model) * sizeof(double));
+  memcpy(s->y0, data->y, size);
+  memcpy(s->y1, data->y, size);
   if (mbd_stick_margin(s->model, data, s->kkt, data->t, s->y0) < 0 && settle(s, data->t, err)) /* the load jumps */
     return err->status;
-  for (double t = data->t, end; t < t1; t = end) {
-    double n = steps_for(s, t1 - t, longest);
-    if (n > steps_most)
-      return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
-                      "at t = %.9g s the rest of a window, %.3g s, needs %.3g steps, one for each radian that the "
-                      "fastest body turns or each mbd.solver.max_step; more than %.0e are not tried. Check velocities "
-                      "and loads, or try shorter windows",
-                      t, t1 - t, n, steps_most);
-    end = n > 1 ? t + (t1 - t) / n : t1;
-    if (advance_by(s, t, end, &to, 0, err))
+  s->failures = 0;
+  s->since = 0;
+  s->mark = data->t;
+  if (!s->responded && !mbd_alpha_respond(s, data->t))
+    return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
+                    "no response to the load at t = %.9g s: the mechanism is in a singular position", data->t);
+  for (double t = data->t; t < t1;) {
+    double n;
+    if (plan(s, t, t1, longest, &n, err))
+      return err->status;
+    double end = n > 1 ? t + (t1 - t) / n : t1;
+    bool ends;
+    if (!try(s, t, &end, &ends))
+      continue;
+    mbd_alpha_accept(s, end, end - t);
+    if (give_samples(s, &to, t, end, err))
+      return err->status;
+    memcpy(s->y0, s->y1, size);
+    t = end;
+    if (ends && settle(s, t, err))
+      return err->status;
+    if (gets_on(s, t, window, err))
       return err->status;
   }
+  s->responded = false; /* to the next load */
   data->t = t1;
-  memcpy(data->y, s->y0, (size_t)mbd_nunknown(s->model) * sizeof(double));
+  memcpy(data->y, s->y0, size);
   return TDM_OK;
 }
 
 /* ---- start ---- */
 
-/* Accelerations at the start, and how they rise: from those a moment later on the parabola. */
+/* Accelerations and reactions at the start, and how they rise: from those a moment later on the parabola. */
 static tdm_status start(void *self, double t, tdm_error *err) {
   mbd_alpha *s = self;
   const mbd_model *m = s->model;
   mbd_data *d = s->data;
   const double moment = d->load_t1 > t ? 1e-3 * (d->load_t1 - t) : 1e-6;
   mbd_kkt_reset(s->kkt); /* the start must not depend on what was before */
-  bool good = mbd_accelerations(m, d, s->kkt, t, d->y);
-  memcpy(s->now.vdot, d->acceleration, (size_t)s->nv * sizeof(double));
-  memcpy(s->now.lambda, d->lambda, (size_t)m->nrow * sizeof(double));
+  s->now = (mbd_alpha_memory){.w = s->now.w,
+                              .slope = s->now.slope,
+                              .a = s->now.a,
+                              .lambda = s->now.lambda,
+                              .lambda_slope = s->now.lambda_slope,
+                              .speed = s->now.speed,
+                              .step = s->now.step,
+                              .mass = s->now.mass,
+                              .started = true};
+  memset(s->now.speed, 0, (size_t)m->nbody * sizeof(double));
+  memcpy(s->y0, d->y, (size_t)mbd_nunknown(m) * sizeof(double));
+  bool good = mbd_alpha_respond(s, t) && mbd_accelerations(m, d, s->kkt, t, d->y);
+  mbd_alpha_response(s, t, s->X0);
+  mbd_alpha_response(s, t + moment, s->X1);
+  for (int k = 0; k < s->nv; k++)
+    s->now.w[k] = s->now.a[k] = d->acceleration[k] - s->X0[k];
+  for (int k = 0; k < m->nrow; k++)
+    s->now.lambda[k] = d->lambda[k] - s->X0[s->nv + k];
   for (int b = 0; b < m->nbody; b++)
     for (int i = 0; i < 6; i++) {
-      double v = d->y[MBD_BODY_UNKNOWNS * b + MBD_V + i], vdot = s->now.vdot[6 * b + i];
+      double v = d->y[MBD_BODY_UNKNOWNS * b + MBD_V + i], vdot = d->acceleration[6 * b + i];
       s->move[6 * b + i] = moment * (v + 0.5 * moment * vdot);
       s->work[MBD_BODY_UNKNOWNS * b + MBD_V + i] = v + moment * vdot;
     }
@@ -280,16 +365,10 @@ static tdm_status start(void *self, double t, tdm_error *err) {
   if (!good)
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no consistent accelerations at the start, t = %g s; check joints and masses", t);
-  for (int i = 0; i < s->nv; i++)
-    s->now.rise[i] = (d->acceleration[i] - s->now.vdot[i]) / moment;
-  for (int c = 0; c < m->ncoupled; c++) {
-    tdm_wrench now = mbd_load_at(d, c, t), zero = {{0, 0, 0}, {0, 0, 0}};
-    s->now.load[2 * c] = now;
-    s->now.load[2 * c + 1] = mbd_alpha_along(zero, 1 / moment, mbd_alpha_along(mbd_load_at(d, c, t + moment), -1, now));
-  }
-  s->now.step_length = 0;
-  s->now.mass_made = false;
-  s->now.started = true;
+  for (int k = 0; k < s->nv; k++)
+    s->now.slope[k] = (d->acceleration[k] - s->X1[k] - s->now.w[k]) / moment;
+  for (int k = 0; k < m->nrow; k++)
+    s->now.lambda_slope[k] = (d->lambda[k] - s->X1[s->nv + k] - s->now.lambda[k]) / moment;
   d->t = t;
   return TDM_OK;
 }
@@ -301,14 +380,9 @@ static void stats(void *self) {
 /* ---- states in memory ---- */
 
 static bool copy_memory(const mbd_alpha *s, mbd_alpha_memory *to, const mbd_alpha_memory *from) {
-  const size_t nv = (size_t)s->nv * sizeof(double);
-  memcpy(to->vdot, from->vdot, nv);
-  memcpy(to->rise, from->rise, nv);
-  memcpy(to->lambda, from->lambda, (size_t)s->model->nrow * sizeof(double));
-  memcpy(to->load, from->load, 2 * (size_t)s->model->ncoupled * sizeof *to->load);
+  mbd_alpha_copy(s, to, from);
   to->step_length = from->step_length;
   to->mass_made = from->mass_made;
-  to->started = from->started;
   return mbd_lu_copy(to->step, from->step) && mbd_lu_copy(to->mass, from->mass);
 }
 
@@ -322,7 +396,7 @@ static tdm_status save(const void *self, void **kept, tdm_error *err) {
   const mbd_alpha *s = self;
   if (!*kept) {
     *kept = calloc(1, sizeof(mbd_alpha_memory));
-    if (*kept && !memory_create(*kept, s->model, s->nv)) {
+    if (*kept && !memory_create(*kept, s->model, s->nv, true)) {
       release(*kept);
       *kept = NULL;
     }

@@ -22,17 +22,13 @@ json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err) {
 }
 
 /* a copy of the section with the method in it */
-static json_t *with_method(const json_t *mbd, const scn_method *method, double tolerance, double absolute, double end) {
+static json_t *with_method(const json_t *mbd, const scn_method *method, double tolerance, double absolute) {
   json_t *copy = json_deep_copy(mbd), *solver = json_object_get(copy, "solver");
   json_object_set_new(copy, "formulation", json_string(method->formulation));
   json_object_set_new(copy, "corrector", json_string(method->corrector));
   if (!solver) {
     solver = json_object();
     json_object_set_new(copy, "solver", solver);
-  }
-  if (method->steps) {
-    json_object_set_new(solver, "max_step", json_real(tolerance * end));
-    return copy;
   }
   json_object_set_new(solver, "relative_tolerance", json_real(tolerance));
   if (absolute > 0)
@@ -110,7 +106,7 @@ tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *me
                           double end, int nstep, double budget, tdm_error *err) {
   *m = (scn_motion){0};
   engine e = {.motion = m};
-  json_t *scene = with_method(mbd, method, tolerance, absolute, end);
+  json_t *scene = with_method(mbd, method, tolerance, absolute);
   if (load(&e, scene, err) == TDM_OK && prepare(&e, end, nstep, err) == TDM_OK)
     integrate(&e, budget, err);
   if (e.integrator)

@@ -9,7 +9,6 @@
 typedef struct {
   const char *name; /* in tables and plots: "index3 modified" */
   const char *formulation, *corrector;
-  bool steps; /* takes equal steps: a tolerance is their length over that of the run */
 } scn_method;
 
 /* Zero-initialise; free with scn_motion_free, also after an error. */
