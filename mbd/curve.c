@@ -78,7 +78,7 @@ static void make(mbd_curve **curve, const gsl_interp_type *type, const double *x
 void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
   static const char *const names[] = {"cspline", "steffen", "periodic"};
   const gsl_interp_type *const types[] = {gsl_interp_cspline, gsl_interp_steffen, gsl_interp_cspline_periodic};
-  int kind = tdm_get_choice(o, "interpolation", names, 3, 0);
+  int kind = tdm_get_choice(o, "interpolation", names, 3, 1);
   if (!o->err->status)
     make(curve, types[kind], x, y, n, path, o->err);
 }

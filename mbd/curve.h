@@ -15,9 +15,9 @@ typedef struct {
   double y, slope, second;
 } mbd_curve_value;
 
-/* Read "interpolation" and make the curve through (x, y) (n); errors are at `path`. "cspline" (default) is a natural
- * cubic spline with continuous second derivative, "steffen" keeps between its points (continuous first derivative), and
- * "periodic" a cubic spline whose ends fit. The caller destroys *curve. */
+/* Read "interpolation" and make the curve through (x, y) (n); errors are at `path`. "steffen" (default) keeps
+ * between its points (continuous first derivative), "cspline" is a natural cubic spline with continuous second
+ * derivative, which overshoots, and "periodic" a cubic spline whose ends fit. The caller destroys *curve. */
 void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path);
 
 /* Read a table `key`: [[x...], [y...]], with "cspline" or "steffen" between its points. */

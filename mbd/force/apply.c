@@ -105,7 +105,7 @@ static void check_damper(const mbd_force *force, tdm_object *o) {
 void mbd_spring_load(mbd_force *f, tdm_object *o) {
   static const char *const between[] = {"cspline", "steffen"};
   if (tdm_has(o, "stiffness_table"))
-    mbd_curve_load_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 0) == 1);
+    mbd_curve_load_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 1) == 1);
   else
     f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_NOT_NEGATIVE);
   if (tdm_has(o, "damping_table"))

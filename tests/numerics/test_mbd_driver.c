@@ -31,7 +31,9 @@ START_TEST(test_laws) {
       {"{'motion':{'type':'harmonic','amplitude':2,'omega':3}}", 0, 6, 0},
       {"{'motion':{'type':'step','from':1,'to':3,'start':0.3,'rise':1}}", 1, 0, 0},
       /* x = t^3 - t, odd about 0, where a natural spline on symmetric points has no second derivative */
-      {"{'motion':{'type':'table','times':[-1,-0.5,0,0.5,1],'values':[0,0.375,0,-0.375,0]}}", 0, NAN, 0},
+      {"{'motion':{'type':'table','times':[-1,-0.5,0,0.5,1],'values':[0,0.375,0,-0.375,0],"
+       "'interpolation':'cspline'}}",
+       0, NAN, 0},
       {"{'motion':{'type':'table','times':[-1,0,0.7,2],'values':[0,1,3,3],'interpolation':'steffen','after':'hold'}}",
        1, NAN, NAN},
       {"{'motion':{'type':'table','times':[0,0.25,0.5,0.75,1],'values':[0,1,0,-1,0],'interpolation':'periodic'}}", 0,
@@ -83,6 +85,30 @@ START_TEST(test_law_file) {
   ck_assert_msg(strstr(err.message, "line 3") != NULL, "%s", err.message);
   mbd_motion_clear(&bad);
   json_decref(json);
+}
+END_TEST
+
+/* a table stays between its points unless the scene asks for a spline, which does not */
+START_TEST(test_law_between) {
+  static const char *const more[] = {"", ",'interpolation':'cspline'"};
+  for (int k = 0; k < 2; k++) {
+    char text[256];
+    snprintf(text, sizeof text, "{'motion':{'type':'table','times':[0,1,2,3,4,5],'values':[0,0,0,1,1,1]%s}}", more[k]);
+    mbd_motion m = motion_of(text);
+    double least = 0, most = 1;
+    for (double t = 0; t <= 5; t += 0.01) {
+      least = fmin(least, mbd_motion_at(&m, t).value);
+      most = fmax(most, mbd_motion_at(&m, t).value);
+    }
+    if (k == 0) {
+      CLOSE(least, 0, 1e-15);
+      CLOSE(most, 1, 1e-15);
+    } else {
+      ck_assert_double_gt(most, 1.1);
+      ck_assert_double_lt(least, -0.1);
+    }
+    mbd_motion_clear(&m);
+  }
 }
 END_TEST
 
@@ -392,5 +418,5 @@ START_TEST(test_start_velocities) {
 }
 END_TEST
 
-TEST_MAIN("mbd driver", 240, test_law, test_laws, test_law_ends, test_law_file, test_step_start, test_smooth_start,
+TEST_MAIN("mbd driver", 240, test_law, test_laws, test_law_between, test_law_ends, test_law_file, test_step_start, test_smooth_start,
           test_long_windows, test_load, test_rotors, test_work, test_start_velocities)
