@@ -4,6 +4,7 @@
 #include "coupler/record.h"
 #include "coupler/table.h"
 #include "protocol/input.h"
+#include "protocol/thin.h"
 
 #include <errno.h>
 #include <math.h>
@@ -47,12 +48,14 @@ static void panel_key(const char *name, char *key, size_t size) {
 /* The panels of one CSV file, in the order of its columns. */
 typedef struct {
   tdm_plot plot[PANELS_MAX];
+  tdm_plot_data data[PANELS_MAX];
   tdm_curve curve[CURVES_MAX];
   char key[PANELS_MAX][96], unit[PANELS_MAX][48], name[CURVES_MAX][96], using[CURVES_MAX][16];
+  int column[CURVES_MAX]; /* of the table, behind the time */
   int nplot, ncurve;
 } panels;
 
-static void add_column(panels *p, const char *file, const char *head, int column) {
+static void add_column(panels *p, const char *head, int column) {
   char name[96], key[96];
   const char *unit = strchr(head, '[');
   snprintf(name, sizeof name, "%.*s", (int)strcspn(head, " "), head);
@@ -71,8 +74,9 @@ static void add_column(panels *p, const char *file, const char *head, int column
     return;
   int c = p->ncurve++;
   snprintf(p->name[c], sizeof p->name[c], "%s", name);
-  snprintf(p->using[c], sizeof p->using[c], "1:%d", column);
-  p->curve[c] = (tdm_curve){file, p->using[c], p -> name[c], "lines"};
+  snprintf(p->using[c], sizeof p->using[c], "1:%d", p->plot[i].ncurve + 2);
+  p->curve[c] = (tdm_curve){NULL, p->using[c], p -> name[c], "lines"};
+  p->column[c] = column;
   p->plot[i].ncurve++;
 }
 
@@ -82,6 +86,34 @@ static bool has_numbers(const cpl_table *table, int column) {
   for (int i = 0; column < table->ncolumn && i < table->nrow; i++)
     some = some || isfinite(table->data[(size_t)column * (size_t)table->nrow + (size_t)i]);
   return some;
+}
+
+/* The panels with their data, thinned, as one picture. */
+static tdm_status plot_panels(const report *r, panels *p, const cpl_table *table, const char *picture, tdm_error *err) {
+  tdm_thin thin;
+  const int ncolumn = table->ncolumn - 1, nrow = table->nrow;
+  double *values = calloc((size_t)ncolumn + 1, sizeof *values);
+  bool good = tdm_thin_begin(&thin, ncolumn) && values;
+  for (int i = 0; i < nrow && good; i++) {
+    for (int c = 0; c < ncolumn; c++)
+      values[c] = table->data[(size_t)(c + 1) * (size_t)nrow + (size_t)i];
+    tdm_thin_add(&thin, table->data[i], values);
+  }
+  for (int i = 0; i < p->nplot && good; i++) {
+    const tdm_plot *plot = &p->plot[i];
+    double *rows = tdm_thin_table(&thin, p->column + (plot->curve - p->curve), plot->ncurve);
+    p->data[i] = (tdm_plot_data){rows, tdm_thin_rows(&thin), plot->ncurve + 1};
+    good = rows != NULL;
+  }
+  if (good)
+    tdm_plot_write_data(r->dir, picture, p->nplot, p->plot, p->data, err);
+  else
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  for (int i = 0; i < p->nplot; i++)
+    free(p->data[i].value);
+  free(values);
+  tdm_thin_free(&thin);
+  return err->status;
 }
 
 static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
@@ -102,10 +134,10 @@ static tdm_status plot_history(report *r, const char *path, tdm_error *err) {
     for (char *rest = line, *cell; (cell = strsep(&rest, ",")) != NULL;) {
       cell[strcspn(cell, "\r\n")] = 0;
       if (++column > 1 && has_numbers(&table, column - 1))
-        add_column(p, file, cell, column);
+        add_column(p, cell, column - 2);
     }
     tdm_error plot = {0};
-    if (p->nplot > 0 && tdm_plot_write(r->dir, picture, p->nplot, p->plot, &plot) == TDM_OK)
+    if (p->nplot > 0 && plot_panels(r, p, &table, picture, &plot) == TDM_OK)
       add_picture(r, picture);
     else if (p->nplot > 0 && !tdm_plot_interrupted())
       fprintf(stderr, "tandem: notice: %s\n", plot.message);
@@ -294,6 +326,19 @@ static tdm_status write_report(report *r, const json_t *scene, const cpl_scenari
   return err->status;
 }
 
+/* The results of a solver alone are no co-simulation's: they have their plots already. */
+static tdm_status refuse_alone(const char *dir, const json_t *scene, const json_t *summary, tdm_error *err) {
+  const char *software = json_string_value(json_object_get(summary, "software"));
+  if (!software || json_object_get(scene, "coupling"))
+    return TDM_OK;
+  bool mbd = json_object_get(scene, "mbd") != NULL;
+  return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                  "report: %s holds the results of tandem-%s run, which makes its plots itself: %s/%s%s; report is for "
+                  "results of tandem run",
+                  dir, mbd ? "mbd" : "dem", dir, mbd ? "motion.svg, reactions.svg, energies.svg" : "channels.svg",
+                  mbd ? "" : " and the pictures that the scene asks for");
+}
+
 tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error *err) {
   json_t *scene = tdm_results_read(dir, "scene.json", err);
   tdm_error lack = {0};
@@ -302,6 +347,8 @@ tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error 
     tdm_fail(err, lack.status, NULL, "%s", lack.message);
   else if (lack.status != TDM_OK) /* its histories are worth a look all the same */
     fprintf(stderr, "tandem: notice: no figures of the run: %s/summary.json cannot be read\n", dir);
+  if (summary)
+    refuse_alone(dir, scene, summary, err);
   report *r = calloc(1, sizeof *r);
   if (!r)
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");

@@ -318,12 +318,13 @@ tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err) {
 const tdm_alone_program dem_program = {
     .name = "tandem-dem",
     .help = "tandem-dem: the discrete element engine of tandem\n\n"
-            "  tandem-dem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict]\n"
+            "  tandem-dem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"
             "      Run a scene that has only particles: a JSON file, or the name of a scene in scenarios/dem.\n"
             "      Results go to DIR (default: run-out): time histories, particles for ParaView, pictures.\n"
             "      --force            replace the results of an earlier run in DIR\n"
             "      --set PATH=VALUE   override a value of the scene: --set time.end=2 --set dem.pairs[0].friction=0.3\n"
-            "      --strict           refuse a run that the solver has doubts about\n\n"
+            "      --strict           refuse a run that the solver has doubts about\n"
+            "      --no-plots         leave out the plots of time histories\n\n"
             "  tandem-dem check SCENE [--set PATH=VALUE ...] [--strict]\n"
             "      Load and settle the scene, print what would run, step limits and doubts, and end.\n\n"
             "  tandem-dem bench [OPTIONS]\n"

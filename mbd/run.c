@@ -288,12 +288,13 @@ tdm_status mbd_run_check(const tdm_alone_options *options, tdm_error *err) {
 const tdm_alone_program mbd_program = {
     .name = "tandem-mbd",
     .help = "tandem-mbd: the multibody solver of tandem\n\n"
-            "  tandem-mbd run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict]\n"
+            "  tandem-mbd run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"
             "      Run a scene that has only bodies: a JSON file, or the name of a scene in scenarios/mbd.\n"
             "      Results go to DIR (default: run-out): time histories, plots, a summary.\n"
             "      --force            replace the results of an earlier run in DIR\n"
             "      --set PATH=VALUE   override a value of the scene: --set time.end=2 --set mbd.bodies[0].mass=3\n"
-            "      --strict           refuse a run that the solver has doubts about\n\n"
+            "      --strict           refuse a run that the solver has doubts about\n"
+            "      --no-plots         leave out the plots of time histories\n\n"
             "  tandem-mbd check SCENE [--set PATH=VALUE ...] [--strict]\n"
             "      Load and assemble the scene, print what would run, degrees of freedom and doubts, and end.\n\n"
             "  tandem-mbd --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n"

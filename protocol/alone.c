@@ -119,12 +119,15 @@ tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
     fprintf(run->channels, ",%s [%s]", run->ready.channel[c].name, run->ready.channel[c].unit);
   fputc('\n', run->channels);
   run->moved = calloc((size_t)run->ready.nchannel + 1, sizeof *run->moved);
+  run->plots = !run->options->no_plots && tdm_thin_begin(&run->thin, run->ready.nchannel);
   return TDM_OK;
 }
 
 tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err) {
   tdm_write_row(run->channels, t, values, run->ready.nchannel);
   run->nrow++;
+  if (run->plots)
+    tdm_thin_add(&run->thin, t, values);
   for (int c = 0; c < run->ready.nchannel && run->moved; c++)
     run->moved[c] = run->moved[c] || values[c] != 0;
   double now = tdm_clock();
@@ -161,29 +164,62 @@ static bool any_moved(const tdm_alone *run, const char *const *of) {
   return any;
 }
 
-tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
-  enum { PANELS = 16, CURVES = 24 };
-  tdm_plot plot[PANELS] = {0};
+enum { PANELS = 16, CURVES = 24 };
+
+/* the panels of one file of plots */
+typedef struct {
+  tdm_plot plot[PANELS];
+  tdm_plot_data data[PANELS];
   tdm_curve curve[PANELS][CURVES];
   char using[PANELS][CURVES][16];
-  int nplot = 0;
-  bool some = any_moved(run, of); /* then what is zero throughout is left out */
-  for (int c = 0; c < run->ready.nchannel; c++) {
-    const tdm_channel *channel = &run->ready.channel[c];
-    int k = 0;
-    while (k < nplot && strcmp(plot[k].ylabel, channel->unit) != 0)
-      k++;
-    if (k == PANELS || !wanted(channel->name, of) || (some && !run->moved[c]))
-      continue;
-    if (k == nplot)
-      plot[nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = channel->unit, .curve = curve[k]};
-    int i = plot[k].ncurve;
-    if (i == CURVES)
-      continue;
-    snprintf(using[k][i], sizeof using[k][i], "1:%d", c + 2);
-    curve[k][plot[k].ncurve++] = (tdm_curve){"channels.csv", using[k][i], channel -> name, "lines lw 2"};
+  int channel[PANELS][CURVES], nplot;
+} panels;
+
+static void add_channel(panels *p, const tdm_alone *run, int c) {
+  const tdm_channel *channel = &run->ready.channel[c];
+  int k = 0;
+  while (k < p->nplot && strcmp(p->plot[k].ylabel, channel->unit) != 0)
+    k++;
+  if (k == PANELS)
+    return;
+  if (k == p->nplot)
+    p->plot[p->nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = channel->unit, .curve = p->curve[k]};
+  int i = p->plot[k].ncurve;
+  if (i == CURVES)
+    return;
+  snprintf(p->using[k][i], sizeof p->using[k][i], "1:%d", i + 2);
+  p->curve[k][i] = (tdm_curve){NULL, p->using[k][i], channel -> name, "lines lw 2"};
+  p->channel[k][p->plot[k].ncurve++] = c;
+}
+
+/* Give the panels their data; those without a number are dropped. */
+static void add_data(panels *p, const tdm_alone *run) {
+  int kept = 0;
+  for (int k = 0; k < p->nplot; k++) {
+    const int n = p->plot[k].ncurve;
+    double *table = tdm_thin_table(&run->thin, p->channel[k], n);
+    p->plot[kept] = p->plot[k];
+    p->data[kept] = (tdm_plot_data){table, tdm_thin_rows(&run->thin), n + 1};
+    kept += table != NULL;
   }
-  return nplot > 0 ? tdm_plot_write(run->results.dir, name, nplot, plot, err) : TDM_OK;
+  p->nplot = kept;
+}
+
+tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
+  bool some = any_moved(run, of); /* then what is zero throughout is left out */
+  panels *p = run->plots ? calloc(1, sizeof *p) : NULL;
+  if (!p)
+    return TDM_OK;
+  for (int c = 0; c < run->ready.nchannel; c++)
+    if (wanted(run->ready.channel[c].name, of) && (!some || run->moved[c]))
+      add_channel(p, run, c);
+  add_data(p, run);
+  if (p->nplot > 0)
+    tdm_plot_write_data(run->results.dir, name, p->nplot, p->plot, p->data, err);
+  for (int k = 0; k < p->nplot; k++)
+    free(p->data[k].value);
+  free(p);
+  return err->status;
 }
 
 /* ---- end ---- */
@@ -230,6 +266,7 @@ void tdm_alone_free(tdm_alone *run) {
     fprintf(stderr, "%s: notice: the results in %s stay as they are; the log of this start is in %s\n",
             run->program->name, run->results.home, run->results.dir);
   free(run->moved);
+  tdm_thin_free(&run->thin);
   tdm_log_open(NULL, run->program->ops->role);
   tdm_results_close(&run->results);
   run->program->ops->destroy(run->solver);

@@ -17,6 +17,7 @@
 #include "protocol/remark.h"
 #include "protocol/results.h"
 #include "protocol/scene.h"
+#include "protocol/thin.h"
 
 /* ---- the command line ---- */
 
@@ -26,6 +27,7 @@ typedef struct {
   const char *out;        /* result directory; not for a check */
   bool force;             /* replace the results of an earlier run */
   bool strict;            /* refuse a scene that the solver has doubts about */
+  bool no_plots;          /* leave out the plots of time histories */
 } tdm_alone_options;
 
 typedef struct {
@@ -63,6 +65,8 @@ typedef struct {
   double last_flush; /* wall clock [s] */
   uint64_t nrow;     /* rows of the time histories */
   bool *moved;       /* (nchannel) not zero in every row so far; NULL: out of memory */
+  tdm_thin thin;     /* the rows, as plots show them */
+  bool plots;        /* they are gathered there */
   double *values;    /* (nchannel) */
 } tdm_alone;
 
@@ -91,7 +95,7 @@ tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_err
 void tdm_alone_close(tdm_alone *run, tdm_error *err);
 
 /* Plot the channels whose names begin with one of `of` (NULL-terminated; NULL: all channels) as NAME.png and NAME.svg,
- * a panel a unit; what is zero throughout is left out. Nothing to plot is no error. */
+ * a panel a unit; what is zero throughout is left out, and all with no_plots. Nothing to plot is no error. */
 tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err);
 
 /* A new object with tandem, software, scene, machine, report, warnings, notices, status and error. Prints the last

@@ -10,15 +10,13 @@
 typedef struct {
   tdm_arguments given;
   const char *out, *scenarios;
-  bool force, strict;
+  bool force, strict, no_plots;
 } arguments;
 
 static tdm_status parse(arguments *a, const char *program, int argc, char **argv, tdm_error *err) {
-  const tdm_option options[] = {{"--out", &a->out, NULL},
-                                {"--scenarios", &a->scenarios, NULL},
-                                {"--set", NULL, NULL},
-                                {"--force", NULL, &a->force},
-                                {"--strict", NULL, &a->strict}};
+  const tdm_option options[] = {{"--out", &a->out, NULL},       {"--scenarios", &a->scenarios, NULL},
+                                {"--set", NULL, NULL},          {"--force", NULL, &a->force},
+                                {"--strict", NULL, &a->strict}, {"--no-plots", NULL, &a->no_plots}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], program, argc, argv, err);
 }
 
@@ -26,15 +24,22 @@ static tdm_status parse(arguments *a, const char *program, int argc, char **argv
 static tdm_status perform(const tdm_alone_program *p, const arguments *a, bool check, tdm_error *err) {
   const char *command = check ? "check" : "run";
   char scene[4096];
-  if (check && (a->out || a->force))
+  if (check && (a->out || a->force || a->no_plots))
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "check: %s does not go with this command; see %s --help",
-                    a->out ? "--out" : "--force", p->name);
+                    a->out     ? "--out"
+                    : a->force ? "--force"
+                               : "--no-plots",
+                    p->name);
   if (a->given.nword != 1)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: name one scene; see %s --help", command, p->name);
   if (tdm_find_scene(scene, sizeof scene, p->ops->role, a->given.word[0], a->scenarios, err) != TDM_OK)
     return err->status;
-  const tdm_alone_options options = {
-      .scene = scene, .set = a->given.set, .out = a->out ? a->out : "run-out", .force = a->force, .strict = a->strict};
+  const tdm_alone_options options = {.scene = scene,
+                                     .set = a->given.set,
+                                     .out = a->out ? a->out : "run-out",
+                                     .force = a->force,
+                                     .strict = a->strict,
+                                     .no_plots = a->no_plots};
   return check ? p->check(&options, err) : p->run(&options, err);
 }
 

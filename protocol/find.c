@@ -20,6 +20,24 @@ static void share_dir(char *out, size_t size) {
   snprintf(out, size, "%s/share/tandem/scenarios", self);
 }
 
+/* What runs the scenarios of each group. */
+static const struct {
+  const char *group, *program, *what;
+} groups[] = {
+    {"", "tandem", "a co-simulation"}, {"dem", "tandem-dem", "particles alone"}, {"mbd", "tandem-mbd", "bodies alone"}};
+
+/* A scenario of that name in another group than the one that was asked for; -1: there is none. */
+static int other_group(const char *group, const char *name, const char *const *place, int nplace) {
+  char path[4096];
+  for (int g = 0; g < 3; g++)
+    for (int i = 0; i < nplace && strcmp(groups[g].group, group) != 0; i++) {
+      snprintf(path, sizeof path, "%s/%s/%s/scene.json", place[i], groups[g].group, name);
+      if (is_file(path))
+        return g;
+    }
+  return -1;
+}
+
 tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir,
                           tdm_error *err) {
   char share[2200];
@@ -38,6 +56,10 @@ tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char 
     snprintf(looked + strlen(looked), sizeof looked - strlen(looked), "%s%s%s%s", i ? ", " : "", place[i],
              *group ? "/" : "", group);
   }
+  int other = other_group(group, name, place, nplace);
+  if (other >= 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: this scenario is %s; run it with: %s run %s", name,
+                    groups[other].what, groups[other].program, name);
   return tdm_fail(err, TDM_ERR_FILE, NULL,
                   "%s: neither a scene file nor a scenario in %s; name a file, or give --scenarios DIR", name, looked);
 }

@@ -46,7 +46,16 @@ static void write_word(FILE *f, const char *command, const char *text) {
   fputc('\n', f);
 }
 
-static void write_panel(FILE *f, const tdm_plot *plot) {
+/* A plot's data as gnuplot's data block $panelN. */
+static void write_data(FILE *f, const tdm_plot_data *data, int number) {
+  fprintf(f, "$panel%d << EOD\n", number);
+  for (int i = 0; i < data->nrow; i++)
+    for (int k = 0; k < data->ncolumn; k++)
+      fprintf(f, "%.9g%c", data->value[i * data->ncolumn + k], k + 1 < data->ncolumn ? ',' : '\n');
+  fputs("EOD\n", f);
+}
+
+static void write_panel(FILE *f, const tdm_plot *plot, int number) {
   write_word(f, "set title ", plot->title);
   write_word(f, "set xlabel ", plot->xlabel);
   write_word(f, "set ylabel ", plot->ylabel);
@@ -56,16 +65,21 @@ static void write_panel(FILE *f, const tdm_plot *plot) {
   for (int i = 0; i < plot->ncurve; i++) {
     const tdm_curve *c = &plot->curve[i];
     fputs(i ? ", \\\n     " : "", f);
-    write_file_name(f, c->file);
-    fprintf(f, " skip 1 using %s with %s title ", c->using, c->style);
+    if (c->file)
+      write_file_name(f, c->file);
+    else
+      fprintf(f, "$panel%d", number);
+    fprintf(f, "%s using %s with %s title ", c->file ? " skip 1" : "", c->using, c->style);
     write_quoted(f, c->title);
   }
   fputs("\n", f);
 }
 
-static void write_script(FILE *f, const char *name, int nplot, const tdm_plot *plot) {
+static void write_script(FILE *f, const char *name, int nplot, const tdm_plot *plot, const tdm_plot_data *data) {
   static const char *const terminals[][2] = {{"pngcairo", "png"}, {"svg", "svg"}};
   fputs("set datafile separator ','\nset grid lc rgb '#dddddd'\nset key top right\nset encoding utf8\n", f);
+  for (int i = 0; i < nplot && data; i++)
+    write_data(f, &data[i], i);
   for (int t = 0; t < 2; t++) {
     char output[256];
     fprintf(f, "set terminal %s noenhanced size 900,%d font ',11'\nset output ", terminals[t][0], 360 * nplot);
@@ -75,7 +89,7 @@ static void write_script(FILE *f, const char *name, int nplot, const tdm_plot *p
     if (nplot > 1)
       fprintf(f, "set multiplot layout %d,1\n", nplot);
     for (int i = 0; i < nplot; i++)
-      write_panel(f, &plot[i]);
+      write_panel(f, &plot[i], i);
     fputs(nplot > 1 ? "unset multiplot\nunset output\n" : "unset output\n", f);
   }
 }
@@ -178,13 +192,18 @@ tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
 }
 
 tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err) {
+  return tdm_plot_write_data(dir, name, nplot, plot, NULL, err);
+}
+
+tdm_status tdm_plot_write_data(const char *dir, const char *name, int nplot, const tdm_plot *plot,
+                               const tdm_plot_data *data, tdm_error *err) {
   char path[4096], script[256];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(path, sizeof path, "%s/%s", dir, script);
   FILE *f = fopen(path, "w");
   if (!f)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  write_script(f, name, nplot, plot);
+  write_script(f, name, nplot, plot, data);
   if (fclose(f) != 0)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
   return tdm_plot_run(dir, name, err);

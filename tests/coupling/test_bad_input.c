@@ -180,6 +180,10 @@ START_TEST(command_lines) {
   expect_output("PATH=VALUE");
   ck_assert_int_eq(command("tandem run no_such_scenario"), 1);
   expect_output("neither a scene file nor a scenario");
+  ck_assert_int_eq(command("tandem run andrews"), 1);
+  expect_output("run it with: tandem-mbd run andrews");
+  ck_assert_int_eq(command("tandem-dem check spring_damper"), 1);
+  expect_output("run it with: tandem run spring_damper");
   ck_assert_int_eq(command("tandem check " TANDEM_SOURCE_DIR "/scenarios/mbd/fourbar_a02/scene.json"), 1);
   expect_output("bodies alone are for tandem-mbd run and tandem-mbd check");
   ck_assert_int_eq(command("tandem verify colision"), 2);

@@ -148,6 +148,19 @@ START_TEST(results_are_kept) {
 }
 END_TEST
 
+/* --no-plots leaves these out, and nothing else; tandem report says where plots of such runs are */
+START_TEST(plots_can_be_left_out) {
+  setup();
+  run("out", "--no-plots");
+  ck_assert(is_there("out", "channels.csv") && is_there("out", "summary.json"));
+  ck_assert(!is_there("out", "motion.gp") && !is_there("out", "motion.png") && !is_there("out", "drift.svg"));
+  ck_assert_int_eq(command("tandem report %s/out", dir), 2);
+  expect_output("holds the results of tandem-mbd run, which makes its plots itself");
+  ck_assert(!is_there("out", "time.csv"));
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(without_gnuplot_runs_work) {
   setup();
   int status = command("env PATH=/nowhere " TANDEM_BIN_DIR "/tandem-mbd run %s/scene.json --out %s/out", dir, dir);
@@ -209,7 +222,7 @@ static const struct {
 } lines[] = {
     {"tandem-mbd rnu x", "did you mean run"},    {"tandem-mbd run", "name one scene"},
     {"tandem-mbd run a b", "name one scene"},    {"tandem-mbd run x --frce", "did you mean --force"},
-    {"tandem-mbd run x --out", "needs a value"},
+    {"tandem-mbd run x --out", "needs a value"}, {"tandem-mbd check x --no-plots", "--no-plots does not go"},
 };
 
 START_TEST(command_lines) {
@@ -220,10 +233,13 @@ START_TEST(command_lines) {
   }
   ck_assert_int_eq(command("tandem-mbd run nothing_of_that_name"), 1);
   expect_output("neither a scene file nor a scenario");
+  ck_assert_int_eq(command("tandem-mbd run hopper"), 1);
+  expect_output("run it with: tandem-dem run hopper");
   ck_assert_int_eq(command("tandem-mbd --help"), 0);
   expect_output("tandem-mbd run SCENE");
 }
 END_TEST
 
 TEST_MAIN("mbd_run", 60, a_run_writes_its_files, runs_are_bit_identical, windows_and_grid_change_little,
-          results_are_kept, without_gnuplot_runs_work, check_says_what_would_run, values_of_the_scene, command_lines)
+          results_are_kept, plots_can_be_left_out, without_gnuplot_runs_work, check_says_what_would_run,
+          values_of_the_scene, command_lines)
