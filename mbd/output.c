@@ -13,7 +13,7 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2, BODY_CHANNELS = 19, ENERGY_CHANNELS = 6 };
+enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2 + 6, BODY_CHANNELS = 19, ENERGY_CHANNELS = 6 };
 
 /* one for each coordinate and rate that joints leave free */
 static int coordinate_channels(const mbd_model *model) {
@@ -78,6 +78,8 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
       c = name(c, "force", f->name, "rotation", "rad");
     if (f->ops->sticks)
       c = name(c, "force", f->name, "sliding", "1");
+    for (int k = 0; k < JOINT_CHANNELS; k++)
+      c = name(c, "force", f->name, wrench[k][0], wrench[k][1]);
   }
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < BODY_CHANNELS && !is_coupled(model, b); k++)
@@ -147,17 +149,36 @@ static void drive(const mbd_model *model, mbd_data *data, int index, const doubl
   out[2] = row_rate(data, rows);
 }
 
+/* Force and moment of a force on its second body at its point there, world axes. A friction that sticks has them from
+ * its row. */
+static void force_wrench(const mbd_model *model, mbd_data *data, const mbd_force *f, const double *Q, double *out) {
+  const mbd_joint *frame = f->joint ? f->joint : &f->frame;
+  double at_centre[6];
+  memcpy(at_centre, Q + MBD_RB, sizeof at_centre);
+  if (f->ops->sticks) {
+    const mbd_rows *rows = mbd_part_at(model, data, model->njointpart + model->ndriver + f->rubbing.stick, false);
+    for (int k = 0; k < 6; k++)
+      at_centre[k] -= rows->G[0][MBD_RB + k] * data->lambda[f->rubbing.row];
+  }
+  tdm_vec3 force = mbd_get3(at_centre), arm = mbd_joint_arm(frame, 1, &data->kin[f->body[1] + 1]);
+  mbd_set3(out, force);
+  mbd_set3(out + 3, tdm_sub(mbd_get3(at_centre + 3), tdm_cross(arm, force)));
+}
+
 /* Returns the end of what it filled. */
 static double *force_values(const mbd_model *model, mbd_data *data, int index, double *out) {
   const mbd_force *f = &model->force[index];
   const mbd_force_value *value = mbd_force_at(model, data, index, false);
+  double Q[MBD_PAIR];
+  memcpy(Q, value->Q, sizeof Q);
   *out++ = f->ops->sticks ? mbd_stick_force(model, data, f->rubbing.stick, value) : value->value;
   *out++ = value->coordinate;
   if (f->ops->turns)
     *out++ = value->rotation;
   if (f->ops->sticks)
     *out++ = value->way;
-  return out;
+  force_wrench(model, data, f, Q, out);
+  return out + JOINT_CHANNELS;
 }
 
 tdm_status mbd_output_values(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y,

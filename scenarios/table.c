@@ -106,5 +106,9 @@ const cpl_scenario scn_table[] = {
      .group = "mbd",
      .summary = "1 to 100 four-bar windows through singular positions (IFToMM A02)",
      .verify = scn_fourbar_a02},
+    {.name = "adams",
+     .group = "adams",
+     .summary = "28 models of one joint or spring against Adams' own results",
+     .verify = scn_adams},
     {0},
 };

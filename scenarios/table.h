@@ -48,4 +48,7 @@ tdm_status scn_regular_precession(cpl_verify *v, tdm_error *err);
 tdm_status scn_fourbar_a02(cpl_verify *v, tdm_error *err);
 tdm_status scn_torque_free(cpl_verify *v, tdm_error *err);
 
+/* bodies alone: Adams' own results, adams/ */
+tdm_status scn_adams(cpl_verify *v, tdm_error *err);
+
 #endif

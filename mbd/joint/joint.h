@@ -49,7 +49,8 @@ struct mbd_joint {
   const mbd_joint *of[2]; /* the joints whose coordinates it couples, borrowed from the model; NULL: its own bodies */
   tdm_vec3 arm[2];        /* joint point from each centre of mass, body axes [m] */
   tdm_mat3 axes[2];       /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
-  double length;          /* rod [m] */
+  double length;          /* rod, link [m] */
+  double offset;          /* link: of its points along the axis [m] */
   double ratio;           /* screw: [m/rad]; gear: [1]; rack and pinion: [m/rad] */
 };
 

@@ -7,12 +7,23 @@
 
 extern const mbd_joint_ops mbd_joint_fixed, mbd_joint_revolute, mbd_joint_prismatic, mbd_joint_spherical,
     mbd_joint_universal, mbd_joint_planar, mbd_joint_point_on_line, mbd_joint_rod, mbd_joint_screw, mbd_joint_gear,
-    mbd_joint_rack_and_pinion;
+    mbd_joint_rack_and_pinion, mbd_joint_revolute_spherical, mbd_joint_point_in_plane;
 
 const mbd_joint_ops *const mbd_joint_table[] = {
-    &mbd_joint_fixed,     &mbd_joint_revolute,  &mbd_joint_prismatic, &mbd_joint_cylindrical,
-    &mbd_joint_spherical, &mbd_joint_universal, &mbd_joint_planar,    &mbd_joint_point_on_line,
-    &mbd_joint_rod,       &mbd_joint_screw,     &mbd_joint_gear,      &mbd_joint_rack_and_pinion,
+    &mbd_joint_fixed,
+    &mbd_joint_revolute,
+    &mbd_joint_prismatic,
+    &mbd_joint_cylindrical,
+    &mbd_joint_spherical,
+    &mbd_joint_universal,
+    &mbd_joint_planar,
+    &mbd_joint_point_on_line,
+    &mbd_joint_rod,
+    &mbd_joint_screw,
+    &mbd_joint_gear,
+    &mbd_joint_rack_and_pinion,
+    &mbd_joint_revolute_spherical,
+    &mbd_joint_point_in_plane,
 };
 const int mbd_joint_ntype = sizeof mbd_joint_table / sizeof mbd_joint_table[0];
 

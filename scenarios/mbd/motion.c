@@ -11,14 +11,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err) {
-  char file[4096];
+json_t *scn_motion_section(const char *file, tdm_error *err) {
   tdm_scene scene = {0};
-  json_t *mbd = NULL;
-  if (cpl_verify_find(v, "mbd", name, file, sizeof file, err) == TDM_OK && tdm_scene_read(&scene, file, err) == TDM_OK)
-    mbd = json_incref(json_object_get(scene.root, "mbd"));
+  json_t *mbd = tdm_scene_read(&scene, file, err) == TDM_OK ? json_incref(json_object_get(scene.root, "mbd")) : NULL;
   tdm_scene_destroy(&scene);
   return mbd;
+}
+
+json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err) {
+  char file[4096];
+  return cpl_verify_find(v, "mbd", name, file, sizeof file, err) == TDM_OK ? scn_motion_section(file, err) : NULL;
 }
 
 /* a copy of the section with the method in it */

@@ -22,7 +22,8 @@ typedef struct {
   double wall; /* integration alone [s] */
 } scn_motion;
 
-/* The section mbd of scenarios/mbd/NAME/scene.json (new reference); NULL and an error. */
+/* The section mbd of a scene file (new reference), or of scenarios/mbd/NAME/scene.json; NULL and an error. */
+json_t *scn_motion_section(const char *file, tdm_error *err);
 json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err);
 
 /* Solve the section `mbd` (borrowed, unchanged) from 0 to `end` with `nstep` equal intervals between samples, at a

@@ -1,5 +1,6 @@
 /* The verification of the multibody solver: the fast part of the group "mbd" meets its limits, its JSON is whole, and a
  * wrong scene is found out. The others run with `tandem verify mbd`. */
+#include "scenarios/adams/adams.h"
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"
 #include "tests/command.h"
@@ -88,5 +89,32 @@ START_TEST(angles_are_counted_over_turns) {
 }
 END_TEST
 
-TEST_MAIN("verify mbd", 60, torque_free_meets_its_limits, a_wrong_scene_misses_its_limits,
-          angles_are_counted_over_turns)
+/* a joint, a link, a spring of zero length, an actuator */
+START_TEST(adams_has_the_same_results) {
+  static const char *const model[] = {"Revolute_Case02", "RevSpherical_Case02", "TranSpring_Case01",
+                                      "LinActuator_Case02"};
+  for (size_t i = 0; i < sizeof model / sizeof model[0]; i++) {
+    char dir[512];
+    scn_adams_difference d;
+    tdm_error err = {0};
+    snprintf(dir, sizeof dir, TANDEM_SOURCE_DIR "/scenarios/adams/%s", model[i]);
+    ck_assert_msg(scn_adams_compare(&d, dir, 1e-10, &err) == TDM_OK, "%s: %s", model[i], err.message);
+    ck_assert_msg(d.share <= 1.1, "%s: %s differs by %g times the table's error", model[i], d.quantity, d.share);
+  }
+}
+END_TEST
+
+START_TEST(adams_has_other_results_for_another_model) {
+  const char *dir = directory_make();
+  scn_adams_difference d;
+  tdm_error err = {0};
+  ck_assert_int_eq(command("cp " TANDEM_SOURCE_DIR "/scenarios/adams/Revolute_Case02/* %s", dir), 0);
+  ck_assert_int_eq(command("sed -i 's/-9.80665/-9.8068/' %s/scene.json", dir), 0);
+  ck_assert_int_eq(scn_adams_compare(&d, dir, 1e-10, &err), TDM_OK);
+  ck_assert_msg(d.share > 2, "%s: %g", d.quantity, d.share);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("verify mbd", 60, adams_has_the_same_results, adams_has_other_results_for_another_model,
+          torque_free_meets_its_limits, a_wrong_scene_misses_its_limits, angles_are_counted_over_turns)

@@ -226,6 +226,57 @@ START_TEST(test_slopes) {
 }
 END_TEST
 
+/* A body whose point above the centre of mass stays in an inclined plane and which starts in balance below it: it
+ * slides down as on a plane, does not turn, and is held by its weight across the plane */
+START_TEST(test_point_in_plane) {
+  run r;
+  const double s = sin(0.5), c = cos(0.5), m = 3, g = 9.81;
+  run_open_good(
+      &r,
+      "{'bodies':[{'name':'b','mass':3,'inertia':[1,2,2.5],'position':[0,0.14382766158126089,-0.26327476856711"
+      "187],'velocity':[2,0,0]}],'joints':[{'name':'p','type':'point_in_plane','bodies':['ground','b'],'points"
+      "':[[5,0,0],[0,0,0]],'axis':[0,-0.479425538604203,0.8775825618903728]}]," TIGHT "}",
+      "");
+  CLOSE(first(&r, "joint.p.fy"), -m * g * c * s, 1e-9);
+  CLOSE(first(&r, "joint.p.fz"), m * g * c * c, 1e-9);
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 5);
+  run_on(&r, 1, 0.05);
+  CLOSE(run_value(&r, "body.b.x"), 2, 1e-8);
+  CLOSE(run_value(&r, "body.b.y"), 0.3 * s - 0.5 * g * s * c, 1e-7);
+  CLOSE(run_value(&r, "body.b.z"), -0.3 * c - 0.5 * g * s * s, 1e-7);
+  CLOSE(run_value(&r, "body.b.wx"), 0, 1e-8);
+  CLOSE(run_value(&r, "joint.p.mx"), 0, 1e-9);
+  run_close(&r);
+}
+END_TEST
+
+/* A link of 2 m that turns about z at its foot and carries a weight at its ball: it swings as a pendulum of that length
+ * in its plane, 0.7 m beside the foot along the axis, and pulls along itself alone in that plane */
+START_TEST(test_link) {
+  run r;
+  const double g = 9.81, m = 2, length = 2;
+  run_open_good(
+      &r,
+      "{'gravity':[0,-9.81,0],'bodies':[{'name':'b','mass':2,'inertia':[0.1,0.2,0.3],'position':[2,0,0.7],"
+      "'angular_velocity':[0,0,1]}],'joints':[{'name':'l','type':'revolute_spherical','bodies':['ground','b'],"
+      "'points':[[0,0,0],[2,0,0.7]],'axis':[0,0,1]}]," TIGHT "}",
+      "");
+  for (int i = 1; i <= 10; i++) {
+    run_to(&r, 0.1 * i);
+    double x = run_value(&r, "body.b.x"), y = run_value(&r, "body.b.y"), speed2 = -2 * g * y;
+    CLOSE(hypot(x, y), length, 1e-9);
+    CLOSE(run_value(&r, "body.b.z"), 0.7, 1e-9);
+    CLOSE(pow(run_value(&r, "body.b.vx"), 2) + pow(run_value(&r, "body.b.vy"), 2), speed2, 1e-7);
+    CLOSE(run_value(&r, "body.b.wz"), 1, 1e-8);           /* the ball turns nothing */
+    double pull = m * (speed2 / length - g * y / length); /* towards the axis */
+    CLOSE(run_value(&r, "joint.l.fx"), -pull * x / length, 1e-6);
+    CLOSE(run_value(&r, "joint.l.fy"), -pull * y / length, 1e-6);
+    CLOSE(run_value(&r, "joint.l.fz"), 0, 1e-9);
+  }
+  run_close(&r);
+}
+END_TEST
+
 /* Both coordinates of a cylindrical joint driven: force m (x'' + g), torque I th'' */
 START_TEST(test_two_drivers) {
   run r;
@@ -341,6 +392,8 @@ int main(void) {
   tcase_add_test(tcase, test_rod_or_ball);
   tcase_add_test(tcase, test_universal);
   tcase_add_test(tcase, test_slopes);
+  tcase_add_test(tcase, test_point_in_plane);
+  tcase_add_test(tcase, test_link);
   tcase_add_test(tcase, test_two_drivers);
   tcase_add_test(tcase, test_prescribed_pose);
   tcase_add_test(tcase, test_offset_law);

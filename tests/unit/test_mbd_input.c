@@ -360,7 +360,7 @@ START_TEST(test_good_scene) {
               "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
       "box");
   ck_assert_int_eq(r.ready.nwarning, 0);
-  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 2 + 19 + 7);
+  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 8 + 19 + 7);
   ck_assert_str_eq(r.ready.body[0].name, "box");
   CLOSE(r.ready.body[0].mass, 10, 0);
   CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);
