@@ -267,9 +267,15 @@ static int worst_body(const cpl_ledger *l) {
   return worst;
 }
 
+/* ", NAME as coupling.scheme": a better one, if there is */
+static const char *better_scheme(const cpl_loop *loop) {
+  return strcmp(loop->scheme->name, "iterative") == 0 ? ""
+         : strcmp(loop->scheme->name, "proxy") == 0   ? ", \"iterative\" as coupling.scheme"
+                                                      : ", \"proxy\" as coupling.scheme";
+}
+
 /* where the energy came from, and what helps */
 static void find_cause(const cpl_ledger *l, const cpl_loop *loop, char *text, size_t size) {
-  const bool proxy = strcmp(loop->scheme->name, "proxy") == 0, iterative = strcmp(loop->scheme->name, "iterative") == 0;
   const double rise = l->start + l->balance - l->lowest;
   if (!through_exchange(l, rise)) {
     snprintf(text, size,
@@ -281,10 +287,7 @@ static void find_cause(const cpl_ledger *l, const cpl_loop *loop, char *text, si
   int worst = worst_body(l);
   snprintf(text, size,
            "the exchange made it, most at body \"%.200s\": take a smaller coupling.n%s, or a smaller time.dt",
-           l->settings->body[worst].name[CPL_MBD],
-           iterative ? ""
-           : proxy   ? ", \"iterative\" as coupling.scheme"
-                     : ", \"proxy\" as coupling.scheme");
+           l->settings->body[worst].name[CPL_MBD], better_scheme(loop));
 }
 
 static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
@@ -353,6 +356,16 @@ bool cpl_ledger_inexact(const cpl_ledger *l, double *share) {
   *share = l->worked > 0 ? l->residual / l->worked : 0;
   return most > round_off * l->size && l->residual > trifle * l->settings->guard.energy * most &&
          *share > l->settings->guard.residual;
+}
+
+void cpl_ledger_end(const cpl_ledger *l, const cpl_loop *loop) {
+  double share;
+  if (cpl_ledger_inexact(l, &share))
+    tdm_remark(TDM_WARNING, "inexact", "coupling.n", loop->t1,
+               "inexact: the works of the coupling loads on both sides differ by up to %.2g of all that went through "
+               "the interface (coupling.guard.residual allows %g); velocities may be off by percents; take a smaller "
+               "coupling.n%s",
+               share, l->settings->guard.residual, better_scheme(loop));
 }
 
 json_t *cpl_ledger_summary(const cpl_ledger *l) {

@@ -68,6 +68,9 @@ tdm_status cpl_ledger_window(cpl_ledger *ledger, struct cpl_loop *loop, tdm_erro
  * trifle: more than a tenth of the energy that the guard allows. False where a solver does not tell its energy. */
 bool cpl_ledger_inexact(const cpl_ledger *ledger, double *share);
 
+/* The run has come to its end: tell if it was inexact. */
+void cpl_ledger_end(const cpl_ledger *ledger, const struct cpl_loop *loop);
+
 /* The final figures for summary.json (new reference). */
 json_t *cpl_ledger_summary(const cpl_ledger *ledger);
 

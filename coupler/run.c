@@ -162,7 +162,6 @@ static void tell_remarks(run_state *run) {
 /* ---- the loop ---- */
 
 static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
-  double share;
   tdm_progress progress;
   if (cpl_record_begin(&run->record, &run->session, err) != TDM_OK ||
       cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
@@ -181,13 +180,8 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
     tdm_progress_update(&progress, run->loop.t1, run->loop.window);
     tell_remarks(run);
   }
-  if (err->status == TDM_OK && cpl_ledger_inexact(&run->loop.ledger, &share))
-    tdm_remark(
-        TDM_WARNING, "inexact", "coupling.n", run->loop.t1,
-        "inexact: the works of the coupling loads on both sides differ by up to %.2g of all that went through the "
-        "interface (coupling.guard.residual allows %g); velocities may be off by percents; take a smaller "
-        "coupling.n, or \"proxy\" as coupling.scheme",
-        share, run->settings.guard.residual);
+  if (err->status == TDM_OK)
+    cpl_ledger_end(&run->loop.ledger, &run->loop);
   tdm_progress_end(&progress);
   result->loop = tdm_clock() - begin;
   for (int r = 0; r < CPL_NROLE; r++) {

@@ -164,7 +164,8 @@ typedef struct {
 } dem_settling;
 
 typedef struct dem_model {
-  double dt; /* DEM step [s] */
+  double dt;  /* DEM step [s] */
+  bool proxy; /* windows come with the mechanism that holds the coupled bodies (assignment) */
   double time_start, time_end;
   tdm_interpolation interpolation;
   tdm_vec3 gravity; /* [m/s2] */

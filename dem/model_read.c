@@ -302,6 +302,7 @@ static void read_settle(dem_model *m, tdm_object *section) {
 void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
   m->dt = assignment->dt;
   m->time_start = assignment->time_start;
+  m->proxy = assignment->proxy;
   m->time_end = assignment->time_end;
   m->interpolation = assignment->interpolation;
 

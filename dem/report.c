@@ -288,7 +288,7 @@ static void report_ratios(dem_report *r, const dem_data *d, double mass) {
     json_object_set_new(one, "all_particles", number(mass / b->mass));
     json_object_set_new(one, "heaviest_particle", number(heaviest / b->mass));
     json_array_append_new(all, one);
-    if (mass > b->mass)
+    if (mass > b->mass && !m->proxy) /* which feels the mass within the window */
       note(r,
            "the particles (%.4g kg) are heavier than \"%s\" (%.4g kg): schemes that extrapolate the load lose "
            "stability as the window grows; keep coupling.n small",

@@ -31,7 +31,8 @@ static void look_for_surprise(cpl_loop *loop) {
     tdm_remark(
         TDM_NOTICE, "mechanism_changed", "coupling.n", loop->t0,
         "the mechanism changed inside the window from %.6g s on, at body \"%s\" (a stop, a slack cable, friction "
-        "that turns; %.3g m): there the particles felt it late; take a smaller coupling.n, or \"iterative\" as "
+        "that turns, the kink of a table; %.3g m): there the particles felt it late; take a smaller coupling.n, or "
+        "\"iterative\" as "
         "coupling.scheme",
         loop->t0, loop->settings->body[i].name[CPL_MBD], is);
     return;

@@ -445,6 +445,16 @@ START_TEST(a_mechanism_that_changes_is_told) {
   ck_assert_ptr_null(strstr(command_output, "mechanism changed"));
   run("--set coupling.n=1000"); /* the spring is in it */
   ck_assert_ptr_null(strstr(command_output, "mechanism changed"));
+  /* a spring that gets 100 times as stiff; a motion that sets in and ends inside a window, which DEM is told of */
+  run("--set coupling.n=1000 --set 'mbd.forces[0]={\"name\": \"s\", \"type\": \"spring_damper\", \"bodies\": "
+      "[\"ground\", \"box\"], \"points\": [[-1,0,0],[0,0,0]], \"interpolation\": \"steffen\", \"stiffness_table\": "
+      "[[0.9, 1, 1.002, 1.1], [-100, 0, 2, 9802]]}'");
+  expect_output("the mechanism changed inside");
+  expect_output("the kink of a table");
+  run("--set coupling.n=90 --set mbd.bodies[0].velocity=[0,0,0] --set 'mbd.drivers=[{\"name\": \"d\", \"type\": "
+      "\"linear_motor\", \"joint\": \"guide\", \"motion\": {\"type\": \"table\", \"interpolation\": \"steffen\", "
+      "\"times\": [0, 0.055, 0.116, 0.3], \"values\": [0, 0, 5e-3, 5e-3]}}]'");
+  ck_assert_ptr_null(strstr(command_output, "mechanism changed"));
   directory_remove(dir);
 }
 END_TEST

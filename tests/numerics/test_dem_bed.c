@@ -33,14 +33,19 @@ typedef struct {
   tdm_error err;
 } session;
 
-static session *open_session(json_t *json, double dt) {
+static session *open_session_with(json_t *json, double dt, bool proxy) {
   session *s = calloc(1, sizeof *s);
   s->json = json;
   s->body = (tdm_assigned_body){.name = "box", .mass = 10, .state = state_at(0.1, 0.2, 0.3)};
   s->body.state.pose.orientation = tdm_quat_from_rotvec(tdm_v3(0, 0.4, 0.02));
   s->assignment = (tdm_assignment){.scene = json, .time_end = 1, .dt = dt, .n = 1, .nbody = 1, .body = &s->body};
+  s->assignment.proxy = proxy;
   dem_solver_ops.create(&s->self, &s->assignment, &s->ready, NULL, &s->err);
   return s;
+}
+
+static session *open_session(json_t *json, double dt) {
+  return open_session_with(json, dt, false);
 }
 
 static void close_session(session *s) {
@@ -360,6 +365,9 @@ START_TEST(test_ratios) {
   const char *note = json_string_value(json_array_get(json_object_get(s->ready.report, "notes"), 0));
   ck_assert(note && strstr(note, "heavier than \"box\""));
   ck_assert_int_eq(s->ready.nwarning, 0);
+  close_session(s);
+  s = open_session_with(scene_json(scene, ""), 1e-4, true); /* the proxy feels the mass within the window */
+  ck_assert_ptr_null(json_array_get(json_object_get(s->ready.report, "notes"), 0));
   close_session(s);
   s = open_session(scene_json(scene, "'contact':{'wall_mass':1e8},"), 1e-4);
   ck_assert_int_eq(s->ready.nwarning, 1);
