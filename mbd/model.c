@@ -1,6 +1,7 @@
 /* Reading a model from its scene section. README.md lists the keys. */
 #include "mbd/model.h"
 #include "mbd/body.h"
+#include "mbd/guard.h"
 #include "mbd/integrator.h"
 #include "mbd/load.h"
 
@@ -177,6 +178,7 @@ static void load_solver(mbd_model *model, tdm_object *section) {
   s->formulation = (mbd_formulation_id)tdm_get_choice(section, "formulation", formulations, MBD_FORMULATIONS, MBD_GGL);
   s->modified = tdm_get_choice(section, "corrector", correctors, 2, s->formulation == MBD_INDEX3) == 1;
   s->restart_each_window = tdm_get_bool(section, "restart_each_window", false);
+  mbd_guard_read(&s->guard, section);
   tdm_object o = tdm_get_object(section, "solver", false);
   s->relative_tolerance = tdm_get_number(&o, "relative_tolerance", 1e-8, TDM_POSITIVE);
   s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance",

@@ -38,6 +38,14 @@ typedef enum {
   MBD_FORMULATIONS
 } mbd_formulation_id;
 
+typedef enum { MBD_GUARD_STOP, MBD_GUARD_WARN, MBD_GUARD_OFF } mbd_guard_action;
+
+/* scene key "guard", see guard.h */
+typedef struct {
+  double energy; /* share of the energy by which the balance may be off */
+  mbd_guard_action action;
+} mbd_guard_settings;
+
 /* settings of the integrator, scene keys "formulation" ... and "solver" */
 typedef struct {
   mbd_formulation_id formulation;
@@ -49,6 +57,7 @@ typedef struct {
   int max_order;             /* of the BDF, 1 to 5 */
   double max_step;           /* [s], 0: no limit */
   double spectral_radius;    /* one_step: at infinite frequency, 0 to 1 */
+  mbd_guard_settings guard;
 } mbd_settings;
 
 /* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add

@@ -211,6 +211,9 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
                                 (json_int_t)c->error_failures, "convergence_failures",
                                 (json_int_t)c->convergence_failures, "restarts", (json_int_t)c->restarts));
   json_object_set_new(json, "energies", courses(run, "energy."));
+  double share, off = mbd_solver_off(run->alone.solver, &share);
+  json_object_set_new(json, "energy_off",
+                      json_pack("{s:o, s:o}", "J", tdm_real_or_null(off), "share", tdm_real_or_null(share)));
   json_object_set_new(json, "constraint_drift", tdm_real_or_null(largest_drift(run)));
   return json;
 }

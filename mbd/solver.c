@@ -2,6 +2,7 @@
 
 #include "mbd/ahead.h"
 #include "mbd/energy.h"
+#include "mbd/guard.h"
 #include "mbd/integrator.h"
 #include "mbd/output.h"
 #include "mbd/reduced.h"
@@ -169,10 +170,13 @@ static json_t *make_report(const solver *s) {
                    s->assembly.angular);
 }
 
-/* Stored at time t; supplied by what is not the coupling load. */
-static tdm_energy energy_now(solver *s, double t) {
+static mbd_energies energies_now(solver *s, double t) {
   mbd_kinematics(s->model, s->data, t, s->data->y);
-  mbd_energies e = mbd_energies_at(s->model, s->data);
+  return mbd_energies_at(s->model, s->data);
+}
+
+/* Stored; supplied by what is not the coupling load. */
+static tdm_energy energy_of(const solver *s, mbd_energies e) {
   return (tdm_energy){.kinetic = e.kinetic,
                       .stored = e.kinetic + e.potential + e.springs,
                       .supplied = s->data->work.supplied - s->data->work.coupled,
@@ -272,7 +276,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
       linearise_start(s, assignment, err) || look_ahead(s, assignment, err) ||
       s->integrator->create(&s->integration, s->model, s->data, s->kkt, should_stop, s, err))
     return err->status;
-  s->energy = energy_now(s, assignment->time_start);
+  s->energy = energy_of(s, energies_now(s, assignment->time_start));
   *ready = (tdm_ready){.body = s->body,
                        .energy = &s->energy,
                        .acceleration = s->rate,
@@ -345,8 +349,11 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *result, tdm_e
   }
   for (int k = 0; k < m->ncoupled; k++)
     result->state[k] = mbd_body_state(s->data->y, m->coupled[k]);
+  mbd_energies energies = energies_now(s, in->t1);
+  if (mbd_guard_look(m, s->data, in->t1, energies, err))
+    return err->status;
   if (result->has_energy)
-    *result->energy = energy_now(s, in->t1);
+    *result->energy = energy_of(s, energies);
   if (in->ahead > 0 && s->ahead && mbd_ahead_path(s->ahead, s->data, in->t1, in->ahead, &result->path, err))
     return err->status;
   return linearise(s, in->t1, result->acceleration, &result->mobility, err);
@@ -388,6 +395,12 @@ const mbd_stats *mbd_solver_stats(void *self) {
   solver *s = self;
   s->integrator->stats(s->integration);
   return &s->data->stats;
+}
+
+double mbd_solver_off(const void *self, double *share) {
+  const mbd_guard_state *g = &((const solver *)self)->data->guard;
+  *share = g->share;
+  return g->off;
 }
 
 static const char *const capabilities[] = {"restore", "acceleration", "mobility", "matched_load", "energy", "ahead"};

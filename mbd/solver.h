@@ -12,4 +12,7 @@ extern const tdm_solver_ops mbd_solver_ops;
 const mbd_model *mbd_solver_model(const void *solver);
 const mbd_stats *mbd_solver_stats(void *solver);
 
+/* The most that the balance of energies was off at the end of a window [J], and as a share of the energy (guard.h). */
+double mbd_solver_off(const void *solver, double *share);
+
 #endif

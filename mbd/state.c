@@ -78,6 +78,7 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   to->turned = from->turned;
   to->turned_at = from->turned_at;
   to->energy_start = from->energy_start;
+  to->guard = from->guard;
   to->work = from->work;
   to->load_t0 = from->load_t0;
   to->load_t1 = from->load_t1;

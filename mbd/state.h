@@ -26,6 +26,13 @@ typedef struct {
   double dissipated; /* turned into heat */
 } mbd_work;
 
+/* What the guard has seen (guard.h). */
+typedef struct {
+  bool looks;
+  double kinetic, stored[2], passed; /* largest, range, largest [J] */
+  double off, share;                 /* largest balance [J], and of the scale then */
+} mbd_guard_state;
+
 /* What a friction does (force/friction.c, stick.h): its row holds the coordinate, or it slides, or others hold the
  * coordinate. A row that is not in use has no equation, as a dependent one. */
 typedef struct {
@@ -50,8 +57,9 @@ typedef struct {
   int turned;          /* the first force whose rotation came near half a turn, -1: none */
   double turned_at;    /* when [s] */
   double energy_start; /* all energies at the start [J] */
-  mbd_work work;       /* up to t, or up to the sample that is being handed out */
-  double drift;        /* largest constraint violation |g| over the steps since it was last read */
+  mbd_guard_state guard;
+  mbd_work work; /* up to t, or up to the sample that is being handed out */
+  double drift;  /* largest constraint violation |g| over the steps since it was last read */
 
   /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
   double load_t0, load_t1; /* [s] */

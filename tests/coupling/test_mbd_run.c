@@ -225,6 +225,48 @@ static const struct {
     {"tandem-mbd run x --out", "needs a value"}, {"tandem-mbd check x --no-plots", "--no-plots does not go"},
 };
 
+/* A fall onto a stiff stop in steps that hop over the impact: without an error test it makes energy. */
+START_TEST(energy_is_judged) {
+  char path[512];
+  dir = directory_make();
+  write_file(dir, "scene.json",
+             "{\"time\": {\"end\": 4}, \"output\": {\"interval\": 0.01},\n"
+             " \"mbd\": {\"formulation\": \"one_step\", \"solver\": {\"absolute_tolerance\": 1e6},\n"
+             "  \"bodies\": [{\"name\": \"b\", \"mass\": 2, \"inertia\": [1, 1, 1], \"position\": [0, 0, 6]}],\n"
+             "  \"joints\": [{\"name\": \"rail\", \"type\": \"prismatic\", \"bodies\": [\"ground\", \"b\"], \"point\": "
+             "[0, 0, 6], \"axis\": [0, 0, 1]}],\n"
+             "  \"forces\": [{\"name\": \"floor\", \"type\": \"stop\", \"joint\": \"rail\", \"lower\": -6, "
+             "\"stiffness\": 2e7, \"exponent\": 1.5}]}}");
+  ck_assert_int_eq(command("tandem-mbd run %s/scene.json --out %s/stop", dir, dir), 1);
+  expect_output("the bodies have gained");
+  expect_output("smaller tolerances");
+  snprintf(path, sizeof path, "%s/stop/summary.json", dir);
+  json_t *summary = json_load_file(path, 0, NULL);
+  ck_assert_str_eq(json_string_value(json_object_get(summary, "status")), "TDM_ERR_NUMERIC");
+  ck_assert_double_lt(number(summary, "simulated_s", NULL), 2);
+  ck_assert_double_gt(number(summary, "energy_off", "share"), 0.1);
+  json_decref(summary);
+  ck_assert_int_eq(command("tandem-mbd run %s/scene.json --out %s/warn --set mbd.guard.action=warn", dir, dir), 0);
+  expect_output("warning");
+  expect_output("the bodies have gained");
+  snprintf(path, sizeof path, "%s/warn/summary.json", dir);
+  summary = json_load_file(path, 0, NULL);
+  ck_assert_int_eq((int)json_array_size(json_object_get(summary, "warnings")), 1);
+  json_decref(summary);
+  ck_assert_int_eq(command("tandem-mbd run %s/scene.json --out %s/off --set mbd.guard.action=off", dir, dir), 0);
+  ck_assert_ptr_null(strstr(command_output, "gained"));
+  /* with its error test */
+  ck_assert_int_eq(
+      command("tandem-mbd run %s/scene.json --out %s/good --set mbd.solver.absolute_tolerance=1e-10", dir, dir), 0);
+  ck_assert_ptr_null(strstr(command_output, "gained"));
+  snprintf(path, sizeof path, "%s/good/summary.json", dir);
+  summary = json_load_file(path, 0, NULL);
+  ck_assert_double_lt(number(summary, "energy_off", "share"), 1e-4);
+  json_decref(summary);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(command_lines) {
   for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
     int status = command("%s", lines[i].line);
@@ -242,4 +284,4 @@ END_TEST
 
 TEST_MAIN("mbd_run", 60, a_run_writes_its_files, runs_are_bit_identical, windows_and_grid_change_little,
           results_are_kept, plots_can_be_left_out, without_gnuplot_runs_work, check_says_what_would_run,
-          values_of_the_scene, command_lines)
+          values_of_the_scene, command_lines, energy_is_judged)
