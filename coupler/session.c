@@ -304,16 +304,9 @@ static bool listed(const char *const *list, const char *name) {
   return list && *list;
 }
 
-/* What RESULT may carry beside the exchange's own. */
-static const struct {
-  const char *name;
-  bool always;   /* asked for whatever the scheme, for the ledger */
-  bool per_body; /* empty without coupled bodies */
-  bool may_lack; /* where there is nothing to tell */
-} extras[] = {{"acceleration", false, true, false}, {"mobility", false, false, false},
-              {"interface", true, true, false},     {"energy", true, false, false},
-              {"matched_load", false, true, false}, {"ahead", true, true, true}};
-enum { NEXTRA = sizeof extras / sizeof extras[0] };
+const cpl_extra cpl_extras[CPL_NEXTRA] = {{"acceleration", false, true, false}, {"mobility", false, false, false},
+                                          {"interface", true, true, false},     {"energy", true, false, false},
+                                          {"matched_load", false, true, false}, {"ahead", true, true, true}};
 
 /* Further coefficients of the load: of a DEM solver that carries a proxy, if it can and mbd takes so many. */
 static bool matches(const cpl_session *s) {
@@ -325,9 +318,9 @@ static bool matches(const cpl_session *s) {
 bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
   if (strcmp(extra, "matched_load") == 0)
     return role == CPL_DEM && matches(s);
-  for (int i = 0; i < NEXTRA; i++)
-    if (strcmp(extras[i].name, extra) == 0)
-      return listed(s->scheme->needs[role], extra) || (extras[i].always && cpl_session_has(s, role, extra));
+  for (int i = 0; i < CPL_NEXTRA; i++)
+    if (strcmp(cpl_extras[i].name, extra) == 0)
+      return listed(s->scheme->needs[role], extra) || (cpl_extras[i].always && cpl_session_has(s, role, extra));
   return false;
 }
 
@@ -399,9 +392,9 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
       cpl_session_interpolation(s) == TDM_LINEAR ? "linear" : "hermite", "timeout", set->timeout, "bodies", bodies);
   json_object_set_new(message, "remarks", json_true());
   json_t *results = json_array();
-  for (int i = 0; i < NEXTRA; i++)
-    if (cpl_session_asks(s, (cpl_role)role, extras[i].name))
-      json_array_append_new(results, json_string(extras[i].name));
+  for (int i = 0; i < CPL_NEXTRA; i++)
+    if (cpl_session_asks(s, (cpl_role)role, cpl_extras[i].name))
+      json_array_append_new(results, json_string(cpl_extras[i].name));
   if (json_array_size(results) > 0)
     json_object_set(message, "results", results);
   json_decref(results);
@@ -440,79 +433,6 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
 
 /* ---- windows ---- */
 
-/* The nodes of a path: only where they were asked for, behind t1 and not beyond the time asked for. */
-static tdm_status check_path(const tdm_step *step, const tdm_result *r, tdm_error *err) {
-  const double slack = 1e-9 * (step->ahead - step->t1);
-  double before = step->t1;
-  for (int k = 0; k < r->path.nnode; before = r->path.time[k++])
-    if (!(step->ahead > 0 && r->path.time[k] > before && r->path.time[k] <= step->ahead + slack))
-      return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
-                      "malformed RESULT: a path with a node at %g s, asked for from %g s to %g s", r->path.time[k],
-                      step->t1, step->ahead);
-  return TDM_OK;
-}
-
-/* Numbers that schemes and the ledger go on with; states and loads are looked at in window.c. */
-static tdm_status check_finite(const cpl_session *s, int role, const tdm_step *step, const tdm_result *r,
-                               tdm_error *err) {
-  const struct {
-    const char *what;
-    const double *at; /* (count x size) */
-    int size, count;  /* count: bodies, or 1 of them all */
-    bool per_body;
-  } parts[] = {
-      {"an acceleration", r->acceleration, 6, r->nacceleration, true},
-      {"a mobility", r->mobility.Y, (int)tdm_mobility_doubles(&r->mobility), r->has_mobility,
-       false}, /* Y first of all */
-      {"moments of the load, an end or a work", (const double *)(const void *)r->body, sizeof *r->body / sizeof(double),
-       r->ninterface, true},
-      {"a further coefficient of the load", (const double *)(const void *)r->further, TDM_FURTHER * TDM_WRENCH_DOUBLES,
-       r->nfurther, true},
-      {"a path", (const double *)(const void *)r->path.state, TDM_STATE_DOUBLES, r->path.nnode * r->nbody, false},
-      {"a supplied energy", r->has_energy ? &r->energy->supplied : NULL, 1, r->has_energy, false},
-  };
-  for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
-    for (int i = 0; i < parts[k].count; i++)
-      if (!tdm_finite(parts[k].at + i * parts[k].size, parts[k].size))
-        return tdm_fail(err, TDM_ERR_NUMERIC, NULL,
-                        "returned %s%s%s%s that is not finite, in the window from %g s to %g s; take a smaller "
-                        "coupling.n or time.dt",
-                        parts[k].what, parts[k].per_body ? " of body \"" : "",
-                        parts[k].per_body ? s->settings->body[i].name[role] : "", parts[k].per_body ? "\"" : "",
-                        step->t0, step->t1);
-  if (r->has_energy && (isinf(r->energy->kinetic) || isinf(r->energy->stored))) /* NaN: it did not look */
-    return tdm_fail(err, TDM_ERR_NUMERIC, NULL, "returned an infinite energy, in the window from %g s to %g s",
-                    step->t0, step->t1);
-  return TDM_OK;
-}
-
-static tdm_status check_result(const cpl_session *s, int role, const tdm_step *step, const tdm_result *r,
-                               tdm_error *err) {
-  int nstate = role == CPL_MBD ? step->nbody : 0, nload = role == CPL_DEM ? 1 : 0;
-  if (r->window != step->window || r->nbody != step->nbody || r->nstate != nstate || r->nload != nload ||
-      r->nsample != step->nsample || r->nchannel != s->partner[role].nchannel)
-    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL,
-                    "malformed RESULT: window %llu, %d bodies, %d states, %d loads, %d samples, %d channels; asked for "
-                    "window %llu, %d, %d, %d, %d, %d",
-                    (unsigned long long)r->window, r->nbody, r->nstate, r->nload, r->nsample, r->nchannel,
-                    (unsigned long long)step->window, step->nbody, nstate, nload, step->nsample,
-                    s->partner[role].nchannel);
-  const bool came[NEXTRA] = {r->nacceleration > 0, r->has_mobility, r->ninterface > 0,
-                             r->has_energy,        r->nfurther > 0, r->path.nnode > 0};
-  for (int i = 0; i < NEXTRA; i++) {
-    const bool some = step->nbody > 0 || !extras[i].per_body;
-    const bool due = some && cpl_session_asks(s, (cpl_role)role, extras[i].name);
-    if (came[i] != due && (came[i] || !extras[i].may_lack))
-      return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: %s \"%s\", not as ASSIGN asked",
-                      came[i] ? "with" : "without", extras[i].name);
-  }
-  if (!(fabs(r->t - step->t1) <= 1e-9 * (step->t1 - step->t0) + 1e-15 * fabs(step->t1)))
-    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed RESULT: it reached %g s, asked for %g s", r->t, step->t1);
-  if (check_path(step, r, err) != TDM_OK)
-    return err->status;
-  return check_finite(s, role, step, r, err);
-}
-
 tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step, tdm_result *result, tdm_error *err) {
   cpl_partner *p = &s->partner[role];
   tdm_header header;
@@ -529,7 +449,8 @@ tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step,
   status = wait_for(s, role, TDM_RESULT, &header, err);
   if (status != TDM_OK)
     return status;
-  if (tdm_result_read(result, &header, &p->store, err) != TDM_OK || check_result(s, role, step, result, err) != TDM_OK)
+  if (tdm_result_read(result, &header, &p->store, err) != TDM_OK ||
+      cpl_session_check_result(s, role, step, result, err) != TDM_OK)
     return blame(s, role, err, true);
   p->step_time += result->wall;
   p->trip_time += tdm_clock() - begin;

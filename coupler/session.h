@@ -64,6 +64,23 @@ tdm_status cpl_session_read_ready(cpl_session *session, cpl_role role, const tdm
 /* After both READYs: a warning where the solvers go by different gravities. */
 void cpl_session_compare(cpl_session *session);
 
+/* What RESULT may carry beside the exchange's own. */
+typedef struct {
+  const char *name;
+  bool always;   /* asked for whatever the scheme, for the ledger */
+  bool per_body; /* empty without coupled bodies */
+  bool may_lack; /* where there is nothing to tell */
+} cpl_extra;
+enum { CPL_NEXTRA = 6 };
+extern const cpl_extra cpl_extras[CPL_NEXTRA];
+
+/* Look at what a role has sent (session_check.c): counts and times as they were asked for, numbers that can be squared,
+ * unit quaternions, inertias and mobilities that are some. The error says what is wrong; the caller puts the name of
+ * the sender in front. */
+tdm_status cpl_session_check_ready(const cpl_session *session, cpl_role role, tdm_error *err);
+tdm_status cpl_session_check_result(const cpl_session *session, int role, const tdm_step *step,
+                                    const tdm_result *result, tdm_error *err);
+
 /* Whether a role's solver has announced a capability. */
 bool cpl_session_has(const cpl_session *session, cpl_role role, const char *capability);
 

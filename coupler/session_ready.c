@@ -166,6 +166,8 @@ tdm_status cpl_session_read_ready(cpl_session *s, cpl_role role, const tdm_heade
       json_array_extend(s->warnings, warnings);
     p->report = json_incref(json_object_get(json, "report"));
     p->ready = true;
+    if (!err->status)
+      cpl_session_check_ready(s, role, err);
   }
   json_decref(json);
   if (err->status == TDM_OK)

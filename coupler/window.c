@@ -212,14 +212,6 @@ static tdm_status exchange(cpl_loop *loop, cpl_role role, tdm_step *step, tdm_er
   return cpl_session_step(loop->session, role, step, &loop->result[role], err);
 }
 
-static tdm_status not_finite(cpl_loop *loop, cpl_role role, int body, const char *what, tdm_error *err) {
-  return tdm_fail(
-      err, TDM_ERR_NUMERIC, NULL,
-      "%s returned %s of body \"%s\" that is not finite, in the window from %g s to %g s: the coupled motion "
-      "has blown up; take a smaller coupling.n or time.dt",
-      cpl_session_name(loop->session, role), what, loop->settings->body[body].name[role], loop->t0, loop->t1);
-}
-
 /* SLERP takes the short way, and the linear model of a mechanism ends: a body may not turn far within a window. Where
  * nodes tell how it turns they are gone by, and where no load moves it, it may turn as it likes. */
 static tdm_status check_turn(cpl_loop *loop, int body, tdm_error *err) {
@@ -248,8 +240,6 @@ tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
     return status;
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_end[i] = loop->result[CPL_MBD].state[i];
-    if (!tdm_finite((const double *)(const void *)&loop->state_end[i], TDM_STATE_DOUBLES))
-      return not_finite(loop, CPL_MBD, i, "a state", err);
     if (check_turn(loop, i, err) != TDM_OK)
       return err->status;
   }
@@ -260,11 +250,8 @@ static tdm_status solve_dem(cpl_loop *loop, tdm_step *step, tdm_error *err) {
   tdm_status status = exchange(loop, CPL_DEM, step, err);
   if (status != TDM_OK)
     return status;
-  for (int i = 0; i < loop->nbody; i++) {
+  for (int i = 0; i < loop->nbody; i++)
     loop->mean[i] = loop->result[CPL_DEM].load[i];
-    if (!tdm_finite((const double *)(const void *)&loop->mean[i], TDM_WRENCH_DOUBLES))
-      return not_finite(loop, CPL_DEM, i, "a load", err);
-  }
   return TDM_OK;
 }
 

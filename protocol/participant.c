@@ -213,6 +213,10 @@ static void read_body(tdm_participant *p, tdm_assigned_body *body, json_t *json,
     body->mass = movable ? tdm_get_number(&o, "mass", TDM_REQUIRED, TDM_POSITIVE) : INFINITY;
     tdm_get_numbers(&o, "inertia", &body->inertia.m[0][0], 9, true);
     tdm_get_numbers(&o, "state", (double *)(void *)&body->state, TDM_STATE_DOUBLES, true);
+    if (!err->status && movable && !tdm_is_inertia(&body->inertia))
+      tdm_object_fail(&o, "inertia", "is not symmetric, or negative about some axis");
+    if (!err->status && !tdm_quat_is_unit(body->state.pose.orientation))
+      tdm_object_fail(&o, "state", "has a quaternion that is not of norm 1");
     tdm_part_read(body, &o);
   }
 }
@@ -226,6 +230,31 @@ static bool asks(tdm_object *o, const char *name) {
     found = found || (text && strcmp(text, name) == 0);
   }
   return found;
+}
+
+static bool is_able(const tdm_participant *p, const char *capability) {
+  for (int c = 0; c < p->def.ncapability; c++)
+    if (strcmp(p->def.capabilities[c], capability) == 0)
+      return true;
+  return false;
+}
+
+/* A solver is asked only for what it has offered. */
+static void refuse_unable(const tdm_participant *p, const tdm_assignment *a, tdm_object *o) {
+  const struct {
+    const char *capability, *key;
+    bool asked;
+  } wanted[] = {{"acceleration", "results", a->acceleration},
+                {"mobility", "results", a->mobility},
+                {"interface", "results", a->interface},
+                {"energy", "results", a->energy},
+                {"matched_load", "results", a->matched_load},
+                {"restore", "restores", a->restores},
+                {"proxy", "proxy", a->proxy}};
+  for (size_t k = 0; k < sizeof wanted / sizeof wanted[0]; k++)
+    if (wanted[k].asked && !is_able(p, wanted[k].capability))
+      tdm_object_fail(o, wanted[k].key, "asks for the capability \"%s\", which this solver (%s) has not announced",
+                      wanted[k].capability, p->def.role);
 }
 
 /* Keys that this version does not know are left alone: a newer server may send more. */
@@ -249,6 +278,7 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   a->restores = tdm_get_bool(&o, "restores", false);
   a->proxy = tdm_get_bool(&o, "proxy", false);
   p->tells = tdm_get_bool(&o, "remarks", false);
+  refuse_unable(p, a, &o);
   json_t *bodies = tdm_get_array(&o, "bodies", true);
   p->nbody = (int)json_array_size(bodies);
   p->body = calloc((size_t)p->nbody + 1, sizeof *p->body);
@@ -435,6 +465,11 @@ bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result
              step->nbody, step->nstate, step->nload, p->nbody);
     return false;
   }
+  for (int i = 0; i < step->nstate; i++)
+    if (!tdm_quat_is_unit(step->start[i].pose.orientation) || !tdm_quat_is_unit(step->end[i].pose.orientation)) {
+      tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: body %d has a quaternion that is not of norm 1", i);
+      return false;
+    }
   p->window = step->window;
   p->t1 = step->t1;
   *result = (tdm_result){.window = step->window,

@@ -162,3 +162,36 @@ int tdm_finite(const double *values, int n) {
       return 0;
   return 1;
 }
+
+int tdm_usable(const double *values, int n) {
+  for (int i = 0; i < n; i++)
+    if (!(fabs(values[i]) <= 1e150))
+      return 0;
+  return 1;
+}
+
+int tdm_quat_is_unit(tdm_quat q) {
+  return fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) <= 1e-5;
+}
+
+int tdm_is_inertia(const tdm_mat3 *inertia) {
+  const double(*m)[3] = inertia->m;
+  double trace = m[0][0] + m[1][1] + m[2][2], a[3][3];
+  if (!tdm_usable(&m[0][0], 9) || trace < 0)
+    return 0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      a[i][j] = trace > 0 ? m[i][j] / trace : 0;
+      if (fabs(m[i][j] - m[j][i]) > 1e-9 * trace || (trace == 0 && m[i][j] != 0))
+        return 0;
+    }
+  /* all principal minors, of numbers around 1 */
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3;
+    if (a[i][i] < -1e-9 || a[i][i] * a[j][j] - a[i][j] * a[i][j] < -1e-9)
+      return 0;
+  }
+  return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[1][2]) - a[0][1] * (a[0][1] * a[2][2] - a[1][2] * a[0][2]) +
+             a[0][2] * (a[0][1] * a[1][2] - a[1][1] * a[0][2]) >=
+         -1e-9;
+}

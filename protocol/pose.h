@@ -80,4 +80,13 @@ tdm_vec3 tdm_point_velocity(const tdm_state *state, tdm_vec3 world_point);
 /* true if every number of the array is finite */
 int tdm_finite(const double *values, int n);
 
+/* true if every number can be squared in double precision: finite, and at most 1e150 */
+int tdm_usable(const double *values, int n);
+
+/* true if the norm is 1, to the digits of single precision */
+int tdm_quat_is_unit(tdm_quat q);
+
+/* true if a matrix can be an inertia: finite, symmetric, not negative about any axis (zero is a rod's own) */
+int tdm_is_inertia(const tdm_mat3 *inertia);
+
 #endif

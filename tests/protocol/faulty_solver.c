@@ -1,10 +1,14 @@
-/* A solver that misbehaves on purpose, in the place of dem. FAULT in the environment says how:
+/* A solver that misbehaves on purpose, in the place of dem, or of mbd when FAULT_ROLE says so. FAULT in the environment
+ * says how:
  *
  *   version, garbage, truncated, oversized, multipart-like short frames   instead of HELLO or of the first RESULT
  *   silent     says HELLO, then nothing           quits     says HELLO and exits with status 3
  *   killed     kills itself in window FAULT_WINDOW          hangs   stops answering in that window
  *   nan        returns a load that is no number in that window
  *   moments, work, supplied, infinite   announce "interface" and "energy" and return such a moment, work or energy
+ *   huge, sampled, sampled_state, output, wall   return in that window a load that is too large, such a recorded load
+ * or state that is no number, a channel or a wall time that is none zero       (mbd) returns a quaternion of norm 0 in
+ * that window norm, inertia, place   (mbd) announce a quaternion of norm 100, an inertia of -1, a place of 1e200
  *   channel, unit, twin   announce a channel of the name or unit FAULT_TEXT, or two of one name
  *   further    announces "matched_load" as well, and returns such a coefficient
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
@@ -24,7 +28,7 @@ static const char *fault;
 static uint64_t fault_window;
 static tdm_transport *transport;
 static tdm_frame frame;
-static int nbody;
+static int nbody, is_mbd;
 
 static int is(const char *name) {
   return strcmp(fault, name) == 0;
@@ -68,18 +72,37 @@ static int spoil(void) {
   return 1;
 }
 
+/* Numbers that are right, but for the fault. */
+static void fill(tdm_result *r, int now) {
+  for (int i = 0; i < r->nstate; i++)
+    r->state[i].pose.orientation.w = is("zero") && now ? 0 : 1;
+  for (int i = 0; i < r->nsample * r->nstate; i++)
+    r->sample_state[i].pose.orientation.w = is("sampled_state") && now ? NAN : 1;
+  for (int i = 0; i < r->ninterface; i++)
+    r->body[i].end.pose.orientation.w = 1;
+  if (is("huge") && now)
+    r->load[0].force.x = 1e200;
+  for (int i = 0; i < r->nsample && is("sampled") && now; i++)
+    r->sample_load[i].moment.z = NAN;
+  for (int i = 0; i < r->nsample && r->nchannel && now; i++)
+    r->channel[i] = INFINITY;
+  r->wall = is("wall") && now ? NAN : 0;
+}
+
 static void answer_step(const tdm_header *header) {
   tdm_step step;
   tdm_frame step_store = {0}, result_store = {0};
   tdm_error err = {0};
   if (tdm_step_read(&step, header, &step_store, &err) != TDM_OK)
     exit(5);
-  tdm_result r = {.window = step.window, .t = step.t1, .nbody = nbody, .nload = 1, .nsample = step.nsample};
+  tdm_result r = {.window = step.window, .t = step.t1, .nbody = nbody, .nload = !is_mbd, .nsample = step.nsample};
+  r.nstate = is_mbd ? nbody : 0;
+  r.nchannel = is("output");
   r.ninterface = is_extra() ? nbody : 0;
   r.has_energy = is_extra();
   r.nfurther = is("further") ? nbody : 0;
   if (step.window >= fault_window) {
-    r.nload = is("counts") ? 3 : 1;
+    r.nload = is("counts") ? 3 : r.nload;
     r.window += is("late");
     if (is("killed"))
       raise(SIGKILL);
@@ -87,6 +110,7 @@ static void answer_step(const tdm_header *header) {
       sleep_forever();
   }
   tdm_result_layout(&r, &result_store, &err);
+  fill(&r, step.window >= fault_window);
   if (is("nan") && step.window >= fault_window)
     r.load[0].force.y = NAN;
   if (is_extra() && step.window >= fault_window) {
@@ -122,6 +146,8 @@ static void answer_step(const tdm_header *header) {
 /* channels of READY; NULL: none */
 static json_t *channels(void) {
   const char *text = getenv("FAULT_TEXT") ? getenv("FAULT_TEXT") : "";
+  if (is("output"))
+    return json_pack("[{s:s, s:s}]", "name", "belt.speed", "unit", "m/s");
   if (is("channel"))
     return json_pack("[{s:s, s:s}]", "name", text, "unit", "m");
   if (is("unit"))
@@ -131,16 +157,31 @@ static json_t *channels(void) {
   return NULL;
 }
 
+/* bodies of mbd's READY */
+static json_t *bodies(const json_t *assign) {
+  json_t *array = json_array(), *body;
+  size_t i;
+  json_array_foreach(json_object_get(assign, "bodies"), i, body) {
+    double inertia = is("inertia") ? -1 : 1, x = is("place") ? 1e200 : 0, w = is("norm") ? 100 : 1;
+    json_t *moments = json_pack("[f,f,f,f,f,f,f,f,f]", inertia, 0., 0., 0., 1., 0., 0., 0., 1.);
+    json_t *state = json_pack("[f,f,f,f,f,f,f,f,f,f,f,f,f]", x, 0., 0., w, 0., 0., 0., 0., 0., 0., 0., 0., 0.);
+    json_array_append_new(array, json_pack("{s:O, s:f, s:o, s:o}", "name", json_object_get(body, "name"), "mass", 1.,
+                                           "inertia", moments, "state", state));
+  }
+  return array;
+}
+
 static void answer_assign(const tdm_header *header) {
   json_t *json, *loads = json_array();
   tdm_error err = {0};
   if (tdm_control_read(header, &json, &err) != TDM_OK)
     exit(6);
   nbody = (int)json_array_size(json_object_get(json, "bodies"));
+  json_t *announced = is_mbd ? bodies(json) : json_array();
   json_decref(json);
   for (int i = 0; i < nbody; i++)
     json_array_append_new(loads, json_pack("[f,f,f,f,f,f]", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0));
-  send_json(TDM_READY, json_pack("{s:o, s:o*}", "loads", loads, "channels", channels()));
+  send_json(TDM_READY, json_pack("{s:o, s:o, s:o*}", "loads", loads, "bodies", announced, "channels", channels()));
   send_frame();
 }
 
@@ -148,6 +189,7 @@ int main(int argc, char **argv) {
   const char *window = getenv("FAULT_WINDOW"), *endpoint = argc > 2 ? argv[2] : "";
   tdm_error err = {0};
   fault = getenv("FAULT") ? getenv("FAULT") : "";
+  is_mbd = getenv("FAULT_ROLE") && strcmp(getenv("FAULT_ROLE"), "mbd") == 0;
   fault_window = window ? strtoull(window, NULL, 10) : 0;
   tdm_log_open(stderr, "faulty");
   tdm_log(TDM_LOG_INFO, "start", "fault=%s", fault);
@@ -158,8 +200,8 @@ int main(int argc, char **argv) {
   json_t *capabilities = is("further") ? json_pack("[s, s, s, s]", "interface", "energy", "proxy", "matched_load")
                          : is_extra()  ? json_pack("[s, s]", "interface", "energy")
                                        : json_array();
-  send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s, s:o}", "name", "faulty", "role", "dem", "software", "faulty 1.0",
-                                 "capabilities", capabilities));
+  send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s, s:o}", "name", "faulty", "role", is_mbd ? "mbd" : "dem", "software",
+                                 "faulty 1.0", "capabilities", capabilities));
   if (!window)
     spoil();
   send_frame();

@@ -104,7 +104,11 @@ static const struct {
     {"killed", "0", {"faulty (faulty 1.0): the solver ended", "killed by signal 9", "fault=killed"}},
     {"killed", "777", {"faulty (faulty 1.0): the solver ended", "killed by signal 9", "fault=killed"}},
     {"hangs", "5", {"faulty (faulty 1.0): no answer for 1.5 s; it hangs", "fault=hangs"}},
-    {"nan", "5", {"faulty returned a load of body \"mass\" that is not finite", "0.0005"}},
+    {"nan", "5", {"faulty (faulty 1.0): returned a load of body \"mass\" that is not finite", "0.0005"}},
+    {"huge", "5", {"faulty (faulty 1.0): returned a load of body \"mass\" that is too large to be squared", NULL}},
+    {"sampled", "5", {"faulty (faulty 1.0): returned a recorded load of body \"mass\" that is not finite", NULL}},
+    {"output", "5", {"faulty (faulty 1.0): returned inf for the channel \"belt.speed\" at 0.001 s", NULL}},
+    {"wall", "5", {"faulty (faulty 1.0): malformed RESULT: a wall time of ", "nan s"}},
     {"moments", "5", {"faulty (faulty 1.0): returned moments of the load", "of body \"mass\" that is not finite"}},
     {"work", "5", {"faulty (faulty 1.0): returned moments of the load, an end or a work of body \"mass\"", NULL}},
     {"supplied", "5", {"faulty (faulty 1.0): returned a supplied energy that is not finite", NULL}},
@@ -170,6 +174,30 @@ START_TEST(remarks_of_a_foreign_solver) {
   ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);
   expect_output("\"event\": \"dust\"");
   expect_output("\"count\": 2000"); /* the last of 2000 windows said so */
+  directory_remove(dir);
+}
+END_TEST
+
+/* The multibody solver is the one who sent it, whoever stumbles over it. */
+START_TEST(faults_of_mbd_are_named) {
+  static const char *const cases[][3] = {
+      {"zero", "5",
+       "faulty (faulty 1.0): returned a state of body \"mass\" that has a quaternion that is not of norm 1"},
+      {"sampled_state", "5", "faulty (faulty 1.0): returned a recorded state of body \"mass\" that is not finite"},
+      {"norm", NULL,
+       "faulty (faulty 1.0): malformed READY: the state of body \"mass\" has a quaternion that is not of"},
+      {"place", NULL, "faulty (faulty 1.0): malformed READY: the state of body \"mass\" is too large to be squared"},
+      {"inertia", NULL, "faulty (faulty 1.0): malformed READY: the inertia of body \"mass\" is not symmetric, or neg"}};
+  setup();
+  for (int i = 0; i < 5; i++) {
+    int status = command("env FAULT_ROLE=mbd FAULT=%s %s%s tandem run %s/scene.json --out %s/out --force --set "
+                         "coupling.solvers.mbd=faulty_solver --set coupling.solvers.dem=dummy_solver",
+                         cases[i][0], cases[i][1] ? "FAULT_WINDOW=" : "", cases[i][1] ? cases[i][1] : "", dir, dir);
+    ck_assert_msg(status == 1, "%s: %d: %s", cases[i][0], status, command_output);
+    expect_output(cases[i][2]);
+    ck_assert_int_eq(command("test -s %s/out/summary.json -o -s %s/out/start/summary.json", dir, dir), 0);
+    expect_nothing_left(dir);
+  }
   directory_remove(dir);
 }
 END_TEST
@@ -273,6 +301,7 @@ START_TEST(a_solver_without_a_server_gives_up) {
 END_TEST
 
 TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section,
-          a_scheme_that_a_solver_cannot_serve, faults_are_named, names_of_channels_are_looked_at,
-          remarks_of_a_foreign_solver, a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended,
-          a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
+          a_scheme_that_a_solver_cannot_serve, faults_are_named, faults_of_mbd_are_named,
+          names_of_channels_are_looked_at, remarks_of_a_foreign_solver, a_fast_turn_is_refused,
+          what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
+          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)

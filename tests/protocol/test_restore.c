@@ -18,8 +18,8 @@ static const char grains[] =
 
 static const char endpoint[] = "inproc://test_restore";
 
-static void open_solver(wire *w) {
-  open_wire(w, &dem_solver_ops, endpoint, "restore");
+/* an ASSIGN for it */
+static json_t *assignment(void) {
   json_t *assign =
       json_pack("{s:o, s:f, s:f, s:f, s:i, s:s, s:f, s:[{s:s, s:f, s:[f,f,f,f,f,f,f,f,f], s:[f,f,f,f,f,f,"
                 "f,f,f,f,f,f,f]}]}",
@@ -27,7 +27,12 @@ static void open_solver(wire *w) {
                 "linear", "timeout", 5.0, "bodies", "name", "box", "mass", 10.0, "inertia", 1.0, 0.0, 0.0, 0.0, 1.0,
                 0.0, 0.0, 0.0, 1.0, "state", 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
   ck_assert_ptr_nonnull(assign);
-  json_t *ready = say(w, TDM_ASSIGN, assign, TDM_READY);
+  return assign;
+}
+
+static void open_solver(wire *w) {
+  open_wire(w, &dem_solver_ops, endpoint, "restore");
+  json_t *ready = say(w, TDM_ASSIGN, assignment(), TDM_READY);
   w->nchannel = (int)json_array_size(json_object_get(ready, "channels"));
   json_decref(ready);
 }
@@ -182,4 +187,42 @@ START_TEST(test_session) {
 }
 END_TEST
 
-TEST_MAIN("restore", 60, test_back_and_forth, test_refused, test_session)
+/* What a foreign server should not ask for, or not send: an ERROR that says so, and an end in order. */
+START_TEST(test_foreign_assignments) {
+  static const char *const cases[][3] = {
+      {"results", "[\"acceleration\"]", "asks for the capability \"acceleration\""},
+      {"results", "[\"interface\", \"mobility\"]", "asks for the capability \"mobility\""},
+      {"inertia", "[-1,0,0,0,1,0,0,0,1]", "inertia: is not symmetric, or negative"},
+      {"state", "[0,0,0,0,0,0,0,0,0,0,0,0,0]", "state: has a quaternion that is not of norm 1"},
+      {"state", "[0,0,0,100,0,0,0,0,0,0,0,0,0]", "state: has a quaternion that is not of norm 1"}};
+  for (int i = 0; i < 5; i++) {
+    wire w;
+    json_t *assign = assignment(), *value = json_loads(cases[i][1], 0, NULL);
+    json_t *to = i < 2 ? assign : json_array_get(json_object_get(assign, "bodies"), 0);
+    json_object_set_new(to, cases[i][0], value);
+    open_wire(&w, &dem_solver_ops, endpoint, "restore");
+    json_t *error = say(&w, TDM_ASSIGN, assign, TDM_ERROR);
+    const char *message = json_string_value(json_object_get(error, "message"));
+    ck_assert_msg(message && strstr(message, "malformed ASSIGN") && strstr(message, cases[i][2]), "%s", message);
+    json_decref(error);
+    close_wire(&w, false);
+    ck_assert_int_eq(w.ended, TDM_ERR_PROTOCOL);
+  }
+}
+END_TEST
+
+START_TEST(test_a_step_without_an_orientation) {
+  wire w;
+  open_solver(&w);
+  tdm_state ends[2] = {{.pose.orientation.w = 1}};
+  tdm_step step = {.t1 = 0.01, .nstep = 100, .nbody = 1, .nstate = 1, .start = ends, .end = ends + 1};
+  ck_assert_int_eq(tdm_step_write(&w.out, &step, &w.err), TDM_OK);
+  ck_assert_int_eq(tdm_transport_send(w.transport, &w.peer, &w.out, &w.err), TDM_OK);
+  ck_assert_int_eq(hear(&w).type, TDM_ERROR);
+  close_wire(&w, false);
+  ck_assert_int_eq(w.ended, TDM_ERR_PROTOCOL);
+}
+END_TEST
+
+TEST_MAIN("restore", 60, test_foreign_assignments, test_a_step_without_an_orientation, test_back_and_forth,
+          test_refused, test_session)
