@@ -32,7 +32,7 @@ static double poured_speed(const dem_data *d, const dem_pouring *p) {
   tdm_vec3 up = tdm_scale(-1 / g, m->gravity), x = m->position[p->first];
   double fall = fall_of(d, up, x), low, high;
   for (int w = 0; w < m->nwall; w++)
-    if (m->wall[w].primitive != DEM_SOLID_BOX && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+    if (dem_wall_hollow(&m->wall[w]) && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
       fall = fmax(fall, tdm_dot(x, up) - low);
   return sqrt(v * v + 2 * g * fall);
 }
@@ -96,7 +96,7 @@ static double fall_height(const dem_data *d) {
     include_box(&e, &m->box[k], d->pose[m->box[k].body]);
   for (int w = 0; w < m->nwall; w++) {
     double low, high;
-    if (m->wall[w].primitive != DEM_SOLID_BOX && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
+    if (dem_wall_hollow(&m->wall[w]) && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
       e.low = fmin(e.low, low);
       e.high = fmax(e.high, high);
     }

@@ -10,6 +10,7 @@
   X(box)                  \
   X(cylinder)             \
   X(cone)                 \
+  X(sphere)               \
   X(mesh)
 
 static const char *const sides[] = {"inside", "outside"};
@@ -182,6 +183,17 @@ static void read_cone(tdm_object *o, int body, dem_wall_list *list) {
   read_round(o, wall, false, list);
 }
 
+/* ---- spheres ---- */
+
+static void read_sphere(tdm_object *o, int body, dem_wall_list *list) {
+  double radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  tdm_vec3 center = tdm_get_vec3(o, "center", &(tdm_vec3){0, 0, 0});
+  bool inside = tdm_get_choice(o, "side", sides, 2, 1) == 0;
+  append(list,
+         (dem_wall){.primitive = DEM_BALL, .body = body, .point = center, .radius = {radius, radius}, .inside = inside},
+         o->err);
+}
+
 /* ---- meshes ---- */
 
 static void append_mesh(dem_wall_list *list, dem_mesh *mesh, tdm_error *err) {
@@ -278,10 +290,13 @@ dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose) {
   return place;
 }
 
-/* corner k of 0 ... 7 of the box around a solid box or a mesh, own axes */
+/* corner k of 0 ... 7 of the box around a solid box, a ball or a mesh, own axes */
 static tdm_vec3 corner_of(const dem_wall *wall, int k) {
   tdm_vec3 least = tdm_scale(-1, wall->half), most = wall->half;
-  if (wall->primitive == DEM_MESH) {
+  if (wall->primitive == DEM_BALL) {
+    most = tdm_v3(wall->radius[0], wall->radius[0], wall->radius[0]);
+    least = tdm_scale(-1, most);
+  } else if (wall->primitive == DEM_MESH) {
     least = dem_mesh_figures(wall->mesh)->low;
     most = dem_mesh_figures(wall->mesh)->high;
   }
@@ -299,6 +314,8 @@ double dem_wall_belt_speed(const dem_wall *wall) {
       tdm_vec3 own = {r * cos(angle), r * sin(angle), k % 2 * wall->length};
       fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, own)));
     }
+  } else if (wall->primitive == DEM_BALL) { /* the rotation's part across the velocity at the centre adds up at most */
+    fastest = tdm_norm(wall->surface.velocity) + tdm_norm(wall->surface.angular) * wall->radius[0];
   } else if (wall->primitive == DEM_SOLID_BOX || wall->primitive == DEM_MESH) {
     for (int k = 0; k < 8; k++)
       fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, corner_of(wall, k))));
@@ -316,6 +333,10 @@ bool dem_wall_extent(const dem_wall *wall, const dem_wall_place *place, tdm_vec3
     return false;
   *low = INFINITY;
   *high = -INFINITY;
+  if (wall->primitive == DEM_BALL) {
+    include(place->point, up, wall->radius[0], low, high);
+    return true;
+  }
   if (wall->primitive == DEM_SHELL || wall->primitive == DEM_SOLID_FRUSTUM) {
     /* an end is a disc: its radius times the sine between axis and up */
     tdm_vec3 axis = tdm_m3_mul(place->axes, tdm_v3(0, 0, 1));

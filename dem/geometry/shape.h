@@ -23,6 +23,7 @@ typedef enum {
   DEM_SOLID_BOX,
   DEM_CYLINDER,      /* without ends */
   DEM_SHELL,         /* curved surface of a piece of a cylinder or cone, felt from both sides */
+  DEM_BALL,          /* a sphere: solid, or a container when the particles are inside */
   DEM_SOLID_FRUSTUM, /* a piece of a cylinder or cone with flat ends */
   DEM_MESH
 } dem_primitive;
@@ -36,9 +37,9 @@ typedef struct {
   tdm_quat turn;        /* the wall's own axes to body axes (box, cylinder, cone); all zeros: none */
   tdm_vec3 normal;      /* plane: unit, towards the particles; body axes */
   tdm_vec3 half;        /* box: half edge lengths [m] */
-  double radius[2];     /* cylinder, cone: at z = 0 and at z = length of its own axes [m] */
+  double radius[2];     /* cylinder, cone: at z = 0 and at z = length of its own axes; ball: both [m] */
   double length;        /* of a piece [m] */
-  bool inside;          /* cylinder: the particles are inside */
+  bool inside;          /* cylinder, ball: the particles are inside */
   const dem_mesh *mesh; /* borrowed from the list; body axes */
   tdm_twist surface;    /* motion of the surface in the wall (a belt), of the wall's own origin, own axes */
   bool moves;           /* the surface has a motion of its own */
@@ -86,11 +87,23 @@ dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose);
 static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, tdm_vec3 *normal);
 
 /* The point x (world) in the wall's own axes. */
+static inline double dem_ball_gap(double radius, bool inside, tdm_vec3 c, tdm_vec3 *normal) {
+  double from = tdm_norm(c);
+  tdm_vec3 out = from > 0 ? tdm_scale(1 / from, c) : tdm_v3(0, 0, 1);
+  *normal = inside ? tdm_scale(-1, out) : out;
+  return inside ? radius - from : from - radius;
+}
+
 static inline tdm_vec3 dem_wall_own(const dem_wall_place *place, tdm_vec3 x);
 
 /* Is the wall solid all the way behind its surface? It acts to a depth of one radius then; a particle that is deeper
  * went through. */
 static inline bool dem_wall_endless(const dem_wall *wall);
+
+/* Can something fall inside the wall from its top to its bottom? Not in a solid box or ball. */
+static inline bool dem_wall_hollow(const dem_wall *wall) {
+  return wall->primitive != DEM_SOLID_BOX && (wall->primitive != DEM_BALL || wall->inside);
+}
 
 /* Velocity of the surface (a belt) relative to the body at `point`, where the unit normal is `normal`, world [m/s]. A
  * belt runs along its surface at its speed, whatever the slope: the velocity that the scene gives, turned into the
@@ -137,7 +150,8 @@ static inline tdm_vec3 dem_wall_own(const dem_wall_place *place, tdm_vec3 x) {
 }
 
 static inline bool dem_wall_endless(const dem_wall *wall) {
-  return wall->primitive == DEM_PLANE || (wall->primitive == DEM_CYLINDER && wall->inside);
+  return wall->primitive == DEM_PLANE ||
+         ((wall->primitive == DEM_CYLINDER || wall->primitive == DEM_BALL) && wall->inside);
 }
 
 static inline tdm_vec3 dem_wall_belt(const dem_wall *wall, tdm_vec3 own) {
@@ -165,6 +179,9 @@ static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *pl
     break;
   case DEM_CYLINDER:
     gap = dem_cylinder_gap(wall->radius[0], wall->inside, own, &n);
+    break;
+  case DEM_BALL:
+    gap = dem_ball_gap(wall->radius[0], wall->inside, own, &n);
     break;
   case DEM_SHELL:
     gap = dem_shell_gap(wall->radius, wall->length, own, &n);

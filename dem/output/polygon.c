@@ -128,6 +128,22 @@ static void add_round(dem_polygons *all, const dem_wall *wall, const dem_wall_pl
   }
 }
 
+/* A ball as facets between circles of latitude. */
+static void add_ball(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, tdm_error *err) {
+  enum { BANDS = 18, SIDES = 36 };
+  const double r = wall->radius[0];
+  for (int k = 0; k < BANDS * SIDES && err->status == TDM_OK; k++) {
+    const double low = M_PI * (k / SIDES) / BANDS - M_PI / 2, high = low + M_PI / BANDS;
+    const double from = 2 * M_PI * (k % SIDES) / SIDES, to = from + 2 * M_PI / SIDES;
+    const double latitude[] = {low, low, high, high}, longitude[] = {from, to, to, from};
+    dem_polygon p = {.body = wall->body, .solid = !wall->inside, .ncorner = 4, .force = unknown};
+    for (int c = 0; c < 4; c++)
+      p.corner[c] = to_world(place, tdm_v3(r * cos(latitude[c]) * cos(longitude[c]),
+                                           r * cos(latitude[c]) * sin(longitude[c]), r * sin(latitude[c])));
+    append(all, &p, err);
+  }
+}
+
 /* A cylinder without ends, as far as the bounds reach along its axis. */
 static void add_cylinder(dem_polygons *all, const dem_wall *wall, const dem_wall_place *place, const dem_bounds *bounds,
                          tdm_error *err) {
@@ -171,6 +187,9 @@ tdm_status dem_polygons_make(dem_polygons *all, const dem_data *d, const dem_bou
       break;
     case DEM_CYLINDER:
       add_cylinder(all, wall, place, bounds, err);
+      break;
+    case DEM_BALL:
+      add_ball(all, wall, place, err);
       break;
     case DEM_SHELL:
     case DEM_SOLID_FRUSTUM:

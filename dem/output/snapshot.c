@@ -93,6 +93,8 @@ static void include_wall(dem_bounds *b, const dem_wall *w, const tdm_pose *pose)
   double r = fmax(w->radius[0], w->radius[1]);
   if (w->primitive == DEM_SOLID_BOX)
     include_box(b, frame, w->half);
+  else if (w->primitive == DEM_BALL)
+    include(b, frame.position, r);
   else if (w->primitive == DEM_CYLINDER)
     include_box(b, frame, tdm_v3(r, r, 0));
   else if (w->primitive == DEM_SHELL || w->primitive == DEM_SOLID_FRUSTUM)

@@ -534,7 +534,20 @@ START_TEST(the_benchmark) {
 }
 END_TEST
 
+/* What is installed has all that its scenes need. */
+START_TEST(installed_scenes_are_whole) {
+  const char *where = directory_make();
+  ck_assert_msg(command("cmake --install " TANDEM_BIN_DIR "/.. --component scenarios --prefix %s/p", where) == 0, "%s",
+                command_output);
+  ck_assert_msg(command("tandem-dem check conveyor --scenarios %s/p/share/tandem/scenarios", where) == 0, "%s",
+                command_output);
+  expect_output("bin.stl");
+  directory_remove(where);
+}
+END_TEST
+
 TEST_MAIN("dem_run", 120, a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
           without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
           an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
-          meshes_are_beside_the_scene, forces_on_triangles, a_shorter_run, doubts_are_told, the_benchmark)
+          meshes_are_beside_the_scene, forces_on_triangles, a_shorter_run, doubts_are_told, the_benchmark,
+          installed_scenes_are_whole)
