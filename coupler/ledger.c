@@ -149,9 +149,17 @@ static void enter_exchange(cpl_ledger *l, const cpl_loop *loop) {
 
 /* ---- energy ---- */
 
-/* The largest energy so far, without the zero of the potentials [J]. */
+/* The largest energy so far, without the zero of the potentials, and not less than what all has at rest [J]. */
 static double largest_energy(const cpl_ledger *l) {
-  return l->looks > 0 ? l->kinetic + l->potential[1] - l->potential[0] : NAN;
+  return l->looks > 0 ? fmax(l->kinetic + l->potential[1] - l->potential[0], l->rest) : NAN;
+}
+
+/* What a solver has and was not given, by whatever went through the interface too [J]: only its own errors raise it. */
+static double own_balance(const cpl_ledger *l, int role) {
+  double work = 0;
+  for (int i = 0; i < l->nbody; i++)
+    work += role == CPL_MBD ? l->body[i].work[CPL_MBD] : -l->body[i].work[CPL_DEM];
+  return l->energy[role].stored - l->energy[role].supplied - work;
 }
 
 /* Has the exchange made most of this rise of the balance? */
@@ -170,6 +178,8 @@ static bool look(cpl_ledger *l) {
     l->size += fabs(l->energy[r].stored) + fabs(l->energy[r].supplied);
   }
   double now = stored - supplied - l->drivers;
+  for (int r = 0; r < CPL_NROLE; r++)
+    l->own[r] = l->looks > 0 ? fmin(l->own[r], own_balance(l, r)) : own_balance(l, r);
   if (l->looks++ == 0)
     l->start = l->lowest = now;
   l->balance = now - l->start;
@@ -242,6 +252,7 @@ tdm_status cpl_ledger_begin(cpl_ledger *l, const cpl_settings *settings, const c
   for (int r = 0; r < CPL_NROLE; r++) {
     l->has_energy[r] = cpl_session_asks(session, (cpl_role)r, "energy");
     l->energy[r] = session->partner[r].energy;
+    l->rest += session->partner[r].rest;
   }
   if (!isnan(l->energy[CPL_MBD].stored + l->energy[CPL_DEM].stored))
     look(l);
@@ -274,27 +285,33 @@ static const char *better_scheme(const cpl_loop *loop) {
                                                       : ", \"proxy\" as coupling.scheme";
 }
 
-/* where the energy came from, and what helps */
-static void find_cause(const cpl_ledger *l, const cpl_loop *loop, char *text, size_t size) {
+/* where the energy came from, and what helps; returns the place in the scene to look at */
+static const char *find_cause(const cpl_ledger *l, const cpl_loop *loop, char *text, size_t size) {
   const double rise = l->start + l->balance - l->lowest;
   if (!through_exchange(l, rise)) {
-    snprintf(text, size,
-             "it did not come through the exchange (%.3g J), but from contacts or bodies: look for warnings in dem.log "
-             "and mbd.log, or take a smaller time.dt",
-             l->exchange_rise);
-    return;
+    double made[CPL_NROLE];
+    for (int r = 0; r < CPL_NROLE; r++)
+      made[r] = own_balance(l, r) - l->own[r];
+    const bool dem = made[CPL_DEM] >= made[CPL_MBD];
+    snprintf(text, size, "it did not come through the exchange (%.3g J) but from %s (%.3g J): %s", l->exchange_rise,
+             dem ? "the particles and their contacts" : "the bodies, their joints and forces",
+             made[dem ? CPL_DEM : CPL_MBD],
+             dem ? "take a smaller time.dt, or look at the warnings of dem"
+                 : "take tighter tolerances or smaller steps in mbd.solver, or look at the warnings of mbd");
+    return dem ? "dem" : "mbd";
   }
   int worst = worst_body(l);
   snprintf(text, size,
            "the exchange made it, most at body \"%.200s\": take a smaller coupling.n%s, or a smaller time.dt",
            l->settings->body[worst].name[CPL_MBD], better_scheme(loop));
+  return "coupling.n";
 }
 
 static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
   char text[TDM_MESSAGE_MAX], cause[512];
   const cpl_settings *s = l->settings;
   const double rise = l->start + l->balance - l->lowest, made = l->exchange - l->exchange_lowest;
-  find_cause(l, loop, cause, sizeof cause);
+  const char *path = find_cause(l, loop, cause, sizeof cause);
   snprintf(text, sizeof text,
            "energy without a source: that of bodies and particles rose by %.3g J, and the exchange made %.3g J; "
            "coupling.guard.energy = %g of the %.3g J there were allows %.3g and %.3g J, in the window %llu that ends "
@@ -302,8 +319,8 @@ static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
            rise, made, s->guard.energy, largest_energy(l), s->guard.energy * largest_energy(l),
            lenience * s->guard.energy * largest_energy(l), (unsigned long long)loop->window, loop->t1, cause);
   if (s->guard.action == CPL_GUARD_STOP)
-    return tdm_fail(err, TDM_ERR_NUMERIC, "coupling.n", "%s", text);
-  tdm_remark(TDM_WARNING, "guard", "coupling.n", loop->t1, "%s", text);
+    return tdm_fail(err, TDM_ERR_NUMERIC, path, "%s", text);
+  tdm_remark(TDM_WARNING, "guard", path, loop->t1, "%s", text);
   return TDM_OK;
 }
 

@@ -43,6 +43,8 @@ typedef struct {
   double size;                  /* of the sums of the last one, for round-off [J] */
   double start, balance;        /* G at the first look, and its growth since [J] */
   double lowest;                /* G so far [J] */
+  double own[CPL_NROLE];        /* lowest so far of stored - supplied - work of the coupling load, of each solver [J] */
+  double rest;                  /* of both: less energy than that is no motion to judge by [J] */
   double kinetic;               /* largest of both so far [J] */
   double potential[2];          /* least and greatest of what is stored otherwise [J] */
   double rise;                  /* largest of G over its lowest [J] */

@@ -25,6 +25,7 @@ typedef struct {
   json_t *remarks;      /* from its last REMARKS, as tdm_remarks_from_json makes them; NULL: none */
   bool has_gravity;
   tdm_vec3 gravity;  /* from READY, if it tells [m/s2] */
+  double rest;       /* from READY: energy below which all is at rest for it [J]; 0: it does not say */
   tdm_energy energy; /* from READY: at the start; NaN when not known */
   tdm_frame store;   /* arrays of its last RESULT */
   double step_time;  /* its own work on all windows [s] */

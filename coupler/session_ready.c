@@ -142,6 +142,7 @@ static void read_energy(cpl_session *s, int role, tdm_object *ready) {
   double numbers[3] = {NAN, NAN, 0}; /* of a tdm_energy, in order */
   if (cpl_session_asks(s, (cpl_role)role, "energy") && tdm_has(ready, "energy"))
     tdm_get_numbers(ready, "energy", numbers, 3, true);
+  s->partner[role].rest = tdm_get_number(ready, "rest", 0, TDM_NOT_NEGATIVE);
   s->partner[role].energy = (tdm_energy){numbers[0], numbers[1], numbers[2], 0};
 }
 

@@ -40,8 +40,6 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
     const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside,
                            wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
     h = hash_numbers(h, more, sizeof more / sizeof *more);
-    h = hash_vectors(h, &wall->surface.velocity, 1);
-    h = hash_vectors(h, &wall->surface.angular, 1);
     unsigned long long mesh = wall->mesh ? dem_mesh_hash(wall->mesh) : 0;
     h = hash_bytes(h, &mesh, sizeof mesh);
   }
@@ -125,30 +123,64 @@ static uint64_t hash_sizes(uint64_t h, const dem_sizes *s) {
   return hash_numbers(h, s->upto, (size_t)s->nradius);
 }
 
-uint64_t dem_fingerprint_bed(const dem_model *m) {
-  size_t np = (size_t)m->nparticle;
-  uint64_t h = hash_box(hash_laws(hash_start, m), m);
-  const dem_settling *s = &m->settle;
-  const double counts[] = {m->nmaterial, m->nbody, m->nwall, m->nparticle};
-  const double keys[] = {s->speed, s->max_time, s->dt, s->drag};
-  h = hash_numbers(h, counts, 4);
-  h = hash_numbers(h, keys, 4);
-  h = hash_vectors(h, &m->gravity, 1);
-  h = hash_materials(h, m);
-  h = hash_pairs(h, m, m->settle_pair);
-  for (int b = 0; b < m->nbody; b++) { /* the twist: it decides settle.dt when that is not given */
-    const double material = m->body[b].material;
-    h = hash_numbers(h, &material, 1);
-    h = hash_bytes(h, &m->body[b].start, sizeof m->body[b].start);
+/* belts: they rest while settling */
+static uint64_t hash_surfaces(uint64_t h, const dem_model *m) {
+  for (int w = 0; w < m->nwall; w++) {
+    h = hash_vectors(h, &m->wall[w].surface.velocity, 1);
+    h = hash_vectors(h, &m->wall[w].surface.angular, 1);
   }
-  h = hash_pourings(hash_walls(h, m), m);
+  return h;
+}
+
+/* bodies are held while settling: their twists do not count */
+static uint64_t hash_poses(uint64_t h, const dem_model *m) {
+  for (int b = 0; b < m->nbody; b++)
+    h = hash_bytes(h, &m->body[b].start.pose, sizeof m->body[b].start.pose);
+  return h;
+}
+
+static uint64_t hash_particles(uint64_t h, const dem_model *m) {
+  size_t np = (size_t)m->nparticle;
+  h = hash_numbers(h, (const double[]){m->nparticle}, 1);
   h = hash_numbers(h, m->radius, np);
   h = hash_numbers(h, m->mass, np);
   h = hash_bytes(h, m->kind, np * sizeof *m->kind);
   h = hash_vectors(h, m->position, np);
   h = hash_vectors(h, m->velocity, np);
-  h = hash_vectors(h, m->spin, np);
-  return hash_groups(h, m);
+  return hash_vectors(h, m->spin, np);
+}
+
+static uint64_t hash_body_materials(uint64_t h, const dem_model *m) {
+  for (int b = 0; b < m->nbody; b++)
+    h = hash_numbers(h, (const double[]){m->body[b].material}, 1);
+  return h;
+}
+
+#define X(part, name) name,
+const char *const dem_bed_part_names[] = {DEM_BED_PART_LIST(X)};
+#undef X
+
+void dem_fingerprint_bed_parts(const dem_model *m, uint64_t part[DEM_BED_PARTS]) {
+  const dem_settling *s = &m->settle;
+  const double settle[] = {s->speed, s->max_time, s->dt, s->drag};
+  const double counts[] = {m->nmaterial, m->nbody, m->nwall};
+  part[DEM_BED_LAWS] = hash_laws(hash_start, m);
+  part[DEM_BED_BOX] = hash_box(hash_start, m);
+  part[DEM_BED_SETTLE] = hash_numbers(hash_start, settle, sizeof settle / sizeof *settle);
+  part[DEM_BED_GRAVITY] = hash_vectors(hash_start, &m->gravity, 1);
+  part[DEM_BED_MATERIALS] = hash_body_materials(hash_materials(hash_start, m), m);
+  part[DEM_BED_PAIRS] = hash_pairs(hash_start, m, m->settle_pair);
+  part[DEM_BED_POSES] = hash_poses(hash_start, m);
+  part[DEM_BED_SHAPES] = hash_walls(hash_numbers(hash_start, counts, 3), m);
+  part[DEM_BED_POURED] = hash_pourings(hash_start, m);
+  part[DEM_BED_PARTICLES] = hash_particles(hash_start, m);
+  part[DEM_BED_GROUPS] = hash_groups(hash_start, m);
+}
+
+uint64_t dem_fingerprint_bed(const dem_model *m) {
+  uint64_t part[DEM_BED_PARTS];
+  dem_fingerprint_bed_parts(m, part);
+  return hash_bytes(hash_start, part, sizeof part);
 }
 
 uint64_t dem_fingerprint_start(const dem_model *m) {
@@ -164,7 +196,7 @@ uint64_t dem_fingerprint_whole(const dem_model *m) {
   uint64_t h = hash_numbers(dem_fingerprint_bed(m), counts, 6);
   h = hash_bytes(h, m->integrator->name, strlen(m->integrator->name) + 1);
   h = hash_numbers(h, m->domain.rate, 3);
-  h = hash_pairs(h, m, m->pair);
+  h = hash_surfaces(hash_pairs(h, m, m->pair), m);
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     const double numbers[] = {source->kind,          source->mass,      source->rate,   source->mass_rate,

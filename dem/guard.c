@@ -256,7 +256,7 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   }
   g->lowest = fmin(g->lowest, all);
   g->potential = fmin(g->potential, e.potential);
-  double there = g->start - g->potential, rise = all - g->lowest;
+  double there = fmax(g->start - g->potential, dem_rest_energy(d)), rise = all - g->lowest;
   if (!(rise > d->model->guard.energy * there + 1e-9 * (e.magnitude + there)))
     return TDM_OK;
   char text[TDM_MESSAGE_MAX];

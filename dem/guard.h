@@ -12,10 +12,11 @@
  *            of the contact time at the present fastest speed (limits.h); every tenth look. At every look: above the
  *            stability limit of bodies that DEM moves itself on the springs of their contacts (proxy.h)
  *   energy   kinetic + potential + elastic has risen from its lowest value by more than a share of all energy there was
- *            (at the first look, and what gravity has given since). Judged while nothing but contacts, gravity and
+ *            (at the first look, and what gravity has given since; at least that of all particles at the speed of rest,
+ *            dem.settle.speed). Judged while nothing but contacts, gravity and
  *            constant forces acts: no body moves or has moved since the last look, no surface (belt) moves, no particle
- *            came or went since, the box is not strained, no force acts along a periodic direction. Elastic is the
- *            normal part alone, by the scene's law; cohesion is not judged
+ *            came or went since, the box is not strained, no force acts along a periodic direction. Elastic is
+ *            what the scene's laws store (stored.h); cohesion is not judged
  *   numbers  positions and velocities that are no numbers always stop
  */
 #ifndef DEM_GUARD_H

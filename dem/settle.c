@@ -90,10 +90,10 @@ static void stand_still(dem_data *d) {
 
 /* let the particles come to rest with the bodies held */
 static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
+  hold_bodies(d); /* first: the bed does not depend on their speeds */
   double quiet = choose_times(d, out);
   if (d->model->settle.dt > 0 && dem_check_step(d, out->dt, "dem.settle.dt", err))
     return err->status;
-  hold_bodies(d);
   if (run(d, quiet, p, out, err))
     return err->status;
   stand_still(d);
@@ -124,9 +124,9 @@ static double move_lids(dem_data *d, double dt) {
 static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   const dem_settling *settle = &d->model->settle;
   const double close_enough = 0.01; /* of the wanted force */
+  hold_bodies(d);
   double quiet = choose_times(d, out), moved = 0;
   uint64_t still = 0, most = (uint64_t)fmin(ceil(settle->max_time / out->dt), 1e15);
-  hold_bodies(d);
   for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
     bool pressed = move_lids(d, out->dt) < close_enough;
     moved += press_speed * out->dt;

@@ -18,6 +18,7 @@
 #include "dem/settle.h"
 #include "dem/state.h"
 #include "dem/step.h"
+#include "dem/stored.h"
 #include "dem/supply.h"
 #include "dem/within.h"
 #include "protocol/log.h"
@@ -381,6 +382,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
 
   s->energy = dem_supply_look(d);
   ready->energy = &s->energy;
+  ready->rest = dem_rest_energy(d);
   ready->load = s->load;
   ready->nchannel = s->nchannel;
   ready->channel = s->channel;

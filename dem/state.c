@@ -23,15 +23,16 @@
 static const char magic[8] = {'T', 'N', 'D', 'M', 'D', 'E', 'M', '\n'};
 
 /* Raise it when the format changes, or when the same inputs give another state. */
-enum { STATE_VERSION = 4 };
+enum { STATE_VERSION = 5 };
 
 typedef struct {
   char magic[8];
   uint64_t version;
   uint64_t bed; /* dem_fingerprint_bed */
   uint64_t nparticle;
-  uint64_t size;         /* of all, checksum included [bytes] */
-  uint64_t whole, start; /* dem_fingerprint_whole, _start */
+  uint64_t size;                /* of all, checksum included [bytes] */
+  uint64_t whole, start;        /* dem_fingerprint_whole, _start */
+  uint64_t part[DEM_BED_PARTS]; /* dem_fingerprint_bed_parts: to say what differs */
 } header;
 
 /* in front of each section; the bytes are filled up to a multiple of 8 */
@@ -176,6 +177,7 @@ static bool save(const dem_data *d, const void *note, size_t note_size, void **b
               .start = dem_fingerprint_start(m),
               .nparticle = np};
   memcpy(h.magic, magic, sizeof magic);
+  dem_fingerprint_bed_parts(m, h.part);
   put(&w, &h, sizeof h);
 #define X(field, n) put_section(&w, #field, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
@@ -250,6 +252,21 @@ static bool get(const reader *r, const char *name, void *to, size_t size) {
   return from != NULL;
 }
 
+/* a bed of another scene: what is not as it was */
+static tdm_status refuse_bed(const reader *r, const header *h, const dem_model *m, tdm_error *err) {
+  char says[512] = "holds the bed of another scene";
+  uint64_t part[DEM_BED_PARTS];
+  dem_fingerprint_bed_parts(m, part);
+  const char *between = ": what differs is ";
+  for (int k = 0; k < DEM_BED_PARTS; k++)
+    if (part[k] != h->part[k]) {
+      size_t n = strlen(says);
+      snprintf(says + n, sizeof says - n, "%s%s", between, dem_bed_part_names[k]);
+      between = ", ";
+    }
+  return refuse(r, err, says);
+}
+
 static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
   static const char *const foreign[] = {"is no stored state", "is no stored bed", "is no stored state"};
   header h;
@@ -266,12 +283,10 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
   same = same && (r->use != DEM_STATE_BED || d->model->domain.open || h.nparticle == (uint64_t)d->model->nparticle);
   if (!same && r->use == DEM_STATE_START)
     return refuse(r, err, "is of a scene with other contact laws, elastic constants, shapes or periodic directions");
+  if (!same && r->use == DEM_STATE_BED)
+    return refuse_bed(r, &h, d->model, err);
   if (!same)
-    return refuse(r, err,
-                  r->use == DEM_STATE_BED
-                      ? "holds the bed of another scene (particles, materials, shapes, poses, gravity or dem.settle "
-                        "differ)"
-                      : "is of another scene");
+    return refuse(r, err, "is of another scene");
   if (h.size > r->size)
     return refuse(r, err, "is cut short");
   uint64_t sum;

@@ -1,5 +1,6 @@
 /* Energy stored in particles and contacts, from the present state alone: it costs nothing in the steps between. Elastic
- * is the normal part, by the scene's law.
+ * is all that the scene's laws store: the normal part, tangential and rolling springs. What cohesion stores is left
+ * out.
  */
 #ifndef DEM_STORED_H
 #define DEM_STORED_H
@@ -15,6 +16,9 @@ typedef struct {
 
 /* In all particles, and in the contacts of the lists. */
 dem_stored dem_stored_now(const dem_data *data);
+
+/* Of all particles at the speed that counts as rest (dem.settle.speed) [J]: less than that is no motion to judge by. */
+double dem_rest_energy(const dem_data *data);
 
 /* Kinetic energy of particle i, and its potential one [J]. */
 double dem_particle_energy(const dem_data *data, int i, double *potential);

@@ -376,6 +376,8 @@ static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
       json_array_append_new(flags, json_boolean(ready->prescribed[i]));
     json_object_set_new(json, "prescribed", flags);
   }
+  if (json && ready->rest > 0 && isfinite(ready->rest))
+    json_object_set_new(json, "rest", json_real(ready->rest));
   if (json && p->energy && ready->energy && isfinite(ready->energy->stored))
     json_object_set_new(json, "energy", tdm_numbers_to_json(&ready->energy->kinetic, 3));
   if (json && ready->gravity)

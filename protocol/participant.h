@@ -91,6 +91,7 @@ typedef struct {
   const tdm_mobility *mobility;  /* at the start, without load, if the assignment asks for it */
   const tdm_nodes *path;    /* mbd: until the assignment's `ahead`, without load; NULL: the accelerations tell it */
   const bool *prescribed;   /* mbd: (nbody) whether loads leave the body's motion as it is; NULL: not known */
+  double rest;              /* energy below which all is at rest for this solver [J]; 0: it does not say */
   const tdm_energy *energy; /* at the start, if the assignment asks for it; NULL: not known then */
   int nchannel;
   const tdm_channel *channel; /* (nchannel) */

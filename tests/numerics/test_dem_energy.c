@@ -5,6 +5,7 @@
 #include "dem/extras.h"
 #include "dem/search/search.h"
 #include "dem/state.h"
+#include "dem/stored.h"
 #include "tests/test_main.h"
 
 /* ---- every set of laws ---- */
@@ -126,6 +127,26 @@ START_TEST(test_energy) {
     ck_assert_msg(coarse < 1e-3, "%s: %g", name_of(&l), coarse);
     ck_assert_msg(fine < coarse / falls, "%s: %g, %g", name_of(&l), coarse, fine);
   }
+}
+END_TEST
+
+/* What is stored, told from the state alone, is what the loops add up: normal parts, tangential and rolling springs, of
+ * pairs and of walls. */
+START_TEST(test_stored_from_the_state) {
+  laws l = rows[_i];
+  double most = 0;
+  for (l.rolling = 0; l.rolling < DEM_ROLLINGS; l.rolling++) {
+    rig *r = scene_of(&l, true, true, "plain", 2e-6);
+    for (int k = 0; k < 30; k++) {
+      rig_steps(r, 250);
+      double loops = dem_energy_elastic(&r->data->energy), state = dem_stored_now(r->data).elastic;
+      most = fmax(most, loops);
+      ck_assert_msg(fabs(state - loops) <= 1e-9 * loops + 1e-20, "%s: %.12g in the loops, %.12g", name_of(&l), loops,
+                    state);
+    }
+    rig_free(r);
+  }
+  ck_assert(most > 1e-6);
 }
 END_TEST
 
@@ -408,6 +429,7 @@ int main(void) {
   TCase *all = tcase_create("sets of laws");
   tcase_set_timeout(all, 240);
   tcase_add_loop_test(all, test_energy, 0, NROW);
+  tcase_add_loop_test(all, test_stored_from_the_state, 0, NROW);
   tcase_add_test(all, test_energy_of_substeps);
   tcase_add_loop_test(all, test_energy_from_outside, 0, 4);
   tcase_add_loop_test(all, test_momentum, 0, NROW);

@@ -36,7 +36,7 @@ static int is(const char *name) {
 
 /* faults of what RESULT carries by these capabilities */
 static int is_extra(void) {
-  return is("moments") || is("work") || is("supplied") || is("infinite") || is("further");
+  return is("moments") || is("work") || is("supplied") || is("infinite") || is("further") || is("makes");
 }
 
 static void sleep_forever(void) {
@@ -118,7 +118,10 @@ static void answer_step(const tdm_header *header) {
     r.body[0].work = is("work") ? NAN : 0;
     if (is("further"))
       r.further[TDM_FURTHER - 1].moment.z = NAN;
-    *r.energy = (tdm_energy){NAN, is("infinite") ? INFINITY : NAN, is("supplied") ? NAN : 0, 0};
+    if (is("makes")) /* energy from nowhere */
+      *r.energy = (tdm_energy){1, 1 + (double)step.window, 0, 0};
+    else
+      *r.energy = (tdm_energy){NAN, is("infinite") ? INFINITY : NAN, is("supplied") ? NAN : 0, 0};
   }
   tdm_result_write(&frame, &r, &err);
   if (step.window >= fault_window)

@@ -114,6 +114,9 @@ static const struct {
     {"supplied", "5", {"faulty (faulty 1.0): returned a supplied energy that is not finite", NULL}},
     {"further", "5", {"faulty (faulty 1.0): returned a further coefficient of the load of body \"mass\"", NULL}},
     {"infinite", "5", {"faulty (faulty 1.0): returned an infinite energy", NULL}},
+    {"makes",
+     "5",
+     {"scene.json:6:2: dem: energy without a source", "not come through the exchange", "from the particles"}},
     {"mumbles", "5", {"faulty (faulty 1.0): malformed REMARKS: entry 0 needs event, level", NULL}},
     {"wordy", "5", {"scene.json:6:2: dem.depth: faulty (faulty 1.0): too deep; raise it", "warning: dem: it is dusty"}},
 };
