@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double least_nse = 0.999, long_window = 0.05, least_nse_long = 0.99; /* beyond long_window [s] */
+static const double least_nse = 0.999;
 static const char *const state[] = {"theta", "omega"};
 
 /* Which n a grid has: all with --full, else those that show most. */
@@ -51,7 +51,7 @@ static int prepare(const cpl_verify *v, const char *dt, scn_cell *cell, cpl_veri
       cell[n++] = (scn_cell){.scheme = "proxy", .dt = dt, .n = scn_steps[i]};
   for (int i = 0; i < n; i++) {
     if (i > 1)
-      cell[i].least_nse = scn_cell_window(&cell[i]) > long_window ? least_nse_long : least_nse;
+      cell[i].least_nse = least_nse;
     scn_cell_prepare(&cell[i], "torsional", &run[i]);
   }
   snprintf(run[1].name, sizeof run[1].name, "ceiling dt=%s", dt);
