@@ -105,7 +105,7 @@ static tdm_status settle_for(cpl_loop *loop, double excess, bool again, tdm_erro
              "the %d iterations of the window from %.6g s on did not converge; the smallest residual, %.3g of the "
              "tolerance, was taken: take a smaller coupling.n, or a larger coupling.iterative.max or tolerance",
              loop->settings->iterative.most, loop->t0, excess);
-  const uint64_t left = loop->iterations.not_converged, all = loop->iterations.windows + 1; /* with this one */
+  const uint64_t left = loop->iterations.not_converged, all = loop->iterations.windows;
   if (left >= 10 && 10 * left > all)
     tdm_remark(
         TDM_WARNING, "not_converging", "coupling.iterative", loop->t0,
