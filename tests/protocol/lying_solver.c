@@ -1,0 +1,118 @@
+/* tandem's own solver of the role LIE_ROLE (mbd or dem), but for one number that it gets wrong: LIE says which, at
+ * READY or, from window 3 on, in RESULT.
+ */
+#include "dem/solver.h"
+#include "mbd/solver.h"
+#include "protocol/log.h"
+
+#include <gsl/gsl_errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *lie;
+static const tdm_solver_ops *own;
+static tdm_assigned_body body[4];
+
+static bool is(const char *name) {
+  return strcmp(lie, name) == 0;
+}
+
+static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready, tdm_participant *p, tdm_error *err) {
+  if (own->create(self, a, ready, p, err) != TDM_OK)
+    return err->status;
+  for (int i = 0; i < a->nbody && i < 4 && ready->body; i++)
+    body[i] = ready->body[i];
+  if (ready->body)
+    ready->body = body;
+  if (is("ready inertia"))
+    body[0].inertia.m[1][1] = -1;
+  if (is("ready lopsided inertia"))
+    body[0].inertia.m[0][1] += 0.3;
+  if (is("ready zero quaternion"))
+    body[0].state.pose.orientation = (tdm_quat){0, 0, 0, 0};
+  if (is("ready far away"))
+    body[0].state.pose.position.x = 1e200;
+  if (is("ready mobility"))
+    ready->mobility->Y[14] = -1;
+  if (is("ready channel"))
+    ((double *)ready->initial)[0] = 1e300;
+  if (is("ready load"))
+    ((tdm_wrench *)ready->load)[0].force.x = -1e151;
+  return TDM_OK;
+}
+
+/* a path of one node, as it should be but for what is said of it */
+static void spoil_path(const tdm_step *in, tdm_result *r) {
+  static double time;
+  static tdm_state state[4];
+  for (int i = 0; i < r->nbody && i < 4; i++)
+    state[i] = r->state[i];
+  time = is("backwards") ? 0 : in->ahead;
+  if (is("path"))
+    state[0].twist.velocity.x = NAN;
+  r->path = (tdm_nodes){1, r->nbody, &time, state};
+}
+
+static void spoil_of_mbd(const tdm_step *in, tdm_result *r) {
+  double *Y = r->mobility.Y;
+  if (is("path") || is("backwards"))
+    spoil_path(in, r);
+  if (is("state"))
+    r->state[0].twist.angular.y = NAN;
+  if (is("zero quaternion"))
+    r->state[0].pose.orientation = (tdm_quat){0, 0, 0, 0};
+  if (is("long quaternion"))
+    r->state[0].pose.orientation.w *= 100;
+  if (is("recorded state") && r->nsample > 0)
+    r->sample_state[0].pose.position.z = 1e300;
+  if (is("recorded quaternion") && r->nsample > 0)
+    r->sample_state[0].pose.orientation.x = 1;
+  if (is("acceleration"))
+    r->acceleration[3] = INFINITY;
+  if (is("negative mobility"))
+    Y[14] = -Y[14];
+  if (is("lopsided mobility"))
+    Y[2] = 0.5 * Y[14];
+  if (is("indefinite mobility"))
+    Y[2] = Y[12] = Y[14];
+  if (is("exchanged"))
+    r->energy->exchanged = NAN;
+  if (is("kinetic"))
+    r->energy->kinetic = 1e160;
+}
+
+static void spoil_of_dem(tdm_result *r) {
+  if (is("load"))
+    r->load[0].moment.x = 1e200;
+  if (is("recorded load") && r->nsample > 0)
+    r->sample_load[0].force.z = NAN;
+  if (is("end"))
+    r->body[0].end.pose.orientation = (tdm_quat){0, 0, 0, 0};
+}
+
+static tdm_status step(void *self, const tdm_step *in, tdm_result *r, tdm_error *err) {
+  if (own->step(self, in, r, err) != TDM_OK || in->window < 3)
+    return err->status;
+  if (own == &mbd_solver_ops)
+    spoil_of_mbd(in, r);
+  else
+    spoil_of_dem(r);
+  if (is("channel") && r->nsample > 0)
+    r->channel[1] = NAN;
+  if (is("huge channel") && r->nsample > 0)
+    r->channel[1] = -1e155;
+  return TDM_OK;
+}
+
+int main(int argc, char **argv) {
+  const char *role = getenv("LIE_ROLE");
+  lie = getenv("LIE") ? getenv("LIE") : "";
+  own = role && strcmp(role, "mbd") == 0 ? &mbd_solver_ops : &dem_solver_ops;
+  tdm_solver_ops ops = *own;
+  ops.create = create;
+  ops.step = step;
+  ops.software = "liar 1.0";
+  gsl_set_error_handler_off();
+  return tdm_solver_main(&ops, argc, argv);
+}
