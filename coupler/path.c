@@ -3,6 +3,7 @@
 
 #include "coupler/adapt.h"
 #include "coupler/window.h"
+#include "protocol/remark.h"
 
 #include <limits.h>
 #include <math.h>
@@ -209,6 +210,36 @@ tdm_status cpl_path_check(cpl_loop *loop, const tdm_state *start, const tdm_stat
                       cpl_session_name(loop->session, CPL_DEM));
   }
   return TDM_OK;
+}
+
+/* How far DEM was from MBD's body i at the end of the window, where it told, or else at output times, as a share of the
+ * way that the body makes at its fastest and of what is allowed there. */
+static double excess(const cpl_loop *loop, int i) {
+  const double way = cpl_motion(loop, i), at_end = 0.1, inside = 0.2;
+  const double least = 1e-7 / at_end; /* [m] */
+  double off = 0;
+  if (loop->scheme->mismatch_order > 0)
+    return distance(&loop->state_end[i].pose, &loop->dem_end[i].pose, loop->radius[i]) / (at_end * (way + least));
+  for (int k = 0; k < loop->nsample; k++) {
+    const double s = (loop->sample_time[k] - loop->t0) / (loop->t1 - loop->t0);
+    const tdm_pose there = without_nodes(loop, i, loop->sent_start, loop->sent_end, s);
+    off = fmax(off, distance(&loop->result[CPL_MBD].sample_state[k * loop->nbody + i].pose, &there, loop->radius[i]));
+  }
+  return off / (inside * (way + least));
+}
+
+void cpl_path_doubt(const cpl_loop *loop) {
+  for (int i = 0; i < loop->nbody; i++)
+    if (excess(loop, i) > 1) {
+      tdm_remark(
+          TDM_WARNING, "path_unknown", "coupling.n", loop->t0,
+          "body \"%.200s\" went another way in %s than in %s in the window from %.6g s on (a load that jumped, or "
+          "drivers: the solver does not tell ahead what they prescribe, by the capability \"ahead\"); take a "
+          "smaller n",
+          loop->settings->body[i].name[CPL_MBD], cpl_session_name(loop->session, CPL_MBD),
+          cpl_session_name(loop->session, CPL_DEM), loop->t0);
+      return;
+    }
 }
 
 double cpl_path_turn(const cpl_loop *loop, int body) {

@@ -50,6 +50,10 @@ tdm_state cpl_predict(const tdm_state *state, const double *acceleration, double
  * accelerations that MBD told, is far from what was told. */
 tdm_status cpl_path_check(struct cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err);
 
+/* A multibody solver without the capability "ahead" has solved the window: a warning when it went another way than DEM
+ * did, by more than a tenth of the way at its fastest at the window's end, or a fifth at an output time inside. */
+void cpl_path_doubt(const struct cpl_loop *loop);
+
 /* How far a body turns in the window at most, by its nodes [rad]; NaN: no nodes were told, or DEM does not take them.
  */
 double cpl_path_turn(const struct cpl_loop *loop, int body);

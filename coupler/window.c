@@ -185,6 +185,8 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
     status = loop->scheme->advance(loop, err);
   if (status != TDM_OK)
     return status;
+  if (!cpl_session_has(loop->session, CPL_MBD, "ahead"))
+    cpl_path_doubt(loop);
   if (loop->settings->adapt.on)
     adapt(loop);
   for (int i = 0; i < loop->nbody; i++)

@@ -256,6 +256,23 @@ START_TEST(a_solver_that_takes_no_nodes) {
 }
 END_TEST
 
+/* A multibody solver that does not tell the path ahead goes as before, and is doubted where the window shows it. */
+START_TEST(a_solver_that_tells_no_path) {
+  static const char foreign[] = "--set coupling.transport=ipc --set coupling.solvers.mbd=lacking_mbd";
+  setup(vibrating);
+  for (int i = 0; i < 5; i++)
+    for (int n = 25; n <= 625; n += 600) {
+      int status = command("env LACKS=ahead tandem run %s/scene.json --force --out %s/out %s --set coupling.scheme=%s "
+                           "--set coupling.n=%d --set coupling.guard.action=off",
+                           dir, dir, foreign, schemes[i], n);
+      ck_assert_msg(status == 0, "%s: %d: %s", schemes[i], status, command_output);
+      int told = strstr(command_output, "the solver does not tell ahead what they prescribe") != NULL;
+      ck_assert_msg(told == (n == 625), "%s, n = %d: %s", schemes[i], n, command_output);
+    }
+  directory_remove(dir);
+}
+END_TEST
+
 /* The ledger keeps the drivers' account apart: the balance is that of n = 1, whatever the window. */
 START_TEST(the_balance_of_a_driven_deck) {
   double once[NTIME], out[NTIME];
@@ -278,4 +295,5 @@ END_TEST
 
 TEST_MAIN("prescribed", 300, a_deck_that_vibrates, a_screen_that_rocks, a_screen_with_a_prescribed_orientation,
           a_deck_on_a_shaken_base, a_deck_that_accelerates, a_drum_that_turns_on, windows_that_adapt,
-          windows_that_bend_too_much_are_refused, a_solver_that_takes_no_nodes, the_balance_of_a_driven_deck)
+          windows_that_bend_too_much_are_refused, a_solver_that_takes_no_nodes, a_solver_that_tells_no_path,
+          the_balance_of_a_driven_deck)

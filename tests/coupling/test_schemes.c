@@ -222,7 +222,7 @@ static void expect_order(double order, int n, const char *options) {
 #define STEPS " --set mbd.solver.max_step=1e-4"            /* the same of generalised-alpha */
 
 /* an mbd solver that takes no more of a load than a parabola */
-#define PARABOLA " --set coupling.transport=ipc --set coupling.solvers.mbd=parabola_mbd"
+#define PARABOLA " --set coupling.transport=ipc --set coupling.solvers.mbd=lacking_mbd"
 
 /* Means of the past are late by H (hold) or, at the end of their window, by H/2: first order. A path predicted with
  * a constant acceleration and the mean of the same window: second. The proxy is exact for a linear mechanism; of a
