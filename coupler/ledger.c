@@ -243,7 +243,8 @@ static void write_header(const cpl_ledger *l) {
 tdm_status cpl_ledger_begin(cpl_ledger *l, const cpl_settings *settings, const cpl_session *session, FILE *file,
                             tdm_error *err) {
   size_t nbody = (size_t)settings->nbody;
-  *l = (cpl_ledger){.settings = settings, .file = file, .gained_at = NAN, .potential = {INFINITY, -INFINITY}};
+  *l = (cpl_ledger){
+      .settings = settings, .of = session->body, .file = file, .gained_at = NAN, .potential = {INFINITY, -INFINITY}};
   l->body = calloc(nbody + 1, sizeof *l->body);
   l->row = calloc(BODY_COLUMNS * nbody + CPL_NROLE * ENERGY_COLUMNS + 2, sizeof *l->row);
   if (!l->body || !l->row)
@@ -354,6 +355,7 @@ tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, tdm_error *err) {
   for (int i = 0; i < l->nbody; i++) {
     const double work = enter_body(&l->body[i], loop, through, i);
     l->worked += loop->paths.prescribed[i] ? 0 : fabs(work);
+    cpl_momentum_window(&l->body[i].momentum, loop, i);
   }
   enter_exchange(l, loop);
   judge(l, loop, err);
@@ -377,6 +379,8 @@ bool cpl_ledger_inexact(const cpl_ledger *l, double *share) {
 
 void cpl_ledger_end(const cpl_ledger *l, const cpl_loop *loop) {
   double share;
+  for (int i = 0; i < l->nbody; i++)
+    cpl_momentum_end(&l->body[i].momentum, loop, i);
   if (cpl_ledger_inexact(l, &share))
     tdm_remark(TDM_WARNING, "inexact", "coupling.n", loop->t1,
                "inexact: the works of the coupling loads on both sides differ by up to %.2g of all that went through "
@@ -390,12 +394,14 @@ json_t *cpl_ledger_summary(const cpl_ledger *l) {
   for (int i = 0; i < l->nbody; i++) {
     const cpl_ledger_body *b = &l->body[i];
     json_object_set_new(bodies, l->settings->body[i].name[CPL_MBD],
-                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "impulse_Ns",
+                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "impulse_Ns",
                                   tdm_numbers_to_json(&b->impulse.force.x, 3), "angular_impulse_Nms",
                                   tdm_numbers_to_json(&b->impulse.moment.x, 3), "work_dem_J", number(b->work[CPL_DEM]),
                                   "work_mbd_J", number(b->work[CPL_MBD]), "residual_J", number(residual_of(b)),
                                   "blending_J", number(b->blending), "largest_drift_m", number(b->most_drift),
-                                  "largest_drift_rad", number(b->most_angle)));
+                                  "largest_drift_rad", number(b->most_angle), "impulse_on_mbd_Ns",
+                                  tdm_numbers_to_json(&b->momentum.given.x, 3), "momentum_off",
+                                  number(cpl_momentum_share(&b->momentum, &l->of[i]))));
   }
   double share, most = largest_energy(l);
   const bool inexact = cpl_ledger_inexact(l, &share);

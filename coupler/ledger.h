@@ -17,7 +17,7 @@
 #ifndef CPL_LEDGER_H
 #define CPL_LEDGER_H
 
-#include "coupler/session.h"
+#include "coupler/momentum.h"
 
 #include <stdio.h>
 
@@ -29,11 +29,13 @@ typedef struct {
   double work[CPL_NROLE], blending; /* [J] */
   double drift, angle;              /* largest since the row before [m], [rad] */
   double most_drift, most_angle;    /* largest of the run */
+  cpl_momentum momentum;            /* of the loads that MBD was given */
 } cpl_ledger_body;
 
 typedef struct {
   const cpl_settings *settings;
-  FILE *file; /* ledger.csv, borrowed */
+  const tdm_assigned_body *of; /* (nbody) as MBD told them, borrowed */
+  FILE *file;                  /* ledger.csv, borrowed */
   int nbody;
   cpl_ledger_body *body; /* (nbody) */
   double *row;           /* of the file */

@@ -6,6 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Directions in which nothing holds the body, where the solver tells them. */
+static void read_free(tdm_assigned_body *b, const json_t *json, tdm_object *o) {
+  const size_t n = json_array_size(json_object_get(json, "free"));
+  b->nfree = 0;
+  if (!tdm_has(o, "free"))
+    return;
+  if (n % 3 != 0 || n > 9 || !isfinite(b->mass)) {
+    tdm_object_fail(o, "free", "%zu numbers; up to three directions of three, for a body of finite mass", n);
+    return;
+  }
+  b->nfree = (int)n / 3;
+  tdm_get_numbers(o, "free", &b->free[0].x, (int)n, true);
+}
+
 static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
   json_t *bodies = tdm_get_array(ready, "bodies", true);
   json_decref(s->bodies);
@@ -23,6 +37,7 @@ static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
     tdm_get_numbers(&o, "inertia", &b->inertia.m[0][0], 9, true);
     tdm_get_numbers(&o, "state", (double *)(void *)&b->state, TDM_STATE_DOUBLES, true);
     tdm_part_read(b, &o);
+    read_free(b, json, &o);
   }
 }
 

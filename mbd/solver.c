@@ -2,6 +2,7 @@
 
 #include "mbd/ahead.h"
 #include "mbd/energy.h"
+#include "mbd/free.h"
 #include "mbd/guard.h"
 #include "mbd/integrator.h"
 #include "mbd/output.h"
@@ -227,8 +228,14 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the outputs");
   for (int i = 0; i < m->ncoupled; i++) {
     const mbd_body *b = &m->body[m->coupled[i]];
-    s->body[i] = (tdm_assigned_body){b->name,   b->mass, b->inertia, mbd_body_state(s->data->y, m->coupled[i]),
-                                     b->origin, b->mesh, b->scale};
+    s->body[i] = (tdm_assigned_body){.name = b->name,
+                                     .mass = b->mass,
+                                     .inertia = b->inertia,
+                                     .state = mbd_body_state(s->data->y, m->coupled[i]),
+                                     .origin = b->origin,
+                                     .mesh = b->mesh,
+                                     .scale = b->scale};
+    s->body[i].nfree = mbd_free_directions(m, s->data, m->coupled[i], s->body[i].free);
   }
   mbd_output_names(m, s->channel);
   if (mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial, err))

@@ -325,6 +325,8 @@ static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
                              tdm_numbers_to_json(&b->inertia.m[0][0], 9), "state",
                              tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
     tdm_part_write(b, body);
+    if (b->nfree > 0)
+      json_object_set_new(body, "free", tdm_numbers_to_json(&b->free[0].x, 3 * b->nfree));
     json_array_append_new(bodies, body);
   }
   return bodies;

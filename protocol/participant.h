@@ -47,6 +47,8 @@ typedef struct {
   tdm_vec3 origin;  /* the part's own origin, which STL files are drawn from: from the centre of mass, body axes [m] */
   const char *mesh; /* the STL file that its mass comes from, NULL: none */
   double scale;     /* of that file: metres a unit */
+  int nfree;        /* mbd's READY: directions in which the coupling load and gravity alone move the body */
+  tdm_vec3 free[3]; /* (nfree) unit, world */
 } tdm_assigned_body;
 
 /* The keys "origin", "mesh" and "scale" of a body in READY and ASSIGN: see PROTOCOL.md. The strings are the JSON's. */
