@@ -75,8 +75,11 @@ static tdm_status open_locked(tdm_mark *mark, const char *path, const char *dir,
       return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s; give another directory with --out", path,
                       strerror(errno));
     if (flock(mark->fd, LOCK_EX | LOCK_NB) != 0)
-      return tdm_fail(err, TDM_ERR_FILE, NULL,
-                      "%s: another run writes into this directory; give another one with --out", dir);
+      return errno == EWOULDBLOCK
+                 ? tdm_fail(err, TDM_ERR_FILE, NULL,
+                            "%s: another run writes into this directory; give another one with --out", dir)
+                 : tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be locked: %s; give another directory with --out",
+                            path, strerror(errno));
   } while (fstat(mark->fd, &is) == 0 && is.st_nlink == 0);
   return TDM_OK;
 }
