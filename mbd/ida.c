@@ -9,6 +9,7 @@
 #include "mbd/jacobian.h"
 #include "mbd/linear_solver.h"
 #include "mbd/pace.h"
+#include "mbd/past.h"
 #include "mbd/residual.h"
 #include "mbd/stick.h"
 #include "mbd/vector.h"
@@ -21,8 +22,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sunnonlinsol/sunnonlinsol_newton.h>
-
-enum { POINTS_MAX = 6 };
 
 typedef struct {
   const mbd_model *model; /* borrowed */
@@ -37,11 +36,10 @@ typedef struct {
   N_Vector trial, rate; /* the mechanism's where IDA asks for the residual */
   N_Vector sample, id, atol;
   mbd_impulse *impulse;
-  mbd_pace pace; /* IDA's clock; tau: a time by it [s] */
-  int npoint;    /* ends of the last steps without trouble, oldest first */
-  double point_t[POINTS_MAX], *point_y[POINTS_MAX], point_mu[POINTS_MAX]; /* largest |mu| there */
-  long failures;                                                          /* convergence failures up to then */
-  double regular;                                                         /* spread of pivots at the start */
+  mbd_pace pace;  /* IDA's clock; tau: a time by it [s] */
+  mbd_past past;  /* ends of the last steps without trouble */
+  long failures;  /* convergence failures up to then */
+  double regular; /* spread of pivots at the start */
   mbd_sparse *jacobian;
   SUNMatrix matrix; /* stands for it */
   SUNLinearSolver solver;
@@ -78,16 +76,13 @@ static const double singular = 1e-3;
 static void choose_index(ida_solver *ida, const double *y) {
   const mbd_model *m = ida->model;
   const double rounding = 2.2e-16, share = 0.03;
-  double h = 0, reach = 1;
+  double h = 0;
   int order = 1;
   if (m->solver.formulation != MBD_INDEX3)
     return;
   IDAGetCurrentOrder(ida->mem, &order);
   IDAGetCurrentStep(ida->mem, &h);
-  for (int b = 0; b < m->nbody; b++)
-    for (int i = 0; i < 3; i++)
-      reach = fmax(reach, fabs(y[MBD_BODY_UNKNOWNS * b + MBD_R + i]));
-  ida->data->index3 = order > 1 && rounding * reach < share * loose * m->solver.absolute_tolerance * h;
+  ida->data->index3 = order > 1 && rounding * mbd_reach(m, y) < share * loose * m->solver.absolute_tolerance * h;
 }
 
 /* y and yp of the mechanism at time t at IDA's unknowns (zp, yp: NULL) */
@@ -213,8 +208,7 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   ida->impulse = mbd_impulse_create(model);
   ida->jacobian = mbd_sparse_create((int)n);
   ida->matrix = ida->jacobian ? mbd_matrix_create(ida->jacobian, ida->context) : NULL;
-  for (int i = 0; i < POINTS_MAX; i++)
-    good = (ida->point_y[i] = malloc((size_t)n * sizeof(double))) && good;
+  good = mbd_past_create(&ida->past, (int)n) && good;
   if (!good || !ida->impulse || !ida->matrix || !ida->jacobian)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the integrator (%ld unknowns)", (long)n);
   ida->solver = mbd_linear_solver_create(ida->jacobian, ida->context);
@@ -245,8 +239,7 @@ static void destroy(void *self) {
     if (*vectors[i])
       N_VDestroy(*vectors[i]);
   mbd_impulse_destroy(&ida->impulse);
-  for (int i = 0; i < POINTS_MAX; i++)
-    free(ida->point_y[i]);
+  mbd_past_free(&ida->past);
   if (ida->context)
     SUNContext_Free(&ida->context);
   free(ida);
@@ -335,7 +328,7 @@ static bool restart(ida_solver *ida, double t) {
 static tdm_status start(void *self, double t, tdm_error *err) {
   ida_solver *ida = self;
   size_t size = (size_t)mbd_nunknown(ida->model) * sizeof(double);
-  ida->npoint = 0;
+  ida->past.n = 0;
   mbd_impulse_reset(ida->impulse);
   memcpy(N_VGetArrayPointer(ida->y), ida->data->y, size);
   mbd_sparse_reset(ida->jacobian); /* pivots depend on the pattern learnt: what follows must not depend on the past */
@@ -363,32 +356,13 @@ static double set_stop(ida_solver *ida, double t0, double t1) {
   return stop;
 }
 
-/* What may help, and is not so already. */
-static void advise(const mbd_model *m, char *out, size_t size) {
-  const mbd_settings *s = &m->solver;
-  const double finest = mbd_model_finest(m);
-  char absolute[128] = "";
-  if (s->absolute_tolerance < finest)
-    snprintf(
-        absolute, sizeof absolute,
-        "a larger mbd.solver.absolute_tolerance (%.3g is below what rounding leaves of the positions: take %.1g), ",
-        s->absolute_tolerance, finest);
-  snprintf(out, size,
-           "A load or a force jumped or grew without bound, or the mechanism is in or near a singular position: try "
-           "%s%s%s%smbd.formulation \"one_step\"%s",
-           s->max_step > 0 ? "a larger mbd.solver.max_step, " : "", absolute,
-           s->modified ? "" : "mbd.corrector \"modified\", ",
-           s->relative_tolerance < 1e-4 ? "a larger mbd.solver.relative_tolerance, " : "",
-           m->ncoupled > 0 ? ", or shorter windows" : "");
-}
-
 /* Start IDA again from the last good state, which IDA left in ida->y. */
 static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool again, tdm_error *err) {
   tdm_log(TDM_LOG_WARNING, "integrator_failed", "time_s=%.9g flag=%d retry=%s", t, flag, again ? "no" : "yes");
   double *y = N_VGetArrayPointer(ida->y);
   if (!again && tdm_finite(y, mbd_nunknown(ida->model)) && mbd_project(ida->model, ida->data, ida->kkt, t, y) &&
       restart(ida, t)) {
-    ida->npoint = 0;
+    ida->past.n = 0;
     ida->data->stats.restarts++;
     tdm_remark(TDM_NOTICE, "integrator_failed", "mbd.solver", t,
                "the integration failed at t = %.9g s (IDA %d: %.200s) and was started again from there; look at what "
@@ -397,18 +371,13 @@ static tdm_status recover(ida_solver *ida, double t, double t1, int flag, bool a
     return TDM_OK;
   }
   char advice[512];
-  advise(ida->model, advice, sizeof advice);
+  mbd_advise(ida->model, advice, sizeof advice);
   return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                   "the integration failed at t = %.9g s in the window to %.9g s (IDA %d: %s). %s", t, t1, flag,
                   ida->message, advice);
 }
 
 /* ---- singular positions ---- */
-
-/* Length of the last step without trouble [s]; 0: there is none. */
-static double last_step(const ida_solver *ida) {
-  return ida->npoint > 1 ? ida->point_t[ida->npoint - 1] - ida->point_t[ida->npoint - 2] : 0;
-}
 
 /* Largest position multiplier in ida->y: they are zero but for errors. */
 static double largest_mu(const ida_solver *ida) {
@@ -427,37 +396,8 @@ static bool in_trouble(ida_solver *ida) {
   IDAGetLastStep(ida->mem, &h);
   bool failed = failures > ida->failures;
   ida->failures = failures;
-  double mu = 0;
-  for (int i = 0; i < ida->npoint; i++)
-    mu = fmax(mu, ida->point_mu[i]);
-  return failed || h < 0.1 * last_step(ida) || (mu > 0 && largest_mu(ida) > 30 * mu);
-}
-
-/* Remember the solution at the end of a step. */
-static void remember(ida_solver *ida, double t) {
-  if (ida->npoint == POINTS_MAX) {
-    double *oldest = ida->point_y[0];
-    memmove(ida->point_t, ida->point_t + 1, (POINTS_MAX - 1) * sizeof *ida->point_t);
-    memmove(ida->point_y, ida->point_y + 1, (POINTS_MAX - 1) * sizeof *ida->point_y);
-    memmove(ida->point_mu, ida->point_mu + 1, (POINTS_MAX - 1) * sizeof *ida->point_mu);
-    ida->point_y[--ida->npoint] = oldest;
-  }
-  ida->point_t[ida->npoint] = t;
-  ida->point_mu[ida->npoint] = largest_mu(ida);
-  memcpy(ida->point_y[ida->npoint++], N_VGetArrayPointer(ida->y), (size_t)mbd_nunknown(ida->model) * sizeof(double));
-}
-
-/* The solution at t continued from the last steps without trouble by their polynomial (Lagrange), into y. */
-static void extrapolate(ida_solver *ida, double t, N_Vector y) {
-  double *out = N_VGetArrayPointer(y);
-  memset(out, 0, (size_t)mbd_nunknown(ida->model) * sizeof(double));
-  for (int i = 0; i < ida->npoint; i++) {
-    double weight = 1;
-    for (int j = 0; j < ida->npoint; j++)
-      weight *= j == i ? 1 : (t - ida->point_t[j]) / (ida->point_t[i] - ida->point_t[j]);
-    for (int k = 0; k < mbd_nunknown(ida->model); k++)
-      out[k] += weight * ida->point_y[i][k];
-  }
+  const double mu = mbd_past_mu(&ida->past);
+  return failed || h < 0.1 * mbd_past_step(&ida->past) || (mu > 0 && largest_mu(ida) > 30 * mu);
 }
 
 static double spread_at(ida_solver *ida, double t, N_Vector y) {
@@ -473,20 +413,21 @@ static double spread_at(ida_solver *ida, double t, N_Vector y) {
 static double step_over(ida_solver *ida, double t, double t1) {
   const double lengths[] = {1, 1.4, 2, 2.8, 4, 5.6}, enough = 100;
   double best = 0, reached = t;
-  if (ida->npoint < 2)
+  const mbd_past *past = &ida->past;
+  if (past->n < 2)
     return t;
   bool good = mbd_accelerations(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y));
   double here = good ? mbd_kkt_spread(ida->kkt) : 0;
   for (int i = 0; i < 6 && here < singular * ida->regular && best < enough * here; i++) {
-    double to = fmin(ida->point_t[ida->npoint - 1] + lengths[i] * last_step(ida), t1);
-    extrapolate(ida, to, ida->sample);
+    double to = fmin(past->t[past->n - 1] + lengths[i] * mbd_past_step(past), t1);
+    mbd_past_at(past, to, N_VGetArrayPointer(ida->sample));
     double spread = to > t ? spread_at(ida, to, ida->sample) : 0;
     if (spread > best)
       best = spread, reached = to;
   }
   if (!(best > here))
     return t;
-  extrapolate(ida, reached, ida->y);
+  mbd_past_at(past, reached, N_VGetArrayPointer(ida->y));
   if (!mbd_project(ida->model, ida->data, ida->kkt, reached, N_VGetArrayPointer(ida->y)) || !restart(ida, reached))
     return t;
   ida->data->stats.restarts++;
@@ -506,7 +447,7 @@ static double inside(const ida_solver *ida, double t) {
 static const double *unknowns_at(void *self, double t) {
   ida_solver *ida = self;
   if (ida->over)
-    extrapolate(ida, t, ida->sample);
+    mbd_past_at(&ida->past, t, N_VGetArrayPointer(ida->sample));
   else if (IDAGetDky(ida->mem, inside(ida, t), 0, ida->sample) != IDA_SUCCESS)
     return NULL;
   else
@@ -550,7 +491,7 @@ static tdm_status step(ida_solver *ida, double *t, double t0, double t1, bool *a
       return err->status;
     *again = true;
   } else if (!ida->over) {
-    remember(ida, *t);
+    mbd_past_add(&ida->past, *t, N_VGetArrayPointer(ida->y), largest_mu(ida));
   }
   mbd_accept(ida->model, ida->data, *t, N_VGetArrayPointer(ida->y));
   return TDM_OK;
@@ -563,7 +504,7 @@ static bool begin_window(ida_solver *ida, double t) {
   mbd_impulse_begin(ida->impulse, ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y));
   if (!(mbd_impulse_size(ida->impulse, t) > fmax(shows, much)))
     return true;
-  ida->npoint = 0;
+  ida->past.n = 0;
   return restart(ida, t);
 }
 
@@ -577,7 +518,7 @@ static tdm_status settle(ida_solver *ida, double t, bool back, tdm_error *err) {
     return mbd_stick_refuse(t, err);
   if (!changed && !back)
     return TDM_OK;
-  ida->npoint = 0;
+  ida->past.n = 0;
   mbd_impulse_reset(ida->impulse); /* what sticks answers to loads in another way */
   bool good = mbd_project(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y)); /* it was interpolated */
   return good && restart(ida, t) ? TDM_OK : mbd_stick_refuse(t, err);
@@ -587,10 +528,7 @@ static tdm_status settle(ida_solver *ida, double t, bool back, tdm_error *err) {
  * must stay well below the tolerance of velocities. */
 static double sliver(const ida_solver *ida) {
   const double *y = N_VGetArrayPointer(ida->y), rounding = 4e-15;
-  double reach = 1;
-  for (int b = 0; b < ida->model->nbody; b++)
-    reach = fmax(reach, tdm_norm(mbd_get3(y + MBD_BODY_UNKNOWNS * b + MBD_R)));
-  return rounding * reach / (loose * ida->model->solver.absolute_tolerance);
+  return rounding * mbd_reach(ida->model, y) / (loose * ida->model->solver.absolute_tolerance);
 }
 
 /* Go back to time t inside the last step. */
@@ -635,10 +573,10 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
     if (end <= t && settle(ida, t, back, err))
       return err->status;
     if (ida->over)
-      ida->npoint = 0;
+      ida->past.n = 0;
     if (nstep % many == 0 && t - mark < hardly * (t1 - start)) {
       char advice[512];
-      advise(ida->model, advice, sizeof advice);
+      mbd_advise(ida->model, advice, sizeof advice);
       return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                       "the integration stands still at t = %.9g s: the last %ld steps cover %.3g s. %s", t, many,
                       t - mark, advice);

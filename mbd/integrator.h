@@ -44,6 +44,9 @@ typedef struct {
 /* indexed by mbd_settings.formulation */
 extern const mbd_formulation mbd_formulation_table[];
 
+/* Words for an error: what may help where IDA fails, and is not so already. */
+void mbd_advise(const mbd_model *model, char *out, size_t size);
+
 extern const mbd_integrator_ops mbd_ida, mbd_one_step;
 
 #endif

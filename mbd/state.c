@@ -246,6 +246,13 @@ static void note_drift(const mbd_model *model, mbd_data *data) {
   }
 }
 
+double mbd_reach(const mbd_model *model, const double *y) {
+  double reach = 1;
+  for (int b = 0; b < model->nbody; b++)
+    reach = fmax(reach, tdm_norm(mbd_get3(y + MBD_BODY_UNKNOWNS * b + MBD_R)));
+  return reach;
+}
+
 /* [rad]; the rotation vector of a force jumps at half a turn */
 static const double rotation_limit = 3;
 

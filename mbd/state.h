@@ -140,6 +140,9 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
 /* (G M^-1 G^T)_ii of row k of a part. Two parts with a body in common count as if they had none. */
 double mbd_row_mobility(const mbd_model *model, const mbd_data *data, const mbd_rows *rows, int k);
 
+/* Largest distance of a body in y from the world's origin, 1 m at least [m]. */
+double mbd_reach(const mbd_model *model, const double *y);
+
 /* After an accepted step to y at time t: count angles on and note the drift. */
 void mbd_accept(const mbd_model *model, mbd_data *data, double t, const double *y);
 
