@@ -53,7 +53,7 @@ typedef struct {
   double rolling_friction, rolling_damping; /* mu_r; eta_r, share of the critical */
   double twisting_friction;
   double cohesion_density; /* sjkr [J/m3] */
-  double adhesion_energy;  /* jkr: work of adhesion w [J/m2] */
+  double adhesion_energy;  /* jkr, dmt: work of adhesion w [J/m2] */
   double adhesion_length;  /* jkr: (pi w/E*)^(1/3) [m^(1/3)] */
 } dem_pair;
 

@@ -33,6 +33,7 @@ tdm_status scn_coupling_stiff_hinge(cpl_verify *v, tdm_error *err);
 tdm_status scn_normal_laws(cpl_verify *v, tdm_error *err);
 tdm_status scn_chung_ooi(cpl_verify *v, tdm_error *err);
 tdm_status scn_rolling(cpl_verify *v, tdm_error *err);
+tdm_status scn_lammps(cpl_verify *v, tdm_error *err);
 tdm_status scn_conservation(cpl_verify *v, tdm_error *err);
 tdm_status scn_convergence(cpl_verify *v, tdm_error *err);
 tdm_status scn_discharge(cpl_verify *v, tdm_error *err);

@@ -3,6 +3,9 @@
  * sjkr: -k A with the contact area A = 2 pi R* delta (of the circle in which two spheres of equal overlap cross).
  * Friction is limited by the normal law's force alone.
  *
+ * dmt: Derjaguin, Muller & Toporov (1975): Hertz's force less 2 pi w R*, as long as they touch. For stiff and small
+ * spheres, jkr for soft and large ones. Friction is limited by the normal law's force alone, F + 2 pi w R*.
+ *
  * jkr: Johnson, Kendall & Roberts (1971) in place of Hertz's force, work of adhesion w:
  *   F = 4 E* a^3/(3 R*) - sqrt(8 pi w E* a^3),   delta = a^2/R* - sqrt(2 pi w a/E*)
  * The contact begins at delta = 0 and then holds, with its circle, over a gap until d(delta)/da = 0, which is
@@ -26,6 +29,12 @@ DEM_KERNEL void dem_cohesion_sjkr(dem_contact *c, vd *history) {
   vd slope = vd_set(2 * M_PI) * DEM_OF(c, cohesion_density) * c->radius;
   c->pull = -(slope * c->overlap);
   c->elastic = c->elastic + vd_set(0.5) * c->pull * c->overlap;
+}
+
+DEM_KERNEL void dem_cohesion_dmt(dem_contact *c, vd *history) {
+  (void)history;
+  c->pull = -(vd_set(2 * M_PI) * DEM_OF(c, adhesion_energy) * c->radius);
+  c->elastic = c->elastic + c->pull * c->overlap;
 }
 
 /* e of the head of this file, from above: Newton's steps then never pass it */

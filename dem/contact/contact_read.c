@@ -71,6 +71,9 @@ static void check_laws(const dem_model *m, tdm_object *o) {
   if (m->cohesion == DEM_COHESION_jkr && law->normal != DEM_NORMAL_hertz)
     tdm_object_fail(o, "cohesion", "\"jkr\" changes the contact circle of normal \"hertz\", not \"%s\"; use \"sjkr\"",
                     normal);
+  if (m->cohesion == DEM_COHESION_dmt && law->normal != DEM_NORMAL_hertz)
+    tdm_object_fail(o, "cohesion",
+                    "\"dmt\" is Hertz's force with a constant pull, not with normal \"%s\"; use \"sjkr\"", normal);
   if (m->cohesion == DEM_COHESION_jkr && m->clip)
     tdm_object_fail(o, "tail", "\"clip\" cuts the attraction that cohesion \"jkr\" is there for; use \"keep\"");
   if (law->normal == DEM_NORMAL_hunt_crossley && m->clip)
@@ -362,6 +365,8 @@ static void read_others(const dem_model *m, tdm_object *o, dem_pair *p) {
     p->twisting_friction = need(o, "twisting_friction", "twisting", &dem_twistings[m->twisting], TDM_NOT_NEGATIVE);
   if (m->cohesion == DEM_COHESION_sjkr)
     p->cohesion_density = need(o, "cohesion_density", "cohesion", &dem_cohesions[m->cohesion], TDM_NOT_NEGATIVE);
+  if (m->cohesion == DEM_COHESION_dmt)
+    p->adhesion_energy = need(o, "adhesion_energy", "cohesion", &dem_cohesions[m->cohesion], TDM_NOT_NEGATIVE);
   if (m->cohesion == DEM_COHESION_jkr) {
     /* 0 would have no length of its own: so little that no contact feels it */
     double energy = need(o, "adhesion_energy", "cohesion", &dem_cohesions[m->cohesion], TDM_NOT_NEGATIVE);

@@ -46,7 +46,8 @@
 #define DEM_COHESION_LIST(X)                \
   X(none, "none", 0, 0, "")                 \
   X(sjkr, "sjkr", 0, 0, "cohesion_density") \
-  X(jkr, "jkr", 1, 0, "adhesion_energy")
+  X(jkr, "jkr", 1, 0, "adhesion_energy")    \
+  X(dmt, "dmt", 0, 0, "adhesion_energy")
 
 /* Normal and tangential laws that go together; mindlin needs a contact circle. */
 #define DEM_LAWS_hooke(X) X(hooke, none) X(hooke, coulomb) X(hooke, viscous) X(hooke, spring)

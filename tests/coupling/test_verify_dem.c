@@ -60,6 +60,11 @@ START_TEST(rolling) {
 }
 END_TEST
 
+START_TEST(lammps) {
+  check("lammps", 40);
+}
+END_TEST
+
 START_TEST(convergence) {
   check("convergence", 12);
 }
@@ -96,5 +101,5 @@ START_TEST(the_reference_clips) {
 }
 END_TEST
 
-TEST_MAIN("verify dem", 60, normal_laws, chung_ooi, rolling, convergence, the_reference_keeps_what_theory_says,
+TEST_MAIN("verify dem", 60, normal_laws, chung_ooi, rolling, lammps, convergence, the_reference_keeps_what_theory_says,
           the_reference_clips)

@@ -23,14 +23,14 @@ static const laws rows[] = {DEM_LAW_LIST(X)};
 #undef X
 enum { NROW = sizeof rows / sizeof rows[0], NMORE = DEM_ROLLINGS * DEM_TWISTINGS * DEM_COHESIONS };
 
-/* number k < NROW * NMORE; false: jkr without hertz */
+/* number k < NROW * NMORE; false: jkr or dmt without hertz */
 static bool pick(laws *l, int k) {
   *l = rows[k / NMORE];
   int rest = k % NMORE;
   l->rolling = rest % DEM_ROLLINGS;
   l->twisting = rest / DEM_ROLLINGS % DEM_TWISTINGS;
   l->cohesion = rest / DEM_ROLLINGS / DEM_TWISTINGS;
-  return l->cohesion != DEM_COHESION_jkr || l->normal == DEM_NORMAL_hertz;
+  return l->cohesion < DEM_COHESION_jkr || l->normal == DEM_NORMAL_hertz;
 }
 
 static const char *name_of(const laws *l) {
@@ -49,7 +49,8 @@ static const char *pair_of(const laws *l) {
                                            ",'friction':0.4"};
   static const char *const rolling[] = {"", ",'rolling_friction':0.1", ",'rolling_friction':0.1,'rolling_damping':0.2"};
   static const char *const twisting[] = {"", ",'twisting_friction':0.05"};
-  static const char *const cohesion[] = {"", ",'cohesion_density':5e3", ",'adhesion_energy':0.05"};
+  static const char *const cohesion[] = {"", ",'cohesion_density':5e3", ",'adhesion_energy':0.05",
+                                         ",'adhesion_energy':0.05"};
   snprintf(pair, sizeof pair, "%s%s%s%s%s", normal[l->normal], tangential[l->tangential], rolling[l->rolling],
            twisting[l->twisting], cohesion[l->cohesion]);
   return pair;

@@ -476,6 +476,21 @@ START_TEST(test_jkr_impact) {
 }
 END_TEST
 
+START_TEST(test_dmt) {
+  /* Hertz's force less 2 pi w R while they touch; friction goes by Hertz's force */
+  const double w = 5, R = 0.01;
+  rig *r = on_floor("'tangential':'coulomb','cohesion':'dmt'", "'restitution':1,'friction':0.5,'adhesion_energy':5", 0,
+                    1e-4, "'velocity':[0.1,0,0]", 1e-6);
+  double hertz = 4.0 / 3 * r->model->pair[0].young * sqrt(R) * pow(1e-4, 1.5), pull = 2 * M_PI * w * R;
+  ck_relative(r->data->push[0].force.z, hertz - pull, 1e-9);
+  ck_relative(r->data->push[0].force.x, -0.5 * hertz, 1e-9);
+  ck_relative(lift(r, 1e-12), -pull, 1e-6);
+  ck_near(lift(r, -1e-9), 0, 0);
+  ck_near(r->model->reach, 0, 0);
+  rig_free(r);
+}
+END_TEST
+
 START_TEST(test_sjkr) {
   rig *r = on_floor("'normal':'hooke','tangential':'coulomb','cohesion':'sjkr'",
                     "'stiffness':1e4,'restitution':1,'friction':0.5,'cohesion_density':2e4", 0, 1e-5,
@@ -630,6 +645,7 @@ int main(void) {
                                 test_twisting,
                                 test_jkr,
                                 test_jkr_impact,
+                                test_dmt,
                                 test_sjkr,
                                 test_settle_overrides,
                                 test_wall_work,
