@@ -28,11 +28,12 @@ struct dem_matched {
   bool on;       /* this window is matched */
   uint64_t n;    /* its steps */
   uint64_t step; /* that are over */
+  double dt;     /* [s] */
   const double *E;
   double *scale;                               /* (k6) sqrt(Y_ii); 0: blocked */
   double *B;                                   /* (f x k6) half a kick: dt^2/2 B */
   double *y;                                   /* (2f) what the kicks have led to so far */
-  double *next;                                /* (2f) */
+  double *next;                                /* (2f) scratch; at the end what the polynomial leaves of delta u' */
   double *moment;                              /* (k6 x TDM_FURTHER) <P_j, W>, j = 3, ... */
   double *coefficient;                         /* (k6 x FUNCTIONS) c_j, of loads times `scale` */
   gsl_matrix *X;                               /* (2f x k6) a kick, of loads times `scale` */
@@ -158,6 +159,7 @@ bool dem_matched_begin(dem_matched *m, const tdm_mobility *model, uint64_t n, do
   }
   m->n = n;
   m->step = 0;
+  m->dt = dt;
   memset(m->moment, 0, (size_t)k * TDM_FURTHER * sizeof *m->moment);
   m->E = E;
   memset(m->y, 0, 2 * (size_t)f * sizeof *m->y);
@@ -367,6 +369,8 @@ static void fit(dem_matched *m, int nfunction, const products *of, const tdm_int
       for (int j = 0; j < nfunction; j++)
         r -= gsl_matrix_get(m->sum[j], (size_t)i, (size_t)l) * m->coefficient[l * FUNCTIONS + j];
     gsl_vector_set(m->residual, (size_t)i, r);
+    if (i >= m->f)
+      m->next[i - m->f] = r * (double)m->n / m->dt;
   }
 }
 
@@ -443,4 +447,8 @@ void dem_matched_end(dem_matched *m, const tdm_interface *body, tdm_wrench *furt
       double *to = (double *)(void *)&further[(l / 6) * TDM_FURTHER + j] + l % 6;
       *to = m->scale[l] > 0 ? m->coefficient[l * FUNCTIONS + PARABOLA + j] / m->scale[l] : 0;
     }
+}
+
+const double *dem_matched_rest(const dem_matched *m) {
+  return m->on ? m->next : NULL;
 }

@@ -43,4 +43,9 @@ void dem_matched_flow(dem_matched *matched);
 /* After the last step: c_3 ... c_8 of each body (k x TDM_FURTHER) from the moments in `body` (k). */
 void dem_matched_end(dem_matched *matched, const tdm_interface *body, tdm_wrench *further);
 
+/* After dem_matched_end: what the load beside the polynomial of degree 8 made of the rates delta u' (f), before it was
+ * made up for. Where it is not small, the mechanism vibrates too fast for the window, whose inside the polynomial gets
+ * wrong. NULL: this window was left out. */
+const double *dem_matched_rest(const dem_matched *matched);
+
 #endif

@@ -4,6 +4,7 @@
 #include "dem/geometry/wall_stiffness.h"
 #include "dem/geometry/walls.h"
 #include "dem/matched.h"
+#include "protocol/remark.h"
 
 #include <gsl/gsl_linalg.h>
 #include <stdlib.h>
@@ -23,6 +24,13 @@ typedef struct {
   cubic drift, correct;  /* over blend_time, over the window */
   double work, blending; /* [J] */
 } carried;
+
+/* What a body is known by, window after window. */
+typedef struct {
+  const char *name;
+  double radius;  /* by which turns count as ways [m] */
+  double fastest; /* largest speed at the end of a window so far, its turning included [m/s] */
+} known;
 
 struct dem_proxy {
   int k6, f, capacity; /* 6 bodies; independent velocities; room for so many */
@@ -46,6 +54,7 @@ struct dem_proxy {
   double *block;         /* all of the above from W0 on */
   gsl_matrix *L, *exponential;
   dem_matched *matched; /* NULL: not wanted */
+  known *known;         /* (k6 / 6) */
 };
 
 /* ---- memory ---- */
@@ -81,14 +90,25 @@ static bool reserve(dem_proxy *x, int f) {
   return x->block && x->L && x->exponential;
 }
 
-dem_proxy *dem_proxy_create(const dem_model *model, bool matched) {
+/* radius of gyration; 1 m for a body that cannot be moved */
+static double gyration(const tdm_assigned_body *body) {
+  const double trace = body->inertia.m[0][0] + body->inertia.m[1][1] + body->inertia.m[2][2];
+  const double radius = sqrt(trace / 3 / body->mass);
+  return isfinite(radius) && radius > 0 ? radius : 1;
+}
+
+dem_proxy *dem_proxy_create(const dem_model *model, const tdm_assignment *assignment) {
+  const bool matched = assignment->matched_load;
   dem_proxy *x = calloc(1, sizeof *x);
   if (!x)
     return NULL;
   x->k6 = 6 * model->ncoupled;
   x->body = calloc((size_t)model->ncoupled + 1, sizeof *x->body);
   x->matched = matched ? dem_matched_create(model->ncoupled) : NULL;
-  if (!x->body || (matched && !x->matched))
+  x->known = calloc((size_t)model->ncoupled + 1, sizeof *x->known);
+  for (int c = 0; x->known && c < model->ncoupled; c++)
+    x->known[c] = (known){.name = model->body[model->coupled_body[c]].name, .radius = gyration(&assignment->body[c])};
+  if (!x->body || !x->known || (matched && !x->matched))
     dem_proxy_destroy(&x);
   return x;
 }
@@ -100,6 +120,7 @@ void dem_proxy_destroy(dem_proxy **proxy) {
   gsl_matrix_free(x->L);
   gsl_matrix_free(x->exponential);
   dem_matched_destroy(&x->matched);
+  free(x->known);
   free(x->body);
   free(x->block);
   free(x);
@@ -130,6 +151,10 @@ static tdm_twist along(double s, tdm_twist a, tdm_twist b) {
 
 static double power(const double *load, tdm_twist t) {
   return tdm_dot(vec(load), t.velocity) + tdm_dot(vec(load + 3), t.angular);
+}
+
+static double speed(tdm_twist twist, double radius) {
+  return hypot(tdm_norm(twist.velocity), radius * tdm_norm(twist.angular));
 }
 
 /* Value and rate at time t of the cubic over T. */
@@ -479,16 +504,40 @@ void dem_proxy_kick(dem_proxy *x, const dem_data *d) {
   half_kick(x);
 }
 
+/* A mechanism that vibrates within the window faster than the load polynomial can: what is left of the load moves it.
+ */
+static void look_for_vibration(dem_proxy *x) {
+  const double share = 0.5, least = 1e-7; /* of the largest speed so far; way within the window [m] */
+  const double *rest = dem_matched_rest(x->matched);
+  for (int c = 0; rest && 6 * c < x->k6; c++) {
+    double V[6] = {0};
+    for (int i = 0; i < 6; i++)
+      for (int j = 0; j < x->f; j++)
+        V[i] += x->J[(6 * c + i) * x->f + j] * rest[j];
+    const double is = speed(twist_of(V), x->known[c].radius);
+    if (!(is > share * x->known[c].fastest) || !(is * x->H > least))
+      continue;
+    tdm_remark(TDM_NOTICE, "vibration", NULL, x->t0,
+               "the mechanism of \"%s\" vibrates too fast for the window from %.6g s to %.6g s: what a load polynomial "
+               "leaves out of its contacts' load makes %.2g of its largest speed so far; take a smaller coupling.n",
+               x->known[c].name, x->t0, x->t0 + x->H, is / x->known[c].fastest);
+    return;
+  }
+}
+
 void dem_proxy_end(dem_proxy *x, dem_data *d, tdm_interface *body, tdm_wrench *further) {
   for (int c = 0; 6 * c < x->k6; c++) {
     const carried *b = &x->body[c];
     put(x, d, c, b->now.twist);
+    x->known[c].fastest = fmax(x->known[c].fastest, speed(b->now.twist, x->known[c].radius));
     if (body) {
       body[c].end = b->now;
       body[c].work = b->work;
       body[c].blending = b->blending;
     }
   }
-  if (x->matched && body && further)
+  if (x->matched && body && further) {
     dem_matched_end(x->matched, body, further);
+    look_for_vibration(x);
+  }
 }

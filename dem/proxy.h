@@ -26,13 +26,13 @@
 #define DEM_PROXY_H
 
 #include "dem/data.h"
-#include "protocol/message.h"
+#include "protocol/participant.h"
 
 typedef struct dem_proxy dem_proxy;
 
-/* For the coupled bodies of a model; matched: windows find the load that ends where the proxy does (matched.h). NULL:
- * no memory. */
-dem_proxy *dem_proxy_create(const dem_model *model, bool matched);
+/* For the coupled bodies of a model and an assignment, which says if windows are to find the load that ends where the
+ * proxy does (matched.h). NULL: no memory. */
+dem_proxy *dem_proxy_create(const dem_model *model, const tdm_assignment *assignment);
 void dem_proxy_destroy(dem_proxy **proxy);
 
 /* Take up the window of `step` (with a proxy), of steps dt [s]; contact_time: the shortest that is expected [s]. */

@@ -418,7 +418,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   s->data = dem_data_create(s->model);
   s->motion = calloc((size_t)assignment->nbody + 1, sizeof *s->motion);
   s->load = calloc((size_t)assignment->nbody + 1, sizeof *s->load);
-  s->proxy = dem_proxy_create(s->model, assignment->matched_load);
+  s->proxy = dem_proxy_create(s->model, assignment);
   if (!s->data || !s->motion || !s->load || !s->proxy || !make_channels(s))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", s->model->nparticle);
   return start(s, ready, err);

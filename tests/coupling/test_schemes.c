@@ -279,7 +279,7 @@ START_TEST(stiff_supports) {
    * place and the velocity at the end */
   static const double swings[] = {4, 8, 13.9758643, 16, 16.3651231};
   const double H = 0.02;
-  char line[256];
+  char line[512];
   setup(slide);
   damping = 0;
   for (int i = 0; i < 5; i++) {
@@ -288,10 +288,22 @@ START_TEST(stiff_supports) {
     snprintf(line, sizeof line, "--set mbd.forces[0].stiffness=%.17g --set mbd.forces[0].damping=0" EXACT, spring);
     double e = error(2000, line);
     ck_assert_msg(e < 2e-3, "omega H = %g: %g", swings[i], e);
+    ck_assert_msg(strstr(command_output, "vibrates") == NULL, "omega H = %g: %s", swings[i], command_output);
     strcat(line, PARABOLA);
     double before = error(2000, line);
     ck_assert_msg(before > 0.02, "omega H = %g: a parabola comes to %g", swings[i], before);
   }
+  /* 50 rad, and a sphere that bounces between the faces: more than the polynomials follow, which is told */
+  snprintf(line, sizeof line,
+           "--set mbd.forces[0].stiffness=%.17g --set mbd.forces[0].damping=0 --set mbd.bodies[0].velocity=[0,0,0] "
+           "--set dem.particles[0].velocity=[0.5,0,0] --set dem.pairs[0].stiffness=1e6 --set "
+           "dem.bodies[0].shapes[0].size=[0.102,0.4,0.4]",
+           box_mass * pow(50 / H, 2));
+  run(line);
+  ck_assert_ptr_null(strstr(command_output, "vibrates")); /* n = 100 */
+  strcat(line, " --set coupling.n=2000");
+  run(line);
+  expect_output("the mechanism of \"box\" vibrates too fast for the window");
   directory_remove(dir);
 }
 END_TEST
