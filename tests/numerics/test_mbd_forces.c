@@ -272,6 +272,32 @@ START_TEST(test_tables) {
   ck_assert(most > 0.41 && least < -0.31); /* beyond both ends */
   run_close(&r);
 
+  /* between its points a table stays within them, unless the scene asks for a spline */
+  for (int spline = 0; spline < 2; spline++) {
+    run_open_good(
+        &r,
+        spline ? "{'gravity':[0,0,0]," SLIDER("2", "2",
+                                              "{'name':'k','type':'spring_damper','bodies':['ground','b'],'points':"
+                                              "[[0,0,-1],[0,0,0]],'interpolation':'cspline','stiffness_table':"
+                                              "[[0,0.1,0.2,0.3,0.4,0.5],[0,0,0,10,10,10]]}")
+               : "{'gravity':[0,0,0]," SLIDER("2", "2",
+                                              "{'name':'k','type':'spring_damper','bodies':['ground','b'],'points':"
+                                              "[[0,0,-1],[0,0,0]],'stiffness_table':"
+                                              "[[0,0.1,0.2,0.3,0.4,0.5],[0,0,0,10,10,10]]}"),
+        "");
+    double low = 0, high = 0;
+    for (int k = 1; k <= 25; k++) {
+      run_to(&r, 0.01 * k);
+      low = fmin(low, run_value(&r, "force.k.value"));
+      high = fmax(high, run_value(&r, "force.k.value"));
+    }
+    if (spline)
+      ck_assert(low < -1 && high > 11);
+    else
+      ck_assert(low >= -1e-12 && high <= 10 + 1e-12 && high > 9);
+    run_close(&r);
+  }
+
 #define DAMPED(law)    \
   "{" SLIDER("2", "1", \
              "{'name':'k','type':'spring_damper','bodies':['ground','b'],'points':[[0,0,-1],[0,0,0]]," law "}")
