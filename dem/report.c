@@ -321,6 +321,47 @@ static void report_lids(dem_report *r, const dem_data *d) {
   json_object_set_new(r->json, "lids", all);
 }
 
+/* Files in millimetres, and scales that were applied twice: sizes that no machine has beside these particles. */
+static void warn_scale(dem_report *r, const dem_data *d) {
+  const double many = 1000, large = 20, few = 0.1; /* diameters; [m]; diameters */
+  const dem_model *m = d->model;
+  const double diameter = 2 * dem_largest_radius(m);
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    if (!wall->mesh || wall->plates || diameter == 0)
+      continue;
+    const dem_geometry *g = &m->geometry[wall->geometry];
+    tdm_vec3 low = dem_mesh_figures(wall->mesh)->low, high = dem_mesh_figures(wall->mesh)->high;
+    double size = fmax(high.x - low.x, fmax(high.y - low.y, high.z - low.z));
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.bodies[%d].shapes[%d].scale", g->body, g->number);
+    if (size > many * diameter && size > large)
+      warn(r, path,
+           "makes \"%s\" %.3g m wide, %.3g diameters of the largest particle; is the file in millimetres? Give "
+           "\"scale\": 0.001 then",
+           dem_mesh_name(wall->mesh), size, size / diameter);
+    else if (size < few * diameter)
+      warn(r, path,
+           "makes \"%s\" %.3g m wide, %.2g diameters of the largest particle; a file in metres needs \"scale\": 1",
+           dem_mesh_name(wall->mesh), size, size / diameter);
+  }
+}
+
+/* a bucket of planes: what is above its rim or beside it meets its walls */
+static void warn_open_boxes(dem_report *r, const dem_model *m) {
+  for (int k = 0; k < m->nbox; k++) {
+    const dem_body *b = &m->body[m->box[k].body];
+    char path[TDM_PATH_MAX];
+    if (!m->box[k].unsaid || (b->coupled < 0 && !b->drive.given))
+      continue;
+    snprintf(path, sizeof path, "dem.bodies[%d].shapes", m->box[k].body);
+    warn(r, path,
+         "\"%s\" moves with a box that is open, but whose walls are planes without end: particles beyond its rim meet "
+         "them, too; give the box \"edges\": true for walls that end, or false if no particle gets there",
+         b->name);
+  }
+}
+
 static void report_meshes(dem_report *r, const dem_model *m) {
   json_t *all = json_array();
   for (int w = 0; w < m->nwall; w++) {
@@ -334,7 +375,10 @@ static void report_meshes(dem_report *r, const dem_model *m) {
     if (of->degenerate + of->duplicate > 0)
       note(r, "\"%s\": %d triangles without area and %d that are there twice were left out", dem_mesh_name(mesh),
            of->degenerate, of->duplicate);
-    if (of->open + of->nonmanifold > 0)
+    if (of->inverted > 0)
+      note(r, "\"%s\": %d of its %d parts are inside out; particles feel it from both sides all the same",
+           dem_mesh_name(mesh), of->inverted, of->parts);
+    if (!of->closed && !m->wall[w].plates)
       note(r, "\"%s\": %d edges belong to one triangle only and %d to more than two; a closed part has none",
            dem_mesh_name(mesh), of->open, of->nonmanifold);
   }
@@ -373,6 +417,8 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   warn_step(r, m, &limits);
   warn_speed(r, d, limits.speed);
   warn_plane(r, m);
+  warn_scale(r, d);
+  warn_open_boxes(r, m);
   warn_triangles(r, m);
   report_ratios(r, d, fill.mass);
   report_lids(r, d);

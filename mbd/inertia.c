@@ -1,5 +1,7 @@
 #include "mbd/inertia.h"
 
+#include "protocol/surface.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,93 +62,42 @@ static mbd_shape capsule(tdm_object *o) {
 
 /* ---- meshes ---- */
 
-typedef struct {
-  tdm_vec3 at;
-  int corner;
-} vertex;
-
-typedef struct {
-  int low, high; /* vertices */
-  int direction; /* 1: its triangle runs from low to high, -1: back */
-} edge;
-
-static int by_place(const void *a, const void *b) {
-  const tdm_vec3 *p = &((const vertex *)a)->at, *q = &((const vertex *)b)->at;
-  if (p->x != q->x)
-    return p->x < q->x ? -1 : 1;
-  if (p->y != q->y)
-    return p->y < q->y ? -1 : 1;
-  return (p->z > q->z) - (p->z < q->z);
-}
-
-static int by_ends(const void *a, const void *b) {
-  const edge *p = a, *q = b;
-  return p->low != q->low ? (p->low > q->low) - (p->low < q->low) : (p->high > q->high) - (p->high < q->high);
-}
-
-/* Number corners at the same place alike. */
-static void number_vertices(const tdm_stl *stl, vertex *all, int *id) {
-  int n = 3 * stl->count;
-  for (int i = 0; i < n; i++)
-    all[i] = (vertex){stl->corner[i], i};
-  qsort(all, (size_t)n, sizeof *all, by_place);
-  for (int i = 0, k = 0; i < n; i++) {
-    k += i > 0 && by_place(&all[i - 1], &all[i]) != 0;
-    id[all[i].corner] = k;
-  }
-}
-
-/* Count the edges, those that belong to one triangle alone and those that two triangles run along the same way. */
-static void count_edges(const tdm_stl *stl, const int *id, edge *all, int *edges, int *open, int *turned) {
-  int n = 0;
-  for (int t = 0; t < stl->count; t++)
-    for (int k = 0; k < 3; k++) {
-      int from = id[3 * t + k], to = id[3 * t + (k + 1) % 3];
-      if (from != to)
-        all[n++] = from < to ? (edge){from, to, 1} : (edge){to, from, -1};
-    }
-  qsort(all, (size_t)n, sizeof *all, by_ends);
-  *edges = *open = *turned = 0;
-  for (int i = 0, next; i < n; i = next) {
-    int balance = 0;
-    for (next = i; next < n && by_ends(&all[i], &all[next]) == 0; next++)
-      balance += all[next].direction;
-    *edges += 1;
-    *open += (next - i) % 2;
-    *turned += (next - i) % 2 == 0 && balance != 0;
-  }
-}
-
-static tdm_status check_closed(const tdm_stl *stl, const char *file, const char *path, tdm_error *err) {
-  size_t n = 3 * (size_t)stl->count;
-  vertex *vertices = malloc((n + 1) * sizeof *vertices);
-  edge *edges = malloc((n + 1) * sizeof *edges);
-  int *id = malloc((n + 1) * sizeof *id), count = 0, open = 0, turned = 0;
-  if (vertices && edges && id) {
-    number_vertices(stl, vertices, id);
-    count_edges(stl, id, edges, &count, &open, &turned);
-  } else
-    tdm_fail(err, TDM_ERR_MEMORY, path, "no memory for the edges of \"%s\"", file);
-  free(vertices);
-  free(edges);
-  free(id);
-  if (open > 0)
-    tdm_fail(err, TDM_ERR_SCENE, path,
-             "\"%s\" is open: %d of its %d edges belong to one triangle alone, so that it has no inside; export a "
-             "closed part",
-             file, open, count);
-  else if (turned > 0)
-    tdm_fail(err, TDM_ERR_SCENE, path,
-             "\"%s\" has triangles that are turned inside out: at %d of its %d edges two of them run the same way; "
-             "export the part with one orientation",
-             file, turned, count);
-  return err->status;
+static tdm_status check_surface(const tdm_surface *s, const char *file, const char *path, tdm_error *err) {
+  if (!s->closed)
+    return tdm_fail(err, TDM_ERR_SCENE, path,
+                    "\"%s\" is open: %d of its %d edges belong to an odd number of triangles, mostly to one alone, so "
+                    "that it has no inside; export a closed part",
+                    file, s->open, s->edges);
+  if (!s->oriented)
+    return tdm_fail(err, TDM_ERR_SCENE, path,
+                    "\"%s\" has triangles that are turned inside out: at %d of its %d edges two of them run the same "
+                    "way; export the part with one orientation",
+                    file, s->turned, s->edges);
+  if (s->inverted > 0 && s->inverted < s->parts)
+    return tdm_fail(err, TDM_ERR_SCENE, path,
+                    "\"%s\" has %d parts, and %d of them are inside out (one has a corner at [%g, %g, %g] m): their "
+                    "triangles have their outer sides inside; turn those round",
+                    file, s->parts, s->inverted, s->bad.x, s->bad.y, s->bad.z);
+  if (s->nested > 0)
+    return tdm_fail(err, TDM_ERR_SCENE, path,
+                    "\"%s\" has %d parts, and %d of them lie inside another one (one has a corner at [%g, %g, %g] m), "
+                    "so that their mass would count twice; turn their triangles round if they are cavities, else "
+                    "remove them",
+                    file, s->parts, s->nested, s->bad.x, s->bad.y, s->bad.z);
+  if (!(s->volume > 0))
+    return tdm_fail(err, TDM_ERR_SCENE, path,
+                    "\"%s\" has the volume %g m3: its triangles have their outer sides inside; turn them round", file,
+                    s->volume);
+  return TDM_OK;
 }
 
 /* Over the tetrahedra from `base` to each triangle (a, b, c), d = a . (b x c): volume d/6, first moment d/24 (a + b +
  * c), second moment d/120 (s s^T + a a^T + b b^T + c c^T), s = a + b + c. */
-static void integrate(const tdm_stl *stl, tdm_vec3 base, double *volume, double first[3], double second[3][3]) {
+static void integrate(const tdm_stl *stl, const bool *left_out, tdm_vec3 base, double *volume, double first[3],
+                      double second[3][3]) {
   for (int t = 0; t < stl->count; t++) {
+    if (left_out[t])
+      continue;
     tdm_vec3 p[3], s = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
       p[k] = tdm_sub(stl->corner[3 * t + k], base);
@@ -168,14 +119,15 @@ static void integrate(const tdm_stl *stl, tdm_vec3 base, double *volume, double 
 tdm_status mbd_shape_of_mesh(mbd_shape *shape, const tdm_stl *stl, const char *file, const char *path, tdm_error *err) {
   double volume = 0, first[3] = {0}, second[3][3] = {{0}}, trace = 0;
   *shape = (mbd_shape){0};
-  if (check_closed(stl, file, path, err))
-    return err->status;
+  tdm_surface surface;
+  if (tdm_surface_look(&surface, stl, path, err) == TDM_OK)
+    check_surface(&surface, file, path, err);
   tdm_vec3 base = stl->count > 0 ? stl->corner[0] : tdm_v3(0, 0, 0);
-  integrate(stl, base, &volume, first, second);
-  if (!(volume > 0))
-    return tdm_fail(err, TDM_ERR_SCENE, path,
-                    "\"%s\" has the volume %g m3: its triangles have their outer sides inside; turn them round", file,
-                    volume);
+  if (!err->status)
+    integrate(stl, surface.left_out, base, &volume, first, second);
+  tdm_surface_destroy(&surface);
+  if (err->status)
+    return err->status;
   for (int i = 0; i < 3; i++)
     trace += second[i][i] / volume - first[i] * first[i] / (volume * volume);
   for (int i = 0; i < 3; i++)

@@ -1,6 +1,8 @@
 /* Meshes: from loose triangles to vertices, edges and their neighbours; the report. See mesh.h. */
 #include "dem/geometry/mesh_data.h"
 
+#include "protocol/surface.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -214,27 +216,36 @@ static bool make_edges(dem_mesh *m) {
 
 /* ---- the report ---- */
 
+/* what the whole file says of the surface; false: no memory */
+static bool look_at_surface(dem_mesh *m, const tdm_stl *stl) {
+  tdm_error none = {0};
+  tdm_surface s;
+  bool good = tdm_surface_look(&s, stl, NULL, &none) == TDM_OK;
+  m->report.closed = s.closed;
+  m->report.oriented = s.oriented;
+  m->report.parts = s.parts;
+  m->report.inverted = s.inverted;
+  m->report.volume = s.volume;
+  m->report.centre = s.centre;
+  tdm_surface_destroy(&s);
+  return good;
+}
+
 static void set_report(dem_mesh *m) {
   dem_mesh_report *r = &m->report;
   r->triangles = m->nface;
   r->vertices = m->nvertex;
   r->edges = m->nedge;
-  r->closed = r->open == 0 && r->nonmanifold == 0;
   r->low = r->high = m->vertex[0];
   for (int v = 1; v < m->nvertex; v++) {
     tdm_vec3 x = m->vertex[v];
     r->low = tdm_v3(fmin(r->low.x, x.x), fmin(r->low.y, x.y), fmin(r->low.z, x.z));
     r->high = tdm_v3(fmax(r->high.x, x.x), fmax(r->high.y, x.y), fmax(r->high.z, x.z));
   }
-  tdm_vec3 middle = tdm_scale(0.5, tdm_add(r->low, r->high));
-  double six = 0;
   for (int t = 0; t < m->nface; t++) {
     const tdm_vec3 c[3] = {dem_corner(m, t, 0), dem_corner(m, t, 1), dem_corner(m, t, 2)};
-    tdm_vec3 n = normal_of(c);
-    r->area += 0.5 * tdm_norm(n);
-    six += tdm_dot(tdm_sub(c[0], middle), n);
+    r->area += 0.5 * tdm_norm(normal_of(c));
   }
-  r->volume = r->closed && r->flipped == 0 ? six / 6 : 0;
   m->crack = 2 * thin * tdm_norm(tdm_sub(r->high, r->low));
 }
 
@@ -248,8 +259,12 @@ json_t *dem_mesh_report_json(const dem_mesh *m) {
                            r->area, "min", r->low.x, r->low.y, r->low.z, "max", r->high.x, r->high.y, r->high.z);
   json_object_update(json, more);
   json_decref(more);
-  if (r->closed && r->flipped == 0)
-    json_object_set_new(json, "volume", json_real(r->volume));
+  if (!r->oriented)
+    return json;
+  more = json_pack("{s:i, s:i, s:f, s:[f,f,f]}", "parts", r->parts, "inverted_parts", r->inverted, "volume", r->volume,
+                   "centre", r->centre.x, r->centre.y, r->centre.z);
+  json_object_update(json, more);
+  json_decref(more);
   return json;
 }
 
@@ -293,7 +308,7 @@ dem_mesh *dem_mesh_make(const tdm_stl *stl, const char *name, double facet_angle
     m->facet_angle = facet_angle;
     m->facet_cos = cos(fmax(facet_angle, DEM_MESH_FLAT)); /* round-off is no angle */
   }
-  if (!m || !allocate(m, name, stl->count) || !build(m, stl))
+  if (!m || !allocate(m, name, stl->count) || !build(m, stl) || !look_at_surface(m, stl))
     tdm_fail(err, TDM_ERR_MEMORY, path, "no memory for the %d triangles of \"%s\"", stl->count, name);
   else if (m->nface == 0)
     tdm_fail(err, TDM_ERR_FILE, path,

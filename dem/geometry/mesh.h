@@ -38,9 +38,12 @@ typedef struct {
   int open, nonmanifold;     /* edges of one triangle, of more than two */
   int flat, convex, concave; /* edges of two triangles */
   int flipped;               /* edges whose two triangles face opposite sides */
-  bool closed;               /* every edge has two triangles */
+  bool closed;               /* as tdm_surface_look finds it, of all triangles of the file; so the next four */
+  bool oriented;             /* closed, and its triangles face one side */
+  int parts, inverted;       /* that hang together; that are inside out: if oriented, else 0 */
+  double volume;             /* [m3], positive when the triangles face outward; if oriented, else 0 */
+  tdm_vec3 centre;           /* of the volume, body axes [m] */
   double area;               /* [m2] */
-  double volume;             /* [m3], positive when the triangles face outward; 0 unless closed with no flipped edges */
   tdm_vec3 low, high;        /* bounding box [m] */
 } dem_mesh_report;
 

@@ -79,6 +79,56 @@ static void append_box(dem_wall_list *list, dem_box box, tdm_error *err) {
   list->box[list->nbox++] = box;
 }
 
+static void append_mesh(dem_wall_list *list, dem_mesh *mesh, tdm_error *err) {
+  dem_mesh **grown = realloc(list->mesh, (size_t)(list->nmesh + 1) * sizeof *grown);
+  if (!grown) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for mesh %d", list->nmesh);
+    dem_mesh_destroy(&mesh);
+    return;
+  }
+  list->mesh = grown;
+  list->mesh[list->nmesh++] = mesh;
+}
+
+/* The closed faces of a container as plates that end: a mesh of two triangles each. */
+static void append_plates(dem_wall_list *list, const dem_box *box, const bool closed[6], const char *path,
+                          tdm_error *err) {
+  /* corner k has + on axis a where bit a is set; the front of a face is its inside */
+  static const int face[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};
+  static const int order[6] = {0, 1, 2, 0, 2, 3};
+  tdm_vec3 corner[36];
+  tdm_stl stl = {0, corner};
+  for (int f = 0; f < 6; f++) {
+    for (int i = 0; i < 6 && closed[f]; i++) {
+      int k = face[f][order[i]];
+      tdm_vec3 own = tdm_v3(k & 1 ? box->half.x : -box->half.x, k & 2 ? box->half.y : -box->half.y,
+                            k & 4 ? box->half.z : -box->half.z);
+      corner[3 * stl.count + i] = tdm_add(box->center, tdm_quat_rotate(box->turn, own));
+    }
+    stl.count += closed[f] ? 2 : 0;
+  }
+  dem_mesh *mesh = dem_mesh_make(&stl, "box", DEM_MESH_FACET_ANGLE, path, err);
+  if (!mesh)
+    return;
+  append(list, (dem_wall){.primitive = DEM_MESH, .body = box->body, .mesh = mesh, .plates = true}, err);
+  append_mesh(list, mesh, err);
+}
+
+/* "edges": do the walls of a container end? One that is open and does not say so is remembered, for a warning. */
+static bool read_edges(tdm_object *o, const bool closed[6], dem_box *box) {
+  bool edges = tdm_get_bool(o, "edges", false), any = false, all = true;
+  for (int f = 0; f < 6; f++) {
+    any = any || closed[f];
+    all = all && closed[f];
+  }
+  box->unsaid = !tdm_has(o, "edges") && !all && !tdm_has(o, "lid");
+  if (edges && tdm_has(o, "lid"))
+    tdm_object_fail(o, "edges", "a box with a \"lid\" is made of planes, which do not end; remove one of the two keys");
+  if (edges && !any)
+    tdm_object_fail(o, "open", "leaves no face of the box");
+  return edges && !o->err->status;
+}
+
 static void read_box(tdm_object *o, int body, dem_wall_list *list) {
   tdm_vec3 size = tdm_get_vec3(o, "size", NULL);
   tdm_vec3 center = tdm_get_vec3(o, "center", &(tdm_vec3){0, 0, 0});
@@ -93,6 +143,8 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
   if (side == 1) {
     if (tdm_has(o, "open"))
       tdm_object_fail(o, "open", "only a box with \"side\": \"inside\" has open faces; remove the key");
+    if (tdm_has(o, "edges"))
+      tdm_object_fail(o, "edges", "only a box with \"side\": \"inside\" has walls that may end; remove the key");
     if (tdm_has(o, "lid"))
       tdm_object_fail(o, "lid", "only a box with \"side\": \"inside\" has a lid; remove the key");
     append(list, (dem_wall){.primitive = DEM_SOLID_BOX, .body = body, .point = center, .turn = turn, .half = half},
@@ -101,6 +153,11 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
   }
   const double h[3] = {half.x, half.y, half.z};
   dem_box box = {.body = body, .center = center, .turn = turn, .half = half, .lid = -1};
+  char path[TDM_PATH_MAX];
+  if (read_edges(o, closed, &box)) {
+    append_plates(list, &box, closed, tdm_path(path, o, "size", -1), o->err);
+    return;
+  }
   int lid = read_lid(o, closed, &box);
   for (int face = 0; face < 6; face++) {
     if (!closed[face])
@@ -195,17 +252,6 @@ static void read_sphere(tdm_object *o, int body, dem_wall_list *list) {
 }
 
 /* ---- meshes ---- */
-
-static void append_mesh(dem_wall_list *list, dem_mesh *mesh, tdm_error *err) {
-  dem_mesh **grown = realloc(list->mesh, (size_t)(list->nmesh + 1) * sizeof *grown);
-  if (!grown) {
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for mesh %d", list->nmesh);
-    dem_mesh_destroy(&mesh);
-    return;
-  }
-  list->mesh = grown;
-  list->mesh[list->nmesh++] = mesh;
-}
 
 static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
   const char *file = tdm_get_string(o, "file", NULL);

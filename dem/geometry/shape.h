@@ -8,7 +8,7 @@
  * A new shape is a row of DEM_SHAPE_LIST and a function that reads it into walls; a new primitive is a case of
  * dem_wall_gap.
  *
- * Planes have no edges: a box seen from inside acts as if its faces were infinite.
+ * Planes have no edges: a box seen from inside acts as if its faces were infinite. With "edges" they are a mesh.
  */
 #ifndef DEM_GEOMETRY_SHAPE_H
 #define DEM_GEOMETRY_SHAPE_H
@@ -41,6 +41,7 @@ typedef struct {
   double length;        /* of a piece [m] */
   bool inside;          /* cylinder, ball: the particles are inside */
   const dem_mesh *mesh; /* borrowed from the list; body axes */
+  bool plates;          /* a mesh that is made of a container's faces, no file */
   tdm_twist surface;    /* motion of the surface in the wall (a belt), of the wall's own origin, own axes */
   bool moves;           /* the surface has a motion of its own */
 } dem_wall;
@@ -60,6 +61,7 @@ typedef struct {
   int lid;         /* wall that is the lid, -1: none */
   double gap;      /* of the lid above the highest particle [m] */
   double press;    /* force with which the lid is then pressed on the bed, 0: none [N] */
+  bool unsaid;     /* it has open faces, and the scene does not say that its walls are without end */
 } dem_box;
 
 /* Growing lists of walls, boxes and meshes. */
