@@ -5,6 +5,7 @@
 #include "dem/domain.h"
 #include "dem/geometry/walls.h"
 #include "dem/limits.h"
+#include "dem/rim.h"
 #include "dem/stored.h"
 #include "dem/supply.h"
 #include "protocol/remark.h"
@@ -298,6 +299,7 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
     return err->status;
   if (look || due) {
     d->guard.way = 0;
+    dem_rim_look(d, t);
     if (look_at_overlaps(d, t, err) || look_at_lost(d, t, err))
       return err->status;
   }

@@ -347,21 +347,6 @@ static void warn_scale(dem_report *r, const dem_data *d) {
   }
 }
 
-/* a bucket of planes: what is above its rim or beside it meets its walls */
-static void warn_open_boxes(dem_report *r, const dem_model *m) {
-  for (int k = 0; k < m->nbox; k++) {
-    const dem_body *b = &m->body[m->box[k].body];
-    char path[TDM_PATH_MAX];
-    if (!m->box[k].unsaid || (b->coupled < 0 && !b->drive.given))
-      continue;
-    snprintf(path, sizeof path, "dem.bodies[%d].shapes", m->box[k].body);
-    warn(r, path,
-         "\"%s\" moves with a box that is open, but whose walls are planes without end: particles beyond its rim meet "
-         "them, too; give the box \"edges\": true for walls that end, or false if no particle gets there",
-         b->name);
-  }
-}
-
 static void report_meshes(dem_report *r, const dem_model *m) {
   json_t *all = json_array();
   for (int w = 0; w < m->nwall; w++) {
@@ -418,7 +403,6 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   warn_speed(r, d, limits.speed);
   warn_plane(r, m);
   warn_scale(r, d);
-  warn_open_boxes(r, m);
   warn_triangles(r, m);
   report_ratios(r, d, fill.mass);
   report_lids(r, d);

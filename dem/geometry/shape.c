@@ -118,6 +118,7 @@ static void append_plates(dem_wall_list *list, const dem_box *box, const bool cl
 static bool read_edges(tdm_object *o, const bool closed[6], dem_box *box) {
   bool edges = tdm_get_bool(o, "edges", false), any = false, all = true;
   for (int f = 0; f < 6; f++) {
+    box->open[f] = !closed[f];
     any = any || closed[f];
     all = all && closed[f];
   }
@@ -159,6 +160,7 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
     return;
   }
   int lid = read_lid(o, closed, &box);
+  box.first_wall = list->count;
   for (int face = 0; face < 6; face++) {
     if (!closed[face])
       continue;
@@ -173,6 +175,7 @@ static void read_box(tdm_object *o, int body, dem_wall_list *list) {
       box.lid = list->count;
     append(list, wall, o->err);
   }
+  box.nwall = list->count - box.first_wall;
   append_box(list, box, o->err);
 }
 

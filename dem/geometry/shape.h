@@ -55,13 +55,15 @@ typedef struct {
 /* A container: a box shape seen from inside, and its lid if it has one. */
 typedef struct {
   int body;
-  tdm_vec3 center; /* body axes [m] */
-  tdm_quat turn;   /* the box's own axes to body axes */
-  tdm_vec3 half;   /* own axes [m] */
-  int lid;         /* wall that is the lid, -1: none */
-  double gap;      /* of the lid above the highest particle [m] */
-  double press;    /* force with which the lid is then pressed on the bed, 0: none [N] */
-  bool unsaid;     /* it has open faces, and the scene does not say that its walls are without end */
+  tdm_vec3 center;       /* body axes [m] */
+  tdm_quat turn;         /* the box's own axes to body axes */
+  tdm_vec3 half;         /* own axes [m] */
+  int lid;               /* wall that is the lid, -1: none */
+  double gap;            /* of the lid above the highest particle [m] */
+  double press;          /* force with which the lid is then pressed on the bed, 0: none [N] */
+  int first_wall, nwall; /* its planes */
+  bool open[6];          /* -x, +x, -y, ...: no face there */
+  bool unsaid;           /* some are, and the scene does not say that its walls are without end */
 } dem_box;
 
 /* Growing lists of walls, boxes and meshes. */
