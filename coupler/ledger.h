@@ -7,9 +7,11 @@
  *   blending   work of the load along the closing of drift
  *   exchange   sum of residuals - blending: energy that the exchange has made, of both paths' works and loads that
  *              differ. Dissipation does not hide it. Bodies whose motion is prescribed are left out: no load moves
- * them, and what the works differ by is the drivers' drift      between the two end states of a window balance    G =
- * stored - supplied of both solvers, less what was left out of the exchange, from its first value on: friction and
- * damping lower it, nothing may raise it momentum   of bodies that nothing holds: momentum.h
+ *              them, and what the works differ by is the drivers'
+ *   drift      between the two end states of a window
+ *   balance    G = stored - supplied of both solvers, less what was left out of the exchange, from its first value on:
+ *              friction and damping lower it, nothing may raise it
+ *   momentum   of bodies that nothing holds: momentum.h
  *
  * ledger.csv has sums since the start, drifts as the largest since the row before, energies as last looked at, all as
  * of the end of the last window that was over at the row's time.
