@@ -72,13 +72,13 @@ double mbd_force_coordinate(const mbd_force *force, const mbd_kin *a, const mbd_
   return from + value->rows.g[0];
 }
 
-double mbd_force_load_points(mbd_force *f, tdm_object *o, const mbd_model *model) {
+double mbd_force_load_points(mbd_force *f, tdm_object *o, const mbd_model *model, bool must_part) {
   tdm_vec3 point[2];
   mbd_load_bodies(o, model, f->body);
   memcpy(f->frame.body, f->body, sizeof f->body);
   mbd_load_points(o, model, NULL, "points", point);
   double length = tdm_norm(tdm_sub(point[1], point[0]));
-  if (!o->err->status && !(length > 1e-9))
+  if (!o->err->status && must_part && !(length > mbd_force_no_length))
     tdm_object_fail(o, "points", "coincide, so that the force has no direction; move one of them");
   for (int side = 0; side < 2; side++)
     f->frame.arm[side] = mbd_model_arm(model, f->body[side], point[side]);

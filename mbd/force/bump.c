@@ -15,7 +15,7 @@ static void load_plane(mbd_force *f, tdm_object *o, const mbd_model *model) {
 
 static void load_spheres(mbd_force *f, tdm_object *o, const mbd_model *model) {
   double radii[2] = {0, 0};
-  mbd_force_load_points(f, o, model);
+  mbd_force_load_points(f, o, model, true);
   tdm_get_numbers(o, "radii", radii, 2, true);
   f->radius = radii[0] + radii[1];
   if (!o->err->status && (radii[0] < 0 || radii[1] < 0 || !(f->radius > 0)))

@@ -89,8 +89,11 @@ typedef struct {
   double potential, dissipated;
 } mbd_scalar;
 
-/* Read "bodies" and "points", which must not coincide, into body and frame. Returns their distance [m]. */
-double mbd_force_load_points(mbd_force *force, tdm_object *o, const mbd_model *model);
+/* Read "bodies" and "points" into body and frame. Returns their distance [m]; points nearer than mbd_force_no_length
+ * have none, which is an error where a force must have a direction. */
+double mbd_force_load_points(mbd_force *force, tdm_object *o, const mbd_model *model, bool must_part);
+
+static const double mbd_force_no_length = 1e-9; /* [m] */
 
 /* Read "stiffness" or "stiffness_table", "damping" or "damping_table", and "preload". */
 void mbd_spring_load(mbd_force *force, tdm_object *o);

@@ -352,6 +352,111 @@ START_TEST(test_bushing_turns) {
 }
 END_TEST
 
+/* A spring without length at the start: it swings through its own point as a spring does and loses what its damper
+ * takes; one that would push or pull in no direction is refused. */
+START_TEST(test_no_length) {
+  static const char *const formulation[] = {"ggl", "index3", "one_step"};
+  static const char *const bad[][2] = {{"'free_length':0.5", "\"free_length\": 0"}, {"'preload':4", "preload"}};
+  const double m = 2, k = 50, damping[] = {0, 3}, v = 1.5,
+               most[] = {1e-8, 1e-5, 1e-5}; /* index3 does not test velocities */
+  char scene[1024];
+  run r;
+  for (int i = 0; i < 6; i++) {
+    const double c = damping[i % 2] / (2 * m), w = sqrt(k / m - c * c), tolerance = most[i / 2];
+    snprintf(
+        scene, sizeof scene,
+        "{'gravity':[0,0,0],'formulation':'%s','bodies':[{'name':'b','mass':2,'inertia':[1,1,1],'position':[1,2,3],"
+        "'velocity':[0.9,0,1.2]}],'forces':[{'name':'s','type':'spring_damper','bodies':['ground','b'],'points':"
+        "[[1,2,3],[1,2,3]],'stiffness':%g,'damping':%g}]," TIGHT "}",
+        formulation[i / 2], k, damping[i % 2]);
+    run_open_good(&r, scene, "");
+    CLOSE(first(&r, "force.s.length"), 0, 0);
+    CLOSE(first(&r, "force.s.fx"), -damping[i % 2] * 0.9, 1e-12);
+    CLOSE(first(&r, "force.s.fz"), -damping[i % 2] * 1.2, 1e-12);
+    while (r.t < 0.9995) { /* 0.8 of a period, once through the point */
+      run_to(&r, r.t + 1e-3);
+      double x = v / w * exp(-c * r.t) * sin(w * r.t);
+      CLOSE(run_value(&r, "body.b.x"), 1 + 0.6 * x, tolerance);
+      CLOSE(run_value(&r, "body.b.z"), 3 + 0.8 * x, tolerance);
+      CLOSE(run_value(&r, "body.b.y"), 2, 1e-12);
+    }
+    CLOSE(run_value(&r, "energy.balance"), 0, 10 * tolerance);
+    run_close(&r);
+  }
+  for (int i = 0; i < 2; i++) {
+    snprintf(scene, sizeof scene,
+             "{'bodies':[{'name':'b','mass':2,'inertia':[1,1,1],'position':[0,0,0]}],'forces':[{'name':'s','type':"
+             "'spring_damper','bodies':['ground','b'],'points':[[0,0,0],[0,0,0]],'stiffness':1,%s}]}",
+             bad[i][0]);
+    run_open(&r, scene, "");
+    ck_assert_int_eq(r.status, TDM_ERR_SCENE);
+    ck_assert_str_eq(r.err.path, "mbd.forces[0].points");
+    ck_assert_msg(strstr(r.err.message, bad[i][1]) != NULL, "%s", r.err.message);
+    run_close(&r);
+  }
+}
+END_TEST
+
+/* The forces and moments that outputs have, each at its point, are those that move the body. */
+START_TEST(test_vectors) {
+  static const struct {
+    const char *name;
+    tdm_vec3 point;
+  } force[] = {{"s", {0.1, 0.2, 0.3}}, {"u", {0.2, -0.1, 0.4}}, {"w", {0.3, 0, 0}}, {"c", {0, 0, 0}}};
+  run r;
+  run_open_good(
+      &r,
+      "{'bodies':[{'name':'b','mass':2,'inertia':[1,2,2.5],'position':[0,0,0],'velocity':[1,2,3]}],'forces':[{'name':"
+      "'s','type':'spring_damper','bodies':['ground','b'],'points':[[1,2,-1],[0.1,0.2,0.3]],'stiffness':40,'damping':"
+      "3,'free_length':1},{'name':'u','type':'bushing','bodies':['ground','b'],'point':[0.2,-0.1,0.4],'stiffness':"
+      "[30,20,10,7,5,8],'damping':[3,2,1,0.7,0.5,0.8],'preload':[1,2,3,4,5,6]},{'name':'w','type':'wrench','body':'b',"
+      "'point':[0.3,0,0],'force':[1,2,3],'moment':[4,5,6]},{'name':'c','type':'torsional_spring_damper','bodies':["
+      "'ground','b'],'axis':[0,0.6,0.8],'stiffness':1,'preload':10}]}",
+      "");
+  tdm_vec3 sum = {0, 0, -2 * 9.81}, moment = {0, 0, 0};
+  for (size_t i = 0; i < sizeof force / sizeof force[0]; i++) {
+    double wrench[6];
+    for (int k = 0; k < 6; k++) {
+      char name[32];
+      snprintf(name, sizeof name, "force.%s.%c%c", force[i].name, "fm"[k / 3], "xyz"[k % 3]);
+      wrench[k] = first(&r, name);
+    }
+    sum = tdm_add(sum, mbd_get3(wrench));
+    moment = tdm_add(moment, tdm_add(mbd_get3(wrench + 3), tdm_cross(force[i].point, mbd_get3(wrench))));
+  }
+  CLOSE(first(&r, "force.w.my"), 5, 1e-12);
+  CLOSE(first(&r, "force.u.mx"), -4, 1e-12);
+  CLOSE(first(&r, "force.c.my"), -6, 1e-12);
+  CLOSE(2 * first(&r, "body.b.ax"), sum.x, 1e-11);
+  CLOSE(2 * first(&r, "body.b.ay"), sum.y, 1e-11);
+  CLOSE(2 * first(&r, "body.b.az"), sum.z, 1e-11);
+  CLOSE(first(&r, "body.b.alphax"), moment.x, 1e-11);
+  CLOSE(2 * first(&r, "body.b.alphay"), moment.y, 1e-11);
+  CLOSE(2.5 * first(&r, "body.b.alphaz"), moment.z, 1e-11);
+  run_close(&r);
+}
+END_TEST
+
+/* so has friction, as it slides and as it sticks */
+START_TEST(test_friction_vector) {
+  for (int sticks = 0; sticks < 2; sticks++) {
+    run r;
+    run_open_good(
+        &r,
+        sticks ? "{'gravity':[0,0,0]," SLIDER("2", "0",
+                                              "{'name':'f','type':'friction','joint':'rail','limit':6},"
+                                              "{'name':'w','type':'wrench','body':'b','force':[0,0,5]}")
+               : "{'gravity':[0,0,0]," SLIDER("2", "3", "{'name':'f','type':'friction','joint':'rail','limit':6}"),
+        "");
+    run_to(&r, 0.1);
+    CLOSE(run_value(&r, "force.f.fz"), sticks ? -5 : -6, 1e-9);
+    CLOSE(run_value(&r, "force.f.fx"), 0, 1e-12);
+    CLOSE(run_value(&r, "force.f.my"), 0, 1e-12);
+    run_close(&r);
+  }
+}
+END_TEST
+
 TEST_MAIN("mbd forces", 120, test_cable, test_damped_cable, test_stop, test_friction, test_bushing_static,
           test_bushing_energy, test_stiff_bushing, test_bushing_turns, test_bump, test_wrench, test_tables,
-          test_tilting_coil)
+          test_tilting_coil, test_no_length, test_vectors, test_friction_vector)
