@@ -385,10 +385,29 @@ static tdm_status velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kk
   return TDM_OK;
 }
 
+/* Slim bodies (slim.h) that joints hold about their axis each, but all of them together leave free, have no equation
+ * for that turn: the system of all rows has a pivot of zero. */
+static tdm_status refuse_slim(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err) {
+  int slim = -1;
+  for (int b = 0; b < model->nbody; b++)
+    slim = model->body[b].slim && !model->body[b].spins ? b : slim;
+  if (slim < 0)
+    return TDM_OK;
+  mbd_kinematics(model, data, data->t, data->y);
+  if (mbd_kkt_fill_all(kkt, model, data, MBD_POSITION) && mbd_kkt_spread(kkt) > 1e-15)
+    return TDM_OK;
+  char path[TDM_PATH_MAX];
+  snprintf(path, sizeof path, "mbd.bodies[%d].inertia", slim);
+  return tdm_fail(err, TDM_ERR_SCENE, path,
+                  "body \"%s\" has no inertia about its own axis, and the joints that hold it there leave it free "
+                  "together with others that have none either; give one of them an inertia about it",
+                  model->body[slim].name);
+}
+
 tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err) {
   *assembly = (mbd_assembly){.body = -1, .body_velocity = -1, .driver = -1, .near_row = -1};
-  if (positions(model, data, kkt, err) || find_dependent(model, data, kkt, &assembly->near_row, err) ||
-      velocities(model, data, kkt, assembly, err))
+  if (refuse_slim(model, data, kkt, err) || positions(model, data, kkt, err) ||
+      find_dependent(model, data, kkt, &assembly->near_row, err) || velocities(model, data, kkt, assembly, err))
     return err->status;
   assembly->freedom = 6 * model->nbody - (model->nrow - model->nfriction) + data->ndependent;
   if (mbd_normal_check(model, data, kkt, err))

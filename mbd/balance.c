@@ -48,6 +48,27 @@ static void add_up(const mbd_model *model, mbd_data *data, balance *of) {
   }
 }
 
+/* A slim body (slim.h) that nothing holds about its axis takes no torque there. */
+static tdm_status check_slim(const mbd_model *model, const mbd_data *data, int b, const balance *of, double floor,
+                             tdm_error *err) {
+  const double most = 1e-9; /* of the largest moment: what is more than rounding */
+  const mbd_body *body = &model->body[b];
+  const mbd_kin *k = &data->kin[b + 1];
+  if (!body->spins)
+    return TDM_OK;
+  tdm_vec3 moment = mbd_inertia_mul(body, k, mbd_get3(data->acceleration + 6 * b + 3));
+  double torque = fabs(tdm_dot(tdm_m3_mul(k->A, body->axis), moment));
+  if (torque <= most * of->largest[1] || torque <= floor)
+    return TDM_OK;
+  char path[TDM_PATH_MAX];
+  snprintf(path, sizeof path, "mbd.bodies[%d].inertia", b);
+  return tdm_fail(
+      err, TDM_ERR_NUMERIC, path,
+      "the body \"%s\" has no inertia about its own axis, but a torque of %.3g N m turns it about it at t = "
+      "%.9g s; give it an inertia there, or a joint that holds it",
+      body->name, torque, data->now);
+}
+
 tdm_status mbd_check_balance(const mbd_model *model, mbd_data *data, tdm_error *err) {
   static const char *const unit[] = {"N", "N m"}, *const what[] = {"forces", "moments"};
   balance *of = calloc((size_t)model->nbody + 1, sizeof *of);
@@ -58,6 +79,9 @@ tdm_status mbd_check_balance(const mbd_model *model, mbd_data *data, tdm_error *
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < 2; k++)
       most[k] = fmax(most[k], of[b].largest[k]);
+  const double still = 1e-12 * most[0] * mbd_model_extent(model);
+  for (int b = 0; b < model->nbody && !err->status; b++)
+    check_slim(model, data, b, &of[b], fmax(still, 1e-16 * most[1]), err);
   for (int b = 0; b < model->nbody && !err->status; b++)
     for (int k = 0; k < 2 && !err->status; k++) {
       double left = tdm_norm(of[b].sum[k]);

@@ -7,34 +7,44 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Principal moments must be positive and fulfil the triangle inequality: no rigid body violates them. */
-static void check_inertia(tdm_object *o, const char *key, const char *name, const tdm_mat3 *inertia) {
-  double a[9], e[3];
+/* Principal moments (ascending) and axes (columns). */
+static void principal(const tdm_mat3 *inertia, double e[3], tdm_mat3 *axes) {
+  double a[9];
   memcpy(a, inertia->m, sizeof a);
-  gsl_matrix_view matrix = gsl_matrix_view_array(a, 3, 3);
+  gsl_matrix_view matrix = gsl_matrix_view_array(a, 3, 3), vectors = gsl_matrix_view_array(axes->m[0], 3, 3);
   gsl_vector_view value = gsl_vector_view_array(e, 3);
-  gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(3);
-  gsl_eigen_symm(&matrix.matrix, &value.vector, work);
-  gsl_eigen_symm_free(work);
-  double least = fmin(e[0], fmin(e[1], e[2])), most = fmax(e[0], fmax(e[1], e[2])), sum = e[0] + e[1] + e[2];
-  if (least == 0 && most == 0)
+  gsl_eigen_symmv_workspace *work = gsl_eigen_symmv_alloc(3);
+  gsl_eigen_symmv(&matrix.matrix, &value.vector, &vectors.matrix, work);
+  gsl_eigen_symmv_free(work);
+  gsl_eigen_symmv_sort(&value.vector, &vectors.matrix, GSL_EIGEN_SORT_VAL_ASC);
+}
+
+/* Principal moments must not be negative and fulfil the triangle inequality: no rigid body violates them. One may be
+ * zero: a thin rod's about its own axis. */
+static void check_inertia(tdm_object *o, const char *key, mbd_body *b) {
+  double e[3];
+  tdm_mat3 axes;
+  principal(&b->inertia, e, &axes);
+  b->slim = fabs(e[0]) <= 1e-14 * e[2] && e[1] > 0;
+  b->axis = tdm_v3(axes.m[0][0], axes.m[1][0], axes.m[2][0]);
+  if (e[0] == 0 && e[2] == 0)
     tdm_object_fail(
         o, key,
         "gives no inertia: body \"%s\" would be a point, whose rotation has no equation; give it the inertia of a "
         "small sphere, 2/5 m r^2, or a \"shape\"",
-        name);
-  else if (!(least > 0))
+        b->name);
+  else if (!(e[0] > 0) && !b->slim)
     tdm_object_fail(
         o, key,
-        "the principal moments of inertia of body \"%s\" are %g, %g, %g kg m2: they must all be positive (a "
-        "thin rod needs a small value about its axis)",
-        name, e[0], e[1], e[2]);
-  else if (2 * most > sum * (1 + 1e-9))
+        "the principal moments of inertia of body \"%s\" are %g, %g, %g kg m2: none may be negative, and one "
+        "alone zero, that of a thin rod about its axis",
+        b->name, e[0], e[1], e[2]);
+  else if (2 * e[2] > (e[0] + e[1] + e[2]) * (1 + 1e-9))
     tdm_object_fail(
         o, key,
         "the principal moments of inertia of body \"%s\" are %g, %g, %g kg m2: no rigid body has one larger "
         "than the sum of the other two; check the values and their units",
-        name, e[0], e[1], e[2]);
+        b->name, e[0], e[1], e[2]);
 }
 
 static double load_mass(tdm_object *o, const char *name) {
@@ -56,7 +66,7 @@ static void load_inertia(tdm_object *o, mbd_body *b) {
   tdm_get_numbers(o, "inertia", i, full ? 6 : 3, true);
   b->inertia = (tdm_mat3){{{i[0], i[3], i[4]}, {i[3], i[1], i[5]}, {i[4], i[5], i[2]}}};
   if (!o->err->status)
-    check_inertia(o, "inertia", b->name, &b->inertia);
+    check_inertia(o, "inertia", b);
 }
 
 /* Mass and inertia of a shape, and the file of a mesh. */
@@ -79,7 +89,7 @@ static void load_shape(tdm_object *o, mbd_body *b) {
     tdm_object_fail(o, "shape", "gives body \"%s\" the mass %g kg and no finite inertia; check its size and density",
                     b->name, b->mass);
   if (!o->err->status)
-    check_inertia(o, "shape", b->name, &b->inertia);
+    check_inertia(o, "shape", b);
   if (o->err->status || !shape.file)
     return;
   b->mesh = strdup(shape.file);
@@ -131,7 +141,7 @@ void mbd_body_load(mbd_model *model, json_t *json, const char *path, tdm_error *
     load_shape(&o, b);
   else
     load_inertia(&o, b);
-  if (!err->status)
+  if (!err->status && !b->slim)
     b->inverse_inertia = tdm_m3_inverse(b->inertia);
   b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
   /* a mesh stands where its coordinates put it */

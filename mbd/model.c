@@ -4,6 +4,7 @@
 #include "mbd/guard.h"
 #include "mbd/integrator.h"
 #include "mbd/load.h"
+#include "mbd/slim.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -275,8 +276,10 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   m->njointrow = m->nrow;
   load_array(&o, "drivers", false, m, load_driver);
   load_array(&o, "forces", false, m, load_force);
-  if (!err->status)
+  if (!err->status) {
     list_parts(m);
+    mbd_slim_settle(m, err);
+  }
   load_solver(m, &o);
   m->section = NULL;
   tdm_object_close(&o);
@@ -298,6 +301,11 @@ tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int
       return tdm_fail(err, TDM_ERR_SCENE, path, "mbd.bodies has no body \"%s\"%s%s%s; name one of its bodies",
                       body[i].name, near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
     }
+    if (model->body[b].slim)
+      return tdm_fail(err, TDM_ERR_SCENE, path,
+                      "the body \"%s\" has no inertia about its own axis, so that the particles' torque about it has "
+                      "nothing to work on; give it one, or a \"shape\"",
+                      body[i].name);
     for (int k = 0; k < i; k++)
       if (model->coupled[k] == b)
         return tdm_fail(err, TDM_ERR_SCENE, path, "the body \"%s\" is coupled already; couple every body once",
