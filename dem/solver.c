@@ -267,6 +267,15 @@ static void note_end(const dem_data *d, double t) {
         "%ld particles are behind a plane at the end (particles.lost); reduce time.dt or their speed if they went "
         "through it",
         lost);
+  int i = 0;
+  long fallen = dem_count_fallen(d, &i);
+  if (fallen > 0) {
+    tdm_vec3 x = d->sphere[i].position;
+    tdm_remark(TDM_WARNING, "fallen", "dem", t,
+               "%ld particles fall below every wall at the end, one of them (id %llu) at [%g, %g, %g] m: they went "
+               "through a hole or over an edge; close it, or give what is meant to fall a sink (dem.sinks)",
+               fallen, (unsigned long long)d->id[i], x.x, x.y, x.z);
+  }
   dem_flow_end(d, t);
 }
 

@@ -77,6 +77,49 @@ long dem_count_lost(const dem_data *d) {
   return lost;
 }
 
+/* The lowest place of walls and box sinks along `up`; -INFINITY: a wall without end or a sink catches what falls. */
+static double lowest(const dem_data *d, tdm_vec3 up) {
+  const dem_model *m = d->model;
+  const double level = 1e-9; /* of a normal's part along `up`: a plane that stands upright catches nothing */
+  double least = INFINITY;
+  for (int w = 0; w < m->nwall; w++) {
+    double low, high;
+    const bool plane = m->wall[w].primitive == DEM_PLANE;
+    if (dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+      least = fmin(least, low);
+    else if (!plane || tdm_dot(d->wall[w].normal, up) > level)
+      return -INFINITY;
+  }
+  for (int k = 0; k < m->nsink; k++) {
+    const dem_sink *s = &m->sink[k];
+    if (s->type == DEM_SINK_PLANE && tdm_dot(s->normal, up) > level)
+      return -INFINITY;
+    for (int corner = 0; corner < 8 && s->type == DEM_SINK_BOX; corner++)
+      least = fmin(least, tdm_dot(up, tdm_v3(corner & 1 ? s->low.x : s->high.x, corner & 2 ? s->low.y : s->high.y,
+                                             corner & 4 ? s->low.z : s->high.z)));
+  }
+  return least;
+}
+
+long dem_count_fallen(const dem_data *d, int *first) {
+  const dem_model *m = d->model;
+  const double g = tdm_norm(m->gravity);
+  bool repeats = false;
+  for (int a = 0; a < 3; a++)
+    repeats = repeats || (d->domain.periodic[a] && (&m->gravity.x)[a] != 0);
+  if (g == 0 || repeats)
+    return 0;
+  const tdm_vec3 up = tdm_scale(-1 / g, m->gravity);
+  const double low = lowest(d, up);
+  long fallen = 0;
+  for (int i = 0; i < d->nparticle && isfinite(low); i++)
+    if (tdm_dot(up, d->sphere[i].position) + 3 * d->sphere[i].radius < low) {
+      *first = fallen == 0 ? i : *first;
+      fallen++;
+    }
+  return fallen;
+}
+
 /* ---- lids ---- */
 
 /* A lid that is away is a plane so far out that nothing reaches it: no loop needs to know. */

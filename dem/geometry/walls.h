@@ -29,6 +29,11 @@ bool dem_through(const dem_data *data, int i, int w);
 /* Particles that are behind a plane that they began in front of: they went through it and feel it no more. */
 long dem_count_lost(const dem_data *data);
 
+/* Particles that nothing will stop any more: below every wall and box sink by more than a diameter, along gravity. They
+ * went through a hole or over an edge. `first` becomes the index of one of them. 0 without gravity, without walls,
+ * where gravity's direction repeats, and for what a plane, an endless cylinder or a sink's plane is still to catch. */
+long dem_count_fallen(const dem_data *data, int *first);
+
 /* Take the lids away, until dem_lids_place puts each at the highest particle in its box plus its gap (without
  * particles: at its face). Both leave the forces as they are; the lists are to be rebuilt after placing.
  * dem_lids_place returns whether there is any lid. */

@@ -199,6 +199,34 @@ START_TEST(particles_alone_say_who_waits) {
 }
 END_TEST
 
+/* two grains over a slab, one of them beside it */
+static const char slab[] =
+    "{\"time\": {\"end\": 0.3, \"dt\": 1e-4}, \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, "
+    "\"young_modulus\": 1e7, \"poisson_ratio\": 0.3}], \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": "
+    "0.2, "
+    "\"friction\": 0.4}], \"bodies\": [{\"name\": \"slab\", \"material\": \"m\", \"shapes\": [{\"type\": \"box\", "
+    "\"side\": "
+    "\"outside\", \"size\": [0.1, 0.1, 0.1], \"center\": [0, 0, -0.05]}]}], \"particles\": [{\"type\": \"list\", "
+    "\"material\": \"m\", \"radius\": 0.01, \"positions\": [[0, 0, 0.02], [0.1, 0, 0.02]]}]}}";
+
+START_TEST(what_falls_out_of_the_scene_is_told) {
+  dir = directory_make();
+  write_file(dir, "scene.json", slab);
+  ck_assert_msg(run("tandem-dem", "out", "") == 0, "%s", command_output);
+  expect_output("1 particles fall below every wall at the end, one of them (id 1) at [0.1, 0, ");
+  ck_assert_int_eq(count_of("out", "warnings", "fallen"), 1);
+  /* a sink that it is on its way to, and a floor, catch it */
+  static const char *const caught[] = {
+      "--set 'dem.sinks=[{\"name\": \"s\", \"type\": \"box\", \"min\": [-1, -1, -2], \"max\": [1, 1, -1]}]'",
+      "--set 'dem.bodies[0].shapes[1]={\"type\": \"plane\", \"point\": [0, 0, -2], \"normal\": [0, 0, 1]}'"};
+  for (int k = 0; k < 2; k++) {
+    ck_assert_msg(run("tandem-dem", k == 0 ? "sink" : "floor", caught[k]) == 0, "%s", command_output);
+    ck_assert_int_eq(count_of(k == 0 ? "sink" : "floor", "warnings", "fallen"), 0);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
 /* Nothing went wrong: the lists are there, and empty. */
 START_TEST(bodies_alone_have_both_lists) {
   json_t *summary;
@@ -216,4 +244,4 @@ END_TEST
 
 TEST_MAIN("remarks", 60, the_first_is_kept_and_all_are_counted, from_elsewhere_nothing_steers_the_terminal,
           settling_is_not_silent, what_the_solver_warns_of_is_told, particles_alone_say_who_waits,
-          bodies_alone_have_both_lists)
+          what_falls_out_of_the_scene_is_told, bodies_alone_have_both_lists)
