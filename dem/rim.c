@@ -12,14 +12,10 @@ static const dem_box *open_box_of(const dem_model *m, int wall) {
   return NULL;
 }
 
-/* how far a point of the box's own axes is beyond its open faces [m] */
+/* how far a point of the box's own axes is out of it [m]: over an open face, or beside a wall on the plane of another
+ */
 static double beyond(const dem_box *box, tdm_vec3 own) {
-  const double x[3] = {own.x, own.y, own.z}, half[3] = {box->half.x, box->half.y, box->half.z};
-  double most = 0;
-  for (int face = 0; face < 6; face++)
-    if (box->open[face])
-      most = fmax(most, (face % 2 ? x[face / 2] : -x[face / 2]) - half[face / 2]);
-  return most;
+  return fmax(fabs(own.x) - box->half.x, fmax(fabs(own.y) - box->half.y, fabs(own.z) - box->half.z));
 }
 
 void dem_rim_look(const dem_data *d, double t) {

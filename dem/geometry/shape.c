@@ -118,7 +118,6 @@ static void append_plates(dem_wall_list *list, const dem_box *box, const bool cl
 static bool read_edges(tdm_object *o, const bool closed[6], dem_box *box) {
   bool edges = tdm_get_bool(o, "edges", false), any = false, all = true;
   for (int f = 0; f < 6; f++) {
-    box->open[f] = !closed[f];
     any = any || closed[f];
     all = all && closed[f];
   }

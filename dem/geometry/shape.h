@@ -62,7 +62,6 @@ typedef struct {
   double gap;            /* of the lid above the highest particle [m] */
   double press;          /* force with which the lid is then pressed on the bed, 0: none [N] */
   int first_wall, nwall; /* its planes */
-  bool open[6];          /* -x, +x, -y, ...: no face there */
   bool unsaid;           /* some are, and the scene does not say that its walls are without end */
 } dem_box;
 

@@ -87,6 +87,7 @@ START_TEST(beyond_the_rim) {
   } cases[] = {{"", "0.0905,0,0.15", 1},
                {"", "0.0905,0,0.05", 0},
                {"", "0.0905,0,0.105", 0}, /* on the rim */
+               {"", "0.3,0,-0.0905", 1},  /* beside it, on the plane of its floor */
                {",'edges':false", "0.0905,0,0.15", 0},
                {",'edges':true", "0.0905,0,0.15", 0}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
