@@ -13,7 +13,14 @@ static bool is_coupled(const mbd_model *model, int body) {
   return false;
 }
 
-enum { JOINT_CHANNELS = 6, DRIVER_CHANNELS = 3, FORCE_CHANNELS = 2 + 6, BODY_CHANNELS = 19, ENERGY_CHANNELS = 6 };
+enum {
+  JOINT_CHANNELS = 6,
+  DRIVER_CHANNELS = 3,
+  FORCE_CHANNELS = 2 + 6,
+  BODY_CHANNELS = 19,
+  ENERGY_CHANNELS = 6,
+  COMPONENT_CHANNELS = 6
+};
 
 /* one for each coordinate and rate that joints leave free */
 static int coordinate_channels(const mbd_model *model) {
@@ -24,11 +31,11 @@ static int coordinate_channels(const mbd_model *model) {
   return n;
 }
 
-/* rotations of forces that have one, and which way frictions slide */
+/* rotation and components of bushings, and which way frictions slide */
 static int further_channels(const mbd_model *model) {
   int n = 0;
   for (int i = 0; i < model->nforce; i++)
-    n += model->force[i].ops->turns + model->force[i].ops->sticks;
+    n += (model->force[i].ops->turns ? 1 + COMPONENT_CHANNELS : 0) + model->force[i].ops->sticks;
   return n;
 }
 
@@ -52,6 +59,8 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
       {"qy", "1"},     {"qz", "1"},          {"vx", "m/s"},        {"vy", "m/s"},       {"vz", "m/s"},
       {"wx", "rad/s"}, {"wy", "rad/s"},      {"wz", "rad/s"},      {"ax", "m/s2"},      {"ay", "m/s2"},
       {"az", "m/s2"},  {"alphax", "rad/s2"}, {"alphay", "rad/s2"}, {"alphaz", "rad/s2"}};
+  static const char *const component[COMPONENT_CHANNELS][2] = {{"ux", "m"},     {"uy", "m"},     {"uz", "m"},
+                                                               {"phix", "rad"}, {"phiy", "rad"}, {"phiz", "rad"}};
   for (int i = 0; i < model->njoint; i++)
     for (int k = 0; k < JOINT_CHANNELS; k++)
       c = name(c, "joint", model->joint[i].name, wrench[k][0], wrench[k][1]);
@@ -76,6 +85,8 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
     c = name(c, "force", f->name, w ? w->name : f->ops->coordinate_name, w ? w->unit : f->ops->coordinate_unit);
     if (f->ops->turns)
       c = name(c, "force", f->name, "rotation", "rad");
+    for (int k = 0; k < COMPONENT_CHANNELS && f->ops->turns; k++)
+      c = name(c, "force", f->name, component[k][0], component[k][1]);
     if (f->ops->sticks)
       c = name(c, "force", f->name, "sliding", "1");
     for (int k = 0; k < JOINT_CHANNELS; k++)
@@ -175,6 +186,8 @@ static double *force_values(const mbd_model *model, mbd_data *data, int index, d
   *out++ = value->coordinate;
   if (f->ops->turns)
     *out++ = value->rotation;
+  for (int k = 0; k < COMPONENT_CHANNELS && f->ops->turns; k++)
+    *out++ = value->rows.g[k];
   if (f->ops->sticks)
     *out++ = value->way;
   force_wrench(model, data, f, Q, out);

@@ -42,7 +42,8 @@ typedef struct {
   /* Read the keys behind name and type. */
   void (*load)(mbd_force *force, tdm_object *o, const mbd_model *model);
   void (*eval)(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value);
-  bool turns;  /* it has the rotation between two frames, an output that must stay below half a turn */
+  bool turns;  /* its rows are the three ways and three rotations between two frames, which are outputs; the rotation
+                  must stay below half a turn */
   bool sticks; /* friction: a constraint row of its own holds its coordinate at times (../stick.h) */
 } mbd_force_ops;
 

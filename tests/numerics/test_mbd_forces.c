@@ -151,6 +151,12 @@ START_TEST(test_bushing_static) {
   CLOSE(2 * run_value(&r, "body.b.qy"), phi.y, 1e-8);
   CLOSE(2 * run_value(&r, "body.b.qz"), phi.z, 1e-8);
   CLOSE(run_value(&r, "force.k.deflection"), tdm_norm(u), 1e-8);
+  CLOSE(run_value(&r, "force.k.ux"), f.x / 4000, 1e-8); /* by component, in its own axes */
+  CLOSE(run_value(&r, "force.k.uy"), f.y / 3000, 1e-8);
+  CLOSE(run_value(&r, "force.k.uz"), f.z / 5000, 1e-8);
+  CLOSE(run_value(&r, "force.k.phix"), m.x / 200, 1e-8);
+  CLOSE(run_value(&r, "force.k.phiy"), m.y / 300, 1e-8);
+  CLOSE(run_value(&r, "force.k.phiz"), m.z / 400, 1e-8);
   run_close(&r);
 }
 END_TEST
