@@ -333,7 +333,8 @@ static tdm_status refuse_alone(const char *dir, const json_t *scene, const json_
     return TDM_OK;
   bool mbd = json_object_get(scene, "mbd") != NULL;
   return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-                  "report: %s holds the results of tandem-%s run, which makes its plots itself: %s/%s%s; report is for "
+                  "report: %s holds the results of tandem-%s run, which makes its plots itself (but with --no-plots): "
+                  "%s/%s%s; report is for "
                   "results of tandem run",
                   dir, mbd ? "mbd" : "dem", dir, mbd ? "motion.svg, reactions.svg, energies.svg" : "channels.svg",
                   mbd ? "" : " and the pictures that the scene asks for");

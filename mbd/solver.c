@@ -9,11 +9,12 @@
 #include "mbd/reduced.h"
 #include "protocol/log.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WARNINGS_MAX = 5 };
+enum { WARNINGS_MAX = 6 };
 
 typedef struct {
   tdm_participant *participant; /* borrowed, NULL without a server */
@@ -110,6 +111,30 @@ static void warn_about_assembly(solver *s) {
         "driver holds; give velocities that fit it, or none",
         d->name, a->given, unit, a->prescribed, unit);
   }
+}
+
+/* Files in millimetres: the largest mesh, where it is larger than machines are. */
+static void warn_about_size(solver *s) {
+  const double large = 10; /* radius of gyration [m] */
+  const mbd_model *m = s->model;
+  double most = large;
+  int largest = -1;
+  for (int b = 0; b < m->nbody; b++) {
+    const tdm_mat3 *I = &m->body[b].inertia;
+    const double gyration = sqrt((I->m[0][0] + I->m[1][1] + I->m[2][2]) / (2 * m->body[b].mass));
+    if (m->body[b].mesh && gyration > most) {
+      most = gyration;
+      largest = b;
+    }
+  }
+  if (largest < 0)
+    return;
+  tdm_warning *w = &s->warning[s->nwarning++];
+  snprintf(w->path, sizeof w->path, "mbd.bodies[%d].shape", largest);
+  snprintf(w->message, sizeof w->message,
+           "the mesh gives body \"%s\" a radius of gyration of %.3g m and a mass of %.3g kg; is the file in "
+           "millimetres? Give \"scale\": 0.001 beside \"file\"",
+           m->body[largest].name, most, m->body[largest].mass);
 }
 
 /* Say so when joints lock the mechanism, or may do so by rounding. */
@@ -241,6 +266,7 @@ static tdm_status prepare(solver *s, double t, tdm_error *err) {
   if (mbd_output_values(m, s->data, s->kkt, t, s->data->y, s->initial, err))
     return err->status;
   warn_about_assembly(s);
+  warn_about_size(s);
   warn_about_freedom(s);
   s->report = make_report(s);
   return s->report ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the report");

@@ -141,7 +141,7 @@ long tdm_get_integer(tdm_object *o, const char *key, long fallback, long least) 
   double x = json_is_number(value) ? json_number_value(value) : NAN;
   if (!(fabs(x) < 1e15) || x != floor(x)) {
     if (json_is_number(value))
-      tdm_object_fail(o, key, "is %g but must be a whole number", x);
+      tdm_object_fail(o, key, "is %g but must be a whole number%s", x, x == floor(x) ? " below 1e15" : "");
     else
       wrong_type(o, key, "a whole number", value);
     return least;

@@ -125,6 +125,21 @@ START_TEST(check_tells_the_centre) {
 }
 END_TEST
 
+/* a file in millimetres, in the multibody section alone */
+START_TEST(a_part_in_millimetres_is_doubted) {
+  setup();
+  write_file(dir, "alone.json",
+             "{\"time\": {\"end\": 0.1}, \"mbd\": {\"bodies\": [{\"name\": \"plate\", \"shape\": {\"type\": \"mesh\", "
+             "\"file\": \"plate.stl\", \"density\": 7800, \"scale\": 1000}}]}}");
+  ck_assert_int_eq(command("tandem-mbd check %s/alone.json", dir), 0);
+  expect_output("mbd.bodies[0].shape: the mesh gives body \"plate\" a radius of gyration of 149 m and a mass of "
+                "6.09e+09 kg; is the file in millimetres?");
+  ck_assert_int_eq(command("tandem-mbd check %s/alone.json --strict", dir), 1);
+  ck_assert_int_eq(command("tandem-mbd check %s/alone.json --strict --set mbd.bodies[0].shape.scale=1", dir), 0);
+  directory_remove(dir);
+}
+END_TEST
+
 /* Two gravities are doubtful; one at the root of the scene is for both sections. */
 START_TEST(one_gravity) {
   setup();
@@ -180,4 +195,4 @@ START_TEST(both_fall_by_it) {
 END_TEST
 
 TEST_MAIN("two sections", 120, one_file_is_one_part, frames_of_a_mesh, another_place_is_refused, check_tells_the_centre,
-          one_gravity, both_fall_by_it)
+          a_part_in_millimetres_is_doubted, one_gravity, both_fall_by_it)
