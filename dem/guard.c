@@ -312,3 +312,22 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
   d->guard.judging = 0;
   return TDM_OK;
 }
+
+void dem_guard_end(const dem_data *d, double t) {
+  long lost = dem_count_lost(d);
+  if (lost > 0)
+    tdm_remark(
+        TDM_WARNING, "lost", "dem", t,
+        "%ld particles are behind a plane at the end (particles.lost); reduce time.dt or their speed if they went "
+        "through it",
+        lost);
+  int i = 0;
+  long fallen = dem_count_fallen(d, &i);
+  if (fallen > 0) {
+    tdm_vec3 x = d->sphere[i].position;
+    tdm_remark(TDM_WARNING, "fallen", "dem", t,
+               "%ld particles fall below every wall at the end, one of them (id %llu) at [%g, %g, %g] m: they went "
+               "through a hole or over an edge; close it, or give what is meant to fall a sink (dem.sinks)",
+               fallen, (unsigned long long)d->id[i], x.x, x.y, x.z);
+  }
+}

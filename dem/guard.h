@@ -36,6 +36,9 @@ void dem_guard_note_leap(dem_data *data, double dt);
 /* After a step of dt that ended at t. TDM_ERR_NUMERIC: stop. */
 tdm_status dem_guard(dem_data *data, double t, double dt, tdm_error *err);
 
+/* At the end of the run, t [s]: remarks on particles that are lost behind planes, or fall below every wall. */
+void dem_guard_end(const dem_data *data, double t);
+
 /* Is it time for dem_guard_bodies? */
 bool dem_guard_bodies_due(const dem_data *data);
 

@@ -258,27 +258,6 @@ static tdm_wrench mean_load(const tdm_wrench *sum, double n) {
   return (tdm_wrench){tdm_scale(1 / n, sum->force), tdm_scale(1 / n, sum->moment)};
 }
 
-/* The run has come to its end: what is wrong with its state. */
-static void note_end(const dem_data *d, double t) {
-  long lost = dem_count_lost(d);
-  if (lost > 0)
-    tdm_remark(
-        TDM_WARNING, "lost", "dem", t,
-        "%ld particles are behind a plane at the end (particles.lost); reduce time.dt or their speed if they went "
-        "through it",
-        lost);
-  int i = 0;
-  long fallen = dem_count_fallen(d, &i);
-  if (fallen > 0) {
-    tdm_vec3 x = d->sphere[i].position;
-    tdm_remark(TDM_WARNING, "fallen", "dem", t,
-               "%ld particles fall below every wall at the end, one of them (id %llu) at [%g, %g, %g] m: they went "
-               "through a hole or over an edge; close it, or give what is meant to fall a sink (dem.sinks)",
-               fallen, (unsigned long long)d->id[i], x.x, x.y, x.z);
-  }
-  dem_flow_end(d, t);
-}
-
 /* The share `share` of the present step, into the means of the output interval. */
 static void sum_loads(dem_data *d, double share, tdm_vec3 fixed) {
   const int nload = d->model->nload;
@@ -545,8 +524,10 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
   if (result->has_energy)
     *result->energy = dem_supply_look(d);
-  if (step->t1 >= m->time_end - 1e-3 * m->dt)
-    note_end(d, step->t1);
+  if (step->t1 >= m->time_end - 1e-3 * m->dt) {
+    dem_guard_end(d, step->t1);
+    dem_flow_end(d, step->t1);
+  }
   return dem_check_finite(d, step->t1, err);
 }
 
