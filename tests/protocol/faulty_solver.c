@@ -6,9 +6,11 @@
  *   killed     kills itself in window FAULT_WINDOW          hangs   stops answering in that window
  *   nan        returns a load that is no number in that window
  *   moments, work, supplied, infinite   announce "interface" and "energy" and return such a moment, work or energy
- *   huge, sampled, sampled_state, output, wall   return in that window a load that is too large, such a recorded load
- * or state that is no number, a channel or a wall time that is none zero       (mbd) returns a quaternion of norm 0 in
- * that window norm, inertia, place   (mbd) announce a quaternion of norm 100, an inertia of -1, a place of 1e200
+ *   huge                     returns in that window a load that is too large
+ *   sampled, sampled_state   returns there a recorded load, or a recorded state, that is no number
+ *   output, wall             returns there a channel, or a wall time, that is no number
+ *   zero                     (mbd) returns there a quaternion of norm 0
+ *   norm, inertia, place     (mbd) announce a quaternion of norm 100, an inertia of -1, a place of 1e200
  *   channel, unit, twin   announce a channel of the name or unit FAULT_TEXT, or two of one name
  *   further    announces "matched_load" as well, and returns such a coefficient
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
