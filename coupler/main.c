@@ -1,13 +1,13 @@
 /* tandem: the command line. */
-#include "coupler/report.h"
-#include "coupler/run.h"
-#include "coupler/session.h"
-#include "coupler/sweep.h"
-#include "coupler/verify.h"
-#include "dem/solver.h"
-#include "mbd/solver.h"
-#include "protocol/command_line.h"
-#include "protocol/find.h"
+#include "coupler/run/run.h"
+#include "coupler/session/session.h"
+#include "coupler/tools/report.h"
+#include "coupler/tools/sweep.h"
+#include "coupler/tools/verify.h"
+#include "dem/adapter/solver.h"
+#include "mbd/adapter/solver.h"
+#include "protocol/app/command_line.h"
+#include "protocol/app/find.h"
 #include "scenarios/table.h"
 
 #include <gsl/gsl_errno.h>

@@ -1,6 +1,6 @@
 /* tandem-dem: the solver process of a co-simulation, and the command line of scenes of particles alone. */
-#include "dem/bench.h"
-#include "dem/run.h"
+#include "dem/app/bench.h"
+#include "dem/app/run.h"
 
 #include <gsl/gsl_errno.h>
 #include <malloc.h>

@@ -1,5 +1,5 @@
 /* tandem-mbd: the solver process of a co-simulation, and the command line of scenes of bodies alone. */
-#include "mbd/run.h"
+#include "mbd/app/run.h"
 
 #include <gsl/gsl_errno.h>
 

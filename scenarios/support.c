@@ -1,6 +1,6 @@
 #include "scenarios/support.h"
 
-#include "coupler/record.h"
+#include "coupler/loop/record.h"
 
 #include <math.h>
 #include <stdio.h>

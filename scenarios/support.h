@@ -2,8 +2,8 @@
 #ifndef SCN_SUPPORT_H
 #define SCN_SUPPORT_H
 
-#include "coupler/table.h"
-#include "coupler/verify.h"
+#include "coupler/tools/table.h"
+#include "coupler/tools/verify.h"
 
 /* One result directory. Zero-initialise; free with scn_run_free. */
 typedef struct {

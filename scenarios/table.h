@@ -6,7 +6,7 @@
 #ifndef SCN_TABLE_H
 #define SCN_TABLE_H
 
-#include "coupler/verify.h"
+#include "coupler/tools/verify.h"
 
 extern const cpl_scenario scn_table[]; /* ended by a NULL name */
 

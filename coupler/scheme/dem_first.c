@@ -10,7 +10,7 @@
  * MBD's; they never jump there: the next path begins where the last one ended. The first window is that of `hold`,
  * whose load at t = 0 is known, since MBD has no acceleration under a load before.
  */
-#include "coupler/window.h"
+#include "coupler/loop/window.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* hold: as lommen, but MBD goes on the last mean, held over the window:  W(t) = mean of window k-1.
  */
-#include "coupler/window.h"
+#include "coupler/loop/window.h"
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   return cpl_mbd_first(loop, 1, err);

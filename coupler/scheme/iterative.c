@@ -10,9 +10,9 @@
  * do, at the same velocity, and the particles have felt the motion that MBD found. As the proxy answers to loads nearly
  * as the mechanism does, Z - E depends little on c. A window that does not converge goes on with the smallest residual.
  */
-#include "coupler/mismatch.h"
-#include "coupler/window.h"
-#include "protocol/remark.h"
+#include "coupler/loop/mismatch.h"
+#include "coupler/loop/window.h"
+#include "protocol/base/remark.h"
 
 #include <math.h>
 #include <stdlib.h>

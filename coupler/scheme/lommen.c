@@ -8,7 +8,7 @@
  * not only at its end. It is the constant, the line or the parabola through what there is: the load at t = 0 is known
  * from DEM, each window adds one mean.
  */
-#include "coupler/window.h"
+#include "coupler/loop/window.h"
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   return cpl_mbd_first(loop, 3, err);

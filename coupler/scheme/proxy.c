@@ -10,9 +10,9 @@
  * estimate of the error that costs nothing, and the sign of a stop, a slack cable or friction that turns inside a
  * window, where the linearisation ends. Where the mechanism cannot move, this is `dem-first`.
  */
-#include "coupler/mismatch.h"
-#include "coupler/window.h"
-#include "protocol/remark.h"
+#include "coupler/loop/mismatch.h"
+#include "coupler/loop/window.h"
+#include "protocol/base/remark.h"
 
 #include <math.h>
 

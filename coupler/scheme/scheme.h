@@ -7,7 +7,7 @@
 #ifndef CPL_SCHEME_H
 #define CPL_SCHEME_H
 
-#include "protocol/participant.h"
+#include "protocol/wire/participant.h"
 
 struct cpl_loop;
 

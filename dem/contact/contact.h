@@ -6,8 +6,8 @@
 #ifndef DEM_CONTACT_CONTACT_H
 #define DEM_CONTACT_CONTACT_H
 
-#include "dem/model.h"
-#include "dem/simd.h"
+#include "dem/contact/simd/simd.h"
+#include "dem/model/model.h"
 
 #include <stddef.h>
 

@@ -3,7 +3,7 @@
 
 #include "dem/contact/restitution.h"
 #include "dem/contact/theory.h"
-#include "dem/integrate.h"
+#include "dem/step/integrate.h"
 
 #include <stdio.h>
 #include <stdlib.h>

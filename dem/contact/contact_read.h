@@ -2,8 +2,8 @@
 #ifndef DEM_CONTACT_CONTACT_READ_H
 #define DEM_CONTACT_CONTACT_READ_H
 
-#include "dem/model.h"
-#include "protocol/scene.h"
+#include "dem/model/model.h"
+#include "protocol/base/scene.h"
 
 /* dem.simd and dem.contact: the laws of the model; first, for what follows asks only for what they need. */
 void dem_contact_read(dem_model *model, tdm_object *section);

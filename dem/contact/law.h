@@ -7,7 +7,7 @@
 #include "dem/contact/normal.h"
 #include "dem/contact/rolling.h"
 #include "dem/contact/tangential.h"
-#include "dem/data.h"
+#include "dem/state/data.h"
 
 typedef void normal_law(dem_contact *, vd *history);
 typedef dem_tangential tangential_law(dem_contact *, vd *history);

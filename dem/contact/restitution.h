@@ -7,7 +7,7 @@
 #ifndef DEM_CONTACT_RESTITUTION_H
 #define DEM_CONTACT_RESTITUTION_H
 
-#include "protocol/status.h"
+#include "protocol/base/status.h"
 
 #include <stdbool.h>
 

@@ -14,7 +14,7 @@
 #define DEM_CONTACT_TABLE_H
 
 #include "dem/contact/energy.h"
-#include "protocol/pose.h"
+#include "protocol/base/pose.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -6,7 +6,7 @@
 #ifndef DEM_CONTACT_THEORY_H
 #define DEM_CONTACT_THEORY_H
 
-#include "dem/model.h"
+#include "dem/model/model.h"
 
 typedef struct {
   double mass, radius; /* effective [kg], [m] */

@@ -1,7 +1,7 @@
 /* Meshes: from loose triangles to vertices, edges and their neighbours; the report. See mesh.h. */
 #include "dem/geometry/mesh_data.h"
 
-#include "protocol/surface.h"
+#include "protocol/base/surface.h"
 
 #include <stdint.h>
 #include <stdlib.h>

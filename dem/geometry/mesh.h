@@ -20,7 +20,7 @@
 #ifndef DEM_GEOMETRY_MESH_H
 #define DEM_GEOMETRY_MESH_H
 
-#include "protocol/stl.h"
+#include "protocol/base/stl.h"
 
 #include <jansson.h>
 #include <stdbool.h>

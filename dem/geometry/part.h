@@ -14,8 +14,8 @@
 #ifndef DEM_GEOMETRY_PART_H
 #define DEM_GEOMETRY_PART_H
 
-#include "protocol/participant.h"
-#include "protocol/stl.h"
+#include "protocol/base/stl.h"
+#include "protocol/wire/participant.h"
 
 typedef struct {
   const tdm_assigned_body *coupled; /* what the other solver says of the body; NULL: not coupled */

@@ -5,7 +5,7 @@
 #ifndef DEM_GEOMETRY_TRACTION_H
 #define DEM_GEOMETRY_TRACTION_H
 
-#include "dem/data.h"
+#include "dem/state/data.h"
 
 /* Room for the present walls' list, before an evaluation. False: no memory. */
 bool dem_traction_reserve(dem_data *data);

@@ -1,6 +1,6 @@
 #include "dem/output/picture.h"
 
-#include "protocol/plot.h"
+#include "protocol/app/plot.h"
 
 #include <errno.h>
 #include <stdlib.h>

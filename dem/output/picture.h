@@ -6,8 +6,8 @@
 #define DEM_OUTPUT_PICTURE_H
 
 #include "dem/output/polygon.h"
-#include "protocol/results.h"
-#include "protocol/scene.h"
+#include "protocol/app/results.h"
+#include "protocol/base/scene.h"
 
 /* one row a way to colour a particle: its name in the scene, its label */
 #define DEM_COLOR_LIST(X)               \

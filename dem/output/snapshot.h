@@ -3,7 +3,7 @@
 #ifndef DEM_OUTPUT_SNAPSHOT_H
 #define DEM_OUTPUT_SNAPSHOT_H
 
-#include "dem/data.h"
+#include "dem/state/data.h"
 
 typedef struct {
   int count, capacity;

@@ -2,7 +2,7 @@
 #ifndef DEM_SEARCH_ORDER_H
 #define DEM_SEARCH_ORDER_H
 
-#include "dem/data.h"
+#include "dem/state/data.h"
 
 /* from[p] (nparticle): the particle that comes to place p. By the Morton code of the cell of two largest radii that it
  * lies in; those of one cell keep their order. False: no memory. */

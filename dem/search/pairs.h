@@ -12,7 +12,7 @@
 #ifndef DEM_SEARCH_PAIRS_H
 #define DEM_SEARCH_PAIRS_H
 
-#include "dem/data.h"
+#include "dem/state/data.h"
 
 /* Steps after which more than one chunk of particles is put in the order of places again. A fixed number, so that the
  * order of sums depends on no list, skin or search. */

@@ -9,8 +9,8 @@
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
 
-#include "dem/scratch.h"
-#include "dem/sphere.h"
+#include "dem/state/scratch.h"
+#include "dem/state/sphere.h"
 
 #include <stdbool.h>
 #include <stddef.h>

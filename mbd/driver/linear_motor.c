@@ -1,7 +1,7 @@
 /* Linear motor: the translation of a joint along its axis since the start configuration follows a motion law, and the
  * force that this takes is its output; a positive one pushes the second body forward and the first back. */
 #include "mbd/driver/driver.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = mbd_load_joint(o, "joint", model, MBD_HAS_TRANSLATION, "");

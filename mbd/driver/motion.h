@@ -7,7 +7,7 @@
 #ifndef MBD_MOTION_H
 #define MBD_MOTION_H
 
-#include "mbd/curve.h"
+#include "mbd/model/curve.h"
 
 /* a prescribed coordinate at one instant; [rad] and its rates, or [m] */
 typedef struct {

@@ -3,9 +3,9 @@
  * A run that goes on after the last point is refused, unless the table ends at rest and "after" says "hold"; a periodic
  * table has no end.
  */
-#include "mbd/curve.h"
 #include "mbd/driver/motion.h"
-#include "protocol/input.h"
+#include "mbd/model/curve.h"
+#include "protocol/base/input.h"
 
 #include <stdio.h>
 #include <stdlib.h>

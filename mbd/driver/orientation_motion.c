@@ -5,7 +5,7 @@
  * perpendicular axes are twice the arc tangents of Rodrigues' parameters, so three drivers prescribe any orientation
  * within half a turn. */
 #include "mbd/driver/driver.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = &driver->frame;

@@ -1,7 +1,7 @@
 /* Point motion: a point of the second body moves along a direction that is fixed in the first, by the law's value from
  * its place in the start configuration; across the direction it is free. Three of them prescribe its path. */
 #include "mbd/driver/driver.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = &driver->frame;

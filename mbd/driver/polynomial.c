@@ -1,6 +1,6 @@
 /* Polynomial x = c0 + c1 t + c2 t^2 + ... */
-#include "mbd/curve.h"
 #include "mbd/driver/motion.h"
+#include "mbd/model/curve.h"
 
 static void load(mbd_motion *motion, tdm_object *o) {
   motion->coefficient = mbd_load_numbers(o, "coefficients", &motion->ncoefficient);

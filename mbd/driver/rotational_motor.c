@@ -4,7 +4,7 @@
  * a positive torque turns the second body forward and the first back.
  */
 #include "mbd/driver/driver.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = mbd_load_joint(o, "joint", model, MBD_HAS_ANGLE, "");

@@ -1,6 +1,6 @@
 /* Forces along coordinates of a pair: see force.h. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 #include <string.h>
 

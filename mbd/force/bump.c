@@ -1,7 +1,7 @@
 /* Bump: unilateral contact without friction between a sphere of the second body and a plane of the first (that body is
  * on the side against the normal), or between two spheres. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 #include <string.h>
 

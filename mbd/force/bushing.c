@@ -5,7 +5,7 @@
  * belong to these coordinates, so 1/2 x K x + preload x is the exact potential at any deflection: the moment is the
  * transpose of d(phi)/d(theta) times that of phi, the same at small angles. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 #include <gsl/gsl_eigen.h>
 #include <stdlib.h>

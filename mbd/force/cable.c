@@ -4,7 +4,7 @@
  * e, k (s - e/2) after it. The damping grows with the stiffness, so that the tension k s^2/(2e) + c s/e ldot is
  * continuous; it is cut off at zero. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   double length = mbd_force_load_points(f, o, model, true);

@@ -3,7 +3,7 @@
  *   f = way level(rate) normal + viscous rate,   level = slide + (hold - slide) exp(-(rate/scale)^2)
  * (Armstrong-Helouvry, Dupont & Canudas de Wit 1994, Automatica 30, 1083-1138, Eq. 3). */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * them, or with tables for k and c. Where the points coincide, a spring without free length and preload pulls nowhere
  * and its damper works along the velocity v of the points: force -(k d + c v) there, d from point to point. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   double length = mbd_force_load_points(f, o, model, false);

@@ -1,6 +1,6 @@
 /* Stop: limits of a joint's coordinate that push back like a contact and never pull. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 #include <string.h>
 

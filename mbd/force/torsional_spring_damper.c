@@ -2,7 +2,7 @@
  * against the first about an axis since the start, counted over turns; or with tables for k and c. A positive torque
  * turns the second body back. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 #include <string.h>
 

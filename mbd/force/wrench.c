@@ -1,7 +1,7 @@
 /* Wrench: a force and a moment from outside on one body, in axes of the world or of the body, times a factor that may
  * be a function of time. */
 #include "mbd/force/force.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   static const char *const axes[] = {"world", "body"};

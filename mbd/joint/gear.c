@@ -4,7 +4,7 @@
  * other. A negative one is an internal mesh or a belt. Joints whose first body is a carrier make a planetary gear.
  */
 #include "mbd/joint/joint.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static const char *const equation[] = {"mesh"};
 

@@ -9,7 +9,7 @@
 #define MBD_JOINT_H
 
 #include "mbd/joint/rows.h"
-#include "protocol/scene.h"
+#include "protocol/base/scene.h"
 
 typedef struct mbd_joint mbd_joint;
 

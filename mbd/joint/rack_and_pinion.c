@@ -1,7 +1,7 @@
 /* Rack and pinion: the second joint's translation is radius times the first joint's angle, counted over turns. One row.
  * A negative radius turns the direction round. */
 #include "mbd/joint/joint.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static const char *const equation[] = {"mesh"};
 

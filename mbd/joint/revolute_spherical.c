@@ -2,7 +2,7 @@
  * ends in a ball on the second. The vector from the first point to the second keeps its length and its share along the
  * axis. Two rows. */
 #include "mbd/joint/joint.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static const char *const equation[] = {"distance", "offset"};
 

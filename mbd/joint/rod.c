@@ -1,6 +1,6 @@
 /* Rod: the distance between two points is constant; a massless link with a ball at each end. One row. */
 #include "mbd/joint/joint.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static const char *const equation[] = {"distance"};
 

@@ -6,7 +6,7 @@
 #ifndef MBD_ROWS_H
 #define MBD_ROWS_H
 
-#include "mbd/kin.h"
+#include "mbd/mechanics/kin.h"
 
 #include <stdbool.h>
 

@@ -3,7 +3,7 @@
  * there.
  */
 #include "mbd/joint/joint.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 extern const mbd_joint_ops mbd_joint_fixed, mbd_joint_revolute, mbd_joint_prismatic, mbd_joint_spherical,
     mbd_joint_universal, mbd_joint_planar, mbd_joint_point_on_line, mbd_joint_rod, mbd_joint_screw, mbd_joint_gear,

@@ -1,7 +1,7 @@
 /* Universal joint (Hooke, Cardan): the points coincide, and an axis of the first body stays perpendicular to one of the
  * second. Four rows. */
 #include "mbd/joint/joint.h"
-#include "mbd/load.h"
+#include "mbd/model/read.h"
 
 static const char *const equation[] = {"point x", "point y", "point z", "cross"};
 

@@ -2,7 +2,7 @@
  * accelerations and reactions, every 0.1 s and at the peaks, for 5 s. */
 #include "scenarios/adams/adams.h"
 
-#include "protocol/command_line.h"
+#include "protocol/app/command_line.h"
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"
 

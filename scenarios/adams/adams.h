@@ -2,7 +2,7 @@
 #ifndef SCN_ADAMS_H
 #define SCN_ADAMS_H
 
-#include "protocol/status.h"
+#include "protocol/base/status.h"
 
 extern const char *const scn_adams_model[]; /* names, which are also folders of scenarios/adams; ended by NULL */
 

@@ -7,7 +7,7 @@
  */
 #include "scenarios/collision/collision.h"
 
-#include "coupler/table.h"
+#include "coupler/tools/table.h"
 #include "scenarios/table.h"
 
 #include <math.h>

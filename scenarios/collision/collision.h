@@ -2,7 +2,7 @@
 #ifndef SCN_COLLISION_H
 #define SCN_COLLISION_H
 
-#include "protocol/status.h"
+#include "protocol/base/status.h"
 
 enum { SCN_COLLISION_CASES = 6 };
 

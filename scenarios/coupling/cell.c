@@ -1,6 +1,6 @@
 #include "scenarios/coupling/cell.h"
 
-#include "protocol/results.h"
+#include "protocol/app/results.h"
 
 #include <math.h>
 #include <stdio.h>

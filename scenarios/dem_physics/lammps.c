@@ -5,7 +5,7 @@
  * printed is then met to delta/R.
  */
 #include "dem/contact/theory.h"
-#include "dem/step.h"
+#include "dem/step/step.h"
 #include "scenarios/dem_physics/impact.h"
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"

@@ -1,12 +1,12 @@
 /* A small scene of particles in memory: see rig.h. */
 #include "scenarios/dem_physics/rig.h"
 
-#include "dem/flow.h"
-#include "dem/settle.h"
-#include "dem/step.h"
-#include "protocol/command_line.h"
-#include "protocol/log.h"
-#include "protocol/results.h"
+#include "dem/flow/flow.h"
+#include "dem/flow/settle.h"
+#include "dem/step/step.h"
+#include "protocol/app/command_line.h"
+#include "protocol/base/log.h"
+#include "protocol/app/results.h"
 
 #include <errno.h>
 #include <math.h>

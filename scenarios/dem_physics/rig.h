@@ -2,8 +2,8 @@
 #ifndef SCN_RIG_H
 #define SCN_RIG_H
 
-#include "coupler/verify.h"
-#include "dem/data.h"
+#include "coupler/tools/verify.h"
+#include "dem/state/data.h"
 
 typedef struct {
   cpl_verify *verify; /* borrowed: told what the run cost */

@@ -1,5 +1,5 @@
 /* A sphere on a plane: sliding to rolling, slopes, a bouncing ball, and two published runs of another code. */
-#include "dem/data.h"
+#include "dem/state/data.h"
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"
 

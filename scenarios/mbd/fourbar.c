@@ -5,7 +5,7 @@
  * Where the rods are horizontal the joints' Jacobian loses rank, and another branch begins there on which energy is
  * kept as well: only the angle tells.
  */
-#include "protocol/command_line.h"
+#include "protocol/app/command_line.h"
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"
 

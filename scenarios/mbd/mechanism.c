@@ -1,6 +1,6 @@
 #include "scenarios/mbd/mechanism.h"
 
-#include "protocol/log.h"
+#include "protocol/base/log.h"
 
 #include <math.h>
 #include <stdio.h>

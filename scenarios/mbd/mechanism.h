@@ -2,7 +2,7 @@
 #ifndef SCN_MECHANISM_H
 #define SCN_MECHANISM_H
 
-#include "coupler/table.h"
+#include "coupler/tools/table.h"
 #include "scenarios/mbd/motion.h"
 
 enum { SCN_COORDINATES = 8 };

@@ -1,9 +1,9 @@
 #include "scenarios/mbd/motion.h"
 
-#include "mbd/integrator.h"
-#include "mbd/output.h"
-#include "protocol/command_line.h"
-#include "protocol/log.h"
+#include "mbd/integrate/integrator.h"
+#include "mbd/adapter/output.h"
+#include "protocol/app/command_line.h"
+#include "protocol/base/log.h"
 
 #include <math.h>
 #include <stdarg.h>

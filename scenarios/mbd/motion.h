@@ -2,8 +2,8 @@
 #ifndef SCN_MOTION_H
 #define SCN_MOTION_H
 
-#include "coupler/verify.h"
-#include "mbd/state.h"
+#include "coupler/tools/verify.h"
+#include "mbd/mechanics/state.h"
 
 /* How a scene is solved; other settings are the scene's. */
 typedef struct {

@@ -4,7 +4,7 @@
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"
 
-#include "protocol/results.h"
+#include "protocol/app/results.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,10 +5,10 @@
  *
  * The scene is a free body and a DEM without particles, so that nearly nothing but the exchange is left.
  */
-#include "coupler/run.h"
-#include "dem/solver.h"
-#include "mbd/solver.h"
-#include "protocol/log.h"
+#include "coupler/run/run.h"
+#include "dem/adapter/solver.h"
+#include "mbd/adapter/solver.h"
+#include "protocol/base/log.h"
 
 #include <pthread.h>
 #include <signal.h>

@@ -10,8 +10,8 @@
  * 2. IDA (fixed leading coefficient) on a mass that bounces on a stiff stop, by order and tolerance: steps, rejected
  *    steps, error against the exact solution.
  */
-#include "mbd/solver.h"
-#include "protocol/log.h"
+#include "mbd/adapter/solver.h"
+#include "protocol/base/log.h"
 
 #include <complex.h>
 #include <math.h>

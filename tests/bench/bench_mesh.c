@@ -1,7 +1,7 @@
 /* The triangles near a point, and a sphere's contacts: microseconds a query over the size of a meshed plane. Not a
  * test. */
 #include "dem/geometry/mesh.h"
-#include "protocol/log.h"
+#include "protocol/base/log.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
  * 20 mm.
  */
 #include "dem/search/search.h"
-#include "protocol/log.h"
+#include "protocol/base/log.h"
 
 #include <math.h>
 #include <stdint.h>

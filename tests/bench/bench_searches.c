@@ -7,8 +7,8 @@
  * smaller groups, whose numbers it does not give, are fifths of this one. Density (100 kg/m3) and the container's
  * radius (1.97 m) are not given either.
  */
-#include "dem/data.h"
-#include "dem/step.h"
+#include "dem/state/data.h"
+#include "dem/step/step.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* The ledger: work in closed form, impulse, balance, and runs that gain energy. */
-#include "coupler/ledger.h"
-#include "coupler/table.h"
-#include "coupler/window.h"
-#include "protocol/results.h"
+#include "coupler/loop/ledger.h"
+#include "coupler/tools/table.h"
+#include "coupler/loop/window.h"
+#include "protocol/app/results.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -1,5 +1,5 @@
 /* What drivers prescribe, in long windows: every scheme goes the way of n = 1, or refuses the window. */
-#include "coupler/table.h"
+#include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -1,5 +1,5 @@
 /* Result directories: what a run removes, what it leaves, where it refuses to write. */
-#include "protocol/results.h"
+#include "protocol/app/results.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -1,5 +1,5 @@
 /* Whole runs with tandem's own solvers: bit-identity, the output grid, the last window, Ctrl-C. */
-#include "coupler/table.h"
+#include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,6 @@
 /* tcp: solvers started by hand in any order, strangers, second solvers of a role, ports in use. */
-#include "protocol/participant.h"
-#include "protocol/transport.h"
+#include "protocol/wire/participant.h"
+#include "protocol/wire/transport.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

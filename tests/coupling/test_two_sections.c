@@ -1,6 +1,6 @@
 /* What only both sections of a scene together can get wrong: one file in two places, two gravities. */
-#include "coupler/table.h"
-#include "protocol/stl.h"
+#include "coupler/tools/table.h"
+#include "protocol/base/stl.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

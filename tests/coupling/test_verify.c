@@ -1,5 +1,5 @@
 /* The verification runner: limits, NaN, failures, the JSON contract. Its scenarios here only pretend to measure. */
-#include "coupler/verify.h"
+#include "coupler/tools/verify.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

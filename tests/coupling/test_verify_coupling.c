@@ -1,6 +1,6 @@
 /* The verification of the coupling schemes: runs side by side, cells of the grids, --full. The group itself takes
  * minutes: `tandem verify coupling`. */
-#include "coupler/jobs.h"
+#include "coupler/tools/jobs.h"
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 #include "tests/command.h"

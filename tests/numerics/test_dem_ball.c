@@ -1,6 +1,6 @@
 /* Spheres as walls: geometry, impacts, motion inside one, outputs. */
-#include "dem/geometry/walls.h"
-#include "dem/limits.h"
+#include "dem/bodies/walls.h"
+#include "dem/watch/limits.h"
 #include "dem/output/polygon.h"
 #include "dem/output/snapshot.h"
 #include "test_dem_support.h"

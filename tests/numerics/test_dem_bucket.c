@@ -1,8 +1,8 @@
 /* Containers whose walls end, and warnings of what is probably another size or shape than meant. */
-#include "dem/guard.h"
-#include "dem/report.h"
-#include "protocol/remark.h"
-#include "protocol/stl.h"
+#include "dem/watch/guard.h"
+#include "dem/adapter/report.h"
+#include "protocol/base/remark.h"
+#include "protocol/base/stl.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
 

@@ -3,7 +3,7 @@
 #include "test_dem_support.h"
 
 #include "dem/contact/restitution.h"
-#include "dem/limits.h"
+#include "dem/watch/limits.h"
 #include "tests/test_main.h"
 
 /* A sphere (R 10 mm, E* 1e7/(1-0.09) wall rigid-like) above a fixed floor. */

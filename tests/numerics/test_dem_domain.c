@@ -1,7 +1,7 @@
 /* The box dem.domain: open, periodic, strained; and the searches by name. */
 #include "test_dem_support.h"
 
-#include "dem/flow.h"
+#include "dem/flow/flow.h"
 #include "tests/test_main.h"
 
 #define MATERIAL                                                                                 \

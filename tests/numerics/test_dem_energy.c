@@ -2,10 +2,10 @@
  * on all instruction sets, and histories that turn round with their pair. */
 #include "test_dem_support.h"
 
-#include "dem/extras.h"
+#include "dem/model/group_options.h"
 #include "dem/search/search.h"
-#include "dem/state.h"
-#include "dem/stored.h"
+#include "dem/state/state_file.h"
+#include "dem/watch/stored.h"
 #include "tests/test_main.h"
 
 /* ---- every set of laws ---- */

@@ -1,11 +1,11 @@
 /* The engine as a whole: conservation, neighbour lists, copies, windows, wrenches, settling, paths. */
 #include "test_dem_support.h"
 
-#include "dem/check.h"
-#include "dem/geometry/walls.h"
-#include "dem/limits.h"
+#include "dem/watch/check.h"
+#include "dem/bodies/walls.h"
+#include "dem/watch/limits.h"
 #include "dem/search/pairs.h"
-#include "dem/settle.h"
+#include "dem/flow/settle.h"
 #include "tests/test_main.h"
 
 /* A cloud of spheres of two sizes in a closed box that turns and moves. */

@@ -1,9 +1,9 @@
 /* Extreme cases: each ends accurate or with a clear error, never in silent garbage; and the guard that sees to it. */
 #include "test_dem_support.h"
 
-#include "dem/check.h"
-#include "dem/guard.h"
-#include "dem/limits.h"
+#include "dem/watch/check.h"
+#include "dem/watch/guard.h"
+#include "dem/watch/limits.h"
 #include "tests/test_main.h"
 
 /* A sphere of radius R, density, stiffness, restitution, friction and speed falls on a floor at a slant. */

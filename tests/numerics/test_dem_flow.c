@@ -1,11 +1,11 @@
 /* Sources and sinks: creation times, waiting, removal, balances, copies. */
 #include "test_dem_support.h"
 
-#include "dem/draw.h"
-#include "dem/flow.h"
-#include "dem/geometry/walls.h"
-#include "dem/room.h"
-#include "protocol/log.h"
+#include "protocol/base/random.h"
+#include "dem/flow/flow.h"
+#include "dem/bodies/walls.h"
+#include "dem/flow/free_space.h"
+#include "protocol/base/log.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>

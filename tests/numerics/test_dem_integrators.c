@@ -2,7 +2,7 @@
  * particles and two dimensions. */
 #include "test_dem_support.h"
 
-#include "dem/integrate.h"
+#include "dem/step/integrate.h"
 #include "tests/test_main.h"
 
 #define MATERIAL "'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}]"

@@ -1,7 +1,7 @@
 /* The load that ends where the proxy ended, on mechanisms with an exact solution: the reduced model under the kicks of
  * n steps, and under the polynomial that stands for them. */
-#include "dem/matched.h"
-#include "protocol/legendre.h"
+#include "dem/bodies/matched.h"
+#include "protocol/base/legendre.h"
 #include "tests/test_main.h"
 
 #include <gsl/gsl_linalg.h>

@@ -4,7 +4,7 @@
 #include "tests/test_main.h"
 
 #include "dem/contact/table.h"
-#include "dem/geometry/wall_stiffness.h"
+#include "dem/bodies/wall_stiffness.h"
 
 #include <unistd.h>
 

@@ -1,10 +1,10 @@
 /* Pouring: exact numbers and masses, beds at rest inside their box, order of entries, errors, stored beds. */
 #include "test_dem_support.h"
 
-#include "dem/domain.h"
-#include "dem/flow.h"
-#include "dem/pour.h"
-#include "dem/settle.h"
+#include "dem/step/domain.h"
+#include "dem/flow/flow.h"
+#include "dem/flow/pour.h"
+#include "dem/flow/settle.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>

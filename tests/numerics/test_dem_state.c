@@ -1,8 +1,8 @@
 /* Stored states: a run that is saved and loaded goes on bit by bit; starts from a stored state; damage. */
 #include "test_dem_support.h"
 
-#include "dem/flow.h"
-#include "dem/state.h"
+#include "dem/flow/flow.h"
+#include "dem/state/state_file.h"
 #include "tests/test_main.h"
 
 #include <sys/stat.h>

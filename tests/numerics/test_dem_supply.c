@@ -1,9 +1,9 @@
 /* What is stored in the particles, and what sources, sinks, an open box and driven bodies have supplied. */
 #include "test_dem_support.h"
 
-#include "dem/domain.h"
-#include "dem/flow.h"
-#include "dem/supply.h"
+#include "dem/step/domain.h"
+#include "dem/flow/flow.h"
+#include "dem/watch/supply.h"
 #include "tests/test_main.h"
 
 /* no friction, no damping */

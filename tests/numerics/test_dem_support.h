@@ -2,10 +2,10 @@
 #ifndef TEST_DEM_SUPPORT_H
 #define TEST_DEM_SUPPORT_H
 
-#include "dem/data.h"
-#include "dem/geometry/motion.h"
-#include "dem/solver.h"
-#include "dem/step.h"
+#include "dem/state/data.h"
+#include "dem/bodies/path.h"
+#include "dem/adapter/solver.h"
+#include "dem/step/step.h"
 
 #include <check.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The path ahead: what drivers prescribe, exactly; what moves on springs beside them; when no nodes are needed. */
-#include "mbd/ahead.h"
-#include "mbd/kkt.h"
+#include "mbd/adapter/ahead.h"
+#include "mbd/assembly/kkt.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

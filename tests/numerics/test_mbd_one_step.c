@@ -1,6 +1,6 @@
 /* The one-step formulation: order, constraints, energy, loads that jump from window to window, samples inside a step.
  */
-#include "mbd/kin.h"
+#include "mbd/mechanics/kin.h"
 #include "test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,5 +1,5 @@
 /* The reduced model: against finite differences of the full model, and against closed forms. */
-#include "mbd/reduced.h"
+#include "mbd/reduced/reduced.h"
 #include "test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -4,8 +4,8 @@
 #ifndef TEST_MBD_SUPPORT_H
 #define TEST_MBD_SUPPORT_H
 
-#include "mbd/solver.h"
-#include "protocol/log.h"
+#include "mbd/adapter/solver.h"
+#include "protocol/base/log.h"
 
 #include <check.h>
 #include <stdio.h>

@@ -6,9 +6,9 @@
  *
  * Run by the server as: dummy_solver --connect ENDPOINT --name NAME --timeout SECONDS
  */
-#include "protocol/log.h"
-#include "protocol/participant.h"
-#include "protocol/scene.h"
+#include "protocol/base/log.h"
+#include "protocol/wire/participant.h"
+#include "protocol/base/scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>

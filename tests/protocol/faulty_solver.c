@@ -16,9 +16,9 @@
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
  *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
  */
-#include "protocol/log.h"
-#include "protocol/participant.h"
-#include "protocol/transport.h"
+#include "protocol/base/log.h"
+#include "protocol/wire/participant.h"
+#include "protocol/wire/transport.h"
 
 #include <signal.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* tandem's own solver of the role LIE_ROLE (mbd or dem), but for one number that it gets wrong: LIE says which, at
  * READY or, from window 3 on, in RESULT.
  */
-#include "dem/solver.h"
-#include "mbd/solver.h"
-#include "protocol/log.h"
+#include "dem/adapter/solver.h"
+#include "mbd/adapter/solver.h"
+#include "protocol/base/log.h"
 
 #include <gsl/gsl_errno.h>
 #include <stdio.h>

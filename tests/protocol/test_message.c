@@ -1,5 +1,5 @@
 /* Messages: what is written reads back; whatever else comes is refused, never believed. */
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 #include "tests/test_main.h"
 
 #include <stdlib.h>

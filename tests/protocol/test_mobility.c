@@ -1,5 +1,5 @@
 /* Accelerations and the reduced model over the wire: only where ASSIGN asks for them. */
-#include "mbd/solver.h"
+#include "mbd/adapter/solver.h"
 #include "tests/protocol/wire.h"
 
 static const char slider[] =

@@ -1,5 +1,5 @@
 /* The real server against a dummy solver that behaves, and one that does not. */
-#include "coupler/table.h"
+#include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

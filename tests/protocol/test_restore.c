@@ -1,7 +1,7 @@
 /* SAVE and RESTORE: the DEM engine as a thread, spoken to over the wire and by a session. */
-#include "coupler/session.h"
-#include "dem/solver.h"
-#include "mbd/solver.h"
+#include "coupler/session/session.h"
+#include "dem/adapter/solver.h"
+#include "mbd/adapter/solver.h"
 #include "tests/protocol/wire.h"
 
 #include <stdio.h>

@@ -2,8 +2,8 @@
 #ifndef TEST_WIRE_H
 #define TEST_WIRE_H
 
-#include "protocol/participant.h"
-#include "protocol/transport.h"
+#include "protocol/wire/participant.h"
+#include "protocol/wire/transport.h"
 #include "tests/test_main.h"
 
 #include <pthread.h>

@@ -1,5 +1,5 @@
 /* Aitken and IQN-ILS on fixed-point problems whose solution is known. */
-#include "coupler/accelerate.h"
+#include "coupler/scheme/accelerate.h"
 #include "tests/test_main.h"
 
 #include <math.h>

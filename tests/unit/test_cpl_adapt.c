@@ -1,6 +1,6 @@
 /* The length of the next window, and the measure that it follows. */
-#include "coupler/adapt.h"
-#include "coupler/mismatch.h"
+#include "coupler/loop/adapt.h"
+#include "coupler/loop/mismatch.h"
 #include "tests/test_main.h"
 
 #include <math.h>

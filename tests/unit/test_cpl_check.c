@@ -1,6 +1,6 @@
 /* What the server takes from a partner for a number, a mobility, an inertia. */
 #include "coupler/scheme/scheme.h"
-#include "coupler/session.h"
+#include "coupler/session/session.h"
 #include "tests/test_main.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Extrapolation of window means: Cramer's rule, exactness for polynomials, the start. */
-#include "coupler/extrapolate.h"
+#include "coupler/scheme/extrapolate.h"
 #include "tests/test_main.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The solver through its operations: bad scenes are refused with their path, good ones report; windows and samples. */
 #include "../numerics/test_dem_support.h"
-#include "dem/solver.h"
+#include "dem/adapter/solver.h"
 #include "tests/test_main.h"
 
 #define MATERIALS "'materials':[{'name':'grain','density':1000,'young_modulus':1e7,'poisson_ratio':0.2}]"

@@ -1,8 +1,8 @@
 /* Size distributions: against their distribution functions, cut at both ends, the same for the same seed. */
 #include "../numerics/test_dem_support.h"
 
-#include "dem/draw.h"
-#include "dem/sizes.h"
+#include "protocol/base/random.h"
+#include "dem/model/sizes.h"
 #include "tests/test_main.h"
 
 #include <gsl/gsl_cdf.h>

@@ -1,7 +1,7 @@
 /* Bodies: markers, and mass, centre and inertia of shapes: primitives against finely divided or known solids, meshes
  * against exact values.
  */
-#include "mbd/inertia.h"
+#include "mbd/model/inertia.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,9 +1,9 @@
 /* The analytic Jacobian against central differences of the residual, on random states (off the constraints and off the
  * unit sphere), for every joint, driver and force, between two bodies and against the ground.
  */
-#include "mbd/jacobian.h"
-#include "mbd/residual.h"
-#include "mbd/tangent.h"
+#include "mbd/mechanics/jacobian.h"
+#include "mbd/mechanics/residual.h"
+#include "mbd/mechanics/tangent.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,5 +1,5 @@
 /* Paths between nodes: ends, derivatives, order. */
-#include "protocol/nodes.h"
+#include "protocol/wire/nodes.h"
 #include "tests/test_main.h"
 
 /* A body on a circle of 0.5 m about z, which tilts as it goes: turns about an axis that moves. */

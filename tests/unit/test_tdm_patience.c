@@ -1,5 +1,5 @@
 /* When a wait looks for its message before it sleeps. */
-#include "protocol/patience.h"
+#include "protocol/wire/patience.h"
 #include "tests/test_main.h"
 
 /* waits that sleep at once before the next that looks */

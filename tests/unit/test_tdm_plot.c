@@ -1,6 +1,6 @@
 /* Plots: whatever names, titles and files are called, gnuplot gets data and no commands; a plot can be ended. */
-#include "protocol/command_line.h"
-#include "protocol/plot.h"
+#include "protocol/app/command_line.h"
+#include "protocol/app/plot.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

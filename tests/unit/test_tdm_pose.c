@@ -1,5 +1,5 @@
 /* Pose mathematics: quaternions, SLERP, 3-1-3 Euler angles. */
-#include "protocol/pose.h"
+#include "protocol/base/pose.h"
 #include "tests/test_main.h"
 
 #include <stdlib.h>

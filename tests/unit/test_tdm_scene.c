@@ -1,5 +1,5 @@
 /* Scene reading: errors with path and place, overrides, nearest names. */
-#include "protocol/scene.h"
+#include "protocol/base/scene.h"
 #include "tests/test_main.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* Closed surfaces, solids and cavities of STL files: the check that mbd and dem share. */
 #include "dem/geometry/mesh.h"
-#include "mbd/inertia.h"
-#include "protocol/surface.h"
+#include "mbd/model/inertia.h"
+#include "protocol/base/surface.h"
 #include "tests/test_main.h"
 
 #include <math.h>

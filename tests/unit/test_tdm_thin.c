@@ -1,5 +1,5 @@
 /* Time histories thinned for plots: nothing is left out of short ones, extremes and their order stay in long ones. */
-#include "protocol/thin.h"
+#include "protocol/app/thin.h"
 #include "tests/test_main.h"
 
 #include <math.h>

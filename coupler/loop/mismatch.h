@@ -1,0 +1,23 @@
+/* How far two states of a body, or what two solvers make of a window, are apart: all as lengths. */
+#ifndef CPL_LOOP_MISMATCH_H
+#define CPL_LOOP_MISMATCH_H
+
+#include "protocol/wire/participant.h"
+
+enum { CPL_APART = 12 };
+
+/* Radius by which turns of a body count as ways: that of gyration, of the mean of its moments of inertia; 1 m where the
+ * body has none. */
+double cpl_body_radius(const tdm_assigned_body *body);
+
+/* a - b: way; turn (world axes) times radius; differences of velocity times H, of angular velocity times radius H [m].
+ */
+void cpl_apart(const tdm_state *a, const tdm_state *b, double radius, double H, double out[CPL_APART]);
+
+/* Speed of the centre of mass and of what lies at the radius [m/s]. */
+double cpl_speed(const tdm_state *state, double radius);
+
+/* Root of the sum of squares. */
+double cpl_length(int n, const double *values);
+
+#endif

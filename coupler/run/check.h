@@ -1,0 +1,10 @@
+/* `tandem check`: what would run, from the settings and from what the solvers report of themselves. */
+#ifndef CPL_RUN_CHECK_H
+#define CPL_RUN_CHECK_H
+
+#include "coupler/session/session.h"
+
+/* Print to standard output, once both solvers are READY. Warnings are printed by the run itself. */
+void cpl_check_print(const cpl_settings *settings, const cpl_session *session);
+
+#endif

@@ -1,0 +1,337 @@
+#include "coupler/run/run.h"
+
+#include "coupler/loop/record.h"
+#include "coupler/loop/window.h"
+#include "coupler/run/check.h"
+#include "coupler/scheme/scheme.h"
+#include "coupler/session/private.h"
+#include "protocol/base/log.h"
+#include "protocol/base/progress.h"
+#include "protocol/base/remark.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+/* What a run holds, so that one place can let go of it whatever happened. */
+typedef struct {
+  const cpl_run_options *options;
+  tdm_scene scene;
+  cpl_settings settings;
+  cpl_record record;
+  cpl_session session;
+  cpl_loop loop;
+  tdm_remarks remarks; /* the server's own */
+  tdm_teller teller;
+  uint64_t told;   /* changes of all remarks that were told */
+  void *context;   /* ZeroMQ context shared with threads */
+  cpl_private own; /* of the ipc socket, and of the logs of a check that leaves none */
+  bool session_open, thread_hangs;
+} run_state;
+
+static const double grace = 3; /* time that solvers get to end after FINISH [s] */
+
+/* ---- start ---- */
+
+static tdm_status load(run_state *run, tdm_error *err) {
+  const cpl_run_options *o = run->options;
+  if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
+    return err->status;
+  for (const char *const *set = o->set; set && *set; set++)
+    if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
+      return err->status;
+  if (cpl_settings_read(&run->settings, &run->scene, err) != TDM_OK)
+    return err->status;
+  if ((!o->out || run->settings.transport == CPL_IPC) && cpl_private_make(&run->own, err) != TDM_OK)
+    return err->status;
+  const tdm_results_def def = {.dir = o->out ? o->out : run->own.dir,
+                               .scene = o->scene,
+                               .log = "server.log",
+                               .force = o->force || !o->out,
+                               .beside = o->check};
+  if (cpl_record_open(&run->record, &def, err) != TDM_OK)
+    return err->status;
+  tdm_log_open(run->record.results.log, "server");
+  return tdm_results_json(&run->record.results, "scene.json", run->scene.root, err);
+}
+
+/* Where the server listens. ipc: a socket in a directory that only this user can enter. */
+static void choose_endpoint(const run_state *run, char *endpoint, size_t size) {
+  switch (run->settings.transport) {
+  case CPL_INPROC:
+    snprintf(endpoint, size, "inproc://tandem");
+    break;
+  case CPL_TCP:
+    snprintf(endpoint, size, "%s", run->settings.address);
+    break;
+  case CPL_IPC:
+    snprintf(endpoint, size, "ipc://%s/server", run->own.dir);
+    break;
+  }
+}
+
+static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
+  const cpl_settings *s = &run->settings;
+  const char *endpoint = tdm_transport_endpoint(run->session.transport), *name = cpl_role_names[role];
+  cpl_child **child = &run->session.partner[role].child;
+  char log[4096], file[16];
+  if (s->by_hand[role]) {
+    if (!run->options->quiet)
+      fprintf(stderr, "tandem: waiting for %s: start it with --connect %s\n", name, endpoint);
+    return TDM_OK;
+  }
+  snprintf(file, sizeof file, "%s.log", name);
+  tdm_results_claim(&run->record.results, file, log, sizeof log);
+  if (s->transport == CPL_INPROC) {
+    if (s->command[role] || !run->options->solver[role].ops)
+      return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? "coupling.solvers" : "coupling.transport",
+                      "a foreign solver cannot run as a thread; take \"ipc\" as coupling.transport");
+    return cpl_launch_thread(child, run->options->solver[role].ops, endpoint, run->context, log, s->timeout, err);
+  }
+  const char *command = s->command[role] ? s->command[role] : run->options->solver[role].executable;
+  cpl_launch_process(child, command, endpoint, name, log, s->timeout, err);
+  if (err->status != TDM_OK && s->command[role])
+    snprintf(err->path, sizeof err->path, "coupling.solvers.%s", name);
+  return err->status;
+}
+
+static tdm_status start(run_state *run, tdm_error *err) {
+  char endpoint[256];
+  choose_endpoint(run, endpoint, sizeof endpoint);
+  if (run->settings.transport == CPL_INPROC)
+    run->context = tdm_context_create();
+  run->session_open = true;
+  if (cpl_session_open(&run->session, &run->settings, endpoint, run->context, err) != TDM_OK)
+    return err->status;
+  tdm_progress_begin(&run->session.progress, 0, "", run->options->quiet);
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (launch(run, (cpl_role)r, err) != TDM_OK)
+      return err->status;
+  cpl_session_start(&run->session, &run->scene, err);
+  tdm_progress_end(&run->session.progress);
+  return err->status;
+}
+
+/* Warnings of the solvers: printed, or refused when strict. */
+static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_error *err) {
+  size_t i;
+  json_t *warning;
+  char quoted[TDM_MESSAGE_MAX];
+  json_array_foreach(run->session.warnings, i, warning) {
+    tdm_error place = {0};
+    const char *path = json_string_value(json_object_get(warning, "path"));
+    const char *message = json_string_value(json_object_get(warning, "message"));
+    tdm_fail(&place, TDM_ERR_SCENE, path, "%s", message ? message : "a warning without words");
+    result->warnings++;
+    tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+            tdm_log_quote(quoted, sizeof quoted, place.message));
+    if (run->options->strict)
+      return tdm_fail(err, TDM_ERR_SCENE, path, "%s (refused because of --strict)", place.message);
+    tdm_scene_locate(&run->scene, &place);
+    if (!run->options->quiet)
+      fprintf(stderr, "tandem: warning: %s\n", place.message);
+  }
+  return TDM_OK;
+}
+
+/* ---- remarks ---- */
+
+/* Those of both solvers and the server's own (new reference). */
+static json_t *all_remarks(const run_state *run) {
+  json_t *all = json_array(), *own = tdm_remarks_to_json(&run->remarks, "server");
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (run->session.partner[r].remarks)
+      json_array_extend(all, run->session.partner[r].remarks);
+  json_array_extend(all, own);
+  json_decref(own);
+  return all;
+}
+
+/* What is new goes to the terminal at once. */
+static void tell_remarks(run_state *run) {
+  uint64_t changes = run->remarks.changes + run->session.remarks_taken;
+  if (run->options->quiet || changes == run->told)
+    return;
+  run->told = changes;
+  json_t *all = all_remarks(run);
+  tdm_remarks_tell(&run->teller, all, run->session.progress.terminal ? TDM_PROGRESS_CLEAR : NULL);
+  json_decref(all);
+}
+
+/* ---- the loop ---- */
+
+static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
+  tdm_progress progress;
+  if (cpl_record_begin(&run->record, &run->session, err) != TDM_OK ||
+      cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
+    return err->status;
+  tdm_progress_begin(&progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, "windows",
+                     run->options->quiet);
+  double begin = tdm_clock();
+  while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK) {
+    result->simulated = run->loop.t1;
+    result->windows = run->loop.window;
+    result->n_least = run->loop.n_least;
+    result->n_most = run->loop.n_most;
+    result->iterations = run->loop.iterations;
+    result->surprises = run->loop.surprises;
+    result->first_surprise = run->loop.first_surprise;
+    tdm_progress_update(&progress, run->loop.t1, run->loop.window);
+    tell_remarks(run);
+  }
+  if (err->status == TDM_OK)
+    cpl_ledger_end(&run->loop.ledger, &run->loop);
+  tdm_progress_end(&progress);
+  result->loop = tdm_clock() - begin;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    const cpl_partner *p = &run->session.partner[r];
+    result->step[r] = p->step_time;
+    result->exchange[r] = fmax(0, p->trip_time - p->step_time);
+  }
+  return err->status;
+}
+
+/* ---- end ---- */
+
+static double mean_iterations(const cpl_iterations *i) {
+  return (double)i->all / (double)i->windows;
+}
+
+double cpl_run_coupling(const cpl_run_result *r) {
+  return r->loop - r->step[CPL_MBD] - r->step[CPL_DEM];
+}
+
+void cpl_run_print(const cpl_run_result *r, const char *out) {
+  double exchange = 0, own = cpl_run_coupling(r);
+  printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
+         r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
+  if (r->iterations.windows > 0)
+    printf("  iterations a window: %.2f in the mean, %d at most\n", mean_iterations(&r->iterations),
+           r->iterations.largest);
+  printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
+  for (int role = 0; role < CPL_NROLE; role++) {
+    printf("  %-8s %10.3f %10.3f %12.3f\n", cpl_role_names[role], r->step[role],
+           fmax(0, r->loop - r->step[role] - r->exchange[role]), r->exchange[role]);
+    exchange += r->exchange[role];
+    own -= r->exchange[role];
+  }
+  printf("  %-8s %10.3f %10.3f %12.3f\n", "server", fmax(0, own), r->step[CPL_MBD] + r->step[CPL_DEM], exchange);
+}
+
+static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *remarks, const tdm_error *err) {
+  const cpl_settings *s = &run->settings;
+  const cpl_scheme *scheme = run->session.scheme ? run->session.scheme : s->scheme;
+  struct utsname machine = {0};
+  uname(&machine);
+  char name[4096];
+  snprintf(name, sizeof name, "%s", run->options->scene);
+  tdm_utf8_clean(name);
+  json_t *json = json_pack(
+      "{s:s, s:s, s:{s:f, s:f, s:o, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
+      "tandem", TANDEM_VERSION, "scene", name, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
+      s->adapt.on ? json_string("auto") : json_integer(s->n), "coupling.scheme", scheme ? scheme->name : "",
+      "output.interval", s->output_interval, "machine", "system", machine.sysname, "processor", machine.machine,
+      "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "windows", (json_int_t)r->windows, "simulated_s", r->simulated,
+      "wall_s", "all", r->wall, "setup", r->setup, "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling",
+      cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
+  if (s->adapt.on)
+    json_object_set_new(json, "n",
+                        json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
+  if (r->surprises > 0)
+    json_object_set_new(json, "mechanism_changed",
+                        json_pack("{s:I, s:f}", "windows", (json_int_t)r->surprises, "first_s", r->first_surprise));
+  if (r->iterations.windows > 0)
+    json_object_set_new(json, "iterations",
+                        json_pack("{s:f, s:i, s:I}", "mean", mean_iterations(&r->iterations), "largest",
+                                  r->iterations.largest, "windows_not_converged",
+                                  (json_int_t)r->iterations.not_converged));
+  json_t *solvers = json_object();
+  for (int role = 0; role < CPL_NROLE; role++) {
+    const cpl_partner *p = &run->session.partner[role];
+    json_t *report = p->report ? json_incref(p->report) : json_null();
+    json_object_set_new(solvers, cpl_role_names[role],
+                        json_pack("{s:s, s:o}", "software", p->software, "report", report));
+  }
+  json_object_set_new(json, "solvers", solvers);
+  json_object_set_new(json, "warnings", run->session.warnings ? json_copy(run->session.warnings) : json_array());
+  tdm_remarks_enter(json, remarks);
+  if (run->loop.ledger.settings)
+    json_object_set_new(json, "ledger", cpl_ledger_summary(&run->loop.ledger));
+  json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
+  if (err->status != TDM_OK)
+    json_object_set_new(json, "error", json_string(err->message));
+  return json;
+}
+
+/* End the solvers: a word to each, then time to end, then force. */
+static void stop(run_state *run, const tdm_error *err) {
+  cpl_child *child[CPL_NROLE];
+  for (int r = 0; r < CPL_NROLE; r++)
+    child[r] = run->session.partner[r].child;
+  if (run->session_open)
+    cpl_session_close(&run->session, err);
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (!cpl_child_stop(&child[r], grace))
+      run->thread_hangs = true;
+  if (!run->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
+    tdm_context_destroy(&run->context);
+}
+
+static void finish(run_state *run, cpl_run_result *result, double begin, tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  tdm_scene_locate(&run->scene, err);
+  cpl_record_close(&run->record, err);
+  json_t *remarks = all_remarks(run);
+  tell_remarks(run);
+  if (!run->options->quiet)
+    tdm_remarks_tell_counts(&run->teller, remarks);
+  if (run->record.results.log) {
+    result->wall = tdm_clock() - begin;
+    json_t *json = summary(run, result, remarks, err);
+    tdm_results_summary(&run->record.results, json, err);
+    json_decref(json);
+    if (err->status != TDM_OK)
+      tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
+              tdm_log_quote(quoted, sizeof quoted, err->message));
+    else
+      tdm_log(TDM_LOG_INFO, "finished", "windows=%llu simulated=%g wall=%.3f", (unsigned long long)result->windows,
+              result->simulated, result->wall);
+  }
+  json_decref(remarks);
+  tdm_remarks_open(NULL);
+  tdm_teller_free(&run->teller);
+  if (run->record.results.staged && !run->options->quiet)
+    fprintf(stderr, "tandem: notice: the results in %s stay as they are; the logs of this start are in %s\n",
+            run->record.results.home, run->record.results.dir);
+  stop(run, err);
+  result->wall = tdm_clock() - begin;
+  cpl_loop_free(&run->loop);
+  cpl_settings_free(&run->settings);
+  tdm_scene_destroy(&run->scene);
+  tdm_log_open(NULL, "server");
+  tdm_results_close(&run->record.results);
+  cpl_private_remove(&run->own);
+}
+
+tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {
+  double begin = tdm_clock();
+  run_state run = {.options = options, .teller = {.program = "tandem"}};
+  run.teller.scene = &run.scene;
+  tdm_remarks_open(&run.remarks);
+  *result = (cpl_run_result){0};
+  if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
+    result->setup = tdm_clock() - begin;
+    if (!options->check)
+      solve(&run, result, err);
+    else if (!options->quiet)
+      cpl_check_print(&run.settings, &run.session);
+  }
+  finish(&run, result, begin, err);
+  if (run.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */
+    fprintf(stderr, "tandem: error: %s\n", err->status == TDM_OK ? "a solver's thread does not end" : err->message);
+    fflush(NULL);
+    _exit(1);
+  }
+  return err->status;
+}

@@ -1,0 +1,44 @@
+/* One co-simulation from a scene file to a result directory. */
+#ifndef CPL_RUN_RUN_H
+#define CPL_RUN_RUN_H
+
+#include "coupler/loop/window.h"
+#include "coupler/session/launch.h"
+
+typedef struct {
+  const char *scene;      /* file */
+  const char *const *set; /* NULL-terminated "path=value" overrides, may be NULL */
+  const char *out;        /* result directory; NULL for a check that leaves nothing */
+  bool force;             /* replace the results of an earlier run there */
+  bool strict;            /* refuse a run whose solvers warn */
+  bool quiet;             /* no progress, no warnings on standard error */
+  bool check;             /* stop when both solvers are ready, and print what would run (not when quiet) */
+  cpl_solver solver[CPL_NROLE];
+} cpl_run_options;
+
+typedef struct {
+  uint64_t windows;           /* solved */
+  double simulated;           /* [s] */
+  double wall;                /* all, from reading the scene to the last file [s] */
+  double setup;               /* until both solvers are ready [s]: loading, settling */
+  double loop;                /* the coupled loop [s] */
+  double step[CPL_NROLE];     /* the solvers' own work on windows [s] */
+  double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
+  long n_least, n_most;       /* DEM steps of the shortest and the longest window */
+  cpl_iterations iterations;  /* of schemes that iterate */
+  uint64_t surprises;         /* windows of proxy in which the mechanism changed: a stop, a slack cable */
+  double first_surprise;      /* start of the first one [s] */
+  int warnings;
+} cpl_run_result;
+
+/* What is neither solver's own work in the loop [s]: exchange, extrapolation, records. */
+double cpl_run_coupling(const cpl_run_result *result);
+
+/* Print where the loop's time went: a row a part with its work, its waiting and its exchange. */
+void cpl_run_print(const cpl_run_result *result, const char *out);
+
+/* Run. The result is filled as far as the run came, also after an error. The result directory holds what was computed.
+ */
+tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err);
+
+#endif

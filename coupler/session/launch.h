@@ -1,0 +1,40 @@
+/* Solvers that the server starts itself: as processes, or as threads of this process (inproc). */
+#ifndef CPL_SESSION_LAUNCH_H
+#define CPL_SESSION_LAUNCH_H
+
+#include "coupler/session/settings.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* A solver that this program can start. */
+typedef struct {
+  const char *executable;    /* "tandem-dem", beside this program or on PATH */
+  const tdm_solver_ops *ops; /* the same as a thread; NULL: not linked in */
+} cpl_solver;
+
+typedef struct cpl_child cpl_child;
+
+/* Start a process `command --connect endpoint --name name`, its output written to the file `log`. The child ignores
+ * Ctrl-C (the server ends it in order) and is killed by the kernel when the server dies. */
+tdm_status cpl_launch_process(cpl_child **child, const char *command, const char *endpoint, const char *name,
+                              const char *log, double timeout, tdm_error *err);
+
+/* Start a thread that runs the solver's operations, its log written to the file `log`. */
+tdm_status cpl_launch_thread(cpl_child **child, const tdm_solver_ops *ops, const char *endpoint, void *context,
+                             const char *log, double timeout, tdm_error *err);
+
+/* Where `executable` is: as given if it has a slash, beside this program, or on PATH. false: nowhere. */
+bool cpl_find_executable(char *out, size_t size, const char *executable);
+
+/* false once it has ended; then `how` (may be NULL) says how: "exit status 1", "killed by signal 9 (Killed)". */
+bool cpl_child_running(cpl_child *child, char *how, size_t size);
+
+/* The last lines of its log, joined by " | ", at most `size` bytes. */
+void cpl_child_last_lines(const cpl_child *child, int nline, char *out, size_t size);
+
+/* Wait up to `grace` seconds for it to end, then end it (SIGTERM, SIGKILL). Frees; *child becomes NULL. Returns false
+ * when a thread did not end: the process must then leave by _exit. */
+bool cpl_child_stop(cpl_child **child, double grace);
+
+#endif

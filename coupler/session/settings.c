@@ -1,0 +1,236 @@
+#include "coupler/session/settings.h"
+
+#include "coupler/scheme/scheme.h"
+#include "protocol/app/time_section.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const cpl_role_names[CPL_NROLE] = {"mbd", "dem"};
+
+uint64_t cpl_total_steps(const cpl_settings *s) {
+  return tdm_total_steps(&(tdm_time){s->time_end, s->dt});
+}
+
+double cpl_first_window(const cpl_settings *s) {
+  const uint64_t n = (uint64_t)(s->adapt.on ? s->adapt.n_min : s->n), total = cpl_total_steps(s);
+  return (double)(n < total ? n : total) * s->dt;
+}
+
+uint64_t cpl_total_windows(const cpl_settings *s) {
+  uint64_t n = (uint64_t)s->n;
+  return (cpl_total_steps(s) + n - 1) / n;
+}
+
+bool cpl_name_fits_file(const char *name) {
+  for (const char *c = name; *c; c++)
+    if (!isalnum((unsigned char)*c) && !strchr("_-.", *c))
+      return false;
+  return *name && *name != '.';
+}
+
+/* A body's name becomes part of a file name and of a CSV header. */
+static void check_name(tdm_object *o, const char *key, const char *name) {
+  if (!*name)
+    tdm_object_fail(o, key, "\"%s\" is no name of a body", name);
+  else if (strlen(name) > 100)
+    tdm_object_fail(o, key, "has %zu characters; take at most 100", strlen(name));
+  else if (!cpl_name_fits_file(name))
+    tdm_object_fail(
+        o, key, "\"%s\" has a character that does not fit a file name; use letters, digits, _ - ., and no dot in front",
+        name);
+}
+
+static void read_bodies(cpl_settings *s, tdm_object *coupling) {
+  json_t *array = tdm_get_array(coupling, "bodies", true);
+  char path[TDM_PATH_MAX];
+  if (json_array_size(array) > CPL_BODIES_MAX) {
+    tdm_object_fail(coupling, "bodies", "has %zu entries; at most %d bodies can be coupled", json_array_size(array),
+                    CPL_BODIES_MAX);
+    return;
+  }
+  s->nbody = (int)json_array_size(array);
+  s->body = calloc((size_t)s->nbody + 1, sizeof *s->body);
+  if (!s->body) {
+    s->nbody = 0;
+    tdm_fail(coupling->err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
+  json_t *const seen[CPL_NROLE] = {json_object(), json_object()}; /* names, with their numbers */
+  for (int i = 0; i < s->nbody && !coupling->err->status; i++) {
+    tdm_object o =
+        tdm_object_open(json_array_get(array, (size_t)i), tdm_path(path, coupling, "bodies", i), coupling->err);
+    for (int r = 0; r < CPL_NROLE; r++) {
+      s->body[i].name[r] = tdm_get_string(&o, cpl_role_names[r], NULL);
+      check_name(&o, cpl_role_names[r], s->body[i].name[r]);
+      const json_t *other = json_object_get(seen[r], s->body[i].name[r]);
+      if (other)
+        tdm_object_fail(&o, cpl_role_names[r],
+                        "\"%s\" is coupled twice (coupling.bodies[%lld] too); a body has one partner",
+                        s->body[i].name[r], (long long)json_integer_value(other));
+      json_object_set_new(seen[r], s->body[i].name[r], json_integer(i));
+    }
+    tdm_object_close(&o);
+  }
+  for (int r = 0; r < CPL_NROLE; r++)
+    json_decref(seen[r]);
+}
+
+/* "tcp://127.0.0.1:PORT": this machine only, a link beyond it would need keys. */
+static void read_address(cpl_settings *s, tdm_object *o) {
+  static const char host[] = "tcp://127.0.0.1:";
+  s->address = tdm_get_string(o, "address", "tcp://127.0.0.1:*");
+  if (tdm_has(o, "address") && s->transport != CPL_TCP)
+    tdm_object_fail(o, "address", "goes with \"transport\": \"tcp\"; set that, or leave the address out");
+  const char *port = strncmp(s->address, host, strlen(host)) == 0 ? s->address + strlen(host) : "";
+  bool number = *port && strspn(port, "0123456789") == strlen(port) && strlen(port) < 6 && atol(port) <= 65535;
+  if (!number && strcmp(port, "*") != 0)
+    tdm_object_fail(o, "address", "\"%s\" is no address on this machine; give tcp://127.0.0.1:PORT", s->address);
+}
+
+/* Foreign solvers: a command, or null for one that somebody else starts. */
+static void read_solvers(cpl_settings *s, tdm_object *coupling) {
+  tdm_object o = tdm_get_object(coupling, "solvers", false);
+  for (int r = 0; r < CPL_NROLE; r++) {
+    if (!tdm_has(&o, cpl_role_names[r]))
+      continue;
+    s->by_hand[r] = json_is_null(json_object_get(o.json, cpl_role_names[r]));
+    if (!s->by_hand[r])
+      s->command[r] = tdm_get_string(&o, cpl_role_names[r], NULL);
+    else if (s->transport != CPL_TCP)
+      tdm_object_fail(&o, cpl_role_names[r],
+                      "is null: it is started by hand, which needs \"transport\": \"tcp\" and an \"address\"");
+  }
+  tdm_object_close(&o);
+}
+
+/* coupling.n: a number, or "auto" with what coupling.auto says. */
+static void read_n(cpl_settings *s, tdm_object *coupling) {
+  const char *word = json_string_value(json_object_get(coupling->json, "n"));
+  s->adapt.on = word && strcmp(word, "auto") == 0;
+  tdm_object o = tdm_get_object(coupling, "auto", false);
+  s->adapt.tolerance = tdm_get_number(&o, "tolerance", 1e-3, TDM_POSITIVE);
+  s->adapt.absolute = tdm_get_number(&o, "absolute", 1e-7, TDM_NOT_NEGATIVE);
+  s->adapt.n_min = tdm_get_integer(&o, "n_min", 1, 1);
+  s->adapt.n_max = tdm_get_integer(&o, "n_max", 1000, 1);
+  if (s->adapt.n_max < s->adapt.n_min)
+    tdm_object_fail(&o, "n_max", "is less than n_min, %ld", s->adapt.n_min);
+  tdm_object_close(&o);
+  if (!s->adapt.on && o.json)
+    tdm_object_fail(coupling, "auto", "goes with \"n\": \"auto\"; set that, or leave it out");
+  if (word && !s->adapt.on)
+    tdm_object_fail(coupling, "n", "\"%s\" is neither a whole number of DEM steps nor \"auto\"", word);
+  s->n = s->adapt.on ? s->adapt.n_max : tdm_get_integer(coupling, "n", TDM_REQUIRED_INT, 1);
+  tdm_has(coupling, "n");
+}
+
+/* A number of things, at most `most`. */
+static int read_count(tdm_object *o, const char *key, long absent, long least, long most) {
+  long count = tdm_get_integer(o, key, absent, least);
+  if (count > most)
+    tdm_object_fail(o, key, "is %ld; take at most %ld", count, most);
+  return (int)count;
+}
+
+static void read_iterative(cpl_settings *s, tdm_object *coupling) {
+  static const char *const accelerators[] = {[CPL_IQN_ILS] = "iqn-ils", [CPL_AITKEN] = "aitken"};
+  tdm_object o = tdm_get_object(coupling, "iterative", false);
+  s->iterative.tolerance = tdm_get_number(&o, "tolerance", 1e-4, TDM_POSITIVE);
+  s->iterative.absolute = tdm_get_number(&o, "absolute", 1e-10, TDM_NOT_NEGATIVE);
+  s->iterative.most = read_count(&o, "max", 20, 1, 1000);
+  s->iterative.accelerator = (cpl_accelerator_kind)tdm_get_choice(&o, "accelerator", accelerators, 2, CPL_IQN_ILS);
+  s->iterative.reuse = read_count(&o, "reuse", 3, 0, 100);
+  tdm_object_close(&o);
+}
+
+/* Only schemes that see the error of a window can choose its length by it. */
+static void check_adaptive(const cpl_settings *s, tdm_object *coupling) {
+  const cpl_scheme *const schemes[] = {s->scheme, s->fallback};
+  for (int i = 0; s->adapt.on && i < 2; i++)
+    if (schemes[i] && schemes[i]->mismatch_order == 0)
+      tdm_object_fail(coupling, "n",
+                      "is \"auto\", for which the scheme %s has no estimate of its error; give a number, or take "
+                      "proxy, iterative or dem-first",
+                      schemes[i]->name);
+}
+
+static void read_guard(cpl_settings *s, tdm_object *coupling) {
+  static const char *const actions[] = {"stop", "warn", "off"};
+  tdm_object o = tdm_get_object(coupling, "guard", false);
+  s->guard.energy = tdm_get_number(&o, "energy", 0.1, TDM_POSITIVE);
+  s->guard.action = (cpl_guard_action)tdm_get_choice(&o, "action", actions, 3, CPL_GUARD_STOP);
+  s->guard.residual = tdm_get_number(&o, "residual", 0.02, TDM_POSITIVE);
+  tdm_object_close(&o);
+}
+
+static void read_coupling(cpl_settings *s, tdm_object *root) {
+  static const char *const transports[] = {"ipc", "tcp", "inproc"};
+  static const char *const interpolations[] = {"linear", "hermite"};
+  const char *names[16];
+  int nscheme = 0;
+  while (cpl_schemes[nscheme] && nscheme < 16) {
+    names[nscheme] = cpl_schemes[nscheme]->name;
+    nscheme++;
+  }
+  tdm_object o = tdm_get_object(root, "coupling", true);
+  read_n(s, &o);
+  read_iterative(s, &o);
+  int scheme = tdm_get_choice(&o, "scheme", names, nscheme, 0);
+  s->scheme = cpl_schemes[scheme < 0 ? 0 : scheme];
+  if (tdm_has(&o, "fallback")) {
+    int fallback = tdm_get_choice(&o, "fallback", names, nscheme, 0);
+    s->fallback = fallback < 0 ? NULL : cpl_schemes[fallback];
+  }
+  check_adaptive(s, &o);
+  s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
+  s->interpolates = tdm_has(&o, "interpolation");
+  s->interpolation = (tdm_interpolation)tdm_get_choice(&o, "interpolation", interpolations, 2, TDM_LINEAR);
+  s->timeout = tdm_get_number(&o, "timeout", 30, TDM_POSITIVE);
+  if (s->timeout < 1)
+    tdm_object_fail(&o, "timeout", "is %g s, but solvers give a sign of life every 0.5 s only; take at least 1",
+                    s->timeout);
+  s->join_timeout = tdm_get_number(&o, "join_timeout", 300, TDM_POSITIVE);
+  read_guard(s, &o);
+  read_address(s, &o);
+  read_solvers(s, &o);
+  read_bodies(s, &o);
+  tdm_object_close(&o);
+}
+
+static void read_output(cpl_settings *s, tdm_object *root) {
+  tdm_object o = tdm_get_object(root, "output", false);
+  s->output_interval = tdm_read_interval(&o, "interval", 1e-3, s->dt);
+  tdm_object_close(&o);
+}
+
+tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error *err) {
+  *s = (cpl_settings){0};
+  tdm_object root = tdm_object_open(scene->root, "", err);
+  tdm_has(&root, "$schema"); /* for editors */
+  const json_t *sections = scene->root;
+  if (json_object_get(sections, "dem") && !json_object_get(sections, "mbd") && !json_object_get(sections, "coupling"))
+    tdm_object_fail(&root, "coupling",
+                    "missing, and mbd too: particles alone are for tandem-dem run and tandem-dem check");
+  if (json_object_get(sections, "mbd") && !json_object_get(sections, "dem") && !json_object_get(sections, "coupling"))
+    tdm_object_fail(&root, "coupling",
+                    "missing, and dem too: bodies alone are for tandem-mbd run and tandem-mbd check");
+  tdm_get_string(&root, "title", "");
+  tdm_get_string(&root, "scenario", "");
+  tdm_check_gravity(&root);
+  tdm_time time = tdm_read_time(&root);
+  s->time_end = time.end;
+  s->dt = time.dt;
+  read_coupling(s, &root);
+  read_output(s, &root);
+  for (int r = 0; r < CPL_NROLE; r++)
+    tdm_get_object(&root, cpl_role_names[r], true);
+  tdm_object_close(&root);
+  return err->status;
+}
+
+void cpl_settings_free(cpl_settings *s) {
+  free(s->body);
+  s->body = NULL;
+  s->nbody = 0;
+}

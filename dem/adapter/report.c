@@ -1,0 +1,427 @@
+/* The report of READY: see report.h. Its keys are in README.md. */
+#include "dem/adapter/report.h"
+
+#include "dem/bodies/walls.h"
+#include "dem/step/integrate.h"
+#include "dem/watch/limits.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+dem_fill dem_fill_now(const dem_data *d) {
+  dem_fill f = {0};
+  for (int i = 0; i < d->nparticle; i++) {
+    f.mass += d->mass[i];
+    f.com = tdm_axpy(d->mass[i], d->sphere[i].position, f.com);
+  }
+  f.com = f.mass > 0 ? tdm_scale(1 / f.mass, f.com) : f.com;
+  for (int i = 0; i < d->nparticle; i++) {
+    tdm_vec3 r = tdm_sub(d->sphere[i].position, f.com);
+    const double x[3] = {r.x, r.y, r.z};
+    double own = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius, r2 = tdm_dot(r, r);
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++)
+        f.inertia.m[a][b] += (a == b ? own + d->mass[i] * r2 : 0) - d->mass[i] * x[a] * x[b];
+  }
+  return f;
+}
+
+/* ---- warnings and notes ---- */
+
+static void warn(dem_report *r, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+static void warn(dem_report *r, const char *path, const char *format, ...) {
+  if (r->nwarning == DEM_WARNINGS_MAX)
+    return;
+  tdm_warning *w = &r->warning[r->nwarning++];
+  snprintf(w->path, sizeof w->path, "%s", path);
+  va_list args;
+  va_start(args, format);
+  vsnprintf(w->message, sizeof w->message, format, args);
+  va_end(args);
+}
+
+/* a line for the reader of the report: worth knowing, no reason for doubt */
+static void note(dem_report *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void note(dem_report *r, const char *format, ...) {
+  char text[TDM_MESSAGE_MAX];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  json_array_append_new(json_object_get(r->json, "notes"), json_string(text));
+}
+
+static void warn_start(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
+  const dem_model *m = d->model;
+  if (nbehind > 0)
+    warn(r, "dem.particles",
+         "%d particles are behind a plane, which does not act on them; planes are infinite, so move "
+         "the particles or the plane unless this is meant",
+         nbehind);
+  if (!settled->rest)
+    warn(r, "dem.settle",
+         "the bed did not come to rest within max_time = %g s: a particle still moves at %.3g m/s; raise "
+         "max_time or speed (%g m/s), or lower restitution",
+         m->settle.max_time, settled->speed, m->settle.speed);
+  if (!settled->pressed)
+    warn(r, "dem.bodies",
+         "a lid did not reach its force within dem.settle.max_time = %g s; lower \"press\", or raise max_time",
+         m->settle.max_time);
+  for (int k = 0; k < m->nbox; k++)
+    if (m->box[k].lid >= 0 && m->box[k].press > 0 && dem_deepest(d, m->box[k].lid) > 0.1)
+      warn(r, "dem.bodies",
+           "a lid is pressed %.2g of a radius into a particle; lower \"press\", or raise the stiffness",
+           dem_deepest(d, m->box[k].lid));
+  if (m->settle.wanted && dem_count_lost(d) > 0)
+    warn(r, "dem.settle",
+         "%ld particles went through a wall while settling; reduce settle.dt (%g s) or start them with "
+         "less overlap and speed",
+         dem_count_lost(d), settled->dt);
+}
+
+/* is a region for spheres up to this radius altogether behind a plane, or outside an endless cylinder? */
+static bool behind(const dem_data *d, tdm_pose frame, tdm_vec3 low, tdm_vec3 high, double radius) {
+  const dem_model *m = d->model;
+  for (int w = 0; w < m->nwall; w++) {
+    int out = 0;
+    for (int k = 0; k < 9 && dem_wall_endless(&m->wall[w]); k++) {
+      tdm_vec3 n, x = tdm_v3(k & 1 ? low.x : high.x, k & 2 ? low.y : high.y, k & 4 ? low.z : high.z);
+      if (k == 8)
+        x = tdm_scale(0.5, tdm_add(low, high));
+      out += dem_wall_gap(&m->wall[w], &d->wall[w], tdm_pose_point(frame, x), &n) <= -radius;
+    }
+    if (out == 9)
+      return true;
+  }
+  return false;
+}
+
+static void warn_behind(dem_report *r, const dem_data *d) {
+  static const char says[] = "is altogether behind a plane, which does not act on what comes there; planes are "
+                             "infinite, so move the region or the plane unless this is meant";
+  const dem_model *m = d->model;
+  char path[TDM_PATH_MAX];
+  for (int s = 0; s < m->nsource; s++) {
+    snprintf(path, sizeof path, "dem.sources[%d]", s);
+    if (behind(d, (tdm_pose){.orientation = tdm_quat_identity()}, m->source[s].low, m->source[s].high,
+               m->source[s].sizes.max))
+      warn(r, path, "%s", says);
+  }
+  for (int k = 0; k < m->npouring; k++) {
+    const dem_pouring *p = &m->pouring[k];
+    snprintf(path, sizeof path, "dem.particles[%d]", p->entry);
+    if (behind(d, p->frame, p->low, p->high, p->largest))
+      warn(r, path, "%s", says);
+  }
+}
+
+/* walls have no images: one that reaches a face of a box that repeats ends there */
+static void warn_repeats(dem_report *r, const dem_data *d) {
+  const dem_model *m = d->model;
+  double radius = dem_largest_radius(m);
+  for (int w = 0; w < m->nwall; w++)
+    for (int a = 0; a < 3; a++) {
+      tdm_vec3 up = {0, 0, 0};
+      (&up.x)[a] = 1;
+      double low, high, begin = d->domain.low[a], end = begin + d->domain.length[a];
+      if (!d->domain.periodic[a] || !dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high) ||
+          high < begin - radius || low > end + radius || (low >= begin + radius && high <= end - radius) ||
+          (low <= begin - radius && high >= end + radius))
+        continue;
+      warn(r, "dem.bodies",
+           "a wall of \"%s\" reaches a face of dem.domain, which repeats in %c, but walls do not repeat: what passes "
+           "the face loses it; let the wall reach beyond both faces by a radius, or end before them",
+           m->body[m->wall[w].body].name, "xyz"[a]);
+      break;
+    }
+}
+
+/* in two dimensions nothing falls out of the plane */
+static void warn_plane(dem_report *r, const dem_model *m) {
+  double across = m->flat >= 0 ? (&m->gravity.x)[m->flat] : 0;
+  if (across != 0)
+    warn(r, "dem.gravity",
+         "its %c component, %g m/s2, is across the plane of dem.dimension 2 and does nothing; set it to 0, or choose "
+         "another dem.plane",
+         "xyz"[m->flat], across);
+}
+
+static void warn_triangles(dem_report *r, const dem_model *m) {
+  if (m->triangle_forces && m->ncoupled > 0)
+    warn(r, "dem.triangle_forces", "is for tandem-dem run, which writes files for ParaView; remove it");
+}
+
+static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limits) {
+  if (m->dt > limits->most)
+    warn(r, "time.dt",
+         "%g s is above %s, %.4g s (Rayleigh step %.4g s, contact time %.4g s at %.3g m/s); use at most "
+         "%.3g s, softer or larger particles, or give dem.expected_speed if the speed is lower",
+         m->dt, limits->by, limits->most, limits->rayleigh, limits->contact, limits->speed, limits->most);
+  else if (m->dt > DEM_CONTACT_SHARE * limits->contact)
+    note(r,
+         "time.dt = %g s takes %.1f steps for the shortest contact, %.3g s at %.3g m/s: 20 are recommended, for fast "
+         "impacts only",
+         m->dt, limits->contact / m->dt, limits->contact, limits->speed);
+}
+
+/* largest overlap of an impact of a particle with its like or with a wall, as a share of the radius */
+static double deepest_impact(const dem_model *m, int kind, double radius, double mass, double speed) {
+  const dem_pair *row = &m->pair[kind * m->nmaterial];
+  double deepest = 0;
+  for (int k = 0; k < m->nmaterial; k++) {
+    if (!row[k].given)
+      continue;
+    deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass / 2, radius / 2, speed, 0}) / radius);
+    if (m->nwall > 0)
+      deepest = fmax(deepest, dem_normal_overlap(m, &row[k], (dem_impact){mass, radius, speed, 0}) / radius);
+  }
+  return deepest;
+}
+
+/* impacts and motions that the guard would have to tell of */
+static void warn_speed(dem_report *r, const dem_data *d, double speed) {
+  const dem_model *m = d->model;
+  double worst = 0, smallest = INFINITY, of = 0;
+  if (m->guard.every == 0 || !(speed > 0))
+    return;
+  for (int i = 0; i < d->nparticle + m->nsource; i++) {
+    const dem_source *s = i < d->nparticle ? NULL : &m->source[i - d->nparticle];
+    double radius = s ? s->sizes.max : d->sphere[i].radius;
+    int kind = s ? s->kind : d->kind[i];
+    double full = m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+    double mass = !s ? d->mass[i] : s->mass > 0 ? s->mass : full;
+    smallest = fmin(smallest, s ? s->sizes.min : radius);
+    if (i > 0 && !s && d->mass[i] == d->mass[i - 1] && kind == d->kind[i - 1])
+      continue;
+    double share = deepest_impact(m, kind, radius, mass, speed);
+    of = share > worst ? radius : of;
+    worst = fmax(worst, share);
+  }
+  if (worst > m->guard.overlap)
+    warn(r, "dem.guard.overlap",
+         "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it without damping, and "
+         "may "
+         "pass through walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the "
+         "speed is lower",
+         m->guard.overlap, of, speed, worst);
+  for (int b = 0; b < m->nbody; b++) {
+    double way = m->body[b].drive.given ? m->dt * dem_drive_speed(&m->body[b].drive, 0) : 0;
+    if (way > smallest)
+      warn(r, "dem.bodies",
+           "\"%s\" moves up to %.3g m in a step, more than the smallest radius %.3g m: it may pass through particles; "
+           "reduce time.dt or its speed",
+           m->body[b].name, way, smallest);
+  }
+}
+
+/* ---- figures ---- */
+
+/* a number for the report: null when it is not finite */
+static json_t *number(double x) {
+  return isfinite(x) ? json_real(x) : json_null();
+}
+
+static json_t *vector(tdm_vec3 v) {
+  return json_pack("[f,f,f]", v.x, v.y, v.z);
+}
+
+static json_t *report_fill(const dem_data *d, const dem_fill *fill) {
+  json_t *inertia = json_array(), *r = json_object();
+  for (int k = 0; k < 9; k++)
+    json_array_append_new(inertia, number(fill->inertia.m[k / 3][k % 3]));
+  json_object_set_new(r, "number", json_integer(d->nparticle));
+  json_object_set_new(r, "mass", number(fill->mass));
+  json_object_set_new(r, "com", vector(fill->com));
+  json_object_set_new(r, "inertia", inertia);
+  return r;
+}
+
+/* one limit: the time, the share of it that the step takes, and the share it may take */
+static json_t *report_limit(double time, double dt, double most) {
+  json_t *r = json_object();
+  json_object_set_new(r, "time", number(time));
+  json_object_set_new(r, "share", number(dt / time));
+  json_object_set_new(r, "recommended", number(most));
+  json_object_set_new(r, "kept", json_boolean(!(dt > most * time)));
+  return r;
+}
+
+static void report_limits(dem_report *r, const dem_model *m, const dem_limits *limits) {
+  json_object_set_new(r->json, "rayleigh_step", number(limits->rayleigh));
+  json_object_set_new(r->json, "contact_time", number(limits->contact));
+  json_object_set_new(r->json, "contact_speed", number(limits->speed));
+  json_object_set_new(r->json, "steps_per_contact", number(limits->contact / m->dt));
+  json_object_set_new(r->json, "eigen_step", number(limits->eigen));
+  json_object_set_new(r->json, "step_limit", number(limits->step));
+  json_t *all = json_object();
+  json_object_set_new(all, "rayleigh", report_limit(limits->rayleigh, m->dt, DEM_RAYLEIGH_SHARE));
+  json_object_set_new(all, "eigenfrequency", report_limit(limits->eigen, m->dt, DEM_EIGEN_SHARE));
+  json_object_set_new(all, "contact", report_limit(limits->contact, m->dt, DEM_CONTACT_SHARE));
+  json_object_set_new(r->json, "limits", all);
+}
+
+/* of the particles that are there or that a source will make [kg] */
+static double heaviest_particle(const dem_data *d) {
+  const dem_model *m = d->model;
+  double heaviest = 0;
+  for (int i = 0; i < d->nparticle; i++)
+    heaviest = fmax(heaviest, d->mass[i]);
+  for (int s = 0; s < m->nsource; s++) {
+    double r = m->source[s].sizes.max, full = m->material[m->source[s].kind].density * 4.0 / 3 * M_PI * r * r * r;
+    heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
+  }
+  return heaviest;
+}
+
+/* particles against each coupled body */
+static void report_ratios(dem_report *r, const dem_data *d, double mass) {
+  const dem_model *m = d->model;
+  double heaviest = heaviest_particle(d);
+  json_t *all = json_array();
+  for (int c = 0; c < m->ncoupled; c++) {
+    const dem_body *b = &m->body[m->coupled_body[c]];
+    json_t *one = json_object();
+    json_object_set_new(one, "body", json_string(b->name));
+    json_object_set_new(one, "mass", number(b->mass));
+    json_object_set_new(one, "all_particles", number(mass / b->mass));
+    json_object_set_new(one, "heaviest_particle", number(heaviest / b->mass));
+    json_array_append_new(all, one);
+    if (mass > b->mass && !m->proxy) /* which feels the mass within the window */
+      note(r,
+           "the particles (%.4g kg) are heavier than \"%s\" (%.4g kg): schemes that extrapolate the load lose "
+           "stability as the window grows; keep coupling.n small",
+           mass, b->name, b->mass);
+    if (m->wall_mass > 0 && b->mass < 100 * heaviest)
+      warn(r, "dem.contact.wall_mass",
+           "takes %g kg for \"%s\" (%.4g kg), which is lighter than 100 times the heaviest particle (%.4g kg): the "
+           "contacts damp too much; use \"body\"",
+           m->wall_mass, b->name, b->mass, heaviest);
+  }
+  json_object_set_new(r->json, "mass_ratios", all);
+}
+
+static void report_lids(dem_report *r, const dem_data *d) {
+  const dem_model *m = d->model;
+  json_t *all = json_array();
+  for (int k = 0; k < m->nbox; k++) {
+    int w = m->box[k].lid;
+    if (w < 0)
+      continue;
+    const dem_wall *wall = &m->wall[w];
+    tdm_vec3 at = tdm_axpy(-d->lid[w], wall->normal, wall->point);
+    json_t *one = json_object();
+    json_object_set_new(one, "body", json_string(m->body[wall->body].name));
+    json_object_set_new(one, "point", vector(at));
+    json_object_set_new(one, "outward", vector(tdm_scale(-1, wall->normal)));
+    json_object_set_new(one, "over_face", number(d->lid[w]));
+    json_array_append_new(all, one);
+  }
+  json_object_set_new(r->json, "lids", all);
+}
+
+/* Files in millimetres, and scales that were applied twice: sizes that no machine has beside these particles. */
+static void warn_scale(dem_report *r, const dem_data *d) {
+  const double many = 1000, large = 20, few = 0.1; /* diameters; [m]; diameters */
+  const dem_model *m = d->model;
+  const double diameter = 2 * dem_largest_radius(m);
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    if (!wall->mesh || wall->plates || diameter == 0)
+      continue;
+    const dem_geometry *g = &m->geometry[wall->geometry];
+    tdm_vec3 low = dem_mesh_figures(wall->mesh)->low, high = dem_mesh_figures(wall->mesh)->high;
+    double size = fmax(high.x - low.x, fmax(high.y - low.y, high.z - low.z));
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.bodies[%d].shapes[%d].scale", g->body, g->number);
+    if (size > many * diameter && size > large)
+      warn(r, path,
+           "makes \"%s\" %.3g m wide, %.3g diameters of the largest particle; is the file in millimetres? Give "
+           "\"scale\": 0.001 then",
+           dem_mesh_name(wall->mesh), size, size / diameter);
+    else if (size < few * diameter)
+      warn(r, path,
+           "makes \"%s\" %.3g m wide, %.2g diameters of the largest particle; a file in metres needs \"scale\": 1",
+           dem_mesh_name(wall->mesh), size, size / diameter);
+  }
+}
+
+static void report_meshes(dem_report *r, const dem_model *m) {
+  json_t *all = json_array();
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_mesh *mesh = m->wall[w].mesh;
+    if (!mesh)
+      continue;
+    const dem_mesh_report *of = dem_mesh_figures(mesh);
+    json_t *one = dem_mesh_report_json(mesh);
+    json_object_set_new(one, "body", json_string(m->body[m->wall[w].body].name));
+    json_array_append_new(all, one);
+    if (of->degenerate + of->duplicate > 0)
+      note(r, "\"%s\": %d triangles without area and %d that are there twice were left out", dem_mesh_name(mesh),
+           of->degenerate, of->duplicate);
+    if (of->inverted > 0)
+      note(r, "\"%s\": %d of its %d parts are inside out; particles feel it from both sides all the same",
+           dem_mesh_name(mesh), of->inverted, of->parts);
+    if (!of->closed && !m->wall[w].plates)
+      note(r, "\"%s\": %d edges belong to one triangle only and %d to more than two; a closed part has none",
+           dem_mesh_name(mesh), of->open, of->nonmanifold);
+  }
+  json_object_set_new(r->json, "meshes", all);
+}
+
+void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
+  const dem_model *m = d->model;
+  *r = (dem_report){.json = json_object()};
+  json_object_set_new(r->json, "notes", json_array());
+  dem_fill fill = dem_fill_now(d);
+  dem_limits limits = dem_limits_expected(d);
+  json_object_set_new(r->json, "particles", json_integer(d->nparticle));
+  json_object_set_new(r->json, "particle_mass", number(fill.mass));
+  json_object_set_new(r->json, "fill", report_fill(d, &fill));
+  json_object_set_new(r->json, "bodies", json_integer(m->nbody));
+  json_object_set_new(r->json, "walls", json_integer(m->nwall));
+  json_object_set_new(r->json, "sources", json_integer(m->nsource));
+  json_object_set_new(r->json, "sinks", json_integer(m->nsink));
+  json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
+  json_object_set_new(r->json, "normal", json_string(dem_normals[m->law->normal].name));
+  json_object_set_new(r->json, "tangential", json_string(dem_tangentials[m->law->tangential].name));
+  json_object_set_new(r->json, "rolling", json_string(dem_rollings[m->rolling].name));
+  json_object_set_new(r->json, "twisting", json_string(dem_twistings[m->twisting].name));
+  json_object_set_new(r->json, "cohesion", json_string(dem_cohesions[m->cohesion].name));
+  json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
+  json_object_set_new(r->json, "integrator", json_string(m->integrator->name));
+  json_object_set_new(r->json, "simd", json_string(m->simd));
+  json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));
+  warn_start(r, d, settled, nbehind);
+  warn_behind(r, d);
+  warn_repeats(r, d);
+  if (m->start && m->settle.wanted)
+    note(r, "the particles of dem.start settled again, as dem.settle asks for");
+  report_limits(r, m, &limits);
+  warn_step(r, m, &limits);
+  warn_speed(r, d, limits.speed);
+  warn_plane(r, m);
+  warn_scale(r, d);
+  warn_triangles(r, m);
+  report_ratios(r, d, fill.mass);
+  report_lids(r, d);
+  report_meshes(r, m);
+  if (m->settle.wanted)
+    json_object_set_new(r->json, "settle",
+                        json_pack("{s:b, s:b, s:f, s:f, s:f}", "rest", settled->rest, "stored", settled->stored, "time",
+                                  settled->time, "dt", settled->dt, "speed", settled->speed));
+}
+
+void dem_report_flow(dem_report *r, const dem_data *d) {
+  for (int s = 0; s < d->model->nsource; s++) {
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.sources[%d]", s);
+    if (d->source[s].blocked)
+      warn(r, path,
+           "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, "
+           "or "
+           "move the source",
+           (unsigned long long)d->source[s].made);
+  }
+}

@@ -1,0 +1,31 @@
+/* What the solver reports in READY: its figures, doubtful settings with the cure, and notes. */
+#ifndef DEM_ADAPTER_REPORT_H
+#define DEM_ADAPTER_REPORT_H
+
+#include "dem/flow/settle.h"
+
+enum { DEM_WARNINGS_MAX = 16 };
+
+typedef struct {
+  json_t *json; /* the figures; owned */
+  int nwarning;
+  tdm_warning warning[DEM_WARNINGS_MAX];
+} dem_report;
+
+/* Of the state at the start of the run, after settling and before sources made anything. `nbehind` particles are behind
+ * planes. */
+void dem_report_make(dem_report *report, const dem_data *data, const dem_settled *settled, int nbehind);
+
+/* Warn of sources that found no room at the start. */
+void dem_report_flow(dem_report *report, const dem_data *data);
+
+/* Mass, centre of mass and inertia of all particles as they lie. */
+typedef struct {
+  double mass;      /* [kg] */
+  tdm_vec3 com;     /* world [m]; 0 without particles */
+  tdm_mat3 inertia; /* about com, world axes, with each particle's own 2/5 m R^2 [kg m2] */
+} dem_fill;
+
+dem_fill dem_fill_now(const dem_data *data);
+
+#endif

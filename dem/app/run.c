@@ -1,0 +1,342 @@
+#include "dem/app/run.h"
+
+#include "dem/adapter/solver.h"
+#include "dem/bodies/walls.h"
+#include "dem/output/repose.h"
+#include "dem/output/vtp.h"
+#include "dem/watch/check.h"
+#include "protocol/app/plot.h"
+#include "protocol/app/print.h"
+#include "protocol/base/log.h"
+#include "protocol/base/progress.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What a run holds, so that one place can let go of it whatever happened. */
+typedef struct {
+  tdm_alone alone;
+  dem_run_settings settings;
+
+  int ndue;      /* rows of the time histories that the last window made */
+  double due[2]; /* (ndue) their times [s] */
+  double *rows;  /* (ndue x nchannel) */
+
+  int nframe, frame_capacity; /* times written for ParaView */
+  double *frame_time;         /* (nframe) [s] */
+  dem_snapshot snapshot;
+  dem_bounds bounds; /* of the start */
+  dem_polygons polygons;
+  dem_pictures pictures;
+  tdm_error picture_notice; /* the first thing that went wrong with gnuplot */
+
+  uint64_t nstep; /* done */
+  double particle_steps;
+  double setup, loop, step; /* wall times: until the start, the loop, the solver's part of it [s] */
+} run_state;
+
+/* ---- start ---- */
+
+static tdm_status load_scene(run_state *run, tdm_error *err) {
+  if (tdm_alone_read(&run->alone, err) != TDM_OK)
+    return err->status;
+  const dem_run_settings *s = &run->settings;
+  if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
+    return err->status;
+  tdm_alone_doubt_interval(&run->alone, s->interval, s->time.end);
+  if (s->pictures.late > 0)
+    tdm_alone_doubt(&run->alone, "output.pictures.times",
+                    "%d of %d are later than time.end = %g s: there will be no such pictures", s->pictures.late,
+                    s->pictures.late + s->pictures.ntime, s->time.end);
+  return TDM_OK;
+}
+
+static tdm_status open_results(run_state *run, tdm_error *err) {
+  return tdm_alone_open(&run->alone, err);
+}
+
+static tdm_status start_solver(run_state *run, tdm_error *err) {
+  return tdm_alone_start(&run->alone, run->settings.time.end, run->settings.time.dt, err);
+}
+
+/* ---- outputs ---- */
+
+static tdm_status take_snapshot(run_state *run, tdm_error *err) {
+  return dem_snapshot_take(&run->snapshot, dem_solver_data(run->alone.solver), err);
+}
+
+static tdm_status make_polygons(run_state *run, tdm_error *err) {
+  return dem_polygons_make(&run->polygons, dem_solver_data(run->alone.solver), &run->bounds, err);
+}
+
+static tdm_status begin_outputs(run_state *run, tdm_error *err) {
+  const size_t n = (size_t)run->alone.ready.nchannel;
+  run->rows = calloc(2 * n + 1, sizeof *run->rows);
+  if (!run->rows)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  memcpy(run->rows, run->alone.ready.initial, n * sizeof *run->rows);
+  run->ndue = 1;
+  if (tdm_alone_begin(&run->alone, err) != TDM_OK || take_snapshot(run, err) != TDM_OK)
+    return err->status;
+  run->bounds = dem_scene_bounds(dem_solver_data(run->alone.solver), &run->snapshot);
+  dem_pictures_begin(&run->pictures, &run->settings.pictures, &run->alone.results, &run->bounds);
+  return TDM_OK;
+}
+
+/* time reached [s] */
+static double now(const run_state *run) {
+  return (double)run->nstep * run->settings.time.dt;
+}
+
+static double row_time(const run_state *run) {
+  return (double)run->alone.nrow * run->settings.interval;
+}
+
+static tdm_status write_frame(run_state *run, tdm_error *err) {
+  if (run->nframe == run->frame_capacity) {
+    int room = 2 * run->frame_capacity + 64;
+    double *time = realloc(run->frame_time, (size_t)room * sizeof *time);
+    if (!time)
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+    run->frame_time = time;
+    run->frame_capacity = room;
+  }
+  run->frame_time[run->nframe] = now(run); /* of the state that is shown, which is that of a step */
+  if (make_polygons(run, err) != TDM_OK ||
+      dem_vtp_particles(&run->alone.results, run->nframe, &run->snapshot, err) != TDM_OK ||
+      dem_vtp_walls(&run->alone.results, run->nframe, &run->polygons, err) != TDM_OK)
+    return err->status;
+  run->nframe++;
+  return dem_pvd_write(&run->alone.results, run->frame_time, run->nframe, err);
+}
+
+/* Pictures need gnuplot: without it the run goes on, but not when their data cannot be written. */
+static tdm_status draw(run_state *run, tdm_error *err) {
+  tdm_error notice = {0};
+  int before = run->pictures.drawn;
+  if (make_polygons(run, err) != TDM_OK)
+    return err->status;
+  if (dem_picture_draw(&run->pictures, now(run), &run->snapshot, &run->polygons, &notice) != TDM_OK)
+    tdm_fail(run->pictures.drawn > before ? &run->picture_notice : err, notice.status, NULL, "%s", notice.message);
+  return err->status;
+}
+
+/* ---- when outputs are due ---- */
+
+/* the step that ends at time t or first after it */
+static uint64_t step_at(const run_state *run, double t) {
+  return (uint64_t)fmax(0, ceil(t / run->settings.time.dt - 1e-6));
+}
+
+static bool picture_left(const run_state *run) {
+  return run->pictures.drawn < run->settings.pictures.ntime;
+}
+
+static uint64_t row_step(const run_state *run) {
+  return step_at(run, row_time(run));
+}
+
+static uint64_t least(uint64_t a, uint64_t b) {
+  return a < b ? a : b;
+}
+
+static uint64_t frame_step(const run_state *run) {
+  const double interval = run->settings.particles_interval;
+  return interval > 0 ? least(step_at(run, run->nframe * interval), tdm_total_steps(&run->settings.time)) : UINT64_MAX;
+}
+
+static uint64_t picture_step(const run_state *run) {
+  return picture_left(run) ? step_at(run, run->settings.pictures.time[run->pictures.drawn]) : UINT64_MAX;
+}
+
+static tdm_status write_due(run_state *run, tdm_error *err) {
+  for (int k = 0; k < run->ndue; k++)
+    if (tdm_alone_row(&run->alone, run->due[k], run->rows + k * run->alone.ready.nchannel, err) != TDM_OK)
+      return err->status;
+  bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
+  if (frame || picture || run->settings.pictures.ntime > 0)
+    if (take_snapshot(run, err) != TDM_OK || dem_pictures_watch(&run->pictures, &run->snapshot, err) != TDM_OK)
+      return err->status;
+  if (frame && write_frame(run, err) != TDM_OK)
+    return err->status;
+  while (picture && run->nstep >= picture_step(run) && draw(run, err) == TDM_OK)
+    ;
+  return err->status;
+}
+
+/* ---- the loop ---- */
+
+/* the rows of a window that ends with step `end`: one of the grid, and one of the last state, on the grid or not */
+static void find_due(run_state *run, uint64_t end) {
+  const double dt = run->settings.time.dt, row = row_time(run), t1 = (double)end * dt;
+  run->ndue = 0;
+  if (end >= row_step(run))
+    run->due[run->ndue++] = row;
+  if (end == tdm_total_steps(&run->settings.time) && (run->ndue == 0 || row < t1 - 1e-6 * dt))
+    run->due[run->ndue++] = t1;
+}
+
+/* from the step reached to step `end`; the time histories are sampled there if they are due */
+static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
+  const dem_data *d = dem_solver_data(run->alone.solver);
+  double dt = run->settings.time.dt, begin = tdm_clock();
+  find_due(run, end);
+  const tdm_step step = {
+      .t0 = now(run), .t1 = (double)end * dt, .nstep = end - run->nstep, .nsample = run->ndue, .sample_time = run->due};
+  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->rows};
+  double nparticle = d->nparticle;
+  if (dem_solver_ops.step(run->alone.solver, &step, &result, err) != TDM_OK)
+    return err->status;
+  run->particle_steps += 0.5 * (nparticle + d->nparticle) * (double)step.nstep;
+  run->step += tdm_clock() - begin;
+  run->nstep = end;
+  return TDM_OK;
+}
+
+static tdm_status solve(run_state *run, tdm_error *err) {
+  tdm_progress progress;
+  uint64_t total = tdm_total_steps(&run->settings.time);
+  double begin = tdm_clock(), dt = run->settings.time.dt;
+  if (begin_outputs(run, err) != TDM_OK || write_due(run, err) != TDM_OK)
+    return err->status;
+  tdm_progress_begin(&progress, (double)total * dt, "steps", false);
+  while (run->nstep < total && err->status == TDM_OK) {
+    uint64_t next = least(least(row_step(run), frame_step(run)), least(picture_step(run), total));
+    if (advance(run, next, err) == TDM_OK)
+      write_due(run, err);
+    tdm_progress_update(&progress, (double)run->nstep * dt, run->nstep);
+    tdm_alone_tell(&run->alone, progress.terminal);
+  }
+  tdm_progress_end(&progress);
+  run->loop = tdm_clock() - begin;
+  return err->status;
+}
+
+/* ---- end ---- */
+
+static json_t *repose(const run_state *run) {
+  dem_repose r = dem_repose_of(&run->snapshot, run->settings.repose_along);
+  return json_pack("{s:o, s:o, s:o}", "mean_deg", tdm_real_or_null(r.mean), "low_side_deg", tdm_real_or_null(r.low),
+                   "high_side_deg", tdm_real_or_null(r.high));
+}
+
+static json_t *summary(run_state *run, double wall, const tdm_error *err) {
+  const dem_run_settings *s = &run->settings;
+  const dem_data *d = run->alone.solver ? dem_solver_data(run->alone.solver) : NULL;
+  json_t *json = tdm_alone_summary(&run->alone, err);
+  json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings",
+                          "time.end", s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps",
+                          (json_int_t)run->nstep, "simulated_s", (double)run->nstep * s->time.dt, "particles",
+                          d ? d->nparticle : 0, "particle_steps", run->particle_steps, "particle_steps_per_s",
+                          tdm_real_or_null(run->particle_steps / run->step), "wall_s", "all", wall, "setup", run->setup,
+                          "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures", run->pictures.drawn);
+  json_object_update_new(json, own);
+  if (s->repose_along >= 0)
+    json_object_set_new(json, "repose", repose(run));
+  return json;
+}
+
+/* the files of the end: plots, summary.json, the last line of the log */
+static void conclude(run_state *run, double begin, tdm_error *err) {
+  char pairs[128];
+  tdm_error late = {0};
+  if (run->alone.channels) {
+    tdm_alone_close(&run->alone, err);
+    if (run->alone.solver && take_snapshot(run, &late) == TDM_OK)
+      tdm_alone_plot(&run->alone, "channels", NULL, &run->picture_notice);
+  }
+  if (run->pictures.drawn > 1)
+    dem_pictures_row(&run->pictures, &run->picture_notice);
+  if (run->picture_notice.status != TDM_OK && !tdm_plot_interrupted())
+    tdm_remark(TDM_NOTICE, "pictures", NULL, (double)run->nstep * run->settings.time.dt, "%s",
+               run->picture_notice.message);
+  double wall = tdm_clock() - begin;
+  json_t *json = summary(run, wall, err);
+  tdm_results_summary(&run->alone.results, json, err);
+  json_decref(json);
+  snprintf(pairs, sizeof pairs, "steps=%llu simulated=%g wall=%.3f", (unsigned long long)run->nstep,
+           (double)run->nstep * run->settings.time.dt, wall);
+  tdm_alone_log_end(pairs, err);
+  if (run->nstep > 0)
+    printf("%.6g s simulated in %llu steps, %d particles at the end; %.2f s wall, %.2f s of it until the start; %.3g "
+           "particle-steps/s; results in %s\n",
+           (double)run->nstep * run->settings.time.dt, (unsigned long long)run->nstep, run->snapshot.count, wall,
+           run->setup, run->particle_steps / run->step, run->alone.results.dir);
+}
+
+static void let_go(run_state *run) {
+  dem_snapshot_free(&run->snapshot);
+  dem_polygons_free(&run->polygons);
+  dem_pictures_free(&run->pictures);
+  dem_run_settings_free(&run->settings);
+  free(run->frame_time);
+  free(run->rows);
+  tdm_alone_free(&run->alone);
+}
+
+tdm_status dem_run(const tdm_alone_options *options, tdm_error *err) {
+  double begin = tdm_clock();
+  run_state run = {.alone = {.program = &dem_program, .options = options}};
+  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK) {
+    run.setup = tdm_clock() - begin;
+    solve(&run, err);
+  }
+  tdm_scene_locate(&run.alone.scene, err);
+  if (run.alone.results.log)
+    conclude(&run, begin, err);
+  let_go(&run);
+  return err->status;
+}
+
+/* ---- check ---- */
+
+static void print_scene(const run_state *run) {
+  const dem_run_settings *s = &run->settings;
+  uint64_t total = tdm_total_steps(&s->time);
+  printf("run\n");
+  printf("  %-28s %g s in %llu steps of %g s\n", "time", s->time.end, (unsigned long long)total, s->time.dt);
+  printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, ceil(s->time.end / s->interval - 1e-6) + 1);
+  if (s->particles_interval > 0)
+    printf("  %-28s every %g s: %.0f files\n", "particles for ParaView", s->particles_interval,
+           ceil(s->time.end / s->particles_interval - 1e-6) + 1);
+  if (s->pictures.ntime > 0)
+    printf("  %-28s %d\n", "pictures", s->pictures.ntime);
+  printf("dem: %s\n", dem_solver_ops.software);
+  tdm_print_json(run->alone.ready.report);
+  printf("%d warning%s\n", run->alone.ready.nwarning, run->alone.ready.nwarning == 1 ? "" : "s");
+}
+
+tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err) {
+  run_state run = {.alone = {.program = &dem_program, .options = options}};
+  if (load_scene(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK)
+    print_scene(&run);
+  tdm_scene_locate(&run.alone.scene, err);
+  let_go(&run);
+  return err->status;
+}
+
+const tdm_alone_program dem_program = {
+    .name = "tandem-dem",
+    .help = "tandem-dem: the discrete element engine of tandem\n\n"
+            "  tandem-dem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"
+            "      Run a scene that has only particles: a JSON file, or the name of a scene in scenarios/dem.\n"
+            "      Results go to DIR (default: run-out): time histories, particles for ParaView, pictures.\n"
+            "      --force            replace the results of an earlier run in DIR\n"
+            "      --set PATH=VALUE   override a value of the scene: --set time.end=2 --set dem.pairs[0].friction=0.3\n"
+            "      --strict           refuse a run that the solver has doubts about\n"
+            "      --no-plots         leave out the plots of time histories\n\n"
+            "  tandem-dem check SCENE [--set PATH=VALUE ...] [--strict]\n"
+            "      Load and settle the scene, print what would run, step limits and doubts, and end.\n\n"
+            "  tandem-dem bench [OPTIONS]\n"
+            "      Measure the engine's speed; see tandem-dem bench --help.\n\n"
+            "  tandem-dem --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n"
+            "      Take part in a co-simulation; \"tandem run SCENE\" starts it so by itself.\n"
+            "      --connect ENDPOINT  where the server listens, for example ipc:///tmp/dir/tandem\n"
+            "      --name NAME         the name in messages and logs (default: dem)\n"
+            "      --timeout SECONDS   give up when the server is silent for so long (default: 30)\n\n"
+            "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
+            "  --help, --version\n",
+    .ops = &dem_solver_ops,
+    .run = dem_run,
+    .check = dem_run_check,
+};

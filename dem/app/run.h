@@ -1,0 +1,37 @@
+/* A scene of particles alone: `tandem-dem run` and `tandem-dem check`, from a scene file to a result directory.
+ *
+ *   channels.csv                         time histories, and channels.png: their plots
+ *   particles_N.vtp, walls_N.vtp, scene.pvd  for ParaView
+ *   picture_N.png, pictures.png          pictures
+ *   scene.json, summary.json, dem.log    the scene with all overrides; settings, times, how it ended; the log
+ */
+#ifndef DEM_APP_RUN_H
+#define DEM_APP_RUN_H
+
+#include "dem/output/picture.h"
+#include "protocol/app/standalone.h"
+#include "protocol/app/time_section.h"
+
+/* the command line of tandem-dem, but for bench */
+extern const tdm_alone_program dem_program;
+
+/* What a run reads besides the section dem. */
+typedef struct {
+  tdm_time time;
+  double interval;           /* of the time histories [s] */
+  double particles_interval; /* of the .vtp files [s], 0: none */
+  int repose_along;          /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
+  dem_picture_settings pictures;
+} dem_run_settings;
+
+/* Read the sections time and output; refuse mbd and coupling. Freed with dem_run_settings_free, also after an error. */
+tdm_status dem_run_settings_read(dem_run_settings *settings, const tdm_scene *scene, tdm_error *err);
+void dem_run_settings_free(dem_run_settings *settings);
+
+/* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
+tdm_status dem_run(const tdm_alone_options *options, tdm_error *err);
+
+/* Load and settle the scene, and print what would run. */
+tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err);
+
+#endif

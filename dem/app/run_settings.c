@@ -1,0 +1,53 @@
+/* The sections time and output of a scene of particles alone. */
+#include "dem/app/run.h"
+
+static void refuse_coupling(tdm_object *root) {
+  static const char *const sections[] = {"mbd", "coupling"};
+  for (int k = 0; k < 2; k++)
+    if (tdm_has(root, sections[k]))
+      tdm_object_fail(root, sections[k],
+                      "belongs to a co-simulation; run this scene with tandem run, or remove the section to run its "
+                      "particles alone");
+}
+
+static void read_repose(dem_run_settings *s, tdm_object *output) {
+  static const char *const axes[] = {"x", "y"};
+  s->repose_along = -1;
+  if (!tdm_has(output, "repose"))
+    return;
+  tdm_object o = tdm_get_object(output, "repose", true);
+  s->repose_along = tdm_get_choice(&o, "along", axes, 2, 0);
+  tdm_object_close(&o);
+}
+
+/* forces on triangles have nowhere to go without files */
+static void check_triangle_forces(const dem_run_settings *s, tdm_object *output, json_t *dem) {
+  if (json_is_true(json_object_get(dem, "triangle_forces")) && s->particles_interval == 0)
+    tdm_object_fail(output, "particles_interval",
+                    "missing: dem.triangle_forces go into the files for ParaView; give it, or remove that key");
+}
+
+tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, tdm_error *err) {
+  *s = (dem_run_settings){0};
+  tdm_object root = tdm_object_open(scene->root, "", err);
+  tdm_has(&root, "$schema"); /* for editors */
+  tdm_get_string(&root, "title", "");
+  refuse_coupling(&root);
+  tdm_check_gravity(&root);
+  s->time = tdm_read_time(&root);
+  tdm_object o = tdm_get_object(&root, "output", false);
+  s->interval = tdm_read_interval(&o, "interval", 1e-3, s->time.dt);
+  if (tdm_has(&o, "particles_interval"))
+    s->particles_interval = tdm_read_interval(&o, "particles_interval", TDM_REQUIRED, s->time.dt);
+  dem_picture_settings_read(&s->pictures, &o, s->time.end);
+  read_repose(s, &o);
+  check_triangle_forces(s, &o, json_object_get(scene->root, "dem"));
+  tdm_object_close(&o);
+  tdm_get_object(&root, "dem", true);
+  tdm_object_close(&root);
+  return err->status;
+}
+
+void dem_run_settings_free(dem_run_settings *s) {
+  dem_picture_settings_free(&s->pictures);
+}

@@ -1,8 +1,0 @@
-/* `tandem-dem bench`: particle-steps a second on a settled bed. */
-#ifndef DEM_BENCH_H
-#define DEM_BENCH_H
-
-/* argv as after the word bench; returns the exit status. */
-int dem_bench_main(int argc, char **argv);
-
-#endif

@@ -1,0 +1,61 @@
+/* The path of a body inside a window: see path.h. */
+#include "dem/bodies/path.h"
+
+dem_motion dem_motion_make(const tdm_state *start, const tdm_state *end, double duration,
+                           tdm_interpolation interpolation) {
+  dem_motion m = {.interpolation = interpolation, .duration = duration, .start = *start, .end = *end};
+  tdm_quat q0 = start->pose.orientation;
+  m.turn = tdm_quat_to_rotvec(tdm_quat_mul(tdm_quat_conj(q0), end->pose.orientation));
+  m.angular = tdm_scale(1 / duration, tdm_quat_rotate(q0, m.turn));
+  return m;
+}
+
+dem_motion dem_motion_through(const tdm_step *step, int body) {
+  return (dem_motion){.duration = step->t1 - step->t0,
+                      .start = step->start[body],
+                      .end = step->end[body],
+                      .path = step->path,
+                      .body = body,
+                      .t0 = step->t0};
+}
+
+static tdm_state through_nodes(const dem_motion *m, double s) {
+  return tdm_nodes_at(&m->path, m->body, &m->start, m->t0, m->t0 + s * m->duration);
+}
+
+tdm_pose dem_motion_pose(const dem_motion *m, double s) {
+  if (s <= 0)
+    return m->start.pose;
+  if (s >= 1)
+    return m->end.pose;
+  if (m->path.nnode > 0)
+    return through_nodes(m, s).pose;
+  tdm_vec3 x0 = m->start.pose.position, x1 = m->end.pose.position, x;
+  if (m->interpolation == TDM_LINEAR) {
+    x = tdm_axpy(s, tdm_sub(x1, x0), x0);
+  } else {
+    /* x0 + h01 (x1 - x0) + H (h10 v0 + h11 v1): at rest exactly x0 */
+    double h01 = s * s * (3 - 2 * s), h10 = s * (1 - s) * (1 - s), h11 = s * s * (s - 1);
+    x = tdm_axpy(h01, tdm_sub(x1, x0), x0);
+    x = tdm_axpy(m->duration * h10, m->start.twist.velocity, x);
+    x = tdm_axpy(m->duration * h11, m->end.twist.velocity, x);
+  }
+  tdm_quat q = m->start.pose.orientation;
+  if (tdm_dot(m->turn, m->turn) > 0) /* else exactly the start's */
+    q = tdm_quat_slerp(q, m->end.pose.orientation, s);
+  return (tdm_pose){x, q};
+}
+
+tdm_twist dem_motion_twist(const dem_motion *m, double s) {
+  if (m->path.nnode > 0)
+    return through_nodes(m, s).twist;
+  tdm_vec3 mean = tdm_scale(1 / m->duration, tdm_sub(m->end.pose.position, m->start.pose.position));
+  tdm_vec3 v = mean;
+  if (m->interpolation == TDM_HERMITE) {
+    double d01 = 6 * s * (1 - s), d10 = (1 - s) * (1 - 3 * s), d11 = s * (3 * s - 2);
+    v = tdm_scale(d01, mean);
+    v = tdm_axpy(d10, m->start.twist.velocity, v);
+    v = tdm_axpy(d11, m->end.twist.velocity, v);
+  }
+  return (tdm_twist){v, m->angular};
+}

@@ -1,0 +1,38 @@
+/* The path of a body inside a window, from its state at the start to its state at the end (design section 4).
+ *
+ * With s = (t - t0)/H: the orientation goes by SLERP, q(s) = q0 exp(s phi/2), |phi| <= pi, so the angular velocity is
+ * the constant R(q0) phi/H; the position goes linearly, as in [L18], or as the cubic Hermite polynomial of the two
+ * ends' positions and velocities. The twist is the derivative of the path, not the solver's own twist at the ends:
+ * otherwise the works of the two sides disagree.
+ *
+ * Where the path comes with nodes it goes through them instead (protocol/nodes.h), its angular velocity too.
+ */
+#ifndef DEM_BODIES_PATH_H
+#define DEM_BODIES_PATH_H
+
+#include "protocol/wire/participant.h"
+
+typedef struct {
+  tdm_interpolation interpolation;
+  double duration; /* H [s] */
+  tdm_state start, end;
+  tdm_vec3 turn;    /* phi: rotation vector from start to end, body axes [rad] */
+  tdm_vec3 angular; /* of the path, world [rad/s] */
+  tdm_nodes path;   /* borrowed; no nodes: none */
+  int body;         /* in path */
+  double t0;        /* when the window begins [s] */
+} dem_motion;
+
+dem_motion dem_motion_make(const tdm_state *start, const tdm_state *end, double duration,
+                           tdm_interpolation interpolation);
+
+/* The path of coupled body `body` through the nodes that a STEP has; its arrays are borrowed. */
+dem_motion dem_motion_through(const tdm_step *step, int body);
+
+/* Pose at s in [0, 1]: exactly the given pose at 0 and 1. */
+tdm_pose dem_motion_pose(const dem_motion *motion, double s);
+
+/* Twist at s in [0, 1]. */
+tdm_twist dem_motion_twist(const dem_motion *motion, double s);
+
+#endif

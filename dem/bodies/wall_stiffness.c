@@ -1,0 +1,156 @@
+/* Stiffness of the contacts of coupled bodies: see wall_stiffness.h. */
+#include "dem/bodies/wall_stiffness.h"
+
+#include "dem/contact/theory.h"
+
+#include <gsl/gsl_eigen.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef double matrix6[6][6];
+
+/* ---- the stiffness of each body's contacts ---- */
+
+/* a spring k along e at the lever: K += k g g^T with g = (e, lever x e) */
+static void add_spring(matrix6 K, double k, tdm_vec3 lever, tdm_vec3 e) {
+  tdm_vec3 a = tdm_cross(lever, e);
+  const double g[6] = {e.x, e.y, e.z, a.x, a.y, a.z};
+  for (int i = 0; i < 6; i++)
+    for (int j = 0; j < 6; j++)
+      K[i][j] += k * g[i] * g[j];
+}
+
+/* k_n n n^T + k_t (I - n n^T) at the contact of a particle and a body */
+static void add_contact(const dem_data *d, matrix6 K, int particle, int body, double gap, tdm_vec3 n) {
+  const dem_model *m = d->model;
+  const dem_sphere *s = &d->sphere[particle];
+  const dem_pair *pair = &m->pair[d->kind[particle] * m->nmaterial + m->body[body].material];
+  tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->pose[body].position);
+  dem_impact at = {.mass = 1 / dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n),
+                   .radius = s->radius};
+  double normal = dem_normal_stiffness(m, pair, at, s->radius - gap);
+  double tangential = dem_tangential_stiffness(m, pair, at, s->radius - gap);
+  add_spring(K, normal - tangential, lever, n);
+  add_spring(K, tangential, lever, tdm_v3(1, 0, 0));
+  add_spring(K, tangential, lever, tdm_v3(0, 1, 0));
+  add_spring(K, tangential, lever, tdm_v3(0, 0, 1));
+}
+
+/* the contacts of a particle with a wall: entries begin ... end of the list. near: room for as many triangles */
+static void add_entries(const dem_data *d, size_t begin, size_t end, int *near, matrix6 K) {
+  int i = d->walls.entry[begin].particle, w = d->walls.entry[begin].wall;
+  const dem_wall *wall = &d->model->wall[w];
+  const dem_wall_place *place = &d->wall[w];
+  const dem_sphere *s = &d->sphere[i];
+  if (s->inverse_mass == 0 && d->mobility[wall->body].per_mass == 0) /* as the loops leave it out */
+    return;
+  if (wall->primitive != DEM_MESH) {
+    tdm_vec3 n;
+    double gap = dem_wall_gap(wall, place, s->position, &n);
+    if (gap < s->radius && !(dem_wall_endless(wall) && gap <= -s->radius))
+      add_contact(d, K, i, wall->body, gap, n);
+    return;
+  }
+  dem_mesh_contact found[DEM_MESH_CONTACTS_MAX];
+  for (size_t k = begin; k < end; k++)
+    near[k - begin] = d->walls.entry[k].part;
+  int many = dem_mesh_contacts(wall->mesh, near, (int)(end - begin), dem_wall_own(place, s->position), s->radius, found,
+                               DEM_MESH_CONTACTS_MAX);
+  for (int c = 0; c < many; c++)
+    add_contact(d, K, i, wall->body, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
+}
+
+/* false: no memory */
+static bool add_walls(const dem_data *d, matrix6 *K) {
+  const dem_wall_contacts *list = &d->walls;
+  int *near = malloc((list->count + 1) * sizeof *near);
+  for (size_t k = 0, next; near && k < list->count; k = next) {
+    const dem_wall_entry *e = &list->entry[k];
+    for (next = k + 1;
+         next < list->count && list->entry[next].wall == e->wall && list->entry[next].particle == e->particle;)
+      next++;
+    int coupled = d->model->body[d->model->wall[e->wall].body].coupled;
+    if (coupled >= 0)
+      add_entries(d, k, next, near, K[coupled]);
+  }
+  free(near);
+  return near != NULL;
+}
+
+/* ---- the eigenvalue ---- */
+
+/* K = L L^T of a positive semidefinite matrix, in place, L lower; of a direction without stiffness the column is 0 */
+static void factor(matrix6 K) {
+  for (int j = 0; j < 6; j++) {
+    double whole = K[j][j], pivot = whole;
+    for (int q = 0; q < j; q++)
+      pivot -= K[j][q] * K[j][q];
+    bool stiff = pivot > 1e-14 * whole;
+    K[j][j] = stiff ? sqrt(pivot) : 0;
+    for (int i = j + 1; i < 6; i++) {
+      double sum = K[i][j];
+      for (int q = 0; q < j; q++)
+        sum -= K[i][q] * K[j][q];
+      K[i][j] = stiff ? sum / K[j][j] : 0;
+      K[j][i] = 0;
+    }
+  }
+}
+
+/* L^T J and B L of one body's rows of J and columns of B, in place */
+static void scale_body(const matrix6 L, int nfree, double *J, double *B, size_t wide) {
+  for (int f = 0; f < nfree; f++)
+    for (int i = 0; i < 6; i++) { /* row i of L^T, column i of L: only rows below are needed later */
+      double twist = 0, rate = 0;
+      for (int q = i; q < 6; q++) {
+        twist += L[q][i] * J[q * nfree + f];
+        rate += B[(size_t)f * wide + (size_t)q] * L[q][i];
+      }
+      J[i * nfree + f] = twist;
+      B[(size_t)f * wide + (size_t)i] = rate;
+    }
+}
+
+/* largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: no memory, or numbers that are none */
+static double largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product, double *value) {
+  for (size_t i = 0; i < wide; i++)
+    for (size_t j = 0; j < wide; j++) {
+      double sum = 0;
+      for (size_t f = 0; f < (size_t)nfree; f++)
+        sum += J[i * (size_t)nfree + f] * B[f * wide + j];
+      product[i * wide + j] = sum;
+    }
+  gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(wide);
+  if (!work)
+    return NAN;
+  gsl_matrix_view matrix = gsl_matrix_view_array(product, wide, wide);
+  gsl_vector_view values = gsl_vector_view_array(value, wide);
+  int status = gsl_eigen_symm(&matrix.matrix, &values.vector, work);
+  gsl_eigen_symm_free(work);
+  double largest = 0;
+  for (size_t i = 0; i < wide; i++)
+    largest = value[i] <= largest ? largest : value[i]; /* keeps a NaN */
+  return status == GSL_SUCCESS ? largest : NAN;
+}
+
+/* The eigenvalues of B K J that are not 0 are those of L^T J B L, K = L L^T, which is symmetric. */
+double dem_walls_rate2(const dem_data *d, int nfree, const double *J, const double *B) {
+  size_t k = (size_t)d->model->ncoupled, wide = 6 * k, many = wide * (size_t)nfree;
+  if (many == 0)
+    return 0;
+  matrix6 *K = calloc(k, sizeof *K);
+  double *room = malloc((2 * many + wide * wide + wide) * sizeof *room), rate2 = NAN;
+  if (K && room && add_walls(d, K)) {
+    double *left = room, *right = left + many, *product = right + many, *value = product + wide * wide;
+    memcpy(left, J, many * sizeof *J);
+    memcpy(right, B, many * sizeof *B);
+    for (size_t c = 0; c < k; c++) {
+      factor(K[c]);
+      scale_body(K[c], nfree, left + 6 * c * (size_t)nfree, right + 6 * c, wide);
+    }
+    rate2 = largest_eigen(nfree, left, right, wide, product, value);
+  }
+  free(K);
+  free(room);
+  return rate2;
+}

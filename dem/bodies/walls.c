@@ -1,0 +1,203 @@
+/* The walls of moving bodies: see walls.h. The contacts with them are in contact/loop.c. */
+#include "dem/bodies/walls.h"
+
+#include "dem/contact/theory.h"
+
+/* where wall w is now */
+static void put(dem_data *d, int w) {
+  dem_wall wall = d->model->wall[w];
+  if (d->lid[w] != 0)
+    wall.point = tdm_axpy(-d->lid[w], wall.normal, wall.point);
+  d->wall[w] = dem_wall_put(&wall, &d->pose[wall.body]);
+}
+
+void dem_walls_put(dem_data *d) {
+  for (int w = 0; w < d->model->nwall; w++)
+    put(d, w);
+}
+
+void dem_coupled_walls_put(dem_data *d) {
+  const dem_model *m = d->model;
+  for (int w = 0; w < m->nwall; w++)
+    if (m->body[m->wall[w].body].coupled >= 0)
+      put(d, w);
+}
+
+void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n) {
+  const dem_model *m = d->model;
+  double s = (double)k / (double)n;
+  for (int c = 0; c < m->ncoupled; c++) {
+    int b = m->coupled_body[c];
+    d->pose[b] = dem_motion_pose(&motion[c], s);
+    d->twist[b] = dem_motion_twist(&motion[c], s);
+  }
+  dem_coupled_walls_put(d);
+}
+
+void dem_bodies_drive(dem_data *d, double t) {
+  const dem_model *m = d->model;
+  if (m->ndriven == 0)
+    return;
+  for (int b = 0; b < m->nbody; b++)
+    if (m->body[b].drive.given) {
+      tdm_state now = dem_driven_state(&m->body[b].drive, &m->body[b].start, t);
+      d->pose[b] = now.pose;
+      d->twist[b] = now.twist;
+    }
+  for (int w = 0; w < m->nwall; w++)
+    if (m->body[m->wall[w].body].drive.given)
+      put(d, w);
+}
+
+bool dem_behind(const dem_data *d, int i, int w) {
+  const dem_wall *wall = &d->model->wall[w];
+  tdm_vec3 n;
+  return dem_wall_endless(wall) && dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
+}
+
+void dem_mark_front(dem_data *d, int first) {
+  int nwall = d->model->nwall;
+  for (int i = first; i < d->nparticle; i++)
+    for (int w = 0; w < nwall; w++)
+      d->front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
+}
+
+bool dem_through(const dem_data *d, int i, int w) {
+  return d->front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
+}
+
+long dem_count_lost(const dem_data *d) {
+  long lost = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    bool through = false;
+    for (int w = 0; w < d->model->nwall && !through; w++)
+      through = dem_through(d, i, w);
+    lost += through;
+  }
+  return lost;
+}
+
+/* The lowest place of walls and box sinks along `up`; -INFINITY: a wall without end or a sink catches what falls. */
+static double lowest(const dem_data *d, tdm_vec3 up) {
+  const dem_model *m = d->model;
+  const double level = 1e-9; /* of a normal's part along `up`: a plane that stands upright catches nothing */
+  double least = INFINITY;
+  for (int w = 0; w < m->nwall; w++) {
+    double low, high;
+    const bool plane = m->wall[w].primitive == DEM_PLANE;
+    if (dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+      least = fmin(least, low);
+    else if (!plane || tdm_dot(d->wall[w].normal, up) > level)
+      return -INFINITY;
+  }
+  for (int k = 0; k < m->nsink; k++) {
+    const dem_sink *s = &m->sink[k];
+    if (s->type == DEM_SINK_PLANE && tdm_dot(s->normal, up) > level)
+      return -INFINITY;
+    for (int corner = 0; corner < 8 && s->type == DEM_SINK_BOX; corner++)
+      least = fmin(least, tdm_dot(up, tdm_v3(corner & 1 ? s->low.x : s->high.x, corner & 2 ? s->low.y : s->high.y,
+                                             corner & 4 ? s->low.z : s->high.z)));
+  }
+  return least;
+}
+
+long dem_count_fallen(const dem_data *d, int *first) {
+  const dem_model *m = d->model;
+  const double g = tdm_norm(m->gravity);
+  bool repeats = false;
+  for (int a = 0; a < 3; a++)
+    repeats = repeats || (d->domain.periodic[a] && (&m->gravity.x)[a] != 0);
+  if (g == 0 || repeats)
+    return 0;
+  const tdm_vec3 up = tdm_scale(-1 / g, m->gravity);
+  const double low = lowest(d, up);
+  long fallen = 0;
+  for (int i = 0; i < d->nparticle && isfinite(low); i++)
+    if (tdm_dot(up, d->sphere[i].position) + 3 * d->sphere[i].radius < low) {
+      *first = fallen == 0 ? i : *first;
+      fallen++;
+    }
+  return fallen;
+}
+
+/* ---- lids ---- */
+
+/* A lid that is away is a plane so far out that nothing reaches it: no loop needs to know. */
+static const double lid_away = 1e9; /* [m] */
+
+void dem_lids_away(dem_data *d) {
+  for (int k = 0; k < d->model->nbox; k++)
+    if (d->model->box[k].lid >= 0)
+      d->lid[d->model->box[k].lid] = lid_away;
+}
+
+/* is particle i over the box's face that the lid closes: between the side faces, not below the opposite one? */
+static bool over_box(const dem_data *d, const dem_box *box, tdm_vec3 outward, int i) {
+  tdm_pose pose = d->pose[box->body];
+  tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->sphere[i].position, pose.position));
+  tdm_quat back = tdm_quat_conj(box->turn);
+  x = tdm_quat_rotate(back, tdm_sub(x, box->center));
+  outward = tdm_quat_rotate(back, outward);
+  const double at[3] = {x.x, x.y, x.z}, half[3] = {box->half.x, box->half.y, box->half.z};
+  const double out[3] = {outward.x, outward.y, outward.z};
+  for (int a = 0; a < 3; a++)
+    if (fabs(out[a]) > 0.5 ? out[a] * at[a] < -half[a] : fabs(at[a]) > half[a])
+      return false;
+  return true;
+}
+
+bool dem_lids_place(dem_data *d) {
+  const dem_model *m = d->model;
+  bool any = false;
+  for (int k = 0; k < m->nbox; k++) {
+    const dem_box *box = &m->box[k];
+    if (box->lid < 0)
+      continue;
+    any = true;
+    const dem_wall *wall = &m->wall[box->lid];
+    tdm_pose pose = d->pose[box->body];
+    tdm_vec3 outward = tdm_scale(-1, wall->normal), axis = tdm_quat_rotate(pose.orientation, outward);
+    tdm_vec3 face = tdm_pose_point(pose, wall->point);
+    double highest = -INFINITY; /* over the nominal face */
+    for (int i = 0; i < d->nparticle; i++)
+      if (over_box(d, box, outward, i))
+        highest = fmax(highest, tdm_dot(tdm_sub(d->sphere[i].position, face), axis) + d->sphere[i].radius);
+    d->lid[box->lid] = isfinite(highest) ? highest + box->gap : 0;
+  }
+  dem_walls_put(d);
+  return any;
+}
+
+double dem_deepest(const dem_data *d, int w) {
+  double deepest = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    tdm_vec3 n;
+    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], d->sphere[i].position, &n);
+    deepest = fmax(deepest, 1 - gap / d->sphere[i].radius);
+  }
+  return deepest;
+}
+
+double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
+  const dem_wall_contacts *list = &d->walls;
+  bool keeps = d->model->law->normal == DEM_NORMAL_hysteretic;
+  return keeps ? list->history[(size_t)d->model->columns.normal * list->capacity + k] : 0;
+}
+
+double dem_lid_force(const dem_data *d, const dem_box *box) {
+  const dem_model *m = d->model;
+  const dem_wall_contacts *list = &d->walls;
+  double sum = 0;
+  for (size_t k = 0; k < list->count; k++) {
+    int w = list->entry[k].wall, i = list->entry[k].particle;
+    if (w != box->lid)
+      continue;
+    tdm_vec3 n;
+    double radius = d->sphere[i].radius, gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
+    const dem_pair *pair = &m->settle_pair[d->kind[i] * m->nmaterial + m->body[box->body].material];
+    dem_impact at = {.mass = d->mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
+    if (gap < radius && gap > -radius)
+      sum += dem_normal_force(m, pair, at, radius - gap);
+  }
+  return sum;
+}

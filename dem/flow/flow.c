@@ -1,0 +1,254 @@
+/* Sources and sinks: see flow.h. */
+#include "dem/flow/flow.h"
+
+#include "dem/bodies/walls.h"
+#include "dem/flow/free_space.h"
+#include "dem/model/group_options.h"
+#include "protocol/base/log.h"
+#include "protocol/base/random.h"
+#include "protocol/base/remark.h"
+
+#include <stdio.h>
+
+enum {
+  TRIES = 20,       /* places tried in a region in one step */
+  LOGGED_WAITS = 10 /* of a source; the channel tells the rest */
+};
+
+static const double ROUND_OFF = 1e-6; /* of a step: times on the grid of steps are on it */
+
+/* ---- drawing ---- */
+
+static double mass_of(const dem_model *m, const dem_source *s, uint64_t particle) {
+  double r = dem_sizes_draw(&s->sizes, s->seed, particle);
+  return s->mass > 0 ? s->mass : m->material[s->kind].density * 4.0 / 3 * M_PI * r * r * r;
+}
+
+static tdm_vec3 place_of(const dem_source *s, uint64_t particle, uint64_t draw) {
+  tdm_vec3 size = tdm_sub(s->high, s->low);
+  const double u[3] = {dem_draw(s->seed, particle, 3 * draw + 1), dem_draw(s->seed, particle, 3 * draw + 2),
+                       dem_draw(s->seed, particle, 3 * draw + 3)};
+  return tdm_add(s->low, tdm_v3(size.x * u[0], size.y * u[1], size.z * u[2]));
+}
+
+/* ---- sources ---- */
+
+/* when the particle with `number` and `mass` before it is due */
+static double due_time(const dem_source *s, uint64_t number, double mass) {
+  return s->start + (s->mass_rate > 0 ? mass / s->mass_rate : (double)number / s->rate);
+}
+
+/* count the particles that should be there at time t */
+static void advance_due(const dem_model *m, const dem_source *s, dem_source_state *now, double t, double round_off) {
+  while (now->due < s->count) {
+    double due = due_time(s, now->due, now->due_mass);
+    if (!(due <= t + round_off) || !(due < s->end - round_off))
+      return;
+    double mass = mass_of(m, s, now->due);
+    if (now->due_mass + mass > s->total_mass * (1 + 1e-9)) /* sums are not exact */
+      return;
+    now->due_mass += mass;
+    now->due++;
+  }
+}
+
+static tdm_vec3 velocity_of(const dem_data *d, const dem_source *s) {
+  return s->relative >= 0 ? tdm_axpy(s->factor, d->twist[s->relative].velocity, s->velocity) : s->velocity;
+}
+
+/* the places that the source's particles can take in this step, of length dt */
+static bool open_room(dem_room *room, const dem_data *d, const dem_source *s, double dt) {
+  double flight = dt * (tdm_norm(velocity_of(d, s)) + 0.5 * dt * tdm_norm(d->model->gravity));
+  tdm_vec3 margin = tdm_v3(flight, flight, flight);
+  return dem_room_open(room, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
+}
+
+/* The source's next particle, which was due `late` [s] ago, if there is room for it. */
+static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double late,
+                      dem_newcomer *out) {
+  const dem_model *m = d->model;
+  bool point = s->low.x == s->high.x && s->low.y == s->high.y && s->low.z == s->high.z;
+  out->radius = dem_sizes_draw(&s->sizes, s->seed, now->made);
+  out->mass = mass_of(m, s, now->made);
+  out->kind = s->kind;
+  tdm_vec3 v = velocity_of(d, s);
+  out->velocity = tdm_axpy(late, m->gravity, v);
+  for (int k = 0; k < (point ? 1 : TRIES); k++) {
+    tdm_vec3 x = point ? s->low : place_of(s, now->made, now->draw);
+    out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
+    out->position = dem_flatten(m, out->position, m->flat_at);
+    now->draw++;
+    if (dem_room_free(room, d, out->position, out->radius))
+      return true;
+  }
+  return false;
+}
+
+static void note_wait(const dem_source *s, dem_source_state *now, double t) {
+  char event[96];
+  if (now->blocked)
+    return;
+  now->blocked = 1;
+  now->waits++;
+  snprintf(event, sizeof event, "source_waits.%s", s->name);
+  tdm_remark(
+      TDM_NOTICE, event, "dem.sources", t,
+      "the source \"%s\" waits with particle %llu from t = %.9g s on: its place is taken by a particle or a wall",
+      s->name, (unsigned long long)now->made, t);
+}
+
+void dem_flow_end(const dem_data *d, double t) {
+  for (int s = 0; s < d->model->nsource; s++) {
+    const dem_source *source = &d->model->source[s];
+    const dem_source_state *now = &d->source[s];
+    char event[96], path[TDM_PATH_MAX];
+    if (now->made == now->due)
+      continue;
+    snprintf(event, sizeof event, "source_behind.%s", source->name);
+    snprintf(path, sizeof path, "dem.sources[%d]", s);
+    tdm_remark(TDM_WARNING, event, path, t,
+               "%llu of the %llu particles that the source \"%s\" should have made still wait at the end, t = %.9g s: "
+               "their place is taken; lower its rate, enlarge its region, or give the particles a velocity that makes "
+               "room",
+               (unsigned long long)(now->due - now->made), (unsigned long long)now->due, source->name, t);
+  }
+}
+
+static void note_room(const dem_source *s, dem_source_state *now, double t) {
+  if (now->blocked && now->waits <= LOGGED_WAITS)
+    tdm_log(TDM_LOG_INFO, "source_resumes", "t=%.9g source=%s particle=%llu", t, s->name,
+            (unsigned long long)now->made);
+  now->blocked = 0;
+}
+
+/* make what is due, as far as there is room; false: no memory */
+static bool make_due(dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double t, double dt) {
+  const double round_off = ROUND_OFF * dt;
+  while (now->made < now->due) {
+    /* one that waited, or queued behind one, starts where the source is */
+    double late = t - due_time(s, now->made, now->made_mass);
+    if (now->blocked || late < round_off || late > dt - round_off)
+      late = 0;
+    dem_newcomer newcomer;
+    if (!find_room(d, room, s, now, late, &newcomer)) {
+      note_wait(s, now, t);
+      return true;
+    }
+    note_room(s, now, t);
+    if (!dem_data_add(d, &newcomer) || !dem_room_add(room, d, d->nparticle - 1))
+      return false;
+    now->made++;
+    now->made_mass += newcomer.mass;
+    now->draw = 0;
+  }
+  return true;
+}
+
+static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, double t, double dt) {
+  advance_due(d->model, s, now, t, ROUND_OFF * dt);
+  if (now->made == now->due)
+    return true;
+  dem_room room;
+  if (!open_room(&room, d, s, dt))
+    return false;
+  bool good = make_due(d, &room, s, now, t, dt);
+  dem_room_close(&room);
+  return good;
+}
+
+/* ---- sinks ---- */
+
+static bool touches(const dem_data *d, int i, int w) {
+  const dem_wall *wall = &d->model->wall[w];
+  tdm_vec3 n;
+  double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
+  return gap < d->sphere[i].radius && !(dem_wall_endless(wall) && gap <= -d->sphere[i].radius);
+}
+
+/* is particle i inside sink s by its place alone? */
+static bool inside(const dem_sink *s, tdm_vec3 x) {
+  if (s->type == DEM_SINK_PLANE)
+    return tdm_dot(tdm_sub(x, s->point), s->normal) < 0;
+  return s->type == DEM_SINK_BOX && x.x >= s->low.x && x.x <= s->high.x && x.y >= s->low.y && x.y <= s->high.y &&
+         x.z >= s->low.z && x.z <= s->high.z;
+}
+
+/* Has particle i rebounded from the body of sink s? One that went through a wall has not: it is lost. */
+static bool rebounded(dem_data *d, int s, int i) {
+  const dem_model *m = d->model;
+  uint32_t bit = (uint32_t)1 << s;
+  int body = m->sink[s].body;
+  for (int w = 0; w < m->nwall; w++)
+    if (m->wall[w].body == body && touches(d, i, w)) {
+      d->touched[i] |= bit;
+      return false;
+    }
+  if (!(d->touched[i] & bit))
+    return false;
+  for (int w = 0; w < m->nwall; w++)
+    if (m->wall[w].body == body && dem_through(d, i, w))
+      return false;
+  return true;
+}
+
+/* the sink that takes particle i, -1: none */
+static int taker(dem_data *d, int i) {
+  const dem_model *m = d->model;
+  int first = -1;
+  for (int s = 0; s < m->nsink; s++) { /* all of them, so that each notes its contacts */
+    bool takes =
+        m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i) : inside(&m->sink[s], d->sphere[i].position);
+    if (takes && first < 0)
+      first = s;
+  }
+  return first;
+}
+
+static void count_out(dem_data *d, int s, int i) {
+  const dem_sink *sink = &d->model->sink[s];
+  dem_sink_state *now = &d->sink[s];
+  int k = 0;
+  while (k < sink->nedge && d->sphere[i].radius >= sink->edge[k])
+    k++;
+  now->removed++;
+  now->mass += d->mass[i];
+  now->class_removed[k]++;
+  now->class_mass[k] += d->mass[i];
+}
+
+static void run_sinks(dem_data *d) {
+  int *gone = d->number; /* scratch */
+  long many = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    gone[i] = taker(d, i);
+    if (gone[i] < 0)
+      continue;
+    count_out(d, gone[i], i);
+    many++;
+  }
+  if (many > 0)
+    dem_data_remove(d, gone);
+}
+
+bool dem_flow(dem_data *d, double t, double dt) {
+  const dem_model *m = d->model;
+  if (m->nsink > 0)
+    run_sinks(d);
+  for (int s = 0; s < m->nsource; s++)
+    if (!run_source(d, &m->source[s], &d->source[s], t, dt))
+      return false;
+  return true;
+}
+
+/* ---- balances ---- */
+
+double dem_balance_number(const dem_data *d) {
+  return (double)d->ledger.created - (double)d->ledger.removed - (double)d->nparticle;
+}
+
+double dem_balance_mass(const dem_data *d) {
+  dem_exact rest = d->ledger.mass;
+  for (int i = 0; i < d->nparticle; i++)
+    dem_exact_add(&rest, -d->mass[i]);
+  return dem_exact_value(&rest);
+}

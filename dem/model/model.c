@@ -1,0 +1,67 @@
+/* The model's life. What it contains is read in model_read.c. */
+#include "dem/model/model.h"
+
+#include "dem/model/model_read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int dem_find_material(const dem_model *m, const char *name) {
+  for (int i = 0; i < m->nmaterial; i++)
+    if (m->material[i].name && strcmp(m->material[i].name, name) == 0)
+      return i;
+  return -1;
+}
+
+int dem_find_body(const dem_model *m, const char *name) {
+  for (int i = 0; i < m->nbody; i++)
+    if (m->body[i].name && strcmp(m->body[i].name, name) == 0)
+      return i;
+  return -1;
+}
+
+double dem_largest_radius(const dem_model *m) {
+  double largest = 0;
+  for (int i = 0; i < m->nparticle; i++)
+    largest = fmax(largest, m->radius[i]);
+  for (int s = 0; s < m->nsource; s++)
+    largest = fmax(largest, m->source[s].sizes.max);
+  return largest;
+}
+
+tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
+  tdm_error own = {0}; /* so that err may be NULL */
+  if (!err)
+    err = &own;
+  *model = calloc(1, sizeof **model);
+  if (!*model)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM model");
+  dem_model_read(*model, assignment, err);
+  return err->status;
+}
+
+void dem_model_destroy(dem_model **model) {
+  dem_model *m = *model;
+  if (!m)
+    return;
+  for (int i = 0; m->material && i < m->nmaterial; i++)
+    free(m->material[i].name);
+  for (int i = 0; m->body && i < m->nbody; i++)
+    free(m->body[i].name);
+  for (int i = 0; m->source && i < m->nsource; i++)
+    free(m->source[i].name);
+  for (int i = 0; m->sink && i < m->nsink; i++)
+    free(m->sink[i].name);
+  for (int i = 0; m->mesh && i < m->nmesh; i++)
+    dem_mesh_destroy(&m->mesh[i]);
+  free(m->settle.store);
+  free(m->start);
+  void *arrays[] = {m->pouring,  m->source,       m->sink,           m->box,      m->mesh,
+                    m->material, m->geometry,     m->first_triangle, m->pair,     m->settle_pair,
+                    m->body,     m->coupled_body, m->wall,           m->group,    m->radius,
+                    m->mass,     m->kind,         m->position,       m->velocity, m->spin};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+    free(arrays[i]);
+  free(m);
+  *model = NULL;
+}

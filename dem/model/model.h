@@ -1,0 +1,271 @@
+/* The model: what a scene fixes. Immutable after loading, shared as `const dem_model *`.
+ *
+ * The scene section "dem" is described in README.md; model_read.c reads it, fill.c makes the particles.
+ */
+#ifndef DEM_MODEL_MODEL_H
+#define DEM_MODEL_MODEL_H
+
+#include "dem/bodies/driven.h"
+#include "dem/contact/table.h"
+#include "dem/geometry/wall/shape.h"
+#include "dem/model/sizes.h"
+#include "protocol/wire/participant.h"
+
+#include <stdint.h>
+
+typedef struct {
+  char *name;
+  double density; /* [kg/m3] */
+  double young;   /* [Pa] */
+  double poisson;
+  double shear; /* young / (2 (1 + poisson)) [Pa] */
+} dem_material;
+
+/* What a contact of two materials needs, worked out at load time; 0 where no law of the scene asks for it. All doubles
+ * after `given`: contacts gather them by their place. */
+typedef struct {
+  bool given;         /* the scene has this pair */
+  double restitution; /* 0: the damping is given otherwise */
+  double friction, static_friction;
+  double floor; /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
+  double young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
+  double shear; /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
+
+  /* normal; normal_damping: hooke 2 zeta: c_n = this * sqrt(m* k); hertz 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n);
+   * hunt-crossley X = lambda v_0 */
+  double stiffness;          /* hooke, hysteretic k_l [N/m]; hunt-crossley [N/m^p] */
+  double stiffness_per_mass; /* hooke with a contact time: k = this * m* [1/s2] */
+  double hertzian;           /* hunt-crossley after Hertz: k = this * sqrt(R*), 4/3 E* [Pa] */
+  double normal_damping;
+  double viscosity;      /* hooke: c_p [kg/s]; hertz: eta of [G21] Eq. 3 [Pa s] */
+  double speed_floor;    /* hunt-crossley: least v_0 [m/s] */
+  double unloading;      /* hysteretic k_un [N/m] */
+  double plastic;        /* hysteretic: delta_0/delta_max = 1 - k_l/k_un */
+  double adhesion_slope; /* hysteretic k_ad [N/m] */
+
+  /* tangential; tangential_damping: mindlin 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n); spring
+   * 2 zeta sqrt(k_t): c_t = this * sqrt(m*) */
+  double tangential_stiffness; /* spring [N/m] */
+  double tangential_damping;
+  double tangential_viscosity; /* spring, viscous [kg/s] */
+  double damps_as_normal;      /* spring: 1 when zeta is that of the restitution */
+
+  double rolling_friction, rolling_damping; /* mu_r; eta_r, share of the critical */
+  double twisting_friction;
+  double cohesion_density; /* sjkr [J/m3] */
+  double adhesion_energy;  /* jkr, dmt: work of adhesion w [J/m2] */
+  double adhesion_length;  /* jkr: (pi w/E*)^(1/3) [m^(1/3)] */
+} dem_pair;
+
+/* A geometry: walls that move as one rigid body. */
+typedef struct {
+  char *name;
+  int material;
+  int coupled;     /* index among the assignment's coupled bodies, -1: fixed or driven */
+  double mass;     /* at the start [kg], inf: cannot be moved */
+  tdm_state start; /* world */
+  dem_drive drive; /* of a body that is not coupled */
+} dem_body;
+
+/* An entry of a body's "shapes". */
+typedef struct {
+  int body, number;      /* number: in the body's list */
+  int first_wall, nwall; /* the walls that it is made of */
+} dem_geometry;
+
+/* Makes particles during the run (flow.h). */
+typedef struct {
+  char *name;
+  int kind; /* material */
+  dem_sizes sizes;
+  double mass;        /* of one particle [kg], 0: from the density */
+  double rate;        /* [1/s], 0: mass_rate decides */
+  double mass_rate;   /* [kg/s], 0: rate decides */
+  tdm_vec3 low, high; /* box in which the centres appear, world [m]; a point when both are equal */
+  tdm_vec3 velocity;  /* world [m/s] */
+  int relative;       /* body whose velocity is added, -1: none */
+  double factor;      /* of that velocity */
+  double start, end;  /* [s]; inf: no end */
+  uint64_t count;     /* at most so many particles */
+  double total_mass;  /* ends before the particle that would exceed it [kg]; inf: no limit */
+  uint64_t seed;
+} dem_source;
+
+/* Takes particles away during the run (flow.h). */
+typedef enum { DEM_SINK_AFTER_CONTACT, DEM_SINK_BOX, DEM_SINK_PLANE } dem_sink_type;
+
+enum {
+  DEM_SINKS_MAX = 32, /* one bit each in dem_data.touched */
+  DEM_EDGES_MAX = 15  /* of a sink's size classes */
+};
+
+typedef struct {
+  char *name;
+  dem_sink_type type;
+  int body;                   /* after_contact */
+  tdm_vec3 low, high;         /* box: world [m] */
+  tdm_vec3 point, normal;     /* plane: takes what is behind it; world */
+  int nedge;                  /* 0: no classes, else nedge + 1 of them */
+  double edge[DEM_EDGES_MAX]; /* (nedge) ascending radii [m]: class k has edge[k-1] <= r < edge[k] */
+} dem_sink;
+
+/* Size classes that a sink counts by. */
+static inline int dem_sink_classes(const dem_sink *sink) {
+  return sink->nedge > 0 ? sink->nedge + 1 : 0;
+}
+
+/* Lets particles fall into a bed while it settles (pour.h). */
+typedef struct {
+  int entry;          /* of dem.particles */
+  int first, count;   /* its particles in the arrays of the model */
+  tdm_pose frame;     /* of the region to world */
+  tdm_vec3 low, high; /* region in which they appear, spheres inside [m] */
+  double largest;     /* radius [m] */
+  uint64_t seed;
+} dem_pouring;
+
+/* Particles that one entry of dem.particles made: [first, first + count). */
+typedef struct {
+  int first, count;
+  tdm_vec3 force;        /* on each of them, besides gravity and contacts [N] */
+  tdm_vec3 acceleration; /* likewise [m/s2] */
+  bool fixed;            /* they never move */
+} dem_group;
+
+/* The box in which particles stay, repeat or leave (domain.h). */
+typedef struct {
+  bool wanted;        /* the scene has dem.domain */
+  bool periodic[3];   /* else open */
+  double low[3];      /* at the start [m] */
+  double length[3];   /* at the start [m] */
+  double rate[3];     /* of strain: length (1 + rate t) [1/s]; 0 in open directions */
+  bool repeats, open; /* some direction is periodic, some is open */
+  bool strained;      /* some rate is not 0 */
+} dem_domain_def;
+
+typedef enum { DEM_GUARD_WARN, DEM_GUARD_STOP } dem_guard_action;
+
+/* What is watched while running (guard.h). */
+typedef struct {
+  long every;     /* steps between two looks, 0: never */
+  double overlap; /* largest share of the smaller radius */
+  double energy;  /* largest rise, as a share of the energy there is */
+  dem_guard_action action;
+  bool chosen; /* the scene gives the action */
+} dem_guard_def;
+
+typedef struct {
+  bool wanted;     /* the scene has dem.settle */
+  double speed;    /* largest particle speed of a bed at rest [m/s] */
+  double max_time; /* [s] */
+  double dt;       /* [s], 0: chosen from the step limits */
+  double drag;     /* rate at which velocities and spins decay while settling [1/s] */
+  char *store;     /* file that keeps the settled bed, NULL: none */
+} dem_settling;
+
+typedef struct dem_model {
+  double dt;  /* DEM step [s] */
+  bool proxy; /* windows come with the mechanism that holds the coupled bodies (assignment) */
+  double time_start, time_end;
+  tdm_interpolation interpolation;
+  tdm_vec3 gravity; /* [m/s2] */
+
+  const char *simd;   /* instruction set, of dem_simd_names */
+  const dem_law *law; /* the combination of contact laws */
+  dem_rolling rolling;
+  dem_twisting twisting;
+  dem_cohesion cohesion;
+  bool couples;         /* contacts give couples: rolling or twisting */
+  bool energy;          /* energies of the contacts are wanted */
+  bool geometry_loads;  /* loads of the geometries of bodies that have several are wanted */
+  bool triangle_forces; /* so are forces on the triangles of meshes */
+  double exponent;      /* hunt-crossley: p */
+  bool printed;         /* hunt-crossley: lambda as printed */
+  dem_columns columns;  /* of the contacts' history */
+  double reach;         /* gap over which contacts act, for the neighbour lists [m] */
+  const struct dem_integrator *integrator;
+  bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
+  const struct dem_integrator *settler; /* velocity Verlet, for settling */
+  struct {
+    long substeps;
+    double mass; /* contacts of a smaller effective mass are the fast ones [kg] */
+  } multi_step;
+  int threads;        /* that work at the same time; results do not depend on it */
+  const char *search; /* of dem_search_names, NULL: chosen for the spheres */
+  int flat;           /* axis along which particles do not move (dem.dimension 2), -1: none */
+  double flat_at;     /* their coordinate along it [m] */
+  bool driven;        /* flat, or a group has forces of its own or is fixed */
+  dem_domain_def domain;
+  dem_guard_def guard;
+  char *start;        /* stored state that the run starts from, NULL: none */
+  bool clip;          /* the normal force never attracts */
+  double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */
+  double skin;        /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
+  double mean_radius; /* of the particles, every source's counted as one [m] */
+
+  int nmaterial;
+  dem_material *material; /* (nmaterial) */
+  dem_pair *pair;         /* (nmaterial x nmaterial), symmetric */
+  dem_pair *settle_pair;  /* (nmaterial x nmaterial) the same while settling */
+
+  int nbody, ncoupled, ndriven;
+  dem_body *body;    /* (nbody) */
+  int *coupled_body; /* (ncoupled) body of each coupled body */
+
+  int ngeometry;
+  dem_geometry *geometry; /* (ngeometry) of all bodies, body by body */
+
+  int nload; /* loads that a step sums up: those of the bodies, then of the geometries if geometry_loads */
+
+  int nwall;
+  dem_wall *wall; /* (nwall) of all bodies, body by body */
+
+  int ntriangle;       /* of all walls that are meshes, if triangle_forces, else 0 */
+  int *first_triangle; /* (nwall) of these; NULL when there are none */
+
+  int ngroup;
+  dem_group *group; /* (ngroup) by entry of dem.particles */
+  bool fixes;       /* a group is fixed */
+
+  int npouring;
+  dem_pouring *pouring; /* (npouring) one after the other */
+
+  int nbox;
+  dem_box *box; /* (nbox) containers */
+
+  int nmesh;
+  dem_mesh **mesh; /* (nmesh) owned; walls borrow them */
+
+  int nsource, nsink;
+  dem_source *source; /* (nsource) */
+  dem_sink *sink;     /* (nsink) */
+
+  /* the particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
+   * settling and have no position yet. */
+  int nparticle, npoured;
+  double *radius;     /* (nparticle) [m] */
+  double *mass;       /* (nparticle) [kg] */
+  int *kind;          /* (nparticle) material */
+  tdm_vec3 *position; /* (nparticle) at the start [m] */
+  tdm_vec3 *velocity; /* (nparticle) at the start [m/s] */
+  tdm_vec3 *spin;     /* (nparticle) angular velocity at the start [rad/s] */
+
+  double expected_speed; /* largest relative speed that the user expects [m/s], 0: estimated */
+
+  dem_settling settle;
+} dem_model;
+
+/* Index of a name, -1 when there is none. */
+int dem_find_material(const dem_model *model, const char *name);
+int dem_find_body(const dem_model *model, const char *name);
+
+/* Largest radius that is there or that a source will make [m]; 0 without any. */
+double dem_largest_radius(const dem_model *model);
+
+/* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
+tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
+
+/* Frees and sets *model to NULL; *model may be NULL. */
+void dem_model_destroy(dem_model **model);
+
+#endif

@@ -1,0 +1,269 @@
+/* The data: everything that a run changes, in one object that can be copied.
+ *
+ * Particles are a structure of arrays, one packed array of vectors a quantity: a contact gathers whole vectors.
+ * The arrays of particles lie in one block, those whose sizes the model fixes in another. The number of particles may
+ * change between steps: dem_data_add appends, dem_data_remove closes the gaps. Their order is that of their ids, the
+ * order of creation, as long as they are few (one chunk); more are put in the order of their places every
+ * DEM_SORT_STEPS steps (search/pairs.h). Nothing grows inside a contact loop.
+ */
+#ifndef DEM_STATE_DATA_H
+#define DEM_STATE_DATA_H
+
+#include "dem/bodies/mobility.h"
+#include "dem/model/model.h"
+#include "dem/search/search.h"
+#include "dem/state/exact_sum.h"
+#include "dem/state/scratch.h"
+#include "dem/step/timers.h"
+
+#include <stdint.h>
+
+/* The pairs of particles that are near, half lists. Particle i has the entries first[i] ... first[i+1] - 1, partners
+ * ascending and greater than i. Entries are chunk by chunk, each chunk's filled up to a multiple of DEM_LANES_MAX with
+ * entries of the particle that is none (number nparticle). */
+typedef struct {
+  int *first;      /* (nparticle + 1) */
+  int *one;        /* (capacity) i */
+  int *other;      /* (capacity) j */
+  int *sink;       /* (capacity) place in push for the reaction on j: j, or one of the places between the chunks */
+  double *history; /* (columns x capacity) or NULL */
+  size_t *chunk;   /* (nchunk + 1) first entry of a chunk */
+  size_t count, capacity;
+} dem_pairs;
+
+/* A particle near a wall; `part` is the triangle of a mesh, else 0. */
+typedef struct {
+  int particle, wall, part;
+} dem_wall_entry;
+
+/* Chunk by chunk, in each ascending by wall, particle and part. */
+typedef struct {
+  dem_wall_entry *entry; /* (capacity) */
+  double *history;       /* (columns x capacity) or NULL */
+  size_t *chunk;         /* (nchunk + 1) first entry of a chunk */
+  size_t count, capacity;
+} dem_wall_contacts;
+
+/* Reactions on particles of later chunks: each has a place of its own in push, from nparticle + 1 on, and is added to
+ * its particle after all loops, so that chunks do not disturb each other. */
+typedef struct {
+  int *particle; /* (count) by place */
+  int *order;    /* (count) places by the chunk of the particle, ascending in each */
+  int *chunk;    /* (nchunk + 1) first of a chunk in order */
+  int count, capacity;
+} dem_crossings;
+
+/* The arrays of particles that are state: X(field, entries a particle). A new one only needs its row. */
+#define DEM_PARTICLE_STATE(X)    \
+  X(sphere, 1)                   \
+  X(rotor, 1)                    \
+  X(pace, 1)                     \
+  X(position_at_list, 1)         \
+  X(mass, 1)                     \
+  X(kind, 1)                     \
+  X(id, 1)                       \
+  X(touched, 1)                  \
+  X(drive, d->model->driven)     \
+  X(memory, d->model->remembers) \
+  X(front, d->model->nwall)
+
+/* How far a source is. */
+typedef struct {
+  uint64_t due, made;         /* particles that should be there by now, and those that are */
+  double due_mass, made_mass; /* of these [kg], summed in order of creation */
+  uint64_t draw;              /* places tried for the next particle */
+  uint64_t waits;             /* times that a particle had to wait */
+  uint64_t blocked;           /* 1: the next particle waits now */
+} dem_source_state;
+
+typedef struct {
+  uint64_t removed;
+  double mass;                               /* [kg] */
+  uint64_t class_removed[DEM_EDGES_MAX + 1]; /* the same by size class */
+  double class_mass[DEM_EDGES_MAX + 1];
+} dem_sink_state;
+
+/* What went in and out, for the balance. */
+typedef struct {
+  uint64_t created, removed; /* created: with those of the start */
+  uint64_t left;             /* of the removed: those that left dem.domain */
+  dem_exact mass;            /* created less removed, without round-off [kg] */
+} dem_ledger;
+
+/* Energy that came in from elsewhere than the coupled bodies (supply.h). */
+typedef struct {
+  double flow, driven; /* since the start of the run [J] */
+  double power;        /* of the driven bodies at the last step [W] */
+  uint64_t next_look;  /* step from which on the energy may be looked at again */
+} dem_supply;
+
+/* What the guard saw last (guard.h). */
+typedef enum {
+  DEM_GUARD_LEAP,
+  DEM_GUARD_OVERLAP,
+  DEM_GUARD_LOST,
+  DEM_GUARD_STEP,
+  DEM_GUARD_ENERGY,
+  DEM_GUARD_KINDS
+} dem_guard_kind;
+
+typedef struct {
+  double start, lowest;           /* energy at the first look, and the lowest since [J] */
+  double potential;               /* lowest potential since [J] */
+  uint64_t judging;               /* 1: the three are there */
+  uint64_t flow;                  /* particles that had come or gone then */
+  uint64_t leaper;                /* 1 + id of a particle that moved more than its radius in a step, 0: none */
+  double leap;                    /* by how much [m] */
+  uint64_t pace_step, pace_next;  /* steps at which speeds were last looked at, and will be next */
+  double way;                     /* that a particle and a wall may have gone towards each other since the last look at
+                                     overlaps [m] */
+  uint64_t lost;                  /* particles behind planes that are known */
+  uint64_t told[DEM_GUARD_KINDS]; /* warnings so far */
+} dem_guard_state;
+
+/* Forces on the triangles of meshes at the last step or evaluation; all NULL unless model.triangle_forces. */
+typedef struct {
+  bool wanted;           /* of the evaluations to come */
+  tdm_vec3 *force;       /* (model.ntriangle) of the particles on each, world [N] */
+  tdm_vec3 *entry_force; /* (capacity) of each entry of the walls' list on its particle [N] */
+  size_t capacity;
+} dem_traction;
+
+/* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
+enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
+
+static inline int dem_chunks(int nparticle) {
+  return nparticle > 0 ? (nparticle + DEM_CHUNK - 1) / DEM_CHUNK : 1;
+}
+
+typedef struct dem_data {
+  const dem_model *model; /* borrowed */
+  uint64_t nstep;         /* steps since the start of the run */
+  dem_ledger ledger;
+  dem_supply supply;
+
+  /* particles, (nparticle) each, room for (capacity) */
+  int nparticle, capacity;
+  uint64_t *id;               /* order of creation, ascending; never used twice */
+  int *kind;                  /* material */
+  uint32_t *touched;          /* bit s: sink s waits until the particle has left its body again */
+  double *mass;               /* [kg] */
+  dem_sphere *sphere;         /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
+  dem_rotor *rotor;           /* likewise */
+  dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
+  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings. Lists
+                               * are built when they are not needed, and use their memory (pairs.h) */
+  dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
+  dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
+  dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
+  tdm_vec3 *position_at_list; /* when the lists were built [m] */
+
+  /* bodies, (nbody) each */
+  tdm_pose *pose;         /* now */
+  tdm_twist *twist;       /* now */
+  tdm_wrench *body_load;  /* (model.nload) of the particles, about the body's centre of mass, world */
+  dem_mobility *mobility; /* for the damping */
+  tdm_pose *pose_at_list; /* when the lists were built */
+  double *margin;         /* smallest gap - radius of a particle that is not listed with this body's walls [m] */
+  double *reach;          /* largest distance of a particle's centre from the centre of mass at the list [m] */
+  dem_wall_place *wall;   /* (nwall) where the walls are */
+  double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
+  uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
+  tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
+  dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
+
+  dem_source_state *source; /* (nsource) */
+  dem_sink_state *sink;     /* (nsink) */
+
+  double memory_dt; /* step for which memory was made [s] */
+  bool restart;     /* memory is to be made anew */
+
+  dem_domain domain;        /* where the box is now; all 0 when the scene has none */
+  double domain_rate[3];    /* how fast its lengths grow now [m/s] */
+  double strained;          /* how long it has been strained before the steps counted next [s] */
+  uint64_t strain_steps;    /* steps since, of strain_dt each */
+  double strain_dt;         /* [s] */
+  double length_at_list[3]; /* its lengths when the lists were built [m] */
+  dem_guard_state guard;
+
+  int nchunk; /* of DEM_CHUNK particles each, as of the last list */
+  dem_pairs pairs;
+  dem_wall_contacts walls;
+  dem_crossings crossings;
+  bool list_valid;     /* the lists are lists of these particles */
+  bool list_stale;     /* particles came: rebuild at the next step */
+  double skin;         /* of the lists [m] */
+  uint64_t nrebuild;   /* of the lists */
+  uint64_t since_list; /* steps since the last of them */
+  uint64_t since_sort; /* steps since the particles were put in the order of their places */
+
+  long ncontact;     /* touching pairs and walls at the last evaluation */
+  dem_energy energy; /* of the contacts, if the scene asks for it */
+
+  /* means over the output interval, (model.nload + 1): as body_load, then of the contacts on fixed particles */
+  tdm_wrench *sample_sum;
+  tdm_wrench *sample_mean; /* the last sample's */
+  double sample_steps;     /* steps in sample_sum; parts of one where an output time lies inside a step */
+
+  /* not part of the state */
+  dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
+  size_t *chunk_spare;           /* (nchunk + 1) */
+  dem_scratch scratch;           /* at a rebuild; the memory of push */
+  dem_rows rows;                 /* likewise: what the search found */
+  dem_search *search;            /* owned; NULL until the first list */
+  tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
+  dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
+  int *number;                   /* (nparticle) scratch, where particles can leave; else none */
+  dem_times *times;              /* borrowed; NULL: not measured */
+  int push_capacity, nthread;
+  void *particle_block; /* the arrays of particles */
+  void *block;          /* the arrays of fixed size */
+  size_t block_size;    /* of the latter [bytes] */
+} dem_data;
+
+/* The state at the start of the model: particles and bodies as the scene gives them, forces evaluated with closed
+ * histories. NULL when memory runs out. The model must outlive the data. */
+dem_data *dem_data_create(const dem_model *model);
+
+/* Make dst the same state as src; both belong to one model. It then goes on bit-identically. False: no memory. */
+bool dem_data_copy(dem_data *dst, const dem_data *src);
+
+void dem_data_destroy(dem_data **data);
+
+typedef struct {
+  tdm_vec3 position, velocity; /* world [m], [m/s] */
+  double radius, mass;         /* [m], [kg] */
+  int kind;                    /* material */
+} dem_newcomer;
+
+/* Append a particle between two steps: without spin and contacts, with the next id. The lists are rebuilt at the next
+ * step. Pointers into the data's particle arrays become invalid. False: no memory. */
+bool dem_data_add(dem_data *data, const dem_newcomer *newcomer);
+
+/* Remove the particles with gone[i] >= 0 (nparticle) between two steps. The others keep their order, contacts and
+ * histories. */
+void dem_data_remove(dem_data *data, const int *gone);
+
+/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers, and push loses
+ * what it has: they are to be built next. False: no memory. */
+bool dem_data_permute(dem_data *data, const int *from);
+
+/* Put the particle that is none behind the last. */
+void dem_data_end(dem_data *data);
+
+/* Room for n particles. False: no memory, nothing changed. */
+bool dem_data_reserve(dem_data *data, int n);
+
+/* The particle after the last one of a chunk. */
+static inline int dem_chunk_end(const dem_data *d, int c) {
+  return c + 1 < d->nchunk ? (c + 1) * DEM_CHUNK : d->nparticle;
+}
+
+/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. False: no memory. */
+bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
+bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
+
+/* Room in push for the particles, the one that is none and `count` crossings. False: no memory. */
+bool dem_crossings_reserve(dem_data *data, int count);
+
+#endif

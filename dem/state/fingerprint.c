@@ -1,0 +1,217 @@
+/* Fingerprints of a model: see fingerprint.h. */
+#include "dem/state/fingerprint.h"
+
+#include "dem/step/integrate.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* FNV-1a, 64 bits */
+static uint64_t hash_bytes(uint64_t h, const void *bytes, size_t n) {
+  const unsigned char *b = bytes;
+  for (size_t i = 0; i < n; i++)
+    h = (h ^ b[i]) * 0x100000001b3u;
+  return h;
+}
+
+static uint64_t hash_numbers(uint64_t h, const double *x, size_t n) {
+  return hash_bytes(h, x, n * sizeof *x);
+}
+
+static uint64_t hash_vectors(uint64_t h, const tdm_vec3 *x, size_t n) {
+  return hash_bytes(h, x, n * sizeof *x);
+}
+
+static const uint64_t hash_start = 0xcbf29ce484222325u;
+
+static uint64_t hash_walls(uint64_t h, const dem_model *m) {
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    bool lid = false; /* away while settling */
+    for (int k = 0; k < m->nbox; k++)
+      lid = lid || m->box[k].lid == w;
+    const double what[] = {wall->primitive, wall->body, lid};
+    h = hash_numbers(h, what, 3);
+    if (lid)
+      continue;
+    h = hash_vectors(h, &wall->point, 1);
+    h = hash_vectors(h, &wall->normal, 1);
+    h = hash_vectors(h, &wall->half, 1);
+    const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside,
+                           wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
+    h = hash_numbers(h, more, sizeof more / sizeof *more);
+    unsigned long long mesh = wall->mesh ? dem_mesh_hash(wall->mesh) : 0;
+    h = hash_bytes(h, &mesh, sizeof mesh);
+  }
+  for (int k = 0; k < m->nbox; k++) {
+    const double lid[] = {m->box[k].lid, m->box[k].gap, m->box[k].press};
+    h = hash_numbers(h, lid, 3);
+  }
+  return h;
+}
+
+static uint64_t hash_laws(uint64_t h, const dem_model *m) {
+  const char *const laws[] = {dem_normals[m->law->normal].name, dem_tangentials[m->law->tangential].name,
+                              dem_rollings[m->rolling].name,    dem_twistings[m->twisting].name,
+                              dem_cohesions[m->cohesion].name,  m->clip ? "clip" : "keep"};
+  for (int k = 0; k < 6; k++)
+    h = hash_bytes(h, laws[k], strlen(laws[k]) + 1);
+  h = hash_numbers(h, &m->exponent, 1);
+  return h;
+}
+
+/* dimension and domain; as ever when the scene has neither */
+static uint64_t hash_box(uint64_t h, const dem_model *m) {
+  const dem_domain_def *box = &m->domain;
+  const double flat[] = {m->flat, m->flat_at};
+  if (m->flat >= 0)
+    h = hash_numbers(h, flat, 2);
+  for (int a = 0; box->wanted && a < 3; a++) {
+    const double side[] = {box->periodic[a], box->low[a], box->length[a]};
+    h = hash_numbers(h, side, 3);
+  }
+  return h;
+}
+
+static uint64_t hash_materials(uint64_t h, const dem_model *m) {
+  for (int k = 0; k < m->nmaterial; k++) {
+    const double material[] = {m->material[k].young, m->material[k].poisson};
+    h = hash_numbers(h, material, 2);
+  }
+  return h;
+}
+
+static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pairs) {
+  for (int k = 0; k < m->nmaterial * m->nmaterial; k++) {
+    const dem_pair *p = &pairs[k];
+    const double given = p->given;
+    h = hash_numbers(h, &given, 1);
+    if (p->given) /* all coefficients, doubles from the first on */
+      h = hash_bytes(h, &p->restitution, sizeof *p - offsetof(dem_pair, restitution));
+  }
+  return h;
+}
+
+static uint64_t hash_groups(uint64_t h, const dem_model *m) {
+  for (int g = 0; m->driven && g < m->ngroup; g++) {
+    const double of[] = {m->group[g].first, m->group[g].count, m->group[g].fixed};
+    h = hash_numbers(h, of, 3);
+    h = hash_vectors(h, &m->group[g].force, 1);
+    h = hash_vectors(h, &m->group[g].acceleration, 1);
+  }
+  return h;
+}
+
+/* the particles that fall in while settling; as ever when there are none */
+static uint64_t hash_pourings(uint64_t h, const dem_model *m) {
+  for (int k = 0; k < m->npouring; k++) {
+    const dem_pouring *p = &m->pouring[k];
+    const double numbers[] = {p->first, p->count, p->largest};
+    h = hash_numbers(h, numbers, 3);
+    h = hash_bytes(h, &p->seed, sizeof p->seed);
+    h = hash_bytes(h, &p->frame, sizeof p->frame);
+    h = hash_vectors(h, &p->low, 1);
+    h = hash_vectors(h, &p->high, 1);
+  }
+  return h;
+}
+
+static uint64_t hash_sizes(uint64_t h, const dem_sizes *s) {
+  const double numbers[] = {s->distribution, s->min, s->max, s->mean, s->deviation, s->nradius};
+  h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);
+  h = hash_numbers(h, s->radius, (size_t)s->nradius);
+  return hash_numbers(h, s->upto, (size_t)s->nradius);
+}
+
+/* belts: they rest while settling */
+static uint64_t hash_surfaces(uint64_t h, const dem_model *m) {
+  for (int w = 0; w < m->nwall; w++) {
+    h = hash_vectors(h, &m->wall[w].surface.velocity, 1);
+    h = hash_vectors(h, &m->wall[w].surface.angular, 1);
+  }
+  return h;
+}
+
+/* bodies are held while settling: their twists do not count */
+static uint64_t hash_poses(uint64_t h, const dem_model *m) {
+  for (int b = 0; b < m->nbody; b++)
+    h = hash_bytes(h, &m->body[b].start.pose, sizeof m->body[b].start.pose);
+  return h;
+}
+
+static uint64_t hash_particles(uint64_t h, const dem_model *m) {
+  size_t np = (size_t)m->nparticle;
+  h = hash_numbers(h, (const double[]){m->nparticle}, 1);
+  h = hash_numbers(h, m->radius, np);
+  h = hash_numbers(h, m->mass, np);
+  h = hash_bytes(h, m->kind, np * sizeof *m->kind);
+  h = hash_vectors(h, m->position, np);
+  h = hash_vectors(h, m->velocity, np);
+  return hash_vectors(h, m->spin, np);
+}
+
+static uint64_t hash_body_materials(uint64_t h, const dem_model *m) {
+  for (int b = 0; b < m->nbody; b++)
+    h = hash_numbers(h, (const double[]){m->body[b].material}, 1);
+  return h;
+}
+
+#define X(part, name) name,
+const char *const dem_bed_part_names[] = {DEM_BED_PART_LIST(X)};
+#undef X
+
+void dem_fingerprint_bed_parts(const dem_model *m, uint64_t part[DEM_BED_PARTS]) {
+  const dem_settling *s = &m->settle;
+  const double settle[] = {s->speed, s->max_time, s->dt, s->drag};
+  const double counts[] = {m->nmaterial, m->nbody, m->nwall};
+  part[DEM_BED_LAWS] = hash_laws(hash_start, m);
+  part[DEM_BED_BOX] = hash_box(hash_start, m);
+  part[DEM_BED_SETTLE] = hash_numbers(hash_start, settle, sizeof settle / sizeof *settle);
+  part[DEM_BED_GRAVITY] = hash_vectors(hash_start, &m->gravity, 1);
+  part[DEM_BED_MATERIALS] = hash_body_materials(hash_materials(hash_start, m), m);
+  part[DEM_BED_PAIRS] = hash_pairs(hash_start, m, m->settle_pair);
+  part[DEM_BED_POSES] = hash_poses(hash_start, m);
+  part[DEM_BED_SHAPES] = hash_walls(hash_numbers(hash_start, counts, 3), m);
+  part[DEM_BED_POURED] = hash_pourings(hash_start, m);
+  part[DEM_BED_PARTICLES] = hash_particles(hash_start, m);
+  part[DEM_BED_GROUPS] = hash_groups(hash_start, m);
+}
+
+uint64_t dem_fingerprint_bed(const dem_model *m) {
+  uint64_t part[DEM_BED_PARTS];
+  dem_fingerprint_bed_parts(m, part);
+  return hash_bytes(hash_start, part, sizeof part);
+}
+
+uint64_t dem_fingerprint_start(const dem_model *m) {
+  const double counts[] = {m->nmaterial,         m->nbody, m->nwall, m->domain.periodic[0], m->domain.periodic[1],
+                           m->domain.periodic[2]};
+  uint64_t h = hash_numbers(hash_laws(hash_start, m), counts, 6);
+  return hash_walls(hash_materials(h, m), m);
+}
+
+uint64_t dem_fingerprint_whole(const dem_model *m) {
+  const double counts[] = {m->nsource,        m->nsink, m->ncoupled, m->nload, (double)m->multi_step.substeps,
+                           m->multi_step.mass};
+  uint64_t h = hash_numbers(dem_fingerprint_bed(m), counts, 6);
+  h = hash_bytes(h, m->integrator->name, strlen(m->integrator->name) + 1);
+  h = hash_numbers(h, m->domain.rate, 3);
+  h = hash_surfaces(hash_pairs(h, m, m->pair), m);
+  for (int s = 0; s < m->nsource; s++) {
+    const dem_source *source = &m->source[s];
+    const double numbers[] = {source->kind,          source->mass,      source->rate,   source->mass_rate,
+                              source->start,         source->end,       source->factor, source->relative,
+                              (double)source->count, source->total_mass};
+    h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);
+    h = hash_sizes(h, &source->sizes);
+    h = hash_vectors(h, &source->low, 1);
+    h = hash_vectors(h, &source->high, 1);
+    h = hash_vectors(h, &source->velocity, 1);
+    h = hash_bytes(h, &source->seed, sizeof source->seed);
+  }
+  for (int s = 0; s < m->nsink; s++) { /* what a sink has counted is by its classes */
+    const double classes = m->sink[s].nedge;
+    h = hash_numbers(hash_numbers(h, &classes, 1), m->sink[s].edge, (size_t)m->sink[s].nedge);
+  }
+  return h;
+}

@@ -1,0 +1,170 @@
+/* The box dem.domain: see domain.h. */
+#include "dem/step/domain.h"
+
+#include "dem/model/group_options.h"
+#include "dem/step/integrate.h"
+
+#include <stdio.h>
+
+static const char axes[3][2] = {"x", "y", "z"};
+
+void dem_domain_read(dem_model *m, tdm_object *section) {
+  static const char *const kinds[] = {"open", "periodic"};
+  dem_domain_def *box = &m->domain;
+  box->wanted = tdm_has(section, "domain");
+  if (!box->wanted)
+    return;
+  tdm_object o = tdm_get_object(section, "domain", true);
+  tdm_vec3 low = tdm_get_vec3(&o, "min", NULL), high = tdm_get_vec3(&o, "max", NULL);
+  tdm_vec3 rate = tdm_get_vec3(&o, "strain_rate", &(tdm_vec3){0, 0, 0});
+  for (int a = 0; a < 3; a++) {
+    box->periodic[a] = tdm_get_choice(&o, axes[a], kinds, 2, 0) == 1;
+    box->repeats = box->repeats || box->periodic[a];
+    box->open = box->open || !box->periodic[a];
+    box->low[a] = (&low.x)[a];
+    box->length[a] = (&high.x)[a] - (&low.x)[a];
+    box->rate[a] = (&rate.x)[a];
+    box->strained = box->strained || box->rate[a] != 0;
+    if (!(box->length[a] > 0))
+      tdm_object_fail(&o, "max", "is %g m in %s but must be greater than min, %g m", (&high.x)[a], axes[a],
+                      box->low[a]);
+    if (box->rate[a] != 0 && !box->periodic[a])
+      tdm_object_fail(&o, "strain_rate", "is %g 1/s in %s, which is open; only periodic directions can be strained",
+                      box->rate[a], axes[a]);
+  }
+  tdm_object_close(&o);
+}
+
+static void check_planes(const dem_model *m, int axis, tdm_error *err) {
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_body *body = &m->body[m->wall[w].body];
+    tdm_vec3 n = tdm_quat_rotate(body->start.pose.orientation, m->wall[w].normal);
+    if (m->wall[w].primitive == DEM_PLANE && fabs((&n.x)[axis]) > 1e-12)
+      tdm_fail(err, TDM_ERR_SCENE, "dem.domain",
+               "is periodic in %s, across which a plane of \"%s\" stands (normal [%g, %g, %g]); remove the plane, or "
+               "make %s open",
+               axes[axis], body->name, n.x, n.y, n.z, axes[axis]);
+  }
+}
+
+/* a source from which everything would leave at once */
+static void check_sources(const dem_model *m, tdm_error *err) {
+  const dem_domain_def *box = &m->domain;
+  for (int s = 0; s < m->nsource && !err->status; s++)
+    for (int a = 0; a < 3; a++) {
+      double low = (&m->source[s].low.x)[a], high = (&m->source[s].high.x)[a], end = box->low[a] + box->length[a];
+      char path[TDM_PATH_MAX];
+      snprintf(path, sizeof path, "dem.sources[%d]", s);
+      if (!box->periodic[a] && a != m->flat && (high < box->low[a] || low > end)) {
+        tdm_fail(err, TDM_ERR_SCENE, path,
+                 "\"%s\" is outside dem.domain in %s (%g to %g m; the box is from %g to %g m), so that its particles "
+                 "would leave at once; move one of them",
+                 m->source[s].name, axes[a], low, high, box->low[a], end);
+        return;
+      }
+    }
+}
+
+void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err) {
+  const dem_domain_def *box = &m->domain;
+  double skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
+  double least = 2 * (2 * largest_radius + skin), t = fmax(0, m->time_end - m->time_start);
+  for (int a = 0; a < 3 && !err->status; a++) {
+    if (!box->periodic[a])
+      continue;
+    double last = box->length[a] * (1 + box->rate[a] * t);
+    if (!(fmin(box->length[a], last) >= least))
+      tdm_fail(err, TDM_ERR_SCENE, "dem.domain",
+               "is %g m wide in %s (%g m at the end of the run) but a periodic direction needs at least twice the "
+               "largest diameter and dem.skin (%g m), %g m; make it wider",
+               box->length[a], axes[a], last, skin, least);
+    check_planes(m, a, err);
+  }
+  if (box->wanted)
+    check_sources(m, err);
+}
+
+void dem_domain_put(dem_data *d) {
+  const dem_domain_def *box = &d->model->domain;
+  double t = d->strained + (double)d->strain_steps * d->strain_dt;
+  for (int a = 0; a < 3; a++) {
+    double length = box->length[a] * (1 + box->rate[a] * t);
+    d->domain.periodic[a] = box->periodic[a];
+    d->domain.length[a] = length;
+    d->domain.low[a] = box->low[a] - 0.5 * (length - box->length[a]);
+    d->domain_rate[a] = box->length[a] * box->rate[a];
+  }
+}
+
+void dem_domain_begin(dem_data *d) {
+  d->strained = d->strain_dt = 0;
+  d->strain_steps = 0;
+  dem_domain_put(d);
+  if (d->model->domain.repeats)
+    dem_domain_wrap(d);
+}
+
+void dem_domain_strain(dem_data *d, double dt) {
+  if (dt != d->strain_dt) {
+    d->strained += (double)d->strain_steps * d->strain_dt;
+    d->strain_steps = 0;
+    d->strain_dt = dt;
+  }
+  d->strain_steps++;
+  dem_domain_put(d);
+}
+
+/* what a box that repeats puts into particle i when it goes on at the other side: potential and kinetic energy */
+static double shift_energy(const dem_data *d, int i, int axis, double way, double speed) {
+  tdm_vec3 field = dem_field(d, i);
+  return d->mass[i] * (speed * ((&d->pace[i].velocity.x)[axis] + 0.5 * speed) - (&field.x)[axis] * way);
+}
+
+/* particle i, k boxes up along an axis */
+static void shift(dem_data *d, int i, int axis, double k) {
+  double way = k * d->domain.length[axis], speed = k * d->domain_rate[axis];
+  if (d->model->energy)
+    d->energy.supplied += shift_energy(d, i, axis, way, speed);
+  (&d->sphere[i].position.x)[axis] += way;
+  (&d->sphere[i].velocity.x)[axis] += speed;
+  (&d->pace[i].velocity.x)[axis] += speed;
+  (&d->position_at_list[i].x)[axis] += way;
+  dem_keeping keeps = d->model->integrator->keeps;
+  if (keeps == DEM_KEEPS_VELOCITY)
+    (&d->memory[i].velocity.x)[axis] += speed;
+  if (keeps == DEM_KEEPS_PLACE)
+    (&d->memory[i].velocity.x)[axis] += way - speed * d->memory_dt;
+}
+
+void dem_domain_wrap(dem_data *d) {
+  for (int a = 0; a < 3; a++) {
+    double low = d->domain.low[a], high = low + d->domain.length[a];
+    for (int i = 0; d->domain.periodic[a] && i < d->nparticle; i++) {
+      double x = (&d->sphere[i].position.x)[a];
+      if (x >= low && x < high)
+        continue;
+      shift(d, i, a, -floor((x - low) / d->domain.length[a]));
+      double *now = &(&d->sphere[i].position.x)[a]; /* round-off may have put it on the far face */
+      if (*now >= high)
+        *now = low;
+    }
+  }
+}
+
+void dem_domain_leave(dem_data *d) {
+  int *gone = d->number; /* scratch */
+  uint64_t many = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    bool out = false;
+    for (int a = 0; a < 3; a++) {
+      double x = (&d->sphere[i].position.x)[a] - d->domain.low[a];
+      out = out || (!d->domain.periodic[a] && (x < 0 || x > d->domain.length[a]));
+    }
+    gone[i] = out ? 0 : -1;
+    many += out;
+  }
+  if (many == 0)
+    return;
+  d->ledger.left += many;
+  dem_data_remove(d, gone);
+}

@@ -1,0 +1,70 @@
+/* How particles move from step to step: the integrators, chunk by chunk, compiled once for each instruction set.
+ *
+ * To add one: a row of DEM_INTEGRATOR_LIST, and begin_, end_ and (if it keeps something) remember_ in integrate.c.
+ *
+ * verlet          velocity Verlet: v += a dt/2, x += v dt; with the new forces v += a dt/2.
+ * leap-frog       keeps the velocity of mid-step: w += a dt, x += w dt.
+ * stormer-verlet  keeps the position of the step before: x(t+dt) = 2 x - x(t-dt) + a dt^2, [A07] Eq. 2.3; for the spin
+ *                 the angle of the last step in its place.
+ * multi-step      velocity Verlet in two levels (r-RESPA: Tuckerman, Berne & Martyna 1992): half a kick of the slow
+ *                 forces, `substeps` steps of velocity Verlet with the fast ones alone, the other half. Fast are the
+ *                 contacts whose effective mass is below multi_step.mass (walls: whose particle's is); slow are the
+ *                 others, gravity and body forces.
+ * All are of second order and reversible in time for forces that depend on positions alone.
+ *
+ * What contacts see as velocity, and laws with damping or history take: the one predicted for the end of the step,
+ *   verlet v + a dt; leap-frog w + a dt/2 (w at the new mid-step); stormer-verlet (x(t+dt) - x)/dt + a dt/2;
+ *   multi-step, substep j of length h: v + a_fast h/2 after its first kick, + a_slow (j h - dt/2), as the whole half
+ *   kick of the slow forces came at once,
+ * with the accelerations of the last evaluation: an error of dt^2 in the velocity, of second order in the motion. With
+ * the mid-step velocity damping would lag by half a step, which is of first order.
+ *
+ * dem_data.pace is the velocity at the step boundary for all of them (w + a dt/2, (x - x(t-dt))/dt + a dt/2), so
+ * whoever reads or changes velocities between two steps need not know the integrator; after a change, or when dt is
+ * another one, what is kept is made anew (dem_data.restart, dem_data.memory_dt).
+ */
+#ifndef DEM_STEP_INTEGRATE_H
+#define DEM_STEP_INTEGRATE_H
+
+#include "dem/state/data.h"
+
+/* What an integrator keeps besides positions and velocities. */
+typedef enum { DEM_KEEPS_NOTHING, DEM_KEEPS_VELOCITY, DEM_KEEPS_PLACE, DEM_KEEPS_FAST_FORCES } dem_keeping;
+
+/* name in a scene, its functions' names, what it keeps */
+#define DEM_INTEGRATOR_LIST(X)                  \
+  X("verlet", verlet, DEM_KEEPS_NOTHING)        \
+  X("leap-frog", leap_frog, DEM_KEEPS_VELOCITY) \
+  X("stormer-verlet", stormer, DEM_KEEPS_PLACE) \
+  X("multi-step", multi, DEM_KEEPS_FAST_FORCES)
+
+typedef struct {
+  double dt;      /* [s] */
+  double lead;    /* multi-step: how long the slow forces still act until the end of the substep, j h - dt/2 [s] */
+  tdm_vec3 shift; /* of dem_lists_shift [m] */
+} dem_stride;
+
+typedef struct dem_integrator {
+  const char *name;
+  bool driven; /* with body forces, fixed particles and two dimensions */
+  dem_keeping keeps;
+  /* First half of a step for chunk c: kick, drift, forces zeroed. Returns the largest |x - x_list - shift|^2 [m2], NaN
+   * when a position is no number. */
+  double (*begin)(dem_data *data, int chunk, const dem_stride *stride);
+  /* Second half: reactions from other chunks added, kick. */
+  void (*end)(dem_data *data, int chunk, double dt);
+  /* What is kept for steps of dt, made from velocities and forces, for particles first ... end - 1; NULL: nothing. */
+  void (*remember)(dem_data *data, int first, int end, double dt);
+  /* multi-step: half a kick of the slow forces, which are in push; NULL: none */
+  void (*kick)(dem_data *data, int chunk, double dt);
+} dem_integrator;
+
+/* each ended by a row of NULLs */
+extern const dem_integrator dem_integrators_avx512[], dem_integrators_avx2[], dem_integrators_plain[];
+
+extern const char *const dem_integrator_names[]; /* NULL-terminated */
+
+/* The one of this name compiled for an instruction set of dem_simd_names; NULL: no such name. */
+const dem_integrator *dem_integrator_find(const char *simd, const char *name, bool driven);
+
+#endif

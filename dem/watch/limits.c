@@ -1,0 +1,270 @@
+/* Limits of the DEM step: see limits.h. */
+#include "dem/watch/limits.h"
+
+#include "dem/step/domain.h"
+
+#include <stdlib.h>
+
+double dem_rayleigh(double radius, double density, double shear, double poisson) {
+  return M_PI * radius * sqrt(density / shear) / (0.1631 * poisson + 0.8766);
+}
+
+/* how far x can fall until it meets a plane [m] */
+static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
+  double deepest = 0;
+  for (int w = 0; w < d->model->nwall; w++) {
+    if (d->model->wall[w].primitive != DEM_PLANE)
+      continue;
+    tdm_vec3 n;
+    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
+    if (slope > 0.1 && gap > 0)
+      deepest = fmax(deepest, gap / slope);
+  }
+  return deepest;
+}
+
+/* at which the particles of a pouring arrive at a plane, or at the lowest point of another wall */
+static double poured_speed(const dem_data *d, const dem_pouring *p) {
+  const dem_model *m = d->model;
+  double g = tdm_norm(m->gravity), v = p->count > 0 ? tdm_norm(m->velocity[p->first]) : 0;
+  if (p->count == 0 || g == 0)
+    return v;
+  tdm_vec3 up = tdm_scale(-1 / g, m->gravity), x = m->position[p->first];
+  double fall = fall_of(d, up, x), low, high;
+  for (int w = 0; w < m->nwall; w++)
+    if (dem_wall_hollow(&m->wall[w]) && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+      fall = fmax(fall, tdm_dot(x, up) - low);
+  return sqrt(v * v + 2 * g * fall);
+}
+
+/* the speed at which the contact time is taken */
+static double impact_speed(const dem_data *d) {
+  const dem_model *m = d->model;
+  double fastest = 0, largest = 0, body_speed = 0;
+  for (int b = 0; b < m->nbody; b++)
+    body_speed = fmax(body_speed, tdm_norm(d->twist[b].velocity));
+  for (int i = 0; i < d->nparticle; i++) {
+    fastest = fmax(fastest, tdm_norm(d->pace[i].velocity));
+    largest = fmax(largest, d->sphere[i].radius);
+  }
+  for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
+    largest = fmax(largest, m->radius[i]);
+  for (int k = 0; k < m->npouring && d->ledger.created < (uint64_t)m->nparticle; k++)
+    fastest = fmax(fastest, poured_speed(d, &m->pouring[k]));
+  return fmax(fastest + body_speed, sqrt(2 * tdm_norm(m->gravity) * 2 * largest));
+}
+
+/* ---- the speed to be expected ---- */
+
+/* the lowest and highest of what is there, along `up` */
+typedef struct {
+  tdm_vec3 up;
+  double low, high;
+} extent;
+
+static void include(extent *e, tdm_vec3 x) {
+  double at = tdm_dot(x, e->up);
+  e->low = fmin(e->low, at);
+  e->high = fmax(e->high, at);
+}
+
+static void include_box(extent *e, const dem_box *box, tdm_pose pose) {
+  for (int corner = 0; corner < 8; corner++) {
+    tdm_vec3 to = tdm_v3(corner & 1 ? box->half.x : -box->half.x, corner & 2 ? box->half.y : -box->half.y,
+                         corner & 4 ? box->half.z : -box->half.z);
+    include(e, tdm_pose_point(pose, tdm_add(box->center, tdm_quat_rotate(box->turn, to))));
+  }
+}
+
+static double fall_height(const dem_data *d) {
+  const dem_model *m = d->model;
+  if (tdm_norm(m->gravity) == 0)
+    return 0;
+  extent e = {tdm_scale(-1, tdm_unit(m->gravity)), INFINITY, -INFINITY};
+  double deepest = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    include(&e, d->sphere[i].position);
+    deepest = fmax(deepest, fall_of(d, e.up, d->sphere[i].position));
+  }
+  for (int s = 0; s < m->nsource; s++) {
+    include(&e, m->source[s].low);
+    include(&e, m->source[s].high);
+    deepest = fmax(deepest, fall_of(d, e.up, m->source[s].low));
+    deepest = fmax(deepest, fall_of(d, e.up, m->source[s].high));
+  }
+  for (int k = 0; k < m->nbox; k++)
+    include_box(&e, &m->box[k], d->pose[m->box[k].body]);
+  for (int w = 0; w < m->nwall; w++) {
+    double low, high;
+    if (dem_wall_hollow(&m->wall[w]) && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
+      e.low = fmin(e.low, low);
+      e.high = fmax(e.high, high);
+    }
+  }
+  return fmax(deepest, e.high > e.low ? e.high - e.low : 0);
+}
+
+/* the fastest that a driven body or a moving surface gets at a particle [m/s] */
+static double driven_speed(const dem_data *d) {
+  const dem_model *m = d->model;
+  double fastest = 0;
+  for (int b = 0; b < m->nbody; b++) {
+    double reach = 0;
+    if (!m->body[b].drive.given)
+      continue;
+    for (int i = 0; i < d->nparticle; i++)
+      reach = fmax(reach, tdm_norm(tdm_sub(d->sphere[i].position, m->body[b].drive.center)));
+    fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, reach));
+  }
+  for (int w = 0; w < m->nwall; w++) {
+    const dem_wall *wall = &m->wall[w];
+    if (!wall->moves)
+      continue;
+    bool ends = wall->primitive != DEM_PLANE && wall->primitive != DEM_CYLINDER;
+    fastest = fmax(fastest, ends ? dem_wall_belt_speed(wall) : tdm_norm(wall->surface.velocity));
+    for (int i = 0; i < d->nparticle && !ends; i++) {
+      tdm_vec3 n;
+      double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
+      tdm_vec3 below = tdm_axpy(-gap, n, d->sphere[i].position); /* on the surface */
+      fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, dem_wall_own(&d->wall[w], below))));
+    }
+  }
+  return fastest;
+}
+
+double dem_expected_speed(const dem_data *d) {
+  const dem_model *m = d->model;
+  if (m->expected_speed > 0)
+    return m->expected_speed;
+  double speed = fmax(impact_speed(d), driven_speed(d));
+  for (int s = 0; s < m->nsource; s++) {
+    const dem_source *source = &m->source[s];
+    tdm_vec3 v = source->velocity;
+    if (source->relative >= 0)
+      v = tdm_axpy(source->factor, d->twist[source->relative].velocity, v);
+    for (int b = 0; b < m->nbody; b++)
+      speed = fmax(speed, tdm_norm(tdm_sub(v, d->twist[b].velocity)));
+    speed = fmax(speed, tdm_norm(v));
+  }
+  return sqrt(speed * speed + 2 * tdm_norm(m->gravity) * fall_height(d));
+}
+
+/* ---- the three limits ---- */
+
+/* How often contacts of this effective mass are taken in a step: a limit of theirs allows a step so many times as long.
+ */
+static double takes(const dem_model *m, double mass) {
+  return m->multi_step.substeps > 0 && mass < m->multi_step.mass ? (double)m->multi_step.substeps : 1;
+}
+
+/* Duration of an impact; where damping keeps the two together half an undamped period: what a step must resolve. */
+static double time_of(const dem_model *m, const dem_pair *pair, dem_impact at) {
+  double time = dem_normal_contact_time(m, pair, at);
+  if (m->law->normal == DEM_NORMAL_hooke && !isfinite(time))
+    return M_PI * sqrt(at.mass / dem_normal_stiffness(m, pair, at, at.radius));
+  return time;
+}
+
+/* Rayleigh step and shortest contact (with its like or with a wall) of one kind of particle */
+static void add_particle(dem_limits *l, const dem_model *m, int kind, double radius, double mass) {
+  double density = mass / (4.0 / 3 * M_PI * radius * radius * radius);
+  const dem_material *material = &m->material[kind];
+  double often = takes(m, mass);
+  l->rayleigh = fmin(l->rayleigh, often * dem_rayleigh(radius, density, material->shear, material->poisson));
+  const dem_pair *row = &m->pair[kind * m->nmaterial];
+  for (int k = 0; k < m->nmaterial; k++)
+    if (row[k].given)
+      l->contact =
+          fmin(l->contact,
+               often * time_of(m, &row[k], (dem_impact){.mass = mass / 2, .radius = radius / 2, .speed = l->speed}));
+}
+
+/* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */
+static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at, double overlap) {
+  return fmax(dem_normal_stiffness(m, pair, at, overlap), 3.5 * dem_tangential_stiffness(m, pair, at, overlap));
+}
+
+/* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */
+static void add_stiffness(const dem_data *d, int i, double *sum) {
+  const dem_model *m = d->model;
+  for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
+    int j = d->pairs.other[k];
+    double both = d->sphere[i].radius + d->sphere[j].radius;
+    double overlap = both - tdm_norm(dem_between(d, d->sphere[i].position, d->sphere[j].position));
+    if (!(overlap > 0))
+      continue;
+    const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
+    dem_impact at = {.mass = 1 / (1 / d->mass[i] + 1 / d->mass[j]),
+                     .radius = d->sphere[i].radius * d->sphere[j].radius / both};
+    double s = stiffness(m, pair, at, overlap);
+    sum[i] += s;
+    sum[j] += s;
+  }
+}
+
+static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
+  const dem_model *m = d->model;
+  int i = e->particle;
+  tdm_vec3 n;
+  double radius = d->sphere[i].radius;
+  double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], d->sphere[i].position, &n);
+  const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
+  if (gap < radius && gap > -radius)
+    sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);
+}
+
+static double smallest_eigen(const dem_data *d) {
+  double *sum = calloc((size_t)d->nparticle + 1, sizeof *sum), smallest = INFINITY;
+  if (!sum)
+    return smallest;
+  for (int i = 0; i < d->nparticle; i++)
+    add_stiffness(d, i, sum);
+  for (size_t k = 0; k < d->walls.count; k++)
+    add_wall_stiffness(d, &d->walls.entry[k], sum);
+  for (int i = 0; i < d->nparticle; i++)
+    if (sum[i] > 0)
+      smallest = fmin(smallest, takes(d->model, d->mass[i]) * 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
+  free(sum);
+  return smallest;
+}
+
+static dem_limits limits_at(const dem_data *d, double speed) {
+  const dem_model *m = d->model;
+  dem_limits l = {.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
+  for (int i = 0; i < d->nparticle; i++)
+    add_particle(&l, m, d->kind[i], d->sphere[i].radius, d->mass[i]);
+  for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
+    add_particle(&l, m, m->kind[i], m->radius[i], m->mass[i]);
+  l.eigen = smallest_eigen(d);
+  return l;
+}
+
+static void choose_step(dem_limits *l) {
+  double least = fmin(DEM_RAYLEIGH_SHARE * l->rayleigh, DEM_EIGEN_SHARE * l->eigen);
+  l->step = fmin(least, DEM_CONTACT_SHARE * l->contact);
+  l->most = fmin(least, DEM_CONTACT_SHARE_MOST * l->contact);
+  l->by = l->most < least                            ? "a tenth of the shortest contact time"
+          : least < DEM_RAYLEIGH_SHARE * l->rayleigh ? "0.8 of the stable step of the stiffest particle"
+                                                     : "0.4 of the Rayleigh step";
+}
+
+dem_limits dem_limits_now(const dem_data *d) {
+  dem_limits l = limits_at(d, impact_speed(d));
+  choose_step(&l);
+  return l;
+}
+
+dem_limits dem_limits_expected(const dem_data *d) {
+  const dem_model *m = d->model;
+  dem_limits l = limits_at(d, dem_expected_speed(d));
+  for (int s = 0; s < m->nsource; s++) {
+    const dem_source *source = &m->source[s];
+    for (int k = 0; k < 2; k++) {
+      double r = k ? source->sizes.max : source->sizes.min;
+      double full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
+      add_particle(&l, m, source->kind, r, source->mass > 0 ? source->mass : full);
+    }
+  }
+  choose_step(&l);
+  return l;
+}

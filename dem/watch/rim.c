@@ -1,0 +1,47 @@
+#include "dem/watch/rim.h"
+
+#include "protocol/base/remark.h"
+
+#include <math.h>
+
+/* the container whose plane the wall is, if its walls should perhaps end; NULL: none */
+static const dem_box *open_box_of(const dem_model *m, int wall) {
+  for (int k = 0; k < m->nbox; k++)
+    if (m->box[k].unsaid && wall >= m->box[k].first_wall && wall < m->box[k].first_wall + m->box[k].nwall)
+      return &m->box[k];
+  return NULL;
+}
+
+/* how far a point of the box's own axes is out of it [m]: over an open face, or beside a wall on the plane of another
+ */
+static double beyond(const dem_box *box, tdm_vec3 own) {
+  return fmax(fabs(own.x) - box->half.x, fmax(fabs(own.y) - box->half.y, fabs(own.z) - box->half.z));
+}
+
+void dem_rim_look(const dem_data *d, double t) {
+  const dem_model *m = d->model;
+  for (size_t k = 0; k < d->walls.count; k++) {
+    const dem_wall_entry *e = &d->walls.entry[k];
+    const dem_box *box = open_box_of(m, e->wall);
+    const dem_sphere *s = &d->sphere[e->particle];
+    tdm_vec3 n;
+    double gap = box ? dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n) : INFINITY;
+    if (!(gap < s->radius && gap > -s->radius))
+      continue;
+    const tdm_pose *pose = &d->pose[box->body];
+    tdm_vec3 body = tdm_quat_rotate(tdm_quat_conj(pose->orientation), tdm_sub(s->position, pose->position));
+    tdm_vec3 own = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(box->turn)), tdm_sub(body, box->center));
+    if (!(beyond(box, own) > s->radius))
+      continue;
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.bodies[%d].shapes", box->body);
+    tdm_remark(
+        TDM_WARNING, "rim", path, t,
+        "particle id %llu at [%.6g, %.6g, %.6g] m touches a wall of the open box of \"%s\" beyond its rim, at "
+        "t = %.9g s: its walls are planes without end; give the box \"edges\": true for walls that end, or false "
+        "if that is meant",
+        (unsigned long long)d->id[e->particle], s->position.x, s->position.y, s->position.z, m->body[box->body].name,
+        t);
+    return;
+  }
+}

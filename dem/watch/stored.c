@@ -1,0 +1,146 @@
+/* Stored energy: see stored.h. */
+#include "dem/watch/stored.h"
+
+#include "dem/bodies/walls.h"
+#include "dem/contact/theory.h"
+#include "dem/model/group_options.h"
+#include "dem/step/domain.h"
+
+/* A contact as its springs see it. */
+typedef struct {
+  const dem_pair *pair;
+  dem_impact at;
+  double overlap;
+  const double *history; /* its first column */
+  size_t stride;         /* from column to column */
+  tdm_vec3 slip, roll;   /* relative velocity at the contact and relative spin, of which the tangent parts count */
+  double dt;             /* by which half the springs of the history are ahead [s] */
+} contact;
+
+/* 0.5 f^2/k of a spring whose history (three columns from `first` on) is half a step ahead */
+static double spring(const contact *c, int first, double k, tdm_vec3 rate) {
+  const double *h = c->history + (size_t)first * c->stride;
+  tdm_vec3 f = tdm_axpy(0.5 * c->dt * k, rate, tdm_v3(h[0], h[c->stride], h[2 * c->stride]));
+  return k > 0 ? 0.5 * tdm_dot(f, f) / k : 0;
+}
+
+/* of the tangential and the rolling law; the twisting laws have no spring */
+static double springs_of(const dem_model *m, const contact *c) {
+  double e = 0;
+  if (dem_tangentials[m->law->tangential].vectors)
+    e += spring(c, 0, dem_tangential_stiffness(m, c->pair, c->at, c->overlap), c->slip);
+  if (m->columns.rolling >= 0) {
+    double arm = c->pair->rolling_friction * c->at.radius;
+    double k = 2.25 * dem_normal_stiffness(m, c->pair, c->at, c->overlap) * arm * arm;
+    e += spring(c, m->columns.rolling, k, c->roll);
+  }
+  return e;
+}
+
+static tdm_vec3 tangent(tdm_vec3 v, tdm_vec3 n) {
+  return tdm_axpy(-tdm_dot(v, n), n, v);
+}
+
+static double step_ahead(const dem_data *d) {
+  return d->nstep > 0 ? d->model->dt : 0; /* at the start forces were evaluated without a step */
+}
+
+static tdm_vec3 spin_of(const dem_rotor *r) {
+  return tdm_scale(1 / r->radius, r->surface);
+}
+
+/* listed pair k; nothing holds two particles that are fixed together */
+static double elastic_of_pair(const dem_data *d, int i, int k) {
+  const dem_model *m = d->model;
+  int j = d->pairs.other[k];
+  const dem_sphere *a = &d->sphere[i], *b = &d->sphere[j];
+  tdm_vec3 x = dem_between(d, a->position, b->position);
+  double sum = a->radius + b->radius, per_mass = a->inverse_mass + b->inverse_mass, r = tdm_norm(x);
+  if (!(per_mass > 0) || !(r < sum))
+    return 0;
+  contact c = {.pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]],
+               .at = {.mass = 1 / per_mass, .radius = a->radius * b->radius / sum},
+               .overlap = sum - r,
+               .history = d->pairs.history ? &d->pairs.history[k] : NULL,
+               .stride = d->pairs.capacity,
+               .dt = step_ahead(d)};
+  if (m->law->normal == DEM_NORMAL_hysteretic)
+    c.at.deepest = c.history[(size_t)m->columns.normal * c.stride];
+  tdm_vec3 n = tdm_scale(1 / fmax(r, 1e-100), x), surface = tdm_add(d->rotor[i].surface, d->rotor[j].surface);
+  tdm_vec3 v = tdm_axpy(-r / sum, tdm_cross(surface, n), tdm_sub(a->velocity, b->velocity));
+  c.slip = tangent(v, n);
+  c.roll = tangent(tdm_sub(spin_of(&d->rotor[i]), spin_of(&d->rotor[j])), n);
+  return dem_normal_elastic(m, c.pair, c.at, c.overlap) + springs_of(m, &c);
+}
+
+static bool same_contact(const dem_data *d, size_t k, size_t other) {
+  const dem_wall_entry *a = &d->walls.entry[k], *b = &d->walls.entry[other];
+  return a->wall == b->wall && a->particle == b->particle;
+}
+
+/* what the particle of entry k does at its wall, whose surface is at `gap` along n from its centre */
+static void rates_at_wall(const dem_data *d, const dem_wall_entry *e, double gap, tdm_vec3 n, contact *c) {
+  int body = d->model->wall[e->wall].body;
+  const dem_sphere *s = &d->sphere[e->particle];
+  const dem_rotor *rotor = &d->rotor[e->particle];
+  tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->pose[body].position);
+  tdm_twist wall = d->twist[body];
+  tdm_vec3 v = tdm_axpy(-gap / s->radius, tdm_cross(rotor->surface, n), s->velocity);
+  c->slip = tangent(tdm_sub(v, tdm_add(wall.velocity, tdm_cross(wall.angular, lever))), n);
+  c->roll = tangent(tdm_sub(spin_of(rotor), wall.angular), n);
+  c->at.mass = 1 / dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n);
+}
+
+/* Listed wall k; of the triangles of a mesh the first that is listed stands for the normal law of all, and each has the
+ * springs of its own history. */
+static double elastic_of_wall(const dem_data *d, size_t k) {
+  const dem_model *m = d->model;
+  const dem_wall_entry *e = &d->walls.entry[k];
+  const dem_sphere *s = &d->sphere[e->particle];
+  const bool first = k == 0 || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].mesh;
+  tdm_vec3 n;
+  double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), overlap = s->radius - gap;
+  if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
+    return 0;
+  contact c = {.pair = &m->pair[d->kind[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],
+               .at = {.mass = 1 / s->inverse_mass, .radius = s->radius},
+               .overlap = overlap,
+               .history = d->walls.history ? &d->walls.history[k] : NULL,
+               .stride = d->walls.capacity,
+               .dt = alone ? step_ahead(d) : 0}; /* the normal of a triangle is not known here */
+  rates_at_wall(d, e, gap, n, &c);
+  for (size_t part = k; part < d->walls.count && same_contact(d, k, part); part++)
+    c.at.deepest = fmax(c.at.deepest, dem_wall_deepest_so_far(d, part));
+  return (first ? dem_normal_elastic(m, c.pair, c.at, overlap) : 0) + springs_of(m, &c);
+}
+
+double dem_rest_energy(const dem_data *d) {
+  double mass = 0;
+  for (int i = 0; i < d->nparticle; i++)
+    mass += d->mass[i];
+  return 0.5 * mass * d->model->settle.speed * d->model->settle.speed;
+}
+
+double dem_particle_energy(const dem_data *d, int i, double *potential) {
+  const dem_sphere *s = &d->sphere[i];
+  const dem_pace *p = &d->pace[i];
+  double inertia = 0.4 * d->mass[i] * s->radius * s->radius,
+         kinetic = 0.5 * d->mass[i] * tdm_dot(p->velocity, p->velocity);
+  *potential = -d->mass[i] * tdm_dot(dem_field(d, i), s->position);
+  return kinetic + 0.5 * inertia * tdm_dot(p->spin, p->spin);
+}
+
+dem_stored dem_stored_now(const dem_data *d) {
+  dem_stored e = {0};
+  for (int i = 0; i < d->nparticle; i++) {
+    double potential;
+    e.kinetic += dem_particle_energy(d, i, &potential);
+    e.potential += potential;
+    e.magnitude += fabs(potential);
+    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1] && d->pairs.other[k] < d->nparticle; k++)
+      e.elastic += elastic_of_pair(d, i, k);
+  }
+  for (size_t k = 0; k < d->walls.count; k++)
+    e.elastic += elastic_of_wall(d, k);
+  return e;
+}

@@ -1,0 +1,313 @@
+#include "mbd/app/run.h"
+
+#include "mbd/adapter/solver.h"
+#include "mbd/integrate/integrator.h"
+#include "protocol/app/plot.h"
+#include "protocol/app/print.h"
+#include "protocol/base/log.h"
+#include "protocol/base/progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The plots of a run: a file each, with the channels whose names begin so, a panel a unit. */
+static const struct {
+  const char *name, *of[4];
+} plots[] = {{"motion", {"body.", NULL}},
+             {"reactions", {"joint.", "driver.", "force.", NULL}},
+             {"energies", {"energy.", NULL}},
+             {"drift", {"constraint.", NULL}}};
+
+enum { WINDOW_ROWS = 64 }; /* output intervals a window, unless time.dt says otherwise */
+
+/* what a channel was at the start, is at the end, and lay between */
+typedef struct {
+  double start, end, least, greatest;
+} course;
+
+typedef struct {
+  tdm_alone alone;
+  mbd_run_settings settings;
+  uint64_t total_rows;
+  int room;            /* rows a window at most */
+  double *sample_time; /* (room) [s] */
+  double *sample;      /* (room x nchannel) */
+  course *course;      /* (nchannel) */
+  double t;            /* reached [s] */
+  uint64_t windows;
+  double setup, loop, step; /* wall times: until the start, the loop, the solver's part of it [s] */
+} run_state;
+
+/* ---- settings ---- */
+
+static void refuse_coupling(tdm_object *root) {
+  static const char *const sections[] = {"dem", "coupling"};
+  for (int k = 0; k < 2; k++)
+    if (tdm_has(root, sections[k]))
+      tdm_object_fail(root, sections[k],
+                      "belongs to a co-simulation; run this scene with tandem run, or remove the section to run its "
+                      "bodies alone");
+}
+
+tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, tdm_error *err) {
+  const double most_rows = 1e9;
+  tdm_object root = tdm_object_open(scene->root, "", err);
+  tdm_has(&root, "$schema"); /* for editors */
+  tdm_get_string(&root, "title", "");
+  refuse_coupling(&root);
+  tdm_check_gravity(&root);
+  tdm_object o = tdm_get_object(&root, "time", true);
+  s->end = tdm_get_number(&o, "end", TDM_REQUIRED, TDM_POSITIVE);
+  s->window = tdm_has(&o, "dt") ? tdm_get_number(&o, "dt", TDM_REQUIRED, TDM_POSITIVE) : 0;
+  if (s->window > s->end)
+    tdm_object_fail(&o, "dt", "is %g s, longer than the whole run (time.end = %g s)", s->window, s->end);
+  tdm_object_close(&o);
+  o = tdm_get_object(&root, "output", false);
+  s->interval = tdm_get_number(&o, "interval", 1e-3, TDM_POSITIVE);
+  if (s->end / s->interval > most_rows || (s->window > 0 && s->end / s->window > most_rows))
+    tdm_object_fail(&o, "interval", "time.end = %g s has more than %g output intervals or steps; take longer ones",
+                    s->end, most_rows);
+  tdm_object_close(&o);
+  if (s->window == 0)
+    s->window = WINDOW_ROWS * s->interval;
+  tdm_get_object(&root, "mbd", true);
+  tdm_object_close(&root);
+  return err->status;
+}
+
+/* ---- start ---- */
+
+static tdm_status load_scene(run_state *run, tdm_error *err) {
+  if (tdm_alone_read(&run->alone, err) != TDM_OK ||
+      mbd_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
+    return err->status;
+  const mbd_run_settings *s = &run->settings;
+  run->total_rows = (uint64_t)fmax(1, ceil(s->end / s->interval - 1e-6)) + 1;
+  run->room = (int)fmin(s->window / s->interval + 2, (double)run->total_rows);
+  tdm_alone_doubt_interval(&run->alone, s->interval, s->end);
+  return TDM_OK;
+}
+
+static tdm_status open_results(run_state *run, tdm_error *err) {
+  return tdm_alone_open(&run->alone, err);
+}
+
+static tdm_status start_solver(run_state *run, tdm_error *err) {
+  return tdm_alone_start(&run->alone, run->settings.end, run->settings.window, err);
+}
+
+/* ---- outputs ---- */
+
+/* the time of a row: the last one lies on the end, on the grid or not */
+static double row_time(const run_state *run, uint64_t row) {
+  return fmin((double)row * run->settings.interval, run->settings.end);
+}
+
+static tdm_status write_row(run_state *run, const double *values, tdm_error *err) {
+  for (int c = 0; c < run->alone.ready.nchannel; c++) {
+    course *k = &run->course[c];
+    if (run->alone.nrow == 0)
+      *k = (course){values[c], values[c], values[c], values[c]};
+    k->end = values[c];
+    k->least = fmin(k->least, values[c]);
+    k->greatest = fmax(k->greatest, values[c]);
+  }
+  return tdm_alone_row(&run->alone, row_time(run, run->alone.nrow), values, err);
+}
+
+static tdm_status begin_outputs(run_state *run, tdm_error *err) {
+  size_t nchannel = (size_t)run->alone.ready.nchannel;
+  run->sample_time = calloc((size_t)run->room, sizeof *run->sample_time);
+  run->sample = calloc((size_t)run->room * nchannel, sizeof *run->sample);
+  run->course = calloc(nchannel, sizeof *run->course);
+  if (!run->sample_time || !run->sample || !run->course)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d rows of outputs; take a smaller time.dt", run->room);
+  return tdm_alone_begin(&run->alone, err) != TDM_OK ? err->status : write_row(run, run->alone.values, err);
+}
+
+/* ---- the loop ---- */
+
+/* one window and the rows in it */
+static tdm_status advance(run_state *run, tdm_error *err) {
+  double begin = tdm_clock();
+  tdm_step step = {.window = run->windows, .t0 = run->t, .nstep = 1, .sample_time = run->sample_time};
+  step.t1 = fmin((double)(run->windows + 1) * run->settings.window, run->settings.end);
+  if (run->settings.end - step.t1 < 1e-9 * run->settings.window)
+    step.t1 = run->settings.end;
+  for (uint64_t row = run->alone.nrow; row < run->total_rows && row_time(run, row) <= step.t1; row++)
+    run->sample_time[step.nsample++] = row_time(run, row);
+  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->sample};
+  if (mbd_solver_ops.step(run->alone.solver, &step, &result, err) != TDM_OK)
+    return err->status;
+  run->step += tdm_clock() - begin;
+  run->t = step.t1;
+  run->windows++;
+  for (int i = 0; i < step.nsample && err->status == TDM_OK; i++)
+    write_row(run, run->sample + i * run->alone.ready.nchannel, err);
+  return err->status;
+}
+
+static tdm_status solve(run_state *run, tdm_error *err) {
+  tdm_progress progress;
+  double begin = tdm_clock();
+  if (begin_outputs(run, err) != TDM_OK)
+    return err->status;
+  tdm_progress_begin(&progress, run->settings.end, "steps", false);
+  while (run->t < run->settings.end && advance(run, err) == TDM_OK) {
+    tdm_progress_update(&progress, run->t, (uint64_t)mbd_solver_stats(run->alone.solver)->steps);
+    tdm_alone_tell(&run->alone, progress.terminal);
+  }
+  tdm_progress_end(&progress);
+  run->loop = tdm_clock() - begin;
+  return err->status;
+}
+
+/* ---- end ---- */
+
+/* course of every channel whose name begins so */
+static json_t *courses(const run_state *run, const char *of) {
+  json_t *json = json_object();
+  for (int c = 0; run->alone.nrow > 0 && c < run->alone.ready.nchannel; c++) {
+    const char *name = run->alone.ready.channel[c].name;
+    const course *k = &run->course[c];
+    if (strncmp(name, of, strlen(of)) == 0)
+      json_object_set_new(json, name,
+                          json_pack("{s:o, s:o, s:o, s:o}", "start", tdm_real_or_null(k->start), "end",
+                                    tdm_real_or_null(k->end), "least", tdm_real_or_null(k->least), "greatest",
+                                    tdm_real_or_null(k->greatest)));
+  }
+  return json;
+}
+
+static double largest_drift(const run_state *run) {
+  for (int c = 0; run->alone.nrow > 0 && c < run->alone.ready.nchannel; c++)
+    if (strcmp(run->alone.ready.channel[c].name, "constraint.drift") == 0)
+      return run->course[c].greatest;
+  return 0;
+}
+
+static json_t *solver_settings(const mbd_model *model) {
+  const mbd_settings *s = &model->solver;
+  return json_pack("{s:s, s:s, s:f, s:f, s:i, s:f}", "formulation", mbd_formulation_table[s->formulation].name,
+                   "corrector", s->modified ? "modified" : "original", "relative_tolerance", s->relative_tolerance,
+                   "absolute_tolerance", s->absolute_tolerance, "max_order", s->max_order, "max_step", s->max_step);
+}
+
+static json_t *summary(run_state *run, double wall, const tdm_error *err) {
+  const mbd_run_settings *s = &run->settings;
+  json_t *json = tdm_alone_summary(&run->alone, err);
+  json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:f, s:{s:f, s:f, s:f, s:f}}", "settings", "time.end", s->end, "window",
+                          s->window, "output.interval", s->interval, "simulated_s", run->t, "wall_s", "all", wall,
+                          "setup", run->setup, "mbd", run->step, "output", fmax(0, run->loop - run->step));
+  json_object_update_new(json, own);
+  if (run->windows == 0)
+    return json;
+  const mbd_stats *c = mbd_solver_stats(run->alone.solver);
+  json_object_set_new(json, "solver", solver_settings(mbd_solver_model(run->alone.solver)));
+  json_object_set_new(json, "integrator",
+                      json_pack("{s:I, s:I, s:I, s:I, s:I, s:I}", "steps", (json_int_t)c->steps, "residuals",
+                                (json_int_t)c->residuals, "jacobians", (json_int_t)c->jacobians, "error_failures",
+                                (json_int_t)c->error_failures, "convergence_failures",
+                                (json_int_t)c->convergence_failures, "restarts", (json_int_t)c->restarts));
+  json_object_set_new(json, "energies", courses(run, "energy."));
+  double share, off = mbd_solver_off(run->alone.solver, &share);
+  json_object_set_new(json, "energy_off",
+                      json_pack("{s:o, s:o}", "J", tdm_real_or_null(off), "share", tdm_real_or_null(share)));
+  json_object_set_new(json, "constraint_drift", tdm_real_or_null(largest_drift(run)));
+  return json;
+}
+
+/* the files of the end: plots, summary.json, the last line of the log */
+static void conclude(run_state *run, double begin, tdm_error *err) {
+  tdm_error notice = {0};
+  char pairs[128];
+  if (run->alone.channels) {
+    tdm_alone_close(&run->alone, err);
+    for (size_t k = 0; k < sizeof plots / sizeof plots[0] && notice.status == TDM_OK; k++)
+      tdm_alone_plot(&run->alone, plots[k].name, plots[k].of, &notice);
+  }
+  if (notice.status != TDM_OK && !tdm_plot_interrupted())
+    tdm_remark(TDM_NOTICE, "plots", NULL, run->t, "%s", notice.message);
+  double wall = tdm_clock() - begin;
+  json_t *json = summary(run, wall, err);
+  tdm_results_summary(&run->alone.results, json, err);
+  json_decref(json);
+  long steps = run->windows > 0 ? mbd_solver_stats(run->alone.solver)->steps : 0;
+  snprintf(pairs, sizeof pairs, "steps=%ld simulated=%g wall=%.3f", steps, run->t, wall);
+  tdm_alone_log_end(pairs, err);
+  if (run->windows > 0)
+    printf("%.6g s simulated in %ld steps; joints open by %.2g m at most; %.2f s wall, %.3g s of it in the solver; "
+           "results in %s\n",
+           run->t, steps, largest_drift(run), wall, run->step, run->alone.results.dir);
+}
+
+static void let_go(run_state *run) {
+  free(run->sample_time);
+  free(run->sample);
+  free(run->course);
+  tdm_alone_free(&run->alone);
+}
+
+tdm_status mbd_run(const tdm_alone_options *options, tdm_error *err) {
+  double begin = tdm_clock();
+  run_state run = {.alone = {.program = &mbd_program, .options = options}};
+  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK) {
+    run.setup = tdm_clock() - begin;
+    solve(&run, err);
+  }
+  tdm_scene_locate(&run.alone.scene, err);
+  if (run.alone.results.log)
+    conclude(&run, begin, err);
+  let_go(&run);
+  return err->status;
+}
+
+/* ---- check ---- */
+
+static void print_scene(const run_state *run) {
+  const mbd_run_settings *s = &run->settings;
+  printf("run\n  %-28s %g s\n", "time", s->end);
+  printf("  %-28s every %g s: %llu rows of %d channels\n", "time histories", s->interval,
+         (unsigned long long)run->total_rows, run->alone.ready.nchannel);
+  printf("mbd: %s\n", mbd_solver_ops.software);
+  json_t *solver = solver_settings(mbd_solver_model(run->alone.solver));
+  json_object_del(solver, "formulation"); /* the report has it */
+  tdm_print_json(solver);
+  json_decref(solver);
+  tdm_print_json(run->alone.ready.report);
+  printf("%d warning%s\n", run->alone.ready.nwarning, run->alone.ready.nwarning == 1 ? "" : "s");
+}
+
+tdm_status mbd_run_check(const tdm_alone_options *options, tdm_error *err) {
+  run_state run = {.alone = {.program = &mbd_program, .options = options}};
+  if (load_scene(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK)
+    print_scene(&run);
+  tdm_scene_locate(&run.alone.scene, err);
+  let_go(&run);
+  return err->status;
+}
+
+const tdm_alone_program mbd_program = {
+    .name = "tandem-mbd",
+    .help = "tandem-mbd: the multibody solver of tandem\n\n"
+            "  tandem-mbd run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"
+            "      Run a scene that has only bodies: a JSON file, or the name of a scene in scenarios/mbd.\n"
+            "      Results go to DIR (default: run-out): time histories, plots, a summary.\n"
+            "      --force            replace the results of an earlier run in DIR\n"
+            "      --set PATH=VALUE   override a value of the scene: --set time.end=2 --set mbd.bodies[0].mass=3\n"
+            "      --strict           refuse a run that the solver has doubts about\n"
+            "      --no-plots         leave out the plots of time histories\n\n"
+            "  tandem-mbd check SCENE [--set PATH=VALUE ...] [--strict]\n"
+            "      Load and assemble the scene, print what would run, degrees of freedom and doubts, and end.\n\n"
+            "  tandem-mbd --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n"
+            "      Take part in a co-simulation; \"tandem run SCENE\" starts it so by itself.\n"
+            "      --connect ENDPOINT  where the server listens, for example ipc:///tmp/dir/tandem\n"
+            "      --name NAME         the name in messages and logs (default: mbd)\n"
+            "      --timeout SECONDS   give up when the server is silent for so long (default: 30)\n\n"
+            "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
+            "  --help, --version\n",
+    .ops = &mbd_solver_ops,
+    .run = mbd_run,
+    .check = mbd_run_check,
+};

@@ -1,0 +1,31 @@
+/* A scene of bodies alone: `tandem-mbd run` and `tandem-mbd check`, from a scene file to a result directory.
+ *
+ *   channels.csv                            time histories of all channels
+ *   motion, reactions, energies, drift.png  and .svg: their plots
+ *   scene.json, summary.json, mbd.log       the scene with all overrides; settings, counts, times; the log
+ */
+#ifndef MBD_APP_RUN_H
+#define MBD_APP_RUN_H
+
+#include "protocol/app/standalone.h"
+
+/* the command line of tandem-mbd */
+extern const tdm_alone_program mbd_program;
+
+/* What a run reads besides the section mbd. */
+typedef struct {
+  double end;      /* simulated time [s] */
+  double window;   /* the integrator is stopped at its multiples [s] */
+  double interval; /* of the time histories [s] */
+} mbd_run_settings;
+
+/* Read the sections time and output; refuse dem and coupling. */
+tdm_status mbd_run_settings_read(mbd_run_settings *settings, const tdm_scene *scene, tdm_error *err);
+
+/* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
+tdm_status mbd_run(const tdm_alone_options *options, tdm_error *err);
+
+/* Load and assemble the scene, and print what would run. */
+tdm_status mbd_run_check(const tdm_alone_options *options, tdm_error *err);
+
+#endif

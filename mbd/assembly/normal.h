@@ -1,0 +1,36 @@
+/* The normal force that a coefficient of friction multiplies, of the joint's own reaction.
+ *
+ * A joint's reaction is a force F and a moment M on its second body about its joint point there, axis a (of the first
+ * body). The bearing takes it at its two ends, half its length L on either side of the point: they press with
+ *   P = F'/2 +- (a x M)/L,   F' = F - a (a.F),
+ * and rub by |P| each; a bearing without a length takes F' alone. Beside these the force along the axis and the moment
+ * about it rub at their radii (force/force.h, `along` and `about`), and a preload whatever the reaction is.
+ */
+#ifndef MBD_ASSEMBLY_NORMAL_H
+#define MBD_ASSEMBLY_NORMAL_H
+
+#include "mbd/assembly/kkt.h"
+
+typedef struct {
+  double normal;                                  /* [N], of a torque times the radius [N m] */
+  int nrow;                                       /* of the joint */
+  double by_lambda[MBD_ROWS_MAX], by_q[MBD_PAIR]; /* its derivatives by lambda of these and the pair's pose */
+} mbd_normal;
+
+/* The normal force of a friction at data->kin under the multipliers lambda (nrow); with derivatives if `second`. */
+mbd_normal mbd_normal_at(const mbd_model *model, mbd_data *data, const mbd_force *force, const double *lambda,
+                         bool second);
+
+/* data->stick[].normal at data->kin under lambda (nrow); NULL: without any reaction. */
+void mbd_normals(const mbd_model *model, mbd_data *data, const double *lambda);
+
+/* After a solution for the accelerations without any reaction in the normal forces, with kkt's factors at time t: what
+ * the reactions make of friction, which changes the reactions, and so on, into data's acceleration, lambda, wrench and
+ * normal forces. Newton's method on the normal forces of what slides. false: it finds none, as where friction jams a
+ * joint that moves (Painleve's paradox). */
+bool mbd_normal_respond(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t);
+
+/* Refuse friction by a reaction that redundant rows leave undetermined, at data's assembled state. */
+tdm_status mbd_normal_check(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err);
+
+#endif

@@ -1,0 +1,13 @@
+/* Reading a body of a scene: mass and inertia (given, or of a shape), start, markers. README.md lists the keys. */
+#ifndef MBD_MODEL_BODY_H
+#define MBD_MODEL_BODY_H
+
+#include "mbd/model/model.h"
+
+/* Read one element of mbd.bodies and append it to the model, which has room. */
+void mbd_body_load(mbd_model *model, json_t *json, const char *path, tdm_error *err);
+
+/* Free what a body owns. */
+void mbd_body_clear(mbd_body *body);
+
+#endif

@@ -1,0 +1,43 @@
+/* What the command lines of tandem and of the solvers share: options, signals, the exit status. */
+#ifndef TDM_APP_COMMAND_LINE_H
+#define TDM_APP_COMMAND_LINE_H
+
+#include "protocol/base/status.h"
+
+#include <stdbool.h>
+
+/* An option "--name": with a value, a flag, or (both NULL) one of --set, which may come more than once. */
+typedef struct {
+  const char *name, **value;
+  bool *flag;
+} tdm_option;
+
+/* Words that are no options, and the values of --set; both NULL-terminated. Free with tdm_arguments_free. */
+typedef struct {
+  const char **word, **set;
+  int nword, nset;
+} tdm_arguments;
+
+/* Read `argc` words behind the command; `program` is named in errors. Strings are borrowed from argv. The caller frees
+ * also after an error. */
+tdm_status tdm_arguments_read(tdm_arguments *arguments, const tdm_option *options, int noption, const char *program,
+                              int argc, char **argv, tdm_error *err);
+void tdm_arguments_free(tdm_arguments *arguments);
+
+/* An error for a command that is none of `names`. */
+tdm_status tdm_unknown_command(const char *program, const char *command, const char *const *names, int nname,
+                               tdm_error *err);
+
+/* Set by Ctrl-C, SIGTERM and a closed terminal once tdm_catch_signals was called: runs end in order then. */
+extern volatile int tdm_interrupted;
+
+/* How many of them came: what goes on after the first (the plots of a run that was interrupted) ends at the next. */
+extern volatile int tdm_signal_count;
+
+/* Signals end a run in order; calls that wait are woken. */
+void tdm_catch_signals(void);
+
+/* Print the error, if it is set, and return the exit status: 0, 1, 2 (wrong command line), 130 (interrupted). */
+int tdm_finish(const char *program, const tdm_error *err);
+
+#endif

@@ -1,0 +1,65 @@
+#include "protocol/app/find.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int is_file(const char *path) {
+  struct stat s;
+  return stat(path, &s) == 0 && S_ISREG(s.st_mode);
+}
+
+/* The share folder of an installed tandem: beside the folder that this program lies in, wherever that was put. */
+static void share_dir(char *out, size_t size) {
+  char self[2048];
+  ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+  self[n > 0 ? n : 0] = 0;
+  for (int i = 0; i < 2 && strrchr(self, '/'); i++)
+    *strrchr(self, '/') = 0;
+  snprintf(out, size, "%s/share/tandem/scenarios", self);
+}
+
+/* What runs the scenarios of each group. */
+static const struct {
+  const char *group, *program, *what;
+} groups[] = {
+    {"", "tandem", "a co-simulation"}, {"dem", "tandem-dem", "particles alone"}, {"mbd", "tandem-mbd", "bodies alone"}};
+
+/* A scenario of that name in another group than the one that was asked for; -1: there is none. */
+static int other_group(const char *group, const char *name, const char *const *place, int nplace) {
+  char path[4096];
+  for (int g = 0; g < 3; g++)
+    for (int i = 0; i < nplace && strcmp(groups[g].group, group) != 0; i++) {
+      snprintf(path, sizeof path, "%s/%s/%s/scene.json", place[i], groups[g].group, name);
+      if (is_file(path))
+        return g;
+    }
+  return -1;
+}
+
+tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir,
+                          tdm_error *err) {
+  char share[2200];
+  share_dir(share, sizeof share);
+  const char *const usual[] = {"scenarios", share, TANDEM_SOURCE_DIR "/scenarios"};
+  const char *const *place = dir ? &dir : usual;
+  int nplace = dir ? 1 : 3;
+  snprintf(out, size, "%s", name);
+  if (is_file(out) || strchr(name, '/') || strstr(name, ".json"))
+    return TDM_OK; /* a file, or meant as one: reading it tells what is wrong */
+  char looked[1024] = "";
+  for (int i = 0; i < nplace; i++) {
+    snprintf(out, size, "%s/%s%s%s/scene.json", place[i], group, *group ? "/" : "", name);
+    if (is_file(out))
+      return TDM_OK;
+    snprintf(looked + strlen(looked), sizeof looked - strlen(looked), "%s%s%s%s", i ? ", " : "", place[i],
+             *group ? "/" : "", group);
+  }
+  int other = other_group(group, name, place, nplace);
+  if (other >= 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: this scenario is %s; run it with: %s run %s", name,
+                    groups[other].what, groups[other].program, name);
+  return tdm_fail(err, TDM_ERR_FILE, NULL,
+                  "%s: neither a scene file nor a scenario in %s; name a file, or give --scenarios DIR", name, looked);
+}

@@ -1,0 +1,14 @@
+/* Where scenes are: a file, or the name of a scenario. */
+#ifndef TDM_APP_FIND_H
+#define TDM_APP_FIND_H
+
+#include "protocol/base/status.h"
+
+#include <stddef.h>
+
+/* The scene file for `name`: a file of that name, or GROUP/NAME/scene.json ("": NAME/scene.json) in --scenarios DIR
+ * (`dir`, may be NULL: then ./scenarios, the installed share folder, the source folder that tandem was built from). The
+ * error for a scenario of another group names the program that runs it. */
+tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir, tdm_error *err);
+
+#endif

@@ -1,0 +1,210 @@
+#include "protocol/app/plot.h"
+
+#include "protocol/app/command_line.h"
+#include "protocol/app/mark.h"
+#include "protocol/base/log.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* A name or title, whose bytes may be anybody's. What could mean something to gnuplot (quotes, backticks, backslashes,
+ * macros, line breaks) is written in octal: backticks and macros it looks for before it reads, escapes after. Single
+ * quotes would not do: gnuplot 5.4 fails on a doubled one at their start. The terminals are noenhanced. */
+static void write_quoted(FILE *f, const char *text) {
+  fputc('"', f);
+  for (; *text; text++) {
+    unsigned char c = (unsigned char)*text;
+    if (c < ' ' || c == 127)
+      fputc(' ', f);
+    else if (isalnum(c) || c >= 0x80 || strchr(" .,:;_-+=/*()[]<>|", c))
+      fputc(c, f);
+    else
+      fprintf(f, "\\%03o", c);
+  }
+  fputc('"', f);
+}
+
+/* A file: a relative name gets ./ in front, as '<' there would be a shell command, and '-' or '+' no file. */
+static void write_file_name(FILE *f, const char *file) {
+  char path[4352];
+  snprintf(path, sizeof path, "%s%s", *file == '/' ? "" : "./", file);
+  write_quoted(f, path);
+}
+
+static void write_word(FILE *f, const char *command, const char *text) {
+  fputs(command, f);
+  write_quoted(f, text);
+  fputc('\n', f);
+}
+
+/* A plot's data as gnuplot's data block $panelN. */
+static void write_data(FILE *f, const tdm_plot_data *data, int number) {
+  fprintf(f, "$panel%d << EOD\n", number);
+  for (int i = 0; i < data->nrow; i++)
+    for (int k = 0; k < data->ncolumn; k++)
+      fprintf(f, "%.9g%c", data->value[i * data->ncolumn + k], k + 1 < data->ncolumn ? ',' : '\n');
+  fputs("EOD\n", f);
+}
+
+static void write_panel(FILE *f, const tdm_plot *plot, int number) {
+  write_word(f, "set title ", plot->title);
+  write_word(f, "set xlabel ", plot->xlabel);
+  write_word(f, "set ylabel ", plot->ylabel);
+  if (plot->setup)
+    fputs(plot->setup, f);
+  fputs("plot ", f);
+  for (int i = 0; i < plot->ncurve; i++) {
+    const tdm_curve *c = &plot->curve[i];
+    fputs(i ? ", \\\n     " : "", f);
+    if (c->file)
+      write_file_name(f, c->file);
+    else
+      fprintf(f, "$panel%d", number);
+    fprintf(f, "%s using %s with %s title ", c->file ? " skip 1" : "", c->using, c->style);
+    write_quoted(f, c->title);
+  }
+  fputs("\n", f);
+}
+
+static void write_script(FILE *f, const char *name, int nplot, const tdm_plot *plot, const tdm_plot_data *data) {
+  static const char *const terminals[][2] = {{"pngcairo", "png"}, {"svg", "svg"}};
+  fputs("set datafile separator ','\nset grid lc rgb '#dddddd'\nset key top right\nset encoding utf8\n", f);
+  for (int i = 0; i < nplot && data; i++)
+    write_data(f, &data[i], i);
+  for (int t = 0; t < 2; t++) {
+    char output[256];
+    fprintf(f, "set terminal %s noenhanced size 900,%d font ',11'\nset output ", terminals[t][0], 360 * nplot);
+    snprintf(output, sizeof output, "%s.%s", name, terminals[t][1]);
+    write_file_name(f, output);
+    fputc('\n', f);
+    if (nplot > 1)
+      fprintf(f, "set multiplot layout %d,1\n", nplot);
+    for (int i = 0; i < nplot; i++)
+      write_panel(f, &plot[i], i);
+    fputs(nplot > 1 ? "unset multiplot\nunset output\n" : "unset output\n", f);
+  }
+}
+
+/* ---- gnuplot ---- */
+
+enum { PLOT_CANNOT = -1, PLOT_INTERRUPTED = -2, PLOT_HANGS = -3 }; /* beside exit statuses */
+
+static int given_up; /* one of the last two: no further plot is tried */
+
+bool tdm_plot_interrupted(void) {
+  return given_up == PLOT_INTERRUPTED;
+}
+
+/* How long one plot may take [s]. */
+static double patience(void) {
+  const char *text = getenv("TANDEM_PLOT_TIMEOUT");
+  double seconds = text ? strtod(text, NULL) : 0;
+  return seconds > 0 ? seconds : 120;
+}
+
+/* In the child, between fork and exec. gnuplot has a process group of its own, so that it ends with its helpers; it
+ * does not outlive tandem. -d: no start-up files, of the user or beside the data. */
+static void become_gnuplot(const char *dir, const char *script, const char *log, pid_t parent) {
+  int out;
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent || chdir(dir) != 0 || (out = open(log, O_WRONLY | O_CREAT | O_TRUNC, 0666)) < 0)
+    _exit(126);
+  dup2(open("/dev/null", O_RDONLY), 0);
+  dup2(out, 1);
+  dup2(out, 2);
+  execlp("gnuplot", "gnuplot", "-d", script, (char *)NULL);
+  _exit(127);
+}
+
+/* Its exit status; it is ended at the next signal to this process, or when it takes too long. */
+static int wait_for_gnuplot(pid_t pid, int signals) {
+  double deadline = tdm_clock() + patience();
+  int status;
+  while (true) {
+    pid_t got = waitpid(pid, &status, WNOHANG);
+    if (got == pid)
+      return WIFEXITED(status) ? WEXITSTATUS(status) : PLOT_CANNOT;
+    if (got < 0 && errno != EINTR)
+      return PLOT_CANNOT;
+    if (tdm_signal_count != signals || tdm_clock() > deadline) {
+      given_up = tdm_signal_count != signals ? PLOT_INTERRUPTED : PLOT_HANGS;
+      kill(-pid, SIGKILL);
+      kill(pid, SIGKILL); /* it may not have its group yet */
+      while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
+        ;
+      return given_up;
+    }
+    nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+  }
+}
+
+/* gnuplot on the script, in its directory, its words into `log` there. */
+static int run_gnuplot(const char *dir, const char *script, const char *log) {
+  int signals = tdm_signal_count;
+  pid_t parent = getpid(), pid = given_up ? 0 : fork();
+  if (given_up)
+    return given_up;
+  if (pid == 0)
+    become_gnuplot(dir, script, log, parent);
+  return pid < 0 ? PLOT_CANNOT : wait_for_gnuplot(pid, signals);
+}
+
+/* The files of a plot are the directory's own: a new run may remove them. */
+static void mark_files(const char *dir, const char *name) {
+  static const char *const endings[] = {"gp", "png", "svg", "gnuplot"};
+  char file[256];
+  for (int i = 0; i < 4; i++) {
+    snprintf(file, sizeof file, "%s.%s", name, endings[i]);
+    tdm_mark_add_in(dir, file);
+  }
+}
+
+tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
+  char path[4096], script[256], log[256];
+  snprintf(script, sizeof script, "%s.gp", name);
+  snprintf(log, sizeof log, "%s.gnuplot", name); /* not .log: dem.log is the solver's */
+  mark_files(dir, name);
+  int status = run_gnuplot(dir, script, log);
+  if (status == PLOT_INTERRUPTED)
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while plotting; the data is there, not all plots are");
+  if (status == PLOT_HANGS)
+    return tdm_fail(err, TDM_ERR_TIMEOUT, NULL,
+                    "no plot %s: gnuplot took longer than %g s and was ended, see %s/%s; the environment variable "
+                    "TANDEM_PLOT_TIMEOUT sets another limit [s]",
+                    name, patience(), dir, log);
+  if (status == 127)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "no plots: gnuplot is not installed (Debian package gnuplot-nox)");
+  if (status != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "no plot %s: gnuplot failed, see %s/%s", name, dir, log);
+  snprintf(path, sizeof path, "%s/%s", dir, log);
+  unlink(path);
+  return TDM_OK;
+}
+
+tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err) {
+  return tdm_plot_write_data(dir, name, nplot, plot, NULL, err);
+}
+
+tdm_status tdm_plot_write_data(const char *dir, const char *name, int nplot, const tdm_plot *plot,
+                               const tdm_plot_data *data, tdm_error *err) {
+  char path[4096], script[256];
+  snprintf(script, sizeof script, "%s.gp", name);
+  snprintf(path, sizeof path, "%s/%s", dir, script);
+  FILE *f = fopen(path, "w");
+  if (!f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  write_script(f, name, nplot, plot, data);
+  if (fclose(f) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  return tdm_plot_run(dir, name, err);
+}

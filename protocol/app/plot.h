@@ -1,0 +1,47 @@
+/* Plots by gnuplot: a script, a PNG and an SVG in the directory of the data. */
+#ifndef TDM_APP_PLOT_H
+#define TDM_APP_PLOT_H
+
+#include "protocol/base/status.h"
+
+#include <stdbool.h>
+
+/* Files, titles and labels may hold any bytes; `using`, `style` and `setup` are gnuplot's own words and never come from
+ * a file or a scene. */
+typedef struct {
+  const char *file;  /* CSV with one header line, relative to the directory; NULL: the plot's data */
+  const char *using; /* gnuplot's column expression: "1:4", "1:(-$4)" */
+  const char *title;
+  const char *style; /* gnuplot's: "lines lw 2", "points pt 7" */
+} tdm_curve;
+
+typedef struct {
+  const char *title, *xlabel, *ylabel;
+  const char *setup; /* further gnuplot commands, each line ended: "set logscale x\n"; may be NULL */
+  int ncurve;
+  const tdm_curve *curve;
+} tdm_plot;
+
+/* data of a plot's curves without a file */
+typedef struct {
+  double *value; /* (nrow x ncolumn) row-major */
+  int nrow, ncolumn;
+} tdm_plot_data;
+
+/* Write dir/name.gp and have gnuplot make name.png and name.svg beside it, the plots one under the other. A missing
+ * gnuplot is an error of status TDM_ERR_FILE that the caller may take as a notice. */
+tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err);
+
+/* The same with `data` (nplot) of their own, written into the script: gnuplot reads a file anew for each curve. */
+tdm_status tdm_plot_write_data(const char *dir, const char *name, int nplot, const tdm_plot *plot,
+                               const tdm_plot_data *data, tdm_error *err);
+
+/* Have gnuplot run dir/name.gp, which is there; the same errors. A signal to this process ends it
+ * (TDM_ERR_INTERRUPTED), and so does too long a time (TDM_ERR_TIMEOUT; TANDEM_PLOT_TIMEOUT in the environment, 120 s);
+ * then no further plot is tried. */
+tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err);
+
+/* A signal has ended a plot: the program should end. */
+bool tdm_plot_interrupted(void);
+
+#endif

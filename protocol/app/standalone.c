@@ -1,0 +1,277 @@
+#include "protocol/app/standalone.h"
+
+#include "protocol/app/plot.h"
+#include "protocol/base/log.h"
+#include "protocol/base/progress.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+static const double flush_interval = 1; /* of the time histories, wall clock [s] */
+
+/* ---- start ---- */
+
+tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err) {
+  const tdm_alone_options *o = run->options;
+  run->teller = (tdm_teller){.program = run->program->name, .scene = &run->scene};
+  tdm_remarks_open(&run->remarks);
+  if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
+    return err->status;
+  for (const char *const *set = o->set; set && *set; set++)
+    if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
+      return err->status;
+  return TDM_OK;
+}
+
+tdm_status tdm_alone_open(tdm_alone *run, tdm_error *err) {
+  const tdm_alone_options *o = run->options;
+  const char *role = run->program->ops->role;
+  char name[64];
+  snprintf(name, sizeof name, "%s.log", role);
+  const tdm_results_def def = {.dir = o->out, .scene = o->scene, .log = name, .force = o->force};
+  if (tdm_results_open(&run->results, &def, err) != TDM_OK)
+    return err->status;
+  tdm_log_open(run->results.log, role);
+  return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
+}
+
+void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) {
+  assert(run->ndoubt < TDM_ALONE_DOUBTS);
+  tdm_warning *w = &run->doubt[run->ndoubt++];
+  snprintf(w->path, sizeof w->path, "%s", path);
+  va_list args;
+  va_start(args, format);
+  vsnprintf(w->message, sizeof w->message, format, args);
+  va_end(args);
+}
+
+void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end) {
+  if (interval > end * (1 + 1e-9))
+    tdm_alone_doubt(run, "output.interval",
+                    "is %g s but the run ends at %g s: the time histories have its start and its end only", interval,
+                    end);
+}
+
+static tdm_status heed(tdm_alone *run, const tdm_warning *w, tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  tdm_error place = {0};
+  tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
+  json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
+  tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+          tdm_log_quote(quoted, sizeof quoted, place.message));
+  if (run->options->strict)
+    return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
+  tdm_scene_locate(&run->scene, &place);
+  fprintf(stderr, "%s: warning: %s\n", run->program->name, place.message);
+  return TDM_OK;
+}
+
+/* Doubts about the settings, and the solver's: printed, or refused when strict. */
+static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
+  for (int k = 0; k < run->ndoubt && err->status == TDM_OK; k++)
+    heed(run, &run->doubt[k], err);
+  for (int k = 0; k < run->ready.nwarning && err->status == TDM_OK; k++)
+    heed(run, &run->ready.warning[k], err);
+  return err->status;
+}
+
+tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err) {
+  const tdm_solver_ops *ops = run->program->ops;
+  run->section = tdm_scene_section(run->scene.root, ops->role);
+  const tdm_assignment assignment = {.scene = run->section, .time_end = end, .dt = dt, .n = 1};
+  run->warnings = json_array();
+  if (ops->create(&run->solver, &assignment, &run->ready, NULL, err) != TDM_OK)
+    return err->status;
+  run->values = calloc((size_t)run->ready.nchannel + 1, sizeof *run->values);
+  if (!run->values || !run->warnings)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  memcpy(run->values, run->ready.initial, (size_t)run->ready.nchannel * sizeof *run->values);
+  return heed_warnings(run, err);
+}
+
+/* ---- remarks ---- */
+
+void tdm_alone_tell(tdm_alone *run, bool bar) {
+  if (run->told == run->remarks.changes)
+    return;
+  run->told = run->remarks.changes;
+  json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
+  tdm_remarks_tell(&run->teller, remarks, bar ? TDM_PROGRESS_CLEAR : NULL);
+  json_decref(remarks);
+}
+
+/* ---- time histories ---- */
+
+tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
+  if (tdm_results_start(&run->results, err) != TDM_OK)
+    return err->status;
+  run->channels = tdm_results_file(&run->results, "channels.csv", err);
+  if (!run->channels)
+    return err->status;
+  fputs("time [s]", run->channels);
+  for (int c = 0; c < run->ready.nchannel; c++)
+    fprintf(run->channels, ",%s [%s]", run->ready.channel[c].name, run->ready.channel[c].unit);
+  fputc('\n', run->channels);
+  run->moved = calloc((size_t)run->ready.nchannel + 1, sizeof *run->moved);
+  run->plots = !run->options->no_plots && tdm_thin_begin(&run->thin, run->ready.nchannel);
+  return TDM_OK;
+}
+
+tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err) {
+  tdm_write_row(run->channels, t, values, run->ready.nchannel);
+  run->nrow++;
+  if (run->plots)
+    tdm_thin_add(&run->thin, t, values);
+  for (int c = 0; c < run->ready.nchannel && run->moved; c++)
+    run->moved[c] = run->moved[c] || values[c] != 0;
+  double now = tdm_clock();
+  if (now - run->last_flush > flush_interval) {
+    run->last_flush = now;
+    fflush(run->channels);
+    tdm_results_there(&run->results, err);
+  }
+  if (ferror(run->channels))
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s/channels.csv: cannot be written: %s; what is there stays readable",
+             run->results.dir, strerror(errno));
+  return err->status;
+}
+
+void tdm_alone_close(tdm_alone *run, tdm_error *err) {
+  bool bad = ferror(run->channels);
+  if (fclose(run->channels) != 0 || bad)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s/channels.csv: cannot be written: %s", run->results.dir, strerror(errno));
+  run->channels = NULL;
+}
+
+static bool wanted(const char *channel, const char *const *of) {
+  for (; of && *of; of++)
+    if (strncmp(channel, *of, strlen(*of)) == 0)
+      return true;
+  return !of;
+}
+
+/* Some channel of the plot is not zero throughout. */
+static bool any_moved(const tdm_alone *run, const char *const *of) {
+  bool any = false;
+  for (int c = 0; c < run->ready.nchannel && run->moved; c++)
+    any = any || (run->moved[c] && wanted(run->ready.channel[c].name, of));
+  return any;
+}
+
+enum { PANELS = 16, CURVES = 24 };
+
+/* the panels of one file of plots */
+typedef struct {
+  tdm_plot plot[PANELS];
+  tdm_plot_data data[PANELS];
+  tdm_curve curve[PANELS][CURVES];
+  char using[PANELS][CURVES][16];
+  int channel[PANELS][CURVES], nplot;
+} panels;
+
+static void add_channel(panels *p, const tdm_alone *run, int c) {
+  const tdm_channel *channel = &run->ready.channel[c];
+  int k = 0;
+  while (k < p->nplot && strcmp(p->plot[k].ylabel, channel->unit) != 0)
+    k++;
+  if (k == PANELS)
+    return;
+  if (k == p->nplot)
+    p->plot[p->nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = channel->unit, .curve = p->curve[k]};
+  int i = p->plot[k].ncurve;
+  if (i == CURVES)
+    return;
+  snprintf(p->using[k][i], sizeof p->using[k][i], "1:%d", i + 2);
+  p->curve[k][i] = (tdm_curve){NULL, p->using[k][i], channel -> name, "lines lw 2"};
+  p->channel[k][p->plot[k].ncurve++] = c;
+}
+
+/* Give the panels their data; those without a number are dropped. */
+static void add_data(panels *p, const tdm_alone *run) {
+  int kept = 0;
+  for (int k = 0; k < p->nplot; k++) {
+    const int n = p->plot[k].ncurve;
+    double *table = tdm_thin_table(&run->thin, p->channel[k], n);
+    p->plot[kept] = p->plot[k];
+    p->data[kept] = (tdm_plot_data){table, tdm_thin_rows(&run->thin), n + 1};
+    kept += table != NULL;
+  }
+  p->nplot = kept;
+}
+
+tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
+  bool some = any_moved(run, of); /* then what is zero throughout is left out */
+  panels *p = run->plots ? calloc(1, sizeof *p) : NULL;
+  if (!p)
+    return TDM_OK;
+  for (int c = 0; c < run->ready.nchannel; c++)
+    if (wanted(run->ready.channel[c].name, of) && (!some || run->moved[c]))
+      add_channel(p, run, c);
+  add_data(p, run);
+  if (p->nplot > 0)
+    tdm_plot_write_data(run->results.dir, name, p->nplot, p->plot, p->data, err);
+  for (int k = 0; k < p->nplot; k++)
+    free(p->data[k].value);
+  free(p);
+  return err->status;
+}
+
+/* ---- end ---- */
+
+json_t *tdm_real_or_null(double x) {
+  return isfinite(x) ? json_real(x) : json_null();
+}
+
+json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err) {
+  struct utsname machine = {0};
+  char name[4096];
+  uname(&machine);
+  snprintf(name, sizeof name, "%s", run->options->scene);
+  tdm_utf8_clean(name);
+  json_t *json = json_pack("{s:s, s:s, s:s, s:{s:s, s:s, s:i}}", "tandem", TANDEM_VERSION, "software",
+                           run->program->ops->software, "scene", name, "machine", "system", machine.sysname,
+                           "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN));
+  json_object_set(json, "report", run->ready.report ? run->ready.report : json_null());
+  json_object_set_new(json, "warnings", run->warnings ? json_copy(run->warnings) : json_array());
+  json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
+  tdm_remarks_enter(json, remarks);
+  tdm_alone_tell(run, false);
+  tdm_remarks_tell_counts(&run->teller, remarks);
+  json_decref(remarks);
+  json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
+  if (err->status != TDM_OK)
+    json_object_set_new(json, "error", json_string(err->message));
+  return json;
+}
+
+void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  if (err->status != TDM_OK)
+    tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
+            tdm_log_quote(quoted, sizeof quoted, err->message));
+  else
+    tdm_log(TDM_LOG_INFO, "finished", "%s", pairs);
+}
+
+void tdm_alone_free(tdm_alone *run) {
+  tdm_remarks_open(NULL);
+  tdm_teller_free(&run->teller);
+  if (run->results.staged)
+    fprintf(stderr, "%s: notice: the results in %s stay as they are; the log of this start is in %s\n",
+            run->program->name, run->results.home, run->results.dir);
+  free(run->moved);
+  tdm_thin_free(&run->thin);
+  tdm_log_open(NULL, run->program->ops->role);
+  tdm_results_close(&run->results);
+  run->program->ops->destroy(run->solver);
+  json_decref(run->section);
+  json_decref(run->warnings);
+  free(run->values);
+  tdm_scene_destroy(&run->scene);
+}

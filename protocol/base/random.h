@@ -1,0 +1,24 @@
+/* Random numbers without a generator: each is a function of what it is for, so a copy of the data needs no state and
+ * all machines draw the same. */
+#ifndef TDM_BASE_RANDOM_H
+#define TDM_BASE_RANDOM_H
+
+#include <stdint.h>
+
+/* SplitMix64's mixing function (Steele, Lea & Flood 2014) */
+static inline uint64_t dem_draw_mix(uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+/* A number in [0, 1) that depends on its arguments alone. */
+static inline double dem_draw(uint64_t seed, uint64_t particle, uint64_t draw) {
+  const uint64_t golden = 0x9e3779b97f4a7c15u;
+  uint64_t z = dem_draw_mix(seed + golden);
+  z = dem_draw_mix(z + golden * (particle + 1));
+  z = dem_draw_mix(z + golden * (draw + 1));
+  return (double)(z >> 11) * 0x1p-53;
+}
+
+#endif
