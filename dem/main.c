@@ -13,5 +13,5 @@ int main(int argc, char **argv) {
   gsl_set_error_handler_off(); /* GSL's own aborts */
   if (argc > 1 && strcmp(argv[1], "bench") == 0)
     return dem_bench_main(argc - 2, argv + 2);
-  return tdm_alone_main(&dem_program, argc, argv);
+  return tdm_standalone_main(&dem_program, argc, argv);
 }

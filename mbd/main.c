@@ -5,5 +5,5 @@
 
 int main(int argc, char **argv) {
   gsl_set_error_handler_off(); /* GSL's own aborts */
-  return tdm_alone_main(&mbd_program, argc, argv);
+  return tdm_standalone_main(&mbd_program, argc, argv);
 }

@@ -55,7 +55,7 @@ typedef struct {
   dem_model *model;
   dem_data *data;
   tdm_participant *participant; /* borrowed; NULL: no server */
-  dem_motion *motion;           /* (ncoupled) paths of the present window */
+  dem_path *motion;             /* (ncoupled) paths of the present window */
   tdm_energy energy;            /* at the start */
   tdm_wrench *load;             /* (ncoupled) at the start; then sums over the window */
   dem_proxy *proxy;
@@ -426,8 +426,8 @@ static tdm_status make_paths(dem_solver *s, const tdm_step *step, double dt, tdm
     return dem_proxy_begin(s->proxy, s->data, step, dt, s->contact_time, err);
   for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window without nodes */
     s->motion[c] = step->path.nnode > 0
-                       ? dem_motion_through(step, c)
-                       : dem_motion_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
+                       ? dem_path_through(step, c)
+                       : dem_path_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
   return TDM_OK;
 }
 
@@ -463,7 +463,7 @@ static void add_kicks(dem_solver *s, const tdm_step *step, uint64_t k, tdm_resul
     add_moments(body, weight, at, load);
     if (step->has_proxy)
       continue; /* it knows */
-    tdm_twist twist = dem_motion_twist(&s->motion[c], at);
+    tdm_twist twist = dem_path_twist(&s->motion[c], at);
     body->work +=
         weight * (step->t1 - step->t0) * (tdm_dot(load->force, twist.velocity) + tdm_dot(load->moment, twist.angular));
     body->end = step->end[c];

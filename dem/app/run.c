@@ -15,7 +15,7 @@
 
 /* What a run holds, so that one place can let go of it whatever happened. */
 typedef struct {
-  tdm_alone alone;
+  tdm_standalone alone;
   dem_run_settings settings;
 
   int ndue;      /* rows of the time histories that the last window made */
@@ -38,25 +38,25 @@ typedef struct {
 /* ---- start ---- */
 
 static tdm_status load_scene(run_state *run, tdm_error *err) {
-  if (tdm_alone_read(&run->alone, err) != TDM_OK)
+  if (tdm_standalone_read(&run->alone, err) != TDM_OK)
     return err->status;
   const dem_run_settings *s = &run->settings;
   if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
-  tdm_alone_doubt_interval(&run->alone, s->interval, s->time.end);
+  tdm_standalone_doubt_interval(&run->alone, s->interval, s->time.end);
   if (s->pictures.late > 0)
-    tdm_alone_doubt(&run->alone, "output.pictures.times",
-                    "%d of %d are later than time.end = %g s: there will be no such pictures", s->pictures.late,
-                    s->pictures.late + s->pictures.ntime, s->time.end);
+    tdm_standalone_doubt(&run->alone, "output.pictures.times",
+                         "%d of %d are later than time.end = %g s: there will be no such pictures", s->pictures.late,
+                         s->pictures.late + s->pictures.ntime, s->time.end);
   return TDM_OK;
 }
 
 static tdm_status open_results(run_state *run, tdm_error *err) {
-  return tdm_alone_open(&run->alone, err);
+  return tdm_standalone_open(&run->alone, err);
 }
 
 static tdm_status start_solver(run_state *run, tdm_error *err) {
-  return tdm_alone_start(&run->alone, run->settings.time.end, run->settings.time.dt, err);
+  return tdm_standalone_start(&run->alone, run->settings.time.end, run->settings.time.dt, err);
 }
 
 /* ---- outputs ---- */
@@ -76,7 +76,7 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   memcpy(run->rows, run->alone.ready.initial, n * sizeof *run->rows);
   run->ndue = 1;
-  if (tdm_alone_begin(&run->alone, err) != TDM_OK || take_snapshot(run, err) != TDM_OK)
+  if (tdm_standalone_begin(&run->alone, err) != TDM_OK || take_snapshot(run, err) != TDM_OK)
     return err->status;
   run->bounds = dem_scene_bounds(dem_solver_data(run->alone.solver), &run->snapshot);
   dem_pictures_begin(&run->pictures, &run->settings.pictures, &run->alone.results, &run->bounds);
@@ -151,7 +151,7 @@ static uint64_t picture_step(const run_state *run) {
 
 static tdm_status write_due(run_state *run, tdm_error *err) {
   for (int k = 0; k < run->ndue; k++)
-    if (tdm_alone_row(&run->alone, run->due[k], run->rows + k * run->alone.ready.nchannel, err) != TDM_OK)
+    if (tdm_standalone_row(&run->alone, run->due[k], run->rows + k * run->alone.ready.nchannel, err) != TDM_OK)
       return err->status;
   bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
   if (frame || picture || run->settings.pictures.ntime > 0)
@@ -205,7 +205,7 @@ static tdm_status solve(run_state *run, tdm_error *err) {
     if (advance(run, next, err) == TDM_OK)
       write_due(run, err);
     tdm_progress_update(&progress, (double)run->nstep * dt, run->nstep);
-    tdm_alone_tell(&run->alone, progress.terminal);
+    tdm_standalone_tell(&run->alone, progress.terminal);
   }
   tdm_progress_end(&progress);
   run->loop = tdm_clock() - begin;
@@ -223,7 +223,7 @@ static json_t *repose(const run_state *run) {
 static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   const dem_data *d = run->alone.solver ? dem_solver_data(run->alone.solver) : NULL;
-  json_t *json = tdm_alone_summary(&run->alone, err);
+  json_t *json = tdm_standalone_summary(&run->alone, err);
   json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings",
                           "time.end", s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps",
                           (json_int_t)run->nstep, "simulated_s", (double)run->nstep * s->time.dt, "particles",
@@ -241,9 +241,9 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   char pairs[128];
   tdm_error late = {0};
   if (run->alone.channels) {
-    tdm_alone_close(&run->alone, err);
+    tdm_standalone_close(&run->alone, err);
     if (run->alone.solver && take_snapshot(run, &late) == TDM_OK)
-      tdm_alone_plot(&run->alone, "channels", NULL, &run->picture_notice);
+      tdm_standalone_plot(&run->alone, "channels", NULL, &run->picture_notice);
   }
   if (run->pictures.drawn > 1)
     dem_pictures_row(&run->pictures, &run->picture_notice);
@@ -256,7 +256,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   json_decref(json);
   snprintf(pairs, sizeof pairs, "steps=%llu simulated=%g wall=%.3f", (unsigned long long)run->nstep,
            (double)run->nstep * run->settings.time.dt, wall);
-  tdm_alone_log_end(pairs, err);
+  tdm_standalone_log_end(pairs, err);
   if (run->nstep > 0)
     printf("%.6g s simulated in %llu steps, %d particles at the end; %.2f s wall, %.2f s of it until the start; %.3g "
            "particle-steps/s; results in %s\n",
@@ -271,10 +271,10 @@ static void let_go(run_state *run) {
   dem_run_settings_free(&run->settings);
   free(run->frame_time);
   free(run->rows);
-  tdm_alone_free(&run->alone);
+  tdm_standalone_free(&run->alone);
 }
 
-tdm_status dem_run(const tdm_alone_options *options, tdm_error *err) {
+tdm_status dem_run(const tdm_standalone_options *options, tdm_error *err) {
   double begin = tdm_clock();
   run_state run = {.alone = {.program = &dem_program, .options = options}};
   if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK) {
@@ -306,7 +306,7 @@ static void print_scene(const run_state *run) {
   printf("%d warning%s\n", run->alone.ready.nwarning, run->alone.ready.nwarning == 1 ? "" : "s");
 }
 
-tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err) {
+tdm_status dem_run_check(const tdm_standalone_options *options, tdm_error *err) {
   run_state run = {.alone = {.program = &dem_program, .options = options}};
   if (load_scene(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK)
     print_scene(&run);
@@ -315,7 +315,7 @@ tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err) {
   return err->status;
 }
 
-const tdm_alone_program dem_program = {
+const tdm_standalone_program dem_program = {
     .name = "tandem-dem",
     .help = "tandem-dem: the discrete element engine of tandem\n\n"
             "  tandem-dem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"

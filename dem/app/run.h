@@ -13,7 +13,7 @@
 #include "protocol/app/time_section.h"
 
 /* the command line of tandem-dem, but for bench */
-extern const tdm_alone_program dem_program;
+extern const tdm_standalone_program dem_program;
 
 /* What a run reads besides the section dem. */
 typedef struct {
@@ -29,9 +29,9 @@ tdm_status dem_run_settings_read(dem_run_settings *settings, const tdm_scene *sc
 void dem_run_settings_free(dem_run_settings *settings);
 
 /* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
-tdm_status dem_run(const tdm_alone_options *options, tdm_error *err);
+tdm_status dem_run(const tdm_standalone_options *options, tdm_error *err);
 
 /* Load and settle the scene, and print what would run. */
-tdm_status dem_run_check(const tdm_alone_options *options, tdm_error *err);
+tdm_status dem_run_check(const tdm_standalone_options *options, tdm_error *err);
 
 #endif

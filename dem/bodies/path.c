@@ -1,29 +1,28 @@
 /* The path of a body inside a window: see path.h. */
 #include "dem/bodies/path.h"
 
-dem_motion dem_motion_make(const tdm_state *start, const tdm_state *end, double duration,
-                           tdm_interpolation interpolation) {
-  dem_motion m = {.interpolation = interpolation, .duration = duration, .start = *start, .end = *end};
+dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double duration, tdm_interpolation interpolation) {
+  dem_path m = {.interpolation = interpolation, .duration = duration, .start = *start, .end = *end};
   tdm_quat q0 = start->pose.orientation;
   m.turn = tdm_quat_to_rotvec(tdm_quat_mul(tdm_quat_conj(q0), end->pose.orientation));
   m.angular = tdm_scale(1 / duration, tdm_quat_rotate(q0, m.turn));
   return m;
 }
 
-dem_motion dem_motion_through(const tdm_step *step, int body) {
-  return (dem_motion){.duration = step->t1 - step->t0,
-                      .start = step->start[body],
-                      .end = step->end[body],
-                      .path = step->path,
-                      .body = body,
-                      .t0 = step->t0};
+dem_path dem_path_through(const tdm_step *step, int body) {
+  return (dem_path){.duration = step->t1 - step->t0,
+                    .start = step->start[body],
+                    .end = step->end[body],
+                    .path = step->path,
+                    .body = body,
+                    .t0 = step->t0};
 }
 
-static tdm_state through_nodes(const dem_motion *m, double s) {
+static tdm_state through_nodes(const dem_path *m, double s) {
   return tdm_nodes_at(&m->path, m->body, &m->start, m->t0, m->t0 + s * m->duration);
 }
 
-tdm_pose dem_motion_pose(const dem_motion *m, double s) {
+tdm_pose dem_path_pose(const dem_path *m, double s) {
   if (s <= 0)
     return m->start.pose;
   if (s >= 1)
@@ -46,7 +45,7 @@ tdm_pose dem_motion_pose(const dem_motion *m, double s) {
   return (tdm_pose){x, q};
 }
 
-tdm_twist dem_motion_twist(const dem_motion *m, double s) {
+tdm_twist dem_path_twist(const dem_path *m, double s) {
   if (m->path.nnode > 0)
     return through_nodes(m, s).twist;
   tdm_vec3 mean = tdm_scale(1 / m->duration, tdm_sub(m->end.pose.position, m->start.pose.position));

@@ -21,18 +21,17 @@ typedef struct {
   tdm_nodes path;   /* borrowed; no nodes: none */
   int body;         /* in path */
   double t0;        /* when the window begins [s] */
-} dem_motion;
+} dem_path;
 
-dem_motion dem_motion_make(const tdm_state *start, const tdm_state *end, double duration,
-                           tdm_interpolation interpolation);
+dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double duration, tdm_interpolation interpolation);
 
 /* The path of coupled body `body` through the nodes that a STEP has; its arrays are borrowed. */
-dem_motion dem_motion_through(const tdm_step *step, int body);
+dem_path dem_path_through(const tdm_step *step, int body);
 
 /* Pose at s in [0, 1]: exactly the given pose at 0 and 1. */
-tdm_pose dem_motion_pose(const dem_motion *motion, double s);
+tdm_pose dem_path_pose(const dem_path *motion, double s);
 
 /* Twist at s in [0, 1]. */
-tdm_twist dem_motion_twist(const dem_motion *motion, double s);
+tdm_twist dem_path_twist(const dem_path *motion, double s);
 
 #endif

@@ -23,13 +23,13 @@ void dem_coupled_walls_put(dem_data *d) {
       put(d, w);
 }
 
-void dem_bodies_move(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n) {
+void dem_bodies_move(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n) {
   const dem_model *m = d->model;
   double s = (double)k / (double)n;
   for (int c = 0; c < m->ncoupled; c++) {
     int b = m->coupled_body[c];
-    d->pose[b] = dem_motion_pose(&motion[c], s);
-    d->twist[b] = dem_motion_twist(&motion[c], s);
+    d->pose[b] = dem_path_pose(&motion[c], s);
+    d->twist[b] = dem_path_twist(&motion[c], s);
   }
   dem_coupled_walls_put(d);
 }

@@ -6,7 +6,7 @@
 #include "dem/state/data.h"
 
 /* Bring the coupled bodies and their walls to step k of a window of n steps along `motion` (ncoupled). */
-void dem_bodies_move(dem_data *data, const dem_motion *motion, uint64_t k, uint64_t n);
+void dem_bodies_move(dem_data *data, const dem_path *motion, uint64_t k, uint64_t n);
 
 /* Bring the driven bodies and their walls to time t [s]. */
 void dem_bodies_drive(dem_data *data, double t);

@@ -1,6 +1,6 @@
 /* A stored bed: what settling leaves, in a file that later runs start from (dem.settle.store). It is a stored state
- * (state_file.h) that is recognised by the fingerprint of everything that decides the bed, poses of the bodies included. A
- * run that starts from the file is bit-identical to the run that wrote it.
+ * (state_file.h) that is recognised by the fingerprint of everything that decides the bed, poses of the bodies
+ * included. A run that starts from the file is bit-identical to the run that wrote it.
  */
 #ifndef DEM_FLOW_BED_H
 #define DEM_FLOW_BED_H

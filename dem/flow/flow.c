@@ -26,8 +26,8 @@ static double mass_of(const dem_model *m, const dem_source *s, uint64_t particle
 
 static tdm_vec3 place_of(const dem_source *s, uint64_t particle, uint64_t draw) {
   tdm_vec3 size = tdm_sub(s->high, s->low);
-  const double u[3] = {dem_draw(s->seed, particle, 3 * draw + 1), dem_draw(s->seed, particle, 3 * draw + 2),
-                       dem_draw(s->seed, particle, 3 * draw + 3)};
+  const double u[3] = {tdm_random(s->seed, particle, 3 * draw + 1), tdm_random(s->seed, particle, 3 * draw + 2),
+                       tdm_random(s->seed, particle, 3 * draw + 3)};
   return tdm_add(s->low, tdm_v3(size.x * u[0], size.y * u[1], size.z * u[2]));
 }
 
@@ -57,14 +57,14 @@ static tdm_vec3 velocity_of(const dem_data *d, const dem_source *s) {
 }
 
 /* the places that the source's particles can take in this step, of length dt */
-static bool open_room(dem_room *room, const dem_data *d, const dem_source *s, double dt) {
+static bool open_room(dem_free_space *room, const dem_data *d, const dem_source *s, double dt) {
   double flight = dt * (tdm_norm(velocity_of(d, s)) + 0.5 * dt * tdm_norm(d->model->gravity));
   tdm_vec3 margin = tdm_v3(flight, flight, flight);
-  return dem_room_open(room, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
+  return dem_free_space_open(room, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
 }
 
 /* The source's next particle, which was due `late` [s] ago, if there is room for it. */
-static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double late,
+static bool find_room(const dem_data *d, dem_free_space *room, const dem_source *s, dem_source_state *now, double late,
                       dem_newcomer *out) {
   const dem_model *m = d->model;
   bool point = s->low.x == s->high.x && s->low.y == s->high.y && s->low.z == s->high.z;
@@ -78,7 +78,7 @@ static bool find_room(const dem_data *d, dem_room *room, const dem_source *s, de
     out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
     out->position = dem_flatten(m, out->position, m->flat_at);
     now->draw++;
-    if (dem_room_free(room, d, out->position, out->radius))
+    if (dem_free_space_free(room, d, out->position, out->radius))
       return true;
   }
   return false;
@@ -122,7 +122,8 @@ static void note_room(const dem_source *s, dem_source_state *now, double t) {
 }
 
 /* make what is due, as far as there is room; false: no memory */
-static bool make_due(dem_data *d, dem_room *room, const dem_source *s, dem_source_state *now, double t, double dt) {
+static bool make_due(dem_data *d, dem_free_space *room, const dem_source *s, dem_source_state *now, double t,
+                     double dt) {
   const double round_off = ROUND_OFF * dt;
   while (now->made < now->due) {
     /* one that waited, or queued behind one, starts where the source is */
@@ -135,7 +136,7 @@ static bool make_due(dem_data *d, dem_room *room, const dem_source *s, dem_sourc
       return true;
     }
     note_room(s, now, t);
-    if (!dem_data_add(d, &newcomer) || !dem_room_add(room, d, d->nparticle - 1))
+    if (!dem_data_add(d, &newcomer) || !dem_free_space_add(room, d, d->nparticle - 1))
       return false;
     now->made++;
     now->made_mass += newcomer.mass;
@@ -148,11 +149,11 @@ static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, 
   advance_due(d->model, s, now, t, ROUND_OFF * dt);
   if (now->made == now->due)
     return true;
-  dem_room room;
+  dem_free_space room;
   if (!open_room(&room, d, s, dt))
     return false;
   bool good = make_due(d, &room, s, now, t, dt);
-  dem_room_close(&room);
+  dem_free_space_close(&room);
   return good;
 }
 
@@ -247,8 +248,8 @@ double dem_balance_number(const dem_data *d) {
 }
 
 double dem_balance_mass(const dem_data *d) {
-  dem_exact rest = d->ledger.mass;
+  dem_exact_sum rest = d->ledger.mass;
   for (int i = 0; i < d->nparticle; i++)
-    dem_exact_add(&rest, -d->mass[i]);
-  return dem_exact_value(&rest);
+    dem_exact_sum_add(&rest, -d->mass[i]);
+  return dem_exact_sum_value(&rest);
 }

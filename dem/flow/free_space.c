@@ -10,7 +10,7 @@ enum { SCANS = 12 }; /* looks at all members that cost as much as making cells *
 
 /* ---- members ---- */
 
-static bool grow(dem_room *r) {
+static bool grow(dem_free_space *r) {
   int capacity = 2 * r->capacity + 64;
   dem_occupant *member = realloc(r->member, (size_t)capacity * sizeof *member);
   r->member = member ? member : r->member;
@@ -22,31 +22,31 @@ static bool grow(dem_room *r) {
   return true;
 }
 
-bool dem_room_open(dem_room *r, const dem_data *d, tdm_vec3 low, tdm_vec3 high, double radius) {
+bool dem_free_space_open(dem_free_space *r, const dem_data *d, tdm_vec3 low, tdm_vec3 high, double radius) {
   const dem_model *m = d->model;
-  *r = (dem_room){.low = dem_flatten(m, low, m->flat_at),
-                  .high = dem_flatten(m, high, m->flat_at),
-                  .radius = radius,
-                  .largest = radius};
+  *r = (dem_free_space){.low = dem_flatten(m, low, m->flat_at),
+                        .high = dem_flatten(m, high, m->flat_at),
+                        .radius = radius,
+                        .largest = radius};
   for (int i = 0; i < d->nparticle; i++)
-    if (!dem_room_add(r, d, i)) {
-      dem_room_close(r);
+    if (!dem_free_space_add(r, d, i)) {
+      dem_free_space_close(r);
       return false;
     }
   return true;
 }
 
-void dem_room_close(dem_room *r) {
+void dem_free_space_close(dem_free_space *r) {
   free(r->first);
   free(r->member);
   free(r->next);
-  *r = (dem_room){0};
+  *r = (dem_free_space){0};
 }
 
 /* ---- cells ---- */
 
 /* the cell of a place: at the rim when it is outside */
-static int cell_of(const dem_room *r, tdm_vec3 x) {
+static int cell_of(const dem_free_space *r, tdm_vec3 x) {
   const double at[3] = {x.x - r->low.x, x.y - r->low.y, x.z - r->low.z};
   int cell = 0;
   for (int a = 2; a >= 0; a--)
@@ -55,7 +55,7 @@ static int cell_of(const dem_room *r, tdm_vec3 x) {
 }
 
 /* about as many cells as members, none too short; returns their number */
-static size_t choose_cells(dem_room *r) {
+static size_t choose_cells(dem_free_space *r) {
   const double length[3] = {r->high.x - r->low.x, r->high.y - r->low.y, r->high.z - r->low.z};
   double cells;
   for (r->edge = 1.001 * (r->radius + r->largest);; r->edge *= 1.25) { /* round-off must not decide */
@@ -71,14 +71,14 @@ static size_t choose_cells(dem_room *r) {
   return (size_t)cells;
 }
 
-static void put_in_cell(dem_room *r, int member) {
+static void put_in_cell(dem_free_space *r, int member) {
   int cell = cell_of(r, r->member[member].position);
   r->next[member] = r->first[cell];
   r->first[cell] = member;
 }
 
 /* without memory for cells all members are looked at */
-static void make_cells(dem_room *r) {
+static void make_cells(dem_free_space *r) {
   size_t cells = choose_cells(r);
   r->first = malloc(cells * sizeof *r->first);
   r->next = malloc((size_t)r->capacity * sizeof *r->next);
@@ -94,7 +94,7 @@ static void make_cells(dem_room *r) {
 }
 
 /* the images k of a sphere at x that are near the box along an axis: from[axis] to to[axis] */
-static void find_images(const dem_room *r, const dem_data *d, const dem_sphere *s, double from[3], double to[3]) {
+static void find_images(const dem_free_space *r, const dem_data *d, const dem_sphere *s, double from[3], double to[3]) {
   double reach = s->radius + r->radius;
   for (int a = 0; a < 3; a++) {
     double x = (&s->position.x)[a], low = (&r->low.x)[a] - reach, high = (&r->high.x)[a] + reach;
@@ -105,7 +105,7 @@ static void find_images(const dem_room *r, const dem_data *d, const dem_sphere *
   }
 }
 
-static bool add_member(dem_room *r, tdm_vec3 x, double radius) {
+static bool add_member(dem_free_space *r, tdm_vec3 x, double radius) {
   if (r->count == r->capacity && !grow(r))
     return false;
   r->largest = fmax(r->largest, radius);
@@ -115,7 +115,7 @@ static bool add_member(dem_room *r, tdm_vec3 x, double radius) {
   return true;
 }
 
-bool dem_room_add(dem_room *r, const dem_data *d, int i) {
+bool dem_free_space_add(dem_free_space *r, const dem_data *d, int i) {
   const dem_sphere *s = &d->sphere[i];
   double from[3], to[3];
   find_images(r, d, s, from, to);
@@ -148,7 +148,7 @@ static bool overlaps(const dem_occupant *s, tdm_vec3 x, double radius) {
   return tdm_dot(c, c) < sum * sum;
 }
 
-static bool overlaps_any(dem_room *r, tdm_vec3 x, double radius) {
+static bool overlaps_any(dem_free_space *r, tdm_vec3 x, double radius) {
   int k = 0;
   while (k < r->count && !overlaps(&r->member[k], x, radius))
     k++;
@@ -157,7 +157,7 @@ static bool overlaps_any(dem_room *r, tdm_vec3 x, double radius) {
 }
 
 /* the same by the cell of x and those around it */
-static bool overlaps_near(const dem_room *r, tdm_vec3 x, double radius) {
+static bool overlaps_near(const dem_free_space *r, tdm_vec3 x, double radius) {
   int cell = cell_of(r, x), nx = r->n[0], ny = r->n[1];
   const int at[3] = {cell % nx, cell / nx % ny, cell / nx / ny};
   int from[3], to[3];
@@ -174,7 +174,7 @@ static bool overlaps_near(const dem_room *r, tdm_vec3 x, double radius) {
   return false;
 }
 
-bool dem_room_free(dem_room *r, const dem_data *d, tdm_vec3 x, double radius) {
+bool dem_free_space_free(dem_free_space *r, const dem_data *d, tdm_vec3 x, double radius) {
   if (overlaps_wall(d, x, radius))
     return false;
   if (!r->first && r->looked > SCANS * (r->count + 64L))

@@ -25,18 +25,18 @@ typedef struct {
   int n[3];              /* cells in each direction; those at the rim reach to infinity */
   int *first;            /* (cells) first member of a cell, -1: none; NULL: no cells yet */
   int *next;             /* (capacity) the next member of its cell, -1: none */
-} dem_room;
+} dem_free_space;
 
 /* For spheres of up to `radius` with centres in the box [low, high]. False: no memory (then there is nothing to
  * close). */
-bool dem_room_open(dem_room *room, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
-void dem_room_close(dem_room *room);
+bool dem_free_space_open(dem_free_space *room, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
+void dem_free_space_close(dem_free_space *room);
 
 /* Has a sphere at x, in the box, room: does it overlap neither a particle nor a wall? One that is altogether behind a
  * plane is not in it. */
-bool dem_room_free(dem_room *room, const dem_data *data, tdm_vec3 x, double radius);
+bool dem_free_space_free(dem_free_space *room, const dem_data *data, tdm_vec3 x, double radius);
 
-/* Particle i, of no more than the radius of dem_room_open, has come. False: no memory. */
-bool dem_room_add(dem_room *room, const dem_data *data, int i);
+/* Particle i, of no more than the radius of dem_free_space_open, has come. False: no memory. */
+bool dem_free_space_add(dem_free_space *room, const dem_data *data, int i);
 
 #endif

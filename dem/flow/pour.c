@@ -85,25 +85,25 @@ static tdm_vec3 place_in(const dem_model *m, const dem_pouring *p, uint64_t c, c
   double x[3];
   for (uint64_t a = 0; a < 3; a++) {
     double cell = length[a] / (double)n[a], play = fmax(0, cell - 2 * r);
-    x[a] = (double)at[a] * cell + r + play * dem_draw(p->seed, LAYERS + layer, 4 * c + a);
+    x[a] = (double)at[a] * cell + r + play * tdm_random(p->seed, LAYERS + layer, 4 * c + a);
   }
   return dem_flatten(m, tdm_pose_point(p->frame, tdm_add(p->low, tdm_v3(x[0], x[1], x[2]))), m->flat_at);
 }
 
 /* a particle in every free cell; when fewer are to come than there are cells, in some of them (Knuth, algorithm S) */
-static bool make_layer(dem_data *d, const dem_pouring *p, dem_room *room, uint64_t layer) {
+static bool make_layer(dem_data *d, const dem_pouring *p, dem_free_space *room, uint64_t layer) {
   const dem_model *m = d->model;
   bool meet = m->flat >= 0 || m->domain.repeats; /* particles of two cells can: in the plane, or by their images */
   uint64_t n[3], ncell = cells_of(p, n), end = (uint64_t)(p->first + p->count), wanted = end - d->ledger.created;
   for (uint64_t c = 0; c < ncell && wanted > 0; c++) {
-    if (dem_draw(p->seed, LAYERS + layer, 4 * c + 3) * (double)(ncell - c) >= (double)wanted)
+    if (tdm_random(p->seed, LAYERS + layer, 4 * c + 3) * (double)(ncell - c) >= (double)wanted)
       continue;
     wanted--;
     double r = m->radius[d->ledger.created];
     tdm_vec3 x = place_in(m, p, c, n, layer, r);
-    if (!dem_room_free(room, d, x, r))
+    if (!dem_free_space_free(room, d, x, r))
       continue;
-    if (!add(d, x) || (meet && !dem_room_add(room, d, d->nparticle - 1)))
+    if (!add(d, x) || (meet && !dem_free_space_add(room, d, d->nparticle - 1)))
       return false;
   }
   return true;
@@ -124,14 +124,14 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   if (dem_pour_over(d) || t < pour->next)
     return TDM_OK;
   const dem_pouring *p = present(d);
-  dem_room room;
+  dem_free_space room;
   tdm_vec3 low, high;
   uint64_t before = d->ledger.created;
   world_box(p, &low, &high);
-  bool good = dem_room_open(&room, d, low, high, p->largest);
+  bool good = dem_free_space_open(&room, d, low, high, p->largest);
   if (good) {
     good = make_layer(d, p, &room, pour->layer++);
-    dem_room_close(&room);
+    dem_free_space_close(&room);
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles that are poured");

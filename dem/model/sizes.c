@@ -192,7 +192,7 @@ double dem_sizes_quantile(const dem_sizes *s, double u) {
 }
 
 double dem_sizes_draw(const dem_sizes *s, uint64_t seed, uint64_t k) {
-  return s->min == s->max ? s->min : dem_sizes_quantile(s, dem_draw(seed, k, 0));
+  return s->min == s->max ? s->min : dem_sizes_quantile(s, tdm_random(seed, k, 0));
 }
 
 double dem_sizes_mean(const dem_sizes *s) {

@@ -202,7 +202,7 @@ static void begin(dem_data *d) {
     d->sphere[i] = (dem_sphere){m->position[i], m->radius[i], m->velocity[i], 1 / m->mass[i]};
     d->rotor[i] = (dem_rotor){tdm_scale(m->radius[i], m->spin[i]), m->radius[i]};
     d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
-    dem_exact_add(&d->ledger.mass, m->mass[i]);
+    dem_exact_sum_add(&d->ledger.mass, m->mass[i]);
   }
   dem_drive_particles(d);
   dem_data_end(d);
@@ -372,7 +372,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
     m->integrator->remember(d, i, i + 1, d->memory_dt);
   d->position_at_list[i] = newcomer->position;
   dem_data_end(d);
-  dem_exact_add(&d->ledger.mass, newcomer->mass);
+  dem_exact_sum_add(&d->ledger.mass, newcomer->mass);
   dem_supply_flow(d, i, 1);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
@@ -435,7 +435,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
   for (int i = 0; i < before; i++) {
     if (number[i] < 0) {
       d->ledger.removed++;
-      dem_exact_add(&d->ledger.mass, -d->mass[i]);
+      dem_exact_sum_add(&d->ledger.mass, -d->mass[i]);
       dem_supply_flow(d, i, -1);
       continue;
     }

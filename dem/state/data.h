@@ -87,7 +87,7 @@ typedef struct {
 typedef struct {
   uint64_t created, removed; /* created: with those of the start */
   uint64_t left;             /* of the removed: those that left dem.domain */
-  dem_exact mass;            /* created less removed, without round-off [kg] */
+  dem_exact_sum mass;        /* created less removed, without round-off [kg] */
 } dem_ledger;
 
 /* Energy that came in from elsewhere than the coupled bodies (supply.h). */
@@ -214,7 +214,7 @@ typedef struct dem_data {
   tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
   int *number;                   /* (nparticle) scratch, where particles can leave; else none */
-  dem_times *times;              /* borrowed; NULL: not measured */
+  dem_timers *times;             /* borrowed; NULL: not measured */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */

@@ -12,21 +12,21 @@ enum { DEM_EXACT_PARTS = 48 }; /* compressed: at most 2098 bits of exponent and 
 typedef struct {
   int n;
   double part[DEM_EXACT_PARTS];
-} dem_exact;
+} dem_exact_sum;
 
 /* high + low = a + b exactly, |a| >= |b| (Dekker) */
-static inline double dem_exact_fast(double a, double b, double *low) {
+static inline double dem_exact_sum_fast(double a, double b, double *low) {
   double high = a + b;
   *low = b - (high - a);
   return high;
 }
 
 /* as few numbers as hold the sum (Shewchuk's compress) */
-static inline void dem_exact_compress(dem_exact *sum) {
+static inline void dem_exact_sum_compress(dem_exact_sum *sum) {
   double low, q = sum->part[sum->n - 1];
   int bottom = sum->n - 1, n = 0;
   for (int i = sum->n - 2; i >= 0; i--) {
-    q = dem_exact_fast(q, sum->part[i], &low);
+    q = dem_exact_sum_fast(q, sum->part[i], &low);
     if (low != 0) {
       sum->part[bottom--] = q;
       q = low;
@@ -34,7 +34,7 @@ static inline void dem_exact_compress(dem_exact *sum) {
   }
   sum->part[bottom] = q;
   for (int i = bottom + 1; i < sum->n; i++) {
-    q = dem_exact_fast(sum->part[i], q, &low);
+    q = dem_exact_sum_fast(sum->part[i], q, &low);
     if (low != 0)
       sum->part[n++] = low;
   }
@@ -42,9 +42,9 @@ static inline void dem_exact_compress(dem_exact *sum) {
   sum->n = n;
 }
 
-static inline void dem_exact_add(dem_exact *sum, double x) {
+static inline void dem_exact_sum_add(dem_exact_sum *sum, double x) {
   if (sum->n == DEM_EXACT_PARTS)
-    dem_exact_compress(sum);
+    dem_exact_sum_compress(sum);
   int n = 0;
   for (int i = 0; i < sum->n; i++) {
     double y = sum->part[i], high = x + y, of_y = high - x; /* two-sum (Knuth) */
@@ -58,7 +58,7 @@ static inline void dem_exact_add(dem_exact *sum, double x) {
   sum->n = n;
 }
 
-static inline double dem_exact_value(const dem_exact *sum) {
+static inline double dem_exact_sum_value(const dem_exact_sum *sum) {
   double x = 0;
   for (int i = 0; i < sum->n; i++)
     x += sum->part[i];

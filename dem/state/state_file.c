@@ -386,7 +386,7 @@ static bool get_beginning(const reader *r, dem_data *d) {
     d->touched[i] = 0;
     d->sphere[i].inverse_mass = 1 / d->mass[i];
     d->ledger.created = d->id[i] + 1 > d->ledger.created ? d->id[i] + 1 : d->ledger.created;
-    dem_exact_add(&d->ledger.mass, d->mass[i]);
+    dem_exact_sum_add(&d->ledger.mass, d->mass[i]);
   }
   if (d->ledger.created < (uint64_t)d->model->nparticle)
     d->ledger.created = (uint64_t)d->model->nparticle;

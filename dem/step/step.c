@@ -158,7 +158,7 @@ static void evaluate_both(dem_data *d, bool settling, double dt) {
   evaluate_slow(d, settling, dt);
 }
 
-static bool multi_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, double dt) {
+static bool multi_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n, double dt) {
   const dem_model *m = d->model;
   uint64_t many = (uint64_t)m->multi_step.substeps;
   double h = dt / (double)many;
@@ -189,7 +189,7 @@ static bool multi_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64
 
 /* ---- one step ---- */
 
-static bool single_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt) {
+static bool single_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n, bool settling, double dt) {
   const dem_model *m = d->model;
   const dem_integrator *integrator = settling ? m->settler : m->integrator;
   if (motion)
@@ -217,7 +217,7 @@ static void remember(dem_data *d, double dt) {
   d->memory_dt = dt;
 }
 
-bool dem_step(dem_data *d, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt) {
+bool dem_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n, bool settling, double dt) {
   bool multi = !settling && d->model->integrator->kick;
   if (!settling)
     remember(d, dt);

@@ -7,7 +7,7 @@
 
 /* From step k - 1 to step k (1 … n) of a window: coupled bodies follow `motion` (ncoupled); NULL: they stay where they
  * are. `settling`: with the restitution and friction of the settle phase. False: no memory. */
-bool dem_step(dem_data *data, const dem_motion *motion, uint64_t k, uint64_t n, bool settling, double dt);
+bool dem_step(dem_data *data, const dem_path *motion, uint64_t k, uint64_t n, bool settling, double dt);
 
 /* Evaluate the forces at the present positions and velocities without advancing anything. False: no memory. */
 bool dem_forces_now(dem_data *data, bool settling);

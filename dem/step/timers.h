@@ -18,10 +18,10 @@ typedef enum { DEM_PHASE_LIST(X) DEM_PHASES } dem_phase;
 typedef struct {
   double mark; /* when the present phase began [s] */
   double spent[DEM_PHASES];
-} dem_times;
+} dem_timers;
 
 /* The time since the last call was spent in this phase. NULL: nobody wants to know. */
-static inline void dem_time_spent(dem_times *times, dem_phase phase) {
+static inline void dem_time_spent(dem_timers *times, dem_phase phase) {
   if (!times)
     return;
   double now = tdm_clock();

@@ -293,7 +293,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   if (!s)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = p;
-  if (mbd_model_load(&s->model, assignment->scene, err) ||
+  if (mbd_model_read(&s->model, assignment->scene, err) ||
       mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;

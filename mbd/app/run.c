@@ -27,7 +27,7 @@ typedef struct {
 } course;
 
 typedef struct {
-  tdm_alone alone;
+  tdm_standalone alone;
   mbd_run_settings settings;
   uint64_t total_rows;
   int room;            /* rows a window at most */
@@ -79,22 +79,22 @@ tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, td
 /* ---- start ---- */
 
 static tdm_status load_scene(run_state *run, tdm_error *err) {
-  if (tdm_alone_read(&run->alone, err) != TDM_OK ||
+  if (tdm_standalone_read(&run->alone, err) != TDM_OK ||
       mbd_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
   const mbd_run_settings *s = &run->settings;
   run->total_rows = (uint64_t)fmax(1, ceil(s->end / s->interval - 1e-6)) + 1;
   run->room = (int)fmin(s->window / s->interval + 2, (double)run->total_rows);
-  tdm_alone_doubt_interval(&run->alone, s->interval, s->end);
+  tdm_standalone_doubt_interval(&run->alone, s->interval, s->end);
   return TDM_OK;
 }
 
 static tdm_status open_results(run_state *run, tdm_error *err) {
-  return tdm_alone_open(&run->alone, err);
+  return tdm_standalone_open(&run->alone, err);
 }
 
 static tdm_status start_solver(run_state *run, tdm_error *err) {
-  return tdm_alone_start(&run->alone, run->settings.end, run->settings.window, err);
+  return tdm_standalone_start(&run->alone, run->settings.end, run->settings.window, err);
 }
 
 /* ---- outputs ---- */
@@ -113,7 +113,7 @@ static tdm_status write_row(run_state *run, const double *values, tdm_error *err
     k->least = fmin(k->least, values[c]);
     k->greatest = fmax(k->greatest, values[c]);
   }
-  return tdm_alone_row(&run->alone, row_time(run, run->alone.nrow), values, err);
+  return tdm_standalone_row(&run->alone, row_time(run, run->alone.nrow), values, err);
 }
 
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
@@ -123,7 +123,7 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   run->course = calloc(nchannel, sizeof *run->course);
   if (!run->sample_time || !run->sample || !run->course)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d rows of outputs; take a smaller time.dt", run->room);
-  return tdm_alone_begin(&run->alone, err) != TDM_OK ? err->status : write_row(run, run->alone.values, err);
+  return tdm_standalone_begin(&run->alone, err) != TDM_OK ? err->status : write_row(run, run->alone.values, err);
 }
 
 /* ---- the loop ---- */
@@ -156,7 +156,7 @@ static tdm_status solve(run_state *run, tdm_error *err) {
   tdm_progress_begin(&progress, run->settings.end, "steps", false);
   while (run->t < run->settings.end && advance(run, err) == TDM_OK) {
     tdm_progress_update(&progress, run->t, (uint64_t)mbd_solver_stats(run->alone.solver)->steps);
-    tdm_alone_tell(&run->alone, progress.terminal);
+    tdm_standalone_tell(&run->alone, progress.terminal);
   }
   tdm_progress_end(&progress);
   run->loop = tdm_clock() - begin;
@@ -196,7 +196,7 @@ static json_t *solver_settings(const mbd_model *model) {
 
 static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const mbd_run_settings *s = &run->settings;
-  json_t *json = tdm_alone_summary(&run->alone, err);
+  json_t *json = tdm_standalone_summary(&run->alone, err);
   json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:f, s:{s:f, s:f, s:f, s:f}}", "settings", "time.end", s->end, "window",
                           s->window, "output.interval", s->interval, "simulated_s", run->t, "wall_s", "all", wall,
                           "setup", run->setup, "mbd", run->step, "output", fmax(0, run->loop - run->step));
@@ -223,9 +223,9 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   tdm_error notice = {0};
   char pairs[128];
   if (run->alone.channels) {
-    tdm_alone_close(&run->alone, err);
+    tdm_standalone_close(&run->alone, err);
     for (size_t k = 0; k < sizeof plots / sizeof plots[0] && notice.status == TDM_OK; k++)
-      tdm_alone_plot(&run->alone, plots[k].name, plots[k].of, &notice);
+      tdm_standalone_plot(&run->alone, plots[k].name, plots[k].of, &notice);
   }
   if (notice.status != TDM_OK && !tdm_plot_interrupted())
     tdm_remark(TDM_NOTICE, "plots", NULL, run->t, "%s", notice.message);
@@ -235,7 +235,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   json_decref(json);
   long steps = run->windows > 0 ? mbd_solver_stats(run->alone.solver)->steps : 0;
   snprintf(pairs, sizeof pairs, "steps=%ld simulated=%g wall=%.3f", steps, run->t, wall);
-  tdm_alone_log_end(pairs, err);
+  tdm_standalone_log_end(pairs, err);
   if (run->windows > 0)
     printf("%.6g s simulated in %ld steps; joints open by %.2g m at most; %.2f s wall, %.3g s of it in the solver; "
            "results in %s\n",
@@ -246,10 +246,10 @@ static void let_go(run_state *run) {
   free(run->sample_time);
   free(run->sample);
   free(run->course);
-  tdm_alone_free(&run->alone);
+  tdm_standalone_free(&run->alone);
 }
 
-tdm_status mbd_run(const tdm_alone_options *options, tdm_error *err) {
+tdm_status mbd_run(const tdm_standalone_options *options, tdm_error *err) {
   double begin = tdm_clock();
   run_state run = {.alone = {.program = &mbd_program, .options = options}};
   if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK) {
@@ -279,7 +279,7 @@ static void print_scene(const run_state *run) {
   printf("%d warning%s\n", run->alone.ready.nwarning, run->alone.ready.nwarning == 1 ? "" : "s");
 }
 
-tdm_status mbd_run_check(const tdm_alone_options *options, tdm_error *err) {
+tdm_status mbd_run_check(const tdm_standalone_options *options, tdm_error *err) {
   run_state run = {.alone = {.program = &mbd_program, .options = options}};
   if (load_scene(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK)
     print_scene(&run);
@@ -288,7 +288,7 @@ tdm_status mbd_run_check(const tdm_alone_options *options, tdm_error *err) {
   return err->status;
 }
 
-const tdm_alone_program mbd_program = {
+const tdm_standalone_program mbd_program = {
     .name = "tandem-mbd",
     .help = "tandem-mbd: the multibody solver of tandem\n\n"
             "  tandem-mbd run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"

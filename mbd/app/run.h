@@ -10,7 +10,7 @@
 #include "protocol/app/standalone.h"
 
 /* the command line of tandem-mbd */
-extern const tdm_alone_program mbd_program;
+extern const tdm_standalone_program mbd_program;
 
 /* What a run reads besides the section mbd. */
 typedef struct {
@@ -23,9 +23,9 @@ typedef struct {
 tdm_status mbd_run_settings_read(mbd_run_settings *settings, const tdm_scene *scene, tdm_error *err);
 
 /* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
-tdm_status mbd_run(const tdm_alone_options *options, tdm_error *err);
+tdm_status mbd_run(const tdm_standalone_options *options, tdm_error *err);
 
 /* Load and assemble the scene, and print what would run. */
-tdm_status mbd_run_check(const tdm_alone_options *options, tdm_error *err);
+tdm_status mbd_run_check(const tdm_standalone_options *options, tdm_error *err);
 
 #endif

@@ -4,7 +4,7 @@
 #include "mbd/model/read.h"
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
-  driver->joint = mbd_load_joint(o, "joint", model, MBD_HAS_TRANSLATION, "");
+  driver->joint = mbd_read_joint(o, "joint", model, MBD_HAS_TRANSLATION, "");
 }
 
 extern const mbd_driver_ops mbd_driver_linear_motor;

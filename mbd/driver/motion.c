@@ -11,7 +11,7 @@ const mbd_motion_ops *const mbd_motion_table[] = {&mbd_motion_constant_rate, &mb
                                                   &mbd_motion_table_law,     &mbd_motion_step};
 const int mbd_motion_ntype = sizeof mbd_motion_table / sizeof mbd_motion_table[0];
 
-void mbd_motion_load(mbd_motion *motion, tdm_object *owner, const char *key) {
+void mbd_motion_read(mbd_motion *motion, tdm_object *owner, const char *key) {
   tdm_object o = tdm_get_object(owner, key, true);
   const char *names[MBD_MOTION_TYPES_MAX];
   for (int i = 0; i < mbd_motion_ntype; i++)

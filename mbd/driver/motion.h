@@ -41,7 +41,7 @@ extern const mbd_motion_ops *const mbd_motion_table[];
 extern const int mbd_motion_ntype;
 
 /* Read the object `key`, which is there; the caller clears the motion (also after an error). */
-void mbd_motion_load(mbd_motion *motion, tdm_object *o, const char *key);
+void mbd_motion_read(mbd_motion *motion, tdm_object *o, const char *key);
 
 /* Free what it owns. */
 void mbd_motion_clear(mbd_motion *motion);

@@ -95,14 +95,14 @@ static void load(mbd_motion *motion, tdm_object *o) {
     read_csv(&p, tdm_get_string(o, "file", NULL), tdm_path(path, o, "file", -1), o->err);
     n = p.n;
   } else {
-    p.t = mbd_load_numbers(o, "times", &p.n);
-    p.x = mbd_load_numbers(o, "values", &n);
+    p.t = mbd_read_numbers(o, "times", &p.n);
+    p.x = mbd_read_numbers(o, "values", &n);
     if (!o->err->status && n != p.n)
       tdm_object_fail(o, "values", "has %d numbers, \"times\" has %d; give one for each time", n, p.n);
     tdm_path(path, o, "times", -1);
   }
   if (!o->err->status)
-    mbd_curve_load(&motion->curve, o, p.t, p.x, n, path);
+    mbd_curve_read(&motion->curve, o, p.t, p.x, n, path);
   free(p.t);
   free(p.x);
   if (o->err->status)

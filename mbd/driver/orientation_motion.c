@@ -9,8 +9,8 @@
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = &driver->frame;
-  mbd_load_bodies(o, model, driver->frame.body);
-  mbd_joint_set_frame(&driver->frame, model, tdm_v3(0, 0, 0), mbd_load_direction(o, model, "axis"));
+  mbd_read_bodies(o, model, driver->frame.body);
+  mbd_joint_set_frame(&driver->frame, model, tdm_v3(0, 0, 0), mbd_read_direction(o, model, "axis"));
 }
 
 extern const mbd_driver_ops mbd_driver_orientation_motion;

@@ -5,9 +5,9 @@
 
 static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = &driver->frame;
-  mbd_load_bodies(o, model, driver->frame.body);
-  mbd_joint_set_frame(&driver->frame, model, mbd_load_point(o, model, "point"),
-                      mbd_load_direction(o, model, "direction"));
+  mbd_read_bodies(o, model, driver->frame.body);
+  mbd_joint_set_frame(&driver->frame, model, mbd_read_point(o, model, "point"),
+                      mbd_read_direction(o, model, "direction"));
 }
 
 extern const mbd_driver_ops mbd_driver_point_motion;

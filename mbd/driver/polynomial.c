@@ -3,7 +3,7 @@
 #include "mbd/model/curve.h"
 
 static void load(mbd_motion *motion, tdm_object *o) {
-  motion->coefficient = mbd_load_numbers(o, "coefficients", &motion->ncoefficient);
+  motion->coefficient = mbd_read_numbers(o, "coefficients", &motion->ncoefficient);
   if (!o->err->status && motion->ncoefficient == 0)
     tdm_object_fail(o, "coefficients", "is empty; give [c0, c1, ...] of c0 + c1 t + ...");
 }

@@ -72,11 +72,11 @@ double mbd_force_coordinate(const mbd_force *force, const mbd_kin *a, const mbd_
   return from + value->rows.g[0];
 }
 
-double mbd_force_load_points(mbd_force *f, tdm_object *o, const mbd_model *model, bool must_part) {
+double mbd_force_read_points(mbd_force *f, tdm_object *o, const mbd_model *model, bool must_part) {
   tdm_vec3 point[2];
-  mbd_load_bodies(o, model, f->body);
+  mbd_read_bodies(o, model, f->body);
   memcpy(f->frame.body, f->body, sizeof f->body);
-  mbd_load_points(o, model, NULL, "points", point);
+  mbd_read_points(o, model, NULL, "points", point);
   double length = tdm_norm(tdm_sub(point[1], point[0]));
   if (!o->err->status && must_part && !(length > mbd_force_no_length))
     tdm_object_fail(o, "points", "coincide, so that the force has no direction; move one of them");
@@ -102,14 +102,14 @@ static void check_damper(const mbd_force *force, tdm_object *o) {
     tdm_object_fail(o, "damping_table", "must contain the point (0, 0): a damper at rest has no force");
 }
 
-void mbd_spring_load(mbd_force *f, tdm_object *o) {
+void mbd_spring_read(mbd_force *f, tdm_object *o) {
   static const char *const between[] = {"cspline", "steffen"};
   if (tdm_has(o, "stiffness_table"))
-    mbd_curve_load_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 1) == 1);
+    mbd_curve_read_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 1) == 1);
   else
     f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_NOT_NEGATIVE);
   if (tdm_has(o, "damping_table"))
-    mbd_curve_load_table(&f->damper, o, "damping_table", true);
+    mbd_curve_read_table(&f->damper, o, "damping_table", true);
   else
     f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
   f->preload = tdm_get_number(o, "preload", 0, TDM_ANY);
@@ -134,7 +134,7 @@ mbd_scalar mbd_spring_law(const mbd_force *f, double x, double rate) {
                       .dissipated = damper.y * rate};
 }
 
-void mbd_contact_load(mbd_force *f, tdm_object *o) {
+void mbd_contact_read(mbd_force *f, tdm_object *o) {
   f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
   f->exponent = tdm_get_number(o, "exponent", 1, TDM_POSITIVE);
   f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);

@@ -6,8 +6,8 @@
 #include <string.h>
 
 static void load_plane(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  tdm_vec3 point = mbd_load_point(o, model, "point"), foot = mbd_load_point(o, model, "plane_point");
-  mbd_joint_set_frame(&f->frame, model, foot, mbd_load_direction(o, model, "normal"));
+  tdm_vec3 point = mbd_read_point(o, model, "point"), foot = mbd_read_point(o, model, "plane_point");
+  mbd_joint_set_frame(&f->frame, model, foot, mbd_read_direction(o, model, "normal"));
   f->frame.arm[1] = mbd_model_arm(model, f->body[1], point);
   f->radius = tdm_get_number(o, "radius", 0, TDM_NOT_NEGATIVE);
   f->plane = true;
@@ -15,7 +15,7 @@ static void load_plane(mbd_force *f, tdm_object *o, const mbd_model *model) {
 
 static void load_spheres(mbd_force *f, tdm_object *o, const mbd_model *model) {
   double radii[2] = {0, 0};
-  mbd_force_load_points(f, o, model, true);
+  mbd_force_read_points(f, o, model, true);
   tdm_get_numbers(o, "radii", radii, 2, true);
   f->radius = radii[0] + radii[1];
   if (!o->err->status && (radii[0] < 0 || radii[1] < 0 || !(f->radius > 0)))
@@ -25,12 +25,12 @@ static void load_spheres(mbd_force *f, tdm_object *o, const mbd_model *model) {
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   if (tdm_has(o, "normal")) {
-    mbd_load_bodies(o, model, f->body);
+    mbd_read_bodies(o, model, f->body);
     memcpy(f->frame.body, f->body, sizeof f->body);
     load_plane(f, o, model);
   } else
     load_spheres(f, o, model);
-  mbd_contact_load(f, o);
+  mbd_contact_read(f, o);
 }
 
 static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {

@@ -63,8 +63,8 @@ static void check_matrix(tdm_object *o, const char *key, double matrix[N][N]) {
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   tdm_vec3 point[2];
-  mbd_load_bodies(o, model, f->body);
-  mbd_load_points(o, model, "point", "points", point);
+  mbd_read_bodies(o, model, f->body);
+  mbd_read_points(o, model, "point", "points", point);
   tdm_mat3 axes = tdm_quat_to_matrix(tdm_get_orientation(o, "orientation"));
   load_matrix(o, "stiffness", true, f->matrix[0]);
   load_matrix(o, "damping", false, f->matrix[1]);

@@ -7,7 +7,7 @@
 #include "mbd/model/read.h"
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  double length = mbd_force_load_points(f, o, model, true);
+  double length = mbd_force_read_points(f, o, model, true);
   f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
   f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
   f->free = tdm_get_number(o, "free_length", length, TDM_POSITIVE);

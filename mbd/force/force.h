@@ -92,18 +92,18 @@ typedef struct {
 
 /* Read "bodies" and "points" into body and frame. Returns their distance [m]; points nearer than mbd_force_no_length
  * have none, which is an error where a force must have a direction. */
-double mbd_force_load_points(mbd_force *force, tdm_object *o, const mbd_model *model, bool must_part);
+double mbd_force_read_points(mbd_force *force, tdm_object *o, const mbd_model *model, bool must_part);
 
 static const double mbd_force_no_length = 1e-9; /* [m] */
 
 /* Read "stiffness" or "stiffness_table", "damping" or "damping_table", and "preload". */
-void mbd_spring_load(mbd_force *force, tdm_object *o);
+void mbd_spring_read(mbd_force *force, tdm_object *o);
 
 /* f = k (x - free) + c xdot + preload, or with the tables in place of k and c. */
 mbd_scalar mbd_spring_law(const mbd_force *force, double x, double rate);
 
 /* Read "stiffness", "exponent" and "damping" of a contact. */
-void mbd_contact_load(mbd_force *force, tdm_object *o);
+void mbd_contact_read(mbd_force *force, tdm_object *o);
 
 /* Push f = k d^n (1 + c ddot) at the penetration d, never negative (Hunt & Crossley, J. Appl. Mech. 42 (1975) 440-445);
  * derivatives are by d and ddot. */

@@ -39,7 +39,7 @@ static void load_normal(mbd_force *f, tdm_object *o) {
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   mbd_rubbing *r = &f->rubbing;
-  f->joint = mbd_load_joint_coordinate(o, model, &f->coordinate);
+  f->joint = mbd_read_joint_coordinate(o, model, &f->coordinate);
   if (!f->joint)
     return;
   memcpy(f->body, f->joint->body, sizeof f->body);

@@ -5,9 +5,9 @@
 #include "mbd/model/read.h"
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  double length = mbd_force_load_points(f, o, model, false);
+  double length = mbd_force_read_points(f, o, model, false);
   bool part = length > mbd_force_no_length;
-  mbd_spring_load(f, o);
+  mbd_spring_read(f, o);
   f->free = tdm_get_number(o, "free_length", part ? length : 0, TDM_NOT_NEGATIVE);
   if (o->err->status || part)
     return;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  f->joint = mbd_load_joint_coordinate(o, model, &f->coordinate);
+  f->joint = mbd_read_joint_coordinate(o, model, &f->coordinate);
   if (!f->joint)
     return;
   memcpy(f->body, f->joint->body, sizeof f->body);
@@ -16,7 +16,7 @@ static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
     tdm_object_fail(o, "upper", "is missing; give \"lower\", \"upper\" or both");
   else if (!o->err->status && !(f->range[0] < f->range[1]))
     tdm_object_fail(o, "upper", "is %g, not above \"lower\", %g", f->range[1], f->range[0]);
-  mbd_contact_load(f, o);
+  mbd_contact_read(f, o);
 }
 
 static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {

@@ -10,16 +10,16 @@ static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   f->coordinate = MBD_ANGLE;
   f->joint = &f->frame;
   if (tdm_has(o, "joint")) {
-    f->joint = mbd_load_joint(o, "joint", model, MBD_HAS_ANGLE, ", or give \"bodies\" and \"axis\"");
+    f->joint = mbd_read_joint(o, "joint", model, MBD_HAS_ANGLE, ", or give \"bodies\" and \"axis\"");
     if (!f->joint)
       return;
     memcpy(f->body, f->joint->body, sizeof f->body);
   } else {
-    mbd_load_bodies(o, model, f->body);
+    mbd_read_bodies(o, model, f->body);
     memcpy(f->frame.body, f->body, sizeof f->body);
-    mbd_joint_set_frame(&f->frame, model, tdm_v3(0, 0, 0), mbd_load_direction(o, model, "axis"));
+    mbd_joint_set_frame(&f->frame, model, tdm_v3(0, 0, 0), mbd_read_direction(o, model, "axis"));
   }
-  mbd_spring_load(f, o);
+  mbd_spring_read(f, o);
   f->free = tdm_get_number(o, "free_angle", 0, TDM_ANY);
 }
 

@@ -7,14 +7,14 @@ static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   static const char *const axes[] = {"world", "body"};
   const tdm_vec3 zero = {0, 0, 0};
   f->body[0] = MBD_GROUND;
-  f->body[1] = mbd_load_body(o, model);
+  f->body[1] = mbd_read_body(o, model);
   if (tdm_has(o, "point"))
-    f->frame.arm[1] = mbd_model_arm(model, f->body[1], mbd_load_point(o, model, "point"));
+    f->frame.arm[1] = mbd_model_arm(model, f->body[1], mbd_read_point(o, model, "point"));
   f->force = tdm_get_vec3(o, "force", &zero);
   f->moment = tdm_get_vec3(o, "moment", &zero);
   f->follows = tdm_get_choice(o, "axes", axes, 2, 0) == 1;
   if (tdm_has(o, "factor"))
-    mbd_motion_load(&f->factor, o, "factor");
+    mbd_motion_read(&f->factor, o, "factor");
   if (!o->err->status && !(tdm_norm(f->force) + tdm_norm(f->moment) > 0))
     tdm_object_fail(o, "force", "and \"moment\" are zero; give one of them");
 }

@@ -10,7 +10,7 @@ static const char *const equation[] = {"mesh"};
 
 static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   const unsigned coordinates[2] = {MBD_HAS_ANGLE, MBD_HAS_ANGLE};
-  mbd_load_joints(o, model, coordinates, joint->of);
+  mbd_read_joints(o, model, coordinates, joint->of);
   joint->ratio = tdm_get_number(o, "ratio", TDM_REQUIRED, TDM_ANY);
   if (o->err->status)
     return;

@@ -59,7 +59,7 @@ extern const mbd_joint_ops *const mbd_joint_table[];
 extern const int mbd_joint_ntype;
 
 /* Read "point" (or "points") and, if asked, "axis" (or "axes") into arm and axes. */
-void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis);
+void mbd_joint_read_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis);
 
 /* Bodies' arms and axes of a frame at one point with its axis along a unit vector. */
 void mbd_joint_set_frame(mbd_joint *joint, const mbd_model *model, tdm_vec3 point, tdm_vec3 axis);

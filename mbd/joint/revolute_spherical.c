@@ -8,8 +8,8 @@ static const char *const equation[] = {"distance", "offset"};
 
 static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   tdm_vec3 point[2];
-  mbd_load_points(o, model, NULL, "points", point);
-  tdm_vec3 axis = mbd_load_direction(o, model, "axis"), link = tdm_sub(point[1], point[0]);
+  mbd_read_points(o, model, NULL, "points", point);
+  tdm_vec3 axis = mbd_read_direction(o, model, "axis"), link = tdm_sub(point[1], point[0]);
   double start = tdm_norm(link), along = tdm_dot(axis, link);
   if (!o->err->status && !(start > 1e-9))
     tdm_object_fail(o, "points", "coincide, so that the link has no direction; move one, or use a spherical joint");

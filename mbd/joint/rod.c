@@ -6,7 +6,7 @@ static const char *const equation[] = {"distance"};
 
 static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   tdm_vec3 point[2];
-  mbd_load_points(o, model, NULL, "points", point);
+  mbd_read_points(o, model, NULL, "points", point);
   double start = tdm_norm(tdm_sub(point[1], point[0]));
   if (!o->err->status && !(start > 1e-9))
     tdm_object_fail(o, "points", "coincide, so that the rod has no direction; move one, or use a spherical joint");

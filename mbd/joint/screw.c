@@ -4,7 +4,7 @@
 static const char *const equation[] = {"offset 1", "offset 2", "tilt 1", "tilt 2", "lead"};
 
 static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
-  mbd_joint_load_frame(joint, o, model, true);
+  mbd_joint_read_frame(joint, o, model, true);
   joint->ratio = tdm_get_number(o, "pitch", TDM_REQUIRED, TDM_ANY) / (2 * M_PI);
   if (joint->ratio == 0)
     tdm_object_fail(o, "pitch", "is zero; give the way of a turn, or use a revolute joint");

@@ -4,7 +4,7 @@
 static const char *const equation[] = {"point x", "point y", "point z"};
 
 static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
-  mbd_joint_load_frame(joint, o, model, false);
+  mbd_joint_read_frame(joint, o, model, false);
 }
 
 static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {

@@ -88,11 +88,11 @@ static void set_frame(mbd_joint *joint, const mbd_model *model, const tdm_vec3 p
   }
 }
 
-void mbd_joint_load_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis) {
+void mbd_joint_read_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis) {
   tdm_vec3 point[2], axis[2] = {{0, 0, 1}, {0, 0, 1}};
-  mbd_load_points(o, model, "point", "points", point);
+  mbd_read_points(o, model, "point", "points", point);
   if (with_axis)
-    mbd_load_directions(o, model, "axis", "axes", axis);
+    mbd_read_directions(o, model, "axis", "axes", axis);
   if (o->err->status)
     return;
   set_frame(joint, model, point, axis);

@@ -6,7 +6,7 @@
 static const char *const equation[] = {"point x", "point y", "point z", "cross"};
 
 static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
-  mbd_joint_load_frame(joint, o, model, true);
+  mbd_joint_read_frame(joint, o, model, true);
   if (o->err->status)
     return;
   tdm_vec3 axis[2];

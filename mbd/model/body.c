@@ -71,7 +71,7 @@ static void load_inertia(tdm_object *o, mbd_body *b) {
 
 /* Mass and inertia of a shape, and the file of a mesh. */
 static void load_shape(tdm_object *o, mbd_body *b) {
-  mbd_shape shape = mbd_shape_load(o);
+  mbd_shape shape = mbd_shape_read(o);
   if (tdm_has(o, "inertia"))
     tdm_object_fail(o, "inertia", "stands beside \"shape\"; keep one of the two");
   if (shape.density > 0 && tdm_has(o, "mass"))
@@ -103,7 +103,7 @@ static void load_marker(mbd_body *b, json_t *json, const char *path, tdm_error *
   const tdm_vec3 zero = {0, 0, 0};
   tdm_object o = tdm_object_open(json, path, err);
   mbd_marker *m = &b->marker[b->nmarker];
-  mbd_load_name(&o, m->name);
+  mbd_read_name(&o, m->name);
   bool world = tdm_get_choice(&o, "frame", frames, 2, 0) == 1;
   m->pose.position = tdm_get_vec3(&o, "point", world ? NULL : &zero);
   m->pose.orientation = tdm_get_orientation(&o, "orientation");
@@ -132,11 +132,11 @@ static void load_markers(mbd_body *b, tdm_object *o) {
   }
 }
 
-void mbd_body_load(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
+void mbd_body_read(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
   mbd_body *b = &model->body[model->nbody];
   const tdm_vec3 zero = {0, 0, 0};
-  mbd_load_name(&o, b->name);
+  mbd_read_name(&o, b->name);
   if (tdm_has(&o, "shape"))
     load_shape(&o, b);
   else

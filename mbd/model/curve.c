@@ -29,7 +29,7 @@ double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err) {
   return out;
 }
 
-double *mbd_load_numbers(tdm_object *o, const char *key, int *n) {
+double *mbd_read_numbers(tdm_object *o, const char *key, int *n) {
   json_t *array = tdm_get_array(o, key, true);
   char path[TDM_PATH_MAX];
   *n = 0;
@@ -75,7 +75,7 @@ static void make(mbd_curve **curve, const gsl_interp_type *type, const double *x
   c->to_zero = mbd_curve_integral(c, 0);
 }
 
-void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
+void mbd_curve_read(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
   static const char *const names[] = {"cspline", "steffen", "periodic"};
   const gsl_interp_type *const types[] = {gsl_interp_cspline, gsl_interp_steffen, gsl_interp_cspline_periodic};
   int kind = tdm_get_choice(o, "interpolation", names, 3, 1);
@@ -83,7 +83,7 @@ void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const dou
     make(curve, types[kind], x, y, n, path, o->err);
 }
 
-void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen) {
+void mbd_curve_read_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen) {
   json_t *array = tdm_get_array(o, key, true);
   char path[TDM_PATH_MAX];
   if (o->err->status)

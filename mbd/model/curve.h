@@ -18,10 +18,10 @@ typedef struct {
 /* Read "interpolation" and make the curve through (x, y) (n); errors are at `path`. "steffen" (default) keeps
  * between its points (continuous first derivative), "cspline" is a natural cubic spline with continuous second
  * derivative, which overshoots, and "periodic" a cubic spline whose ends fit. The caller destroys *curve. */
-void mbd_curve_load(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path);
+void mbd_curve_read(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path);
 
 /* Read a table `key`: [[x...], [y...]], with "cspline" or "steffen" between its points. */
-void mbd_curve_load_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen);
+void mbd_curve_read_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen);
 
 mbd_curve_value mbd_curve_at(const mbd_curve *curve, double x);
 
@@ -38,7 +38,7 @@ int mbd_curve_points(const mbd_curve *curve, const double **x, const double **y)
 void mbd_curve_destroy(mbd_curve **curve);
 
 /* All numbers of the array `key` into a new array (NULL after an error) that the caller frees. */
-double *mbd_load_numbers(tdm_object *o, const char *key, int *n);
+double *mbd_read_numbers(tdm_object *o, const char *key, int *n);
 
 /* The numbers of a JSON array, as above; errors are at `path`. */
 double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err);

@@ -164,7 +164,7 @@ static const struct {
              {"cone", cone},     {"capsule", capsule}, {"mesh", mesh}};
 enum { SHAPES = sizeof table / sizeof table[0] };
 
-mbd_shape mbd_shape_load(tdm_object *owner) {
+mbd_shape mbd_shape_read(tdm_object *owner) {
   tdm_object o = tdm_get_object(owner, "shape", true);
   const char *names[SHAPES];
   for (int i = 0; i < SHAPES; i++)

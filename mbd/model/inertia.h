@@ -18,7 +18,7 @@ typedef struct {
 } mbd_shape;
 
 /* Read the object "shape". Primitives stand with their axis along z and their centre of mass at zero. */
-mbd_shape mbd_shape_load(tdm_object *owner);
+mbd_shape mbd_shape_read(tdm_object *owner);
 
 /* Integrals over the inside of a mesh, exact for its triangles. Refuses a mesh that is open or whose triangles do not
  * all have their outer side outside; errors are at `path` and name `file`. */

@@ -101,13 +101,13 @@ static void load_joint(mbd_model *model, json_t *json, const char *path, tdm_err
   const char *names[MBD_JOINT_TYPES_MAX];
   for (int i = 0; i < mbd_joint_ntype; i++)
     names[i] = mbd_joint_table[i]->name;
-  mbd_load_name(&o, j->name);
+  mbd_read_name(&o, j->name);
   int type = load_type(&o, names, mbd_joint_ntype);
   if (err->status)
     return;
   j->ops = mbd_joint_table[type];
   if (!j->ops->couples)
-    mbd_load_bodies(&o, model, j->body);
+    mbd_read_bodies(&o, model, j->body);
   j->row = model->nrow;
   j->ops->load(j, &o, model);
   tdm_object_close(&o);
@@ -124,14 +124,14 @@ static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_er
   const char *names[MBD_DRIVER_TYPES_MAX];
   for (int i = 0; i < mbd_driver_ntype; i++)
     names[i] = mbd_driver_table[i]->name;
-  mbd_load_name(&o, d->name);
+  mbd_read_name(&o, d->name);
   int type = load_type(&o, names, mbd_driver_ntype);
   if (err->status)
     return;
   d->ops = mbd_driver_table[type];
   d->row = model->nrow;
   d->ops->load(d, &o, model);
-  mbd_motion_load(&d->motion, &o, "motion");
+  mbd_motion_read(&d->motion, &o, "motion");
   tdm_object_close(&o);
   for (int i = 0; i < model->ndriver - 1 && !err->status; i++) {
     const mbd_driver *other = &model->driver[i];
@@ -150,7 +150,7 @@ static void load_force(mbd_model *model, json_t *json, const char *path, tdm_err
   const char *names[MBD_FORCE_TYPES_MAX];
   for (int i = 0; i < mbd_force_ntype; i++)
     names[i] = mbd_force_table[i]->name;
-  mbd_load_name(&o, f->name);
+  mbd_read_name(&o, f->name);
   int type = load_type(&o, names, mbd_force_ntype);
   if (err->status)
     return;
@@ -251,7 +251,7 @@ static void list_parts(mbd_model *m) {
   }
 }
 
-tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
+tdm_status mbd_model_read(mbd_model **model, json_t *json, tdm_error *err) {
   mbd_model *m = *model = calloc(1, sizeof *m);
   if (!m)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
@@ -269,7 +269,7 @@ tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err) {
   m->section = json;
   tdm_object o = tdm_object_open(json, "mbd", err);
   m->gravity = tdm_get_vec3(&o, "gravity", &earth);
-  load_array(&o, "bodies", true, m, mbd_body_load);
+  load_array(&o, "bodies", true, m, mbd_body_read);
   if (!err->status && m->nbody == 0)
     tdm_object_fail(&o, "bodies", "is empty; give at least one body");
   load_array(&o, "joints", false, m, load_joint);

@@ -1,4 +1,4 @@
-/* The multibody model: what a scene fixes. Immutable after mbd_model_load; the run's own state is an mbd_data.
+/* The multibody model: what a scene fixes. Immutable after mbd_model_read; the run's own state is an mbd_data.
  *
  * Bodies are numbered from 0, the fixed world ("ground") is body -1. World axes unless a comment says body axes.
  */
@@ -100,7 +100,7 @@ struct mbd_model {
 
 /* Read the scene section `json` (borrowed, JSON path "mbd"). The model belongs to the caller, also after an error:
  * destroy it. */
-tdm_status mbd_model_load(mbd_model **model, json_t *json, tdm_error *err);
+tdm_status mbd_model_read(mbd_model **model, json_t *json, tdm_error *err);
 
 /* For a run that saves and restores states: one_step, unless the scene has named a formulation or a corrector. */
 void mbd_model_prefer_one_step(mbd_model *model);

@@ -6,7 +6,7 @@
 
 /* ---- names ---- */
 
-void mbd_load_name(tdm_object *o, char *out) {
+void mbd_read_name(tdm_object *o, char *out) {
   const char *name = tdm_get_string(o, "name", NULL);
   out[0] = 0;
   if (o->err->status)
@@ -38,7 +38,7 @@ static int body_of(const mbd_model *model, const char *name, bool ground, const 
   return body;
 }
 
-void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
+void mbd_read_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
   body[0] = body[1] = MBD_GROUND;
   json_t *array = tdm_get_array(o, "bodies", true);
   if (o->err->status)
@@ -61,7 +61,7 @@ void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
                     json_string_value(json_array_get(array, 0)));
 }
 
-int mbd_load_body(tdm_object *o, const mbd_model *model) {
+int mbd_read_body(tdm_object *o, const mbd_model *model) {
   const char *name = tdm_get_string(o, "body", NULL);
   char path[TDM_PATH_MAX];
   int body = o->err->status ? -2 : body_of(model, name, false, tdm_path(path, o, "body", -1), o->err);
@@ -126,16 +126,16 @@ static const mbd_joint *joint_of(const mbd_model *model, const char *name, unsig
   return NULL;
 }
 
-const mbd_joint *mbd_load_joint(tdm_object *o, const char *key, const mbd_model *model, unsigned coordinates,
+const mbd_joint *mbd_read_joint(tdm_object *o, const char *key, const mbd_model *model, unsigned coordinates,
                                 const char *otherwise) {
   const char *name = tdm_get_string(o, key, NULL);
   char path[TDM_PATH_MAX];
   return o->err->status ? NULL : joint_of(model, name, coordinates, otherwise, tdm_path(path, o, key, -1), o->err);
 }
 
-const mbd_joint *mbd_load_joint_coordinate(tdm_object *o, const mbd_model *model, mbd_coordinate *coordinate) {
+const mbd_joint *mbd_read_joint_coordinate(tdm_object *o, const mbd_model *model, mbd_coordinate *coordinate) {
   static const char *const names[] = {"angle", "translation"};
-  const mbd_joint *j = mbd_load_joint(o, "joint", model, MBD_HAS_ANGLE | MBD_HAS_TRANSLATION, "");
+  const mbd_joint *j = mbd_read_joint(o, "joint", model, MBD_HAS_ANGLE | MBD_HAS_TRANSLATION, "");
   if (!j)
     return NULL;
   unsigned has = j->ops->coordinates;
@@ -152,7 +152,7 @@ const mbd_joint *mbd_load_joint_coordinate(tdm_object *o, const mbd_model *model
   return j;
 }
 
-void mbd_load_joints(tdm_object *o, const mbd_model *model, const unsigned coordinates[2], const mbd_joint *out[2]) {
+void mbd_read_joints(tdm_object *o, const mbd_model *model, const unsigned coordinates[2], const mbd_joint *out[2]) {
   json_t *array = tdm_get_array(o, "joints", true);
   if (o->err->status)
     return;
@@ -270,19 +270,19 @@ static void load_vectors(tdm_object *o, const mbd_model *model, const char *sing
   }
 }
 
-tdm_vec3 mbd_load_point(tdm_object *o, const mbd_model *model, const char *key) {
+tdm_vec3 mbd_read_point(tdm_object *o, const mbd_model *model, const char *key) {
   return load_vector(o, model, key, false);
 }
 
-tdm_vec3 mbd_load_direction(tdm_object *o, const mbd_model *model, const char *key) {
+tdm_vec3 mbd_read_direction(tdm_object *o, const mbd_model *model, const char *key) {
   return load_vector(o, model, key, true);
 }
 
-void mbd_load_points(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]) {
+void mbd_read_points(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]) {
   load_vectors(o, model, single, twice, false, out);
 }
 
-void mbd_load_directions(tdm_object *o, const mbd_model *model, const char *single, const char *twice,
+void mbd_read_directions(tdm_object *o, const mbd_model *model, const char *single, const char *twice,
                          tdm_vec3 out[2]) {
   load_vectors(o, model, single, twice, true, out);
 }

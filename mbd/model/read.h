@@ -10,35 +10,35 @@
 #include "mbd/model/model.h"
 
 /* Read and check "name": fit for a column of a CSV file. out has MBD_NAME_MAX bytes. */
-void mbd_load_name(tdm_object *o, char *out);
+void mbd_read_name(tdm_object *o, char *out);
 
 /* Read "bodies": [first, second] into body; both must exist and differ. */
-void mbd_load_bodies(tdm_object *o, const mbd_model *model, int body[2]);
+void mbd_read_bodies(tdm_object *o, const mbd_model *model, int body[2]);
 
 /* Read "body": the name of a body that is not the ground; -1 after an error. */
-int mbd_load_body(tdm_object *o, const mbd_model *model);
+int mbd_read_body(tdm_object *o, const mbd_model *model);
 
 /* The joint that the string `key` names, borrowed from the model; it must have one of the coordinates (a set of
  * MBD_HAS_...). NULL after an error. `otherwise` ends the message that asks for one. */
-const mbd_joint *mbd_load_joint(tdm_object *o, const char *key, const mbd_model *model, unsigned coordinates,
+const mbd_joint *mbd_read_joint(tdm_object *o, const char *key, const mbd_model *model, unsigned coordinates,
                                 const char *otherwise);
 
 /* Read "joint" and, where it has both coordinates, "coordinate": "angle" or "translation". NULL after an error. */
-const mbd_joint *mbd_load_joint_coordinate(tdm_object *o, const mbd_model *model, mbd_coordinate *coordinate);
+const mbd_joint *mbd_read_joint_coordinate(tdm_object *o, const mbd_model *model, mbd_coordinate *coordinate);
 
 /* Read "joints": two joints of which each must have a coordinate of its set. NULL after an error. */
-void mbd_load_joints(tdm_object *o, const mbd_model *model, const unsigned coordinates[2], const mbd_joint *out[2]);
+void mbd_read_joints(tdm_object *o, const mbd_model *model, const unsigned coordinates[2], const mbd_joint *out[2]);
 
 /* A point, required. */
-tdm_vec3 mbd_load_point(tdm_object *o, const mbd_model *model, const char *key);
+tdm_vec3 mbd_read_point(tdm_object *o, const mbd_model *model, const char *key);
 
 /* A direction as a unit vector, required. */
-tdm_vec3 mbd_load_direction(tdm_object *o, const mbd_model *model, const char *key);
+tdm_vec3 mbd_read_direction(tdm_object *o, const mbd_model *model, const char *key);
 
 /* One point `single` (may be NULL) for both bodies, or a pair `twice` with one each: "point" or "points". */
-void mbd_load_points(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]);
+void mbd_read_points(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]);
 
 /* The same for directions: unit vectors. */
-void mbd_load_directions(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]);
+void mbd_read_directions(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]);
 
 #endif

@@ -17,8 +17,8 @@ static const double flush_interval = 1; /* of the time histories, wall clock [s]
 
 /* ---- start ---- */
 
-tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err) {
-  const tdm_alone_options *o = run->options;
+tdm_status tdm_standalone_read(tdm_standalone *run, tdm_error *err) {
+  const tdm_standalone_options *o = run->options;
   run->teller = (tdm_teller){.program = run->program->name, .scene = &run->scene};
   tdm_remarks_open(&run->remarks);
   if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
@@ -29,8 +29,8 @@ tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status tdm_alone_open(tdm_alone *run, tdm_error *err) {
-  const tdm_alone_options *o = run->options;
+tdm_status tdm_standalone_open(tdm_standalone *run, tdm_error *err) {
+  const tdm_standalone_options *o = run->options;
   const char *role = run->program->ops->role;
   char name[64];
   snprintf(name, sizeof name, "%s.log", role);
@@ -41,8 +41,8 @@ tdm_status tdm_alone_open(tdm_alone *run, tdm_error *err) {
   return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
 }
 
-void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) {
-  assert(run->ndoubt < TDM_ALONE_DOUBTS);
+void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *format, ...) {
+  assert(run->ndoubt < TDM_STANDALONE_DOUBTS);
   tdm_warning *w = &run->doubt[run->ndoubt++];
   snprintf(w->path, sizeof w->path, "%s", path);
   va_list args;
@@ -51,14 +51,14 @@ void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) 
   va_end(args);
 }
 
-void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end) {
+void tdm_standalone_doubt_interval(tdm_standalone *run, double interval, double end) {
   if (interval > end * (1 + 1e-9))
-    tdm_alone_doubt(run, "output.interval",
-                    "is %g s but the run ends at %g s: the time histories have its start and its end only", interval,
-                    end);
+    tdm_standalone_doubt(run, "output.interval",
+                         "is %g s but the run ends at %g s: the time histories have its start and its end only",
+                         interval, end);
 }
 
-static tdm_status heed(tdm_alone *run, const tdm_warning *w, tdm_error *err) {
+static tdm_status heed(tdm_standalone *run, const tdm_warning *w, tdm_error *err) {
   char quoted[TDM_MESSAGE_MAX];
   tdm_error place = {0};
   tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
@@ -73,7 +73,7 @@ static tdm_status heed(tdm_alone *run, const tdm_warning *w, tdm_error *err) {
 }
 
 /* Doubts about the settings, and the solver's: printed, or refused when strict. */
-static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
+static tdm_status heed_warnings(tdm_standalone *run, tdm_error *err) {
   for (int k = 0; k < run->ndoubt && err->status == TDM_OK; k++)
     heed(run, &run->doubt[k], err);
   for (int k = 0; k < run->ready.nwarning && err->status == TDM_OK; k++)
@@ -81,7 +81,7 @@ static tdm_status heed_warnings(tdm_alone *run, tdm_error *err) {
   return err->status;
 }
 
-tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err) {
+tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err) {
   const tdm_solver_ops *ops = run->program->ops;
   run->section = tdm_scene_section(run->scene.root, ops->role);
   const tdm_assignment assignment = {.scene = run->section, .time_end = end, .dt = dt, .n = 1};
@@ -97,7 +97,7 @@ tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err
 
 /* ---- remarks ---- */
 
-void tdm_alone_tell(tdm_alone *run, bool bar) {
+void tdm_standalone_tell(tdm_standalone *run, bool bar) {
   if (run->told == run->remarks.changes)
     return;
   run->told = run->remarks.changes;
@@ -108,7 +108,7 @@ void tdm_alone_tell(tdm_alone *run, bool bar) {
 
 /* ---- time histories ---- */
 
-tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
+tdm_status tdm_standalone_begin(tdm_standalone *run, tdm_error *err) {
   if (tdm_results_start(&run->results, err) != TDM_OK)
     return err->status;
   run->channels = tdm_results_file(&run->results, "channels.csv", err);
@@ -123,7 +123,7 @@ tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err) {
+tdm_status tdm_standalone_row(tdm_standalone *run, double t, const double *values, tdm_error *err) {
   tdm_write_row(run->channels, t, values, run->ready.nchannel);
   run->nrow++;
   if (run->plots)
@@ -142,7 +142,7 @@ tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_err
   return err->status;
 }
 
-void tdm_alone_close(tdm_alone *run, tdm_error *err) {
+void tdm_standalone_close(tdm_standalone *run, tdm_error *err) {
   bool bad = ferror(run->channels);
   if (fclose(run->channels) != 0 || bad)
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s/channels.csv: cannot be written: %s", run->results.dir, strerror(errno));
@@ -157,7 +157,7 @@ static bool wanted(const char *channel, const char *const *of) {
 }
 
 /* Some channel of the plot is not zero throughout. */
-static bool any_moved(const tdm_alone *run, const char *const *of) {
+static bool any_moved(const tdm_standalone *run, const char *const *of) {
   bool any = false;
   for (int c = 0; c < run->ready.nchannel && run->moved; c++)
     any = any || (run->moved[c] && wanted(run->ready.channel[c].name, of));
@@ -175,7 +175,7 @@ typedef struct {
   int channel[PANELS][CURVES], nplot;
 } panels;
 
-static void add_channel(panels *p, const tdm_alone *run, int c) {
+static void add_channel(panels *p, const tdm_standalone *run, int c) {
   const tdm_channel *channel = &run->ready.channel[c];
   int k = 0;
   while (k < p->nplot && strcmp(p->plot[k].ylabel, channel->unit) != 0)
@@ -193,7 +193,7 @@ static void add_channel(panels *p, const tdm_alone *run, int c) {
 }
 
 /* Give the panels their data; those without a number are dropped. */
-static void add_data(panels *p, const tdm_alone *run) {
+static void add_data(panels *p, const tdm_standalone *run) {
   int kept = 0;
   for (int k = 0; k < p->nplot; k++) {
     const int n = p->plot[k].ncurve;
@@ -205,7 +205,7 @@ static void add_data(panels *p, const tdm_alone *run) {
   p->nplot = kept;
 }
 
-tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err) {
+tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, const char *const *of, tdm_error *err) {
   bool some = any_moved(run, of); /* then what is zero throughout is left out */
   panels *p = run->plots ? calloc(1, sizeof *p) : NULL;
   if (!p)
@@ -228,7 +228,7 @@ json_t *tdm_real_or_null(double x) {
   return isfinite(x) ? json_real(x) : json_null();
 }
 
-json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err) {
+json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err) {
   struct utsname machine = {0};
   char name[4096];
   uname(&machine);
@@ -241,7 +241,7 @@ json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err) {
   json_object_set_new(json, "warnings", run->warnings ? json_copy(run->warnings) : json_array());
   json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
   tdm_remarks_enter(json, remarks);
-  tdm_alone_tell(run, false);
+  tdm_standalone_tell(run, false);
   tdm_remarks_tell_counts(&run->teller, remarks);
   json_decref(remarks);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
@@ -250,7 +250,7 @@ json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err) {
   return json;
 }
 
-void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
+void tdm_standalone_log_end(const char *pairs, const tdm_error *err) {
   char quoted[TDM_MESSAGE_MAX];
   if (err->status != TDM_OK)
     tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
@@ -259,7 +259,7 @@ void tdm_alone_log_end(const char *pairs, const tdm_error *err) {
     tdm_log(TDM_LOG_INFO, "finished", "%s", pairs);
 }
 
-void tdm_alone_free(tdm_alone *run) {
+void tdm_standalone_free(tdm_standalone *run) {
   tdm_remarks_open(NULL);
   tdm_teller_free(&run->teller);
   if (run->results.staged)

@@ -1,12 +1,12 @@
 /* A scene for one solver alone: `tandem-dem run`, `tandem-mbd run` and their `check`.
  *
- *   tdm_alone_main          the command line: commands, options, the scene's file
- *   tdm_alone_read          the scene with its overrides
- *   tdm_alone_open          the result directory: log, scene.json
- *   tdm_alone_start         the solver, as a participant without a server and without coupled bodies; its warnings
- *   tdm_alone_begin/_row    channels.csv, the time histories of all of the solver's channels
- *   tdm_alone_close/_plot   and its plots
- *   tdm_alone_summary       what every summary.json holds
+ *   tdm_standalone_main          the command line: commands, options, the scene's file
+ *   tdm_standalone_read          the scene with its overrides
+ *   tdm_standalone_open          the result directory: log, scene.json
+ *   tdm_standalone_start         the solver, as a participant without a server and without coupled bodies; its warnings
+ *   tdm_standalone_begin/_row    channels.csv, the time histories of all of the solver's channels
+ *   tdm_standalone_close/_plot   and its plots
+ *   tdm_standalone_summary       what every summary.json holds
  *
  * What runs when, and every other output, is the solver's own (dem/run.c, mbd/run.c).
  */
@@ -28,35 +28,35 @@ typedef struct {
   bool force;             /* replace the results of an earlier run */
   bool strict;            /* refuse a scene that the solver has doubts about */
   bool no_plots;          /* leave out the plots of time histories */
-} tdm_alone_options;
+} tdm_standalone_options;
 
 typedef struct {
   const char *name; /* of the program: "tandem-dem" */
   const char *help; /* all of --help */
   const tdm_solver_ops *ops;
-  tdm_status (*run)(const tdm_alone_options *options, tdm_error *err);
-  tdm_status (*check)(const tdm_alone_options *options, tdm_error *err);
-} tdm_alone_program;
+  tdm_status (*run)(const tdm_standalone_options *options, tdm_error *err);
+  tdm_status (*check)(const tdm_standalone_options *options, tdm_error *err);
+} tdm_standalone_program;
 
 /* main() of a solver that also runs scenes alone: run SCENE, check SCENE, or the options of tdm_solver_main. A SCENE
  * without a file of its name is looked for in scenarios/ROLE. Returns the exit status. */
-int tdm_alone_main(const tdm_alone_program *program, int argc, char **argv);
+int tdm_standalone_main(const tdm_standalone_program *program, int argc, char **argv);
 
 /* ---- a run ---- */
 
-enum { TDM_ALONE_DOUBTS = 4 };
+enum { TDM_STANDALONE_DOUBTS = 4 };
 
-/* Zero-initialise but for the first two; tdm_alone_free lets go of it whatever happened. */
+/* Zero-initialise but for the first two; tdm_standalone_free lets go of it whatever happened. */
 typedef struct {
-  const tdm_alone_program *program;
-  const tdm_alone_options *options;
+  const tdm_standalone_program *program;
+  const tdm_standalone_options *options;
   tdm_scene scene;
   tdm_results results;
   void *solver;
   tdm_ready ready;
   int ndoubt;
-  tdm_warning doubt[TDM_ALONE_DOUBTS]; /* about the sections time and output */
-  json_t *section;                     /* of the scene, as the solver gets it */
+  tdm_warning doubt[TDM_STANDALONE_DOUBTS]; /* about the sections time and output */
+  json_t *section;                          /* of the scene, as the solver gets it */
   json_t *warnings;
   tdm_remarks remarks; /* of this thread, while the run lasts */
   tdm_teller teller;
@@ -68,46 +68,47 @@ typedef struct {
   tdm_thin thin;     /* the rows, as plots show them */
   bool plots;        /* they are gathered there */
   double *values;    /* (nchannel) */
-} tdm_alone;
+} tdm_standalone;
 
-tdm_status tdm_alone_read(tdm_alone *run, tdm_error *err);
+tdm_status tdm_standalone_read(tdm_standalone *run, tdm_error *err);
 
 /* Open the result directory with ROLE.log as its log; an earlier run's results stay unless --force was given, and then
- * until tdm_alone_begin. */
-tdm_status tdm_alone_open(tdm_alone *run, tdm_error *err);
+ * until tdm_standalone_begin. */
+tdm_status tdm_standalone_open(tdm_standalone *run, tdm_error *err);
 
-/* Doubt a setting of the run, with printf's arguments; TDM_ALONE_DOUBTS at most, before tdm_alone_start. */
-void tdm_alone_doubt(tdm_alone *run, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Doubt a setting of the run, with printf's arguments; TDM_STANDALONE_DOUBTS at most, before tdm_standalone_start. */
+void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 /* Doubt an interval of the time histories that is longer than the run [s]. */
-void tdm_alone_doubt_interval(tdm_alone *run, double interval, double end);
+void tdm_standalone_doubt_interval(tdm_standalone *run, double interval, double end);
 
 /* Load the solver's section; `end` and `dt` [s] as in a co-simulation with n = 1. Doubts about the settings and the
  * solver's warnings are printed, or refused when strict. */
-tdm_status tdm_alone_start(tdm_alone *run, double end, double dt, tdm_error *err);
+tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err);
 
 /* Print remarks that are new; `bar`: there is a progress bar. To be called often. */
-void tdm_alone_tell(tdm_alone *run, bool bar);
+void tdm_standalone_tell(tdm_standalone *run, bool bar);
 
 /* The run begins: channels.csv is opened, with its head; run->values are the values at the start. */
-tdm_status tdm_alone_begin(tdm_alone *run, tdm_error *err);
+tdm_status tdm_standalone_begin(tdm_standalone *run, tdm_error *err);
 /* Write `values` (nchannel) as the next row, at time t [s]. */
-tdm_status tdm_alone_row(tdm_alone *run, double t, const double *values, tdm_error *err);
-void tdm_alone_close(tdm_alone *run, tdm_error *err);
+tdm_status tdm_standalone_row(tdm_standalone *run, double t, const double *values, tdm_error *err);
+void tdm_standalone_close(tdm_standalone *run, tdm_error *err);
 
 /* Plot the channels whose names begin with one of `of` (NULL-terminated; NULL: all channels) as NAME.png and NAME.svg,
  * a panel a unit; what is zero throughout is left out, and all with no_plots. Nothing to plot is no error. */
-tdm_status tdm_alone_plot(const tdm_alone *run, const char *name, const char *const *of, tdm_error *err);
+tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, const char *const *of, tdm_error *err);
 
 /* A new object with tandem, software, scene, machine, report, warnings, notices, status and error. Prints the last
  * remarks, and how often each came. */
-json_t *tdm_alone_summary(tdm_alone *run, const tdm_error *err);
+json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err);
 
 /* A number of a summary; null when it is not finite. */
 json_t *tdm_real_or_null(double x);
 
 /* The last line of the log: `pairs` after a good end, else the error. */
-void tdm_alone_log_end(const char *pairs, const tdm_error *err);
+void tdm_standalone_log_end(const char *pairs, const tdm_error *err);
 
-void tdm_alone_free(tdm_alone *run);
+void tdm_standalone_free(tdm_standalone *run);
 
 #endif

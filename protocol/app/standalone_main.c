@@ -21,7 +21,7 @@ static tdm_status parse(arguments *a, const char *program, int argc, char **argv
 }
 
 /* one command on one scene */
-static tdm_status perform(const tdm_alone_program *p, const arguments *a, bool check, tdm_error *err) {
+static tdm_status perform(const tdm_standalone_program *p, const arguments *a, bool check, tdm_error *err) {
   const char *command = check ? "check" : "run";
   char scene[4096];
   if (check && (a->out || a->force || a->no_plots))
@@ -34,16 +34,16 @@ static tdm_status perform(const tdm_alone_program *p, const arguments *a, bool c
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: name one scene; see %s --help", command, p->name);
   if (tdm_find_scene(scene, sizeof scene, p->ops->role, a->given.word[0], a->scenarios, err) != TDM_OK)
     return err->status;
-  const tdm_alone_options options = {.scene = scene,
-                                     .set = a->given.set,
-                                     .out = a->out ? a->out : "run-out",
-                                     .force = a->force,
-                                     .strict = a->strict,
-                                     .no_plots = a->no_plots};
+  const tdm_standalone_options options = {.scene = scene,
+                                          .set = a->given.set,
+                                          .out = a->out ? a->out : "run-out",
+                                          .force = a->force,
+                                          .strict = a->strict,
+                                          .no_plots = a->no_plots};
   return check ? p->check(&options, err) : p->run(&options, err);
 }
 
-int tdm_alone_main(const tdm_alone_program *p, int argc, char **argv) {
+int tdm_standalone_main(const tdm_standalone_program *p, int argc, char **argv) {
   static const char *const commands[] = {"run", "check"};
   tdm_error err = {0};
   arguments a = {0};

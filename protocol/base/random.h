@@ -6,18 +6,18 @@
 #include <stdint.h>
 
 /* SplitMix64's mixing function (Steele, Lea & Flood 2014) */
-static inline uint64_t dem_draw_mix(uint64_t z) {
+static inline uint64_t tdm_random_mix(uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
 }
 
 /* A number in [0, 1) that depends on its arguments alone. */
-static inline double dem_draw(uint64_t seed, uint64_t particle, uint64_t draw) {
+static inline double tdm_random(uint64_t seed, uint64_t particle, uint64_t draw) {
   const uint64_t golden = 0x9e3779b97f4a7c15u;
-  uint64_t z = dem_draw_mix(seed + golden);
-  z = dem_draw_mix(z + golden * (particle + 1));
-  z = dem_draw_mix(z + golden * (draw + 1));
+  uint64_t z = tdm_random_mix(seed + golden);
+  z = tdm_random_mix(z + golden * (particle + 1));
+  z = tdm_random_mix(z + golden * (draw + 1));
   return (double)(z >> 11) * 0x1p-53;
 }
 

@@ -7,8 +7,8 @@
 #ifndef TDM_WIRE_MESSAGE_H
 #define TDM_WIRE_MESSAGE_H
 
-#include "protocol/wire/nodes.h"
 #include "protocol/base/status.h"
+#include "protocol/wire/nodes.h"
 
 #include <jansson.h>
 #include <stdbool.h>

@@ -18,8 +18,8 @@
 #ifndef TDM_WIRE_PARTICIPANT_H
 #define TDM_WIRE_PARTICIPANT_H
 
-#include "protocol/wire/message.h"
 #include "protocol/base/scene.h"
+#include "protocol/wire/message.h"
 
 #include <stdbool.h>
 

@@ -5,8 +5,8 @@
 #include "dem/flow/settle.h"
 #include "dem/step/step.h"
 #include "protocol/app/command_line.h"
-#include "protocol/base/log.h"
 #include "protocol/app/results.h"
+#include "protocol/base/log.h"
 
 #include <errno.h>
 #include <math.h>

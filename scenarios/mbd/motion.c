@@ -1,7 +1,7 @@
 #include "scenarios/mbd/motion.h"
 
-#include "mbd/integrate/integrator.h"
 #include "mbd/adapter/output.h"
+#include "mbd/integrate/integrator.h"
 #include "protocol/app/command_line.h"
 #include "protocol/base/log.h"
 
@@ -61,7 +61,7 @@ static tdm_status take_sample(void *context, int i, double t, const double *y, t
 
 static tdm_status load(engine *e, json_t *mbd, tdm_error *err) {
   mbd_assembly assembly;
-  if (mbd_model_load(&e->model, mbd, err) != TDM_OK || mbd_model_couple(e->model, NULL, 0, err) != TDM_OK)
+  if (mbd_model_read(&e->model, mbd, err) != TDM_OK || mbd_model_couple(e->model, NULL, 0, err) != TDM_OK)
     return err->status;
   e->data = mbd_data_create(e->model);
   e->kkt = mbd_kkt_create(e->model);

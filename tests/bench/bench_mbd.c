@@ -1,8 +1,8 @@
 /* Wall time a window of the multibody solver in each formulation: the spring-damper box on a prismatic joint, with a
  * smooth load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS [FORMULATION]]
  */
-#include "mbd/integrate/integrator.h"
 #include "mbd/adapter/solver.h"
+#include "mbd/integrate/integrator.h"
 #include "protocol/base/log.h"
 
 #include <stdio.h>

@@ -67,7 +67,7 @@ static bool run(const char *name, int group, long steps) {
   tdm_assignment assignment = {.scene = scene(name, group), .dt = 1e-5, .n = 1};
   dem_model *model = NULL;
   dem_data *d = dem_model_load(&model, &assignment, &err) == TDM_OK ? dem_data_create(model) : NULL;
-  dem_times times = {0};
+  dem_timers times = {0};
   bool good = d != NULL;
   if (!good)
     fprintf(stderr, "%s: %s\n", err.path, err.message);

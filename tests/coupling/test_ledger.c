@@ -1,7 +1,7 @@
 /* The ledger: work in closed form, impulse, balance, and runs that gain energy. */
 #include "coupler/loop/ledger.h"
-#include "coupler/tools/table.h"
 #include "coupler/loop/window.h"
+#include "coupler/tools/table.h"
 #include "protocol/app/results.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

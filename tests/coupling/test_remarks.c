@@ -1,7 +1,7 @@
 /* What a run should tell its user reaches the terminal, summary.json and the report, from all three programs. */
 #include "dem/adapter/solver.h"
-#include "protocol/base/remark.h"
 #include "protocol/app/results.h"
+#include "protocol/base/remark.h"
 #include "tests/command.h"
 #include "tests/protocol/wire.h"
 

@@ -1,8 +1,8 @@
 /* Spheres as walls: geometry, impacts, motion inside one, outputs. */
 #include "dem/bodies/walls.h"
-#include "dem/watch/limits.h"
 #include "dem/output/polygon.h"
 #include "dem/output/snapshot.h"
+#include "dem/watch/limits.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
 

@@ -1,11 +1,11 @@
 /* What a run starts from: lids, the fill's report, stored beds, limits and mass ratios in the report. */
 #include "test_dem_support.h"
 
-#include "dem/flow/bed.h"
-#include "dem/bodies/walls.h"
-#include "dem/watch/limits.h"
 #include "dem/adapter/report.h"
+#include "dem/bodies/walls.h"
+#include "dem/flow/bed.h"
 #include "dem/flow/settle.h"
+#include "dem/watch/limits.h"
 #include "tests/test_main.h"
 
 #include <sys/stat.h>

@@ -1,6 +1,6 @@
 /* Containers whose walls end, and warnings of what is probably another size or shape than meant. */
-#include "dem/watch/guard.h"
 #include "dem/adapter/report.h"
+#include "dem/watch/guard.h"
 #include "protocol/base/remark.h"
 #include "protocol/base/stl.h"
 #include "test_dem_support.h"

@@ -1,11 +1,11 @@
 /* The engine as a whole: conservation, neighbour lists, copies, windows, wrenches, settling, paths. */
 #include "test_dem_support.h"
 
-#include "dem/watch/check.h"
 #include "dem/bodies/walls.h"
-#include "dem/watch/limits.h"
-#include "dem/search/pairs.h"
 #include "dem/flow/settle.h"
+#include "dem/search/pairs.h"
+#include "dem/watch/check.h"
+#include "dem/watch/limits.h"
 #include "tests/test_main.h"
 
 /* A cloud of spheres of two sizes in a closed box that turns and moves. */
@@ -34,7 +34,7 @@ static void shake(rig *r, long k0, long n) {
       ends[i] = state_at(0.1 * sin(9 * t), 0.05 * (1 - cos(11 * t)), 0.03 * sin(20 * t));
       ends[i].pose.orientation = tdm_quat_from_rotvec(tdm_v3(0.5 * sin(5 * t), 0.2 * t, 0.1 * sin(3 * t)));
     }
-    dem_motion path = dem_motion_make(&ends[0], &ends[1], r->model->dt, TDM_LINEAR);
+    dem_path path = dem_path_make(&ends[0], &ends[1], r->model->dt, TDM_LINEAR);
     ck_assert(dem_step(r->data, &path, 1, 1, false, r->model->dt));
   }
 }
@@ -96,7 +96,7 @@ START_TEST(test_common_motion) {
   for (int k = 0; k < 1000; k++) {
     next = now;
     next.pose.position.x += 1e-4;
-    dem_motion path = dem_motion_make(&now, &next, 1e-4, TDM_LINEAR);
+    dem_path path = dem_path_make(&now, &next, 1e-4, TDM_LINEAR);
     ck_assert(dem_step(full->data, &path, 1, 1, false, 1e-4));
     now = next;
   }
@@ -226,11 +226,11 @@ START_TEST(test_path) {
   b.twist.velocity = tdm_v3(-1, 0, 3);
   const double H = 0.2, h = 1e-5;
   for (int kind = TDM_LINEAR; kind <= TDM_HERMITE; kind++) {
-    dem_motion m = dem_motion_make(&a, &b, H, (tdm_interpolation)kind);
+    dem_path m = dem_path_make(&a, &b, H, (tdm_interpolation)kind);
     for (int k = 0; k <= 4; k++) {
       double s = k / 4.0, s0 = fmax(0, s - h), s1 = fmin(1, s + h);
-      tdm_pose p0 = dem_motion_pose(&m, s0), p1 = dem_motion_pose(&m, s1), p = dem_motion_pose(&m, s);
-      tdm_twist twist = dem_motion_twist(&m, s), middle = dem_motion_twist(&m, 0.5 * (s0 + s1));
+      tdm_pose p0 = dem_path_pose(&m, s0), p1 = dem_path_pose(&m, s1), p = dem_path_pose(&m, s);
+      tdm_twist twist = dem_path_twist(&m, s), middle = dem_path_twist(&m, 0.5 * (s0 + s1));
       tdm_vec3 v = tdm_scale(1 / ((s1 - s0) * H), tdm_sub(p1.position, p0.position));
       tdm_vec3 turn = tdm_quat_to_rotvec(tdm_quat_mul(p1.orientation, tdm_quat_conj(p0.orientation)));
       ck_near(tdm_norm(tdm_sub(v, middle.velocity)), 0, 1e-7);
@@ -240,14 +240,14 @@ START_TEST(test_path) {
       ck_near(tdm_norm(tdm_quat_to_rotvec(off)), 0, 1e-12);
     }
     ck_assert_mem_eq(&m.end.pose, &b.pose, sizeof b.pose);
-    tdm_pose last = dem_motion_pose(&m, 1);
+    tdm_pose last = dem_path_pose(&m, 1);
     ck_assert_mem_eq(&last, &b.pose, sizeof last);
   }
-  dem_motion hermite = dem_motion_make(&a, &b, H, TDM_HERMITE);
-  ck_near(tdm_norm(tdm_sub(dem_motion_twist(&hermite, 0).velocity, a.twist.velocity)), 0, 1e-12);
-  ck_near(tdm_norm(tdm_sub(dem_motion_twist(&hermite, 1).velocity, b.twist.velocity)), 0, 1e-12);
-  dem_motion linear = dem_motion_make(&a, &b, H, TDM_LINEAR);
-  ck_near(dem_motion_pose(&linear, 0.25).position.x, 1.025, 1e-15);
+  dem_path hermite = dem_path_make(&a, &b, H, TDM_HERMITE);
+  ck_near(tdm_norm(tdm_sub(dem_path_twist(&hermite, 0).velocity, a.twist.velocity)), 0, 1e-12);
+  ck_near(tdm_norm(tdm_sub(dem_path_twist(&hermite, 1).velocity, b.twist.velocity)), 0, 1e-12);
+  dem_path linear = dem_path_make(&a, &b, H, TDM_LINEAR);
+  ck_near(dem_path_pose(&linear, 0.25).position.x, 1.025, 1e-15);
 }
 END_TEST
 

@@ -1,11 +1,11 @@
 /* Sources and sinks: creation times, waiting, removal, balances, copies. */
 #include "test_dem_support.h"
 
-#include "protocol/base/random.h"
-#include "dem/flow/flow.h"
 #include "dem/bodies/walls.h"
+#include "dem/flow/flow.h"
 #include "dem/flow/free_space.h"
 #include "protocol/base/log.h"
+#include "protocol/base/random.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>
@@ -33,7 +33,7 @@ static void balanced(const dem_data *d) {
     ck_assert(d->id[i] > d->id[i - 1]);
 }
 
-static void steps(rig *r, const dem_motion *path, long n) {
+static void steps(rig *r, const dem_path *path, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
     ck_assert(dem_step(d, path, 1, 1, false, r->model->dt));
@@ -222,14 +222,14 @@ START_TEST(test_room) {
   steps(r, NULL, 60);
   const dem_data *d = r->data;
   ck_assert_int_gt(d->nparticle, 1000);
-  dem_room room;
+  dem_free_space room;
   tdm_vec3 low = {-0.6, -0.7, 0}, high = {0.8, 0.3, 1.5};
-  ck_assert(dem_room_open(&room, d, low, high, 0.05));
+  ck_assert(dem_free_space_open(&room, d, low, high, 0.05));
   int frees = 0;
   for (uint64_t k = 0; k < 20000; k++) {
-    double radius = 0.05 * dem_draw(1, k, 0), u[3];
+    double radius = 0.05 * tdm_random(1, k, 0), u[3];
     for (uint64_t a = 0; a < 3; a++)
-      u[a] = dem_draw(1, k, a + 1);
+      u[a] = tdm_random(1, k, a + 1);
     tdm_vec3 x = tdm_v3(low.x + 1.4 * u[0], low.y + u[1], low.z + 1.5 * u[2]);
     bool free = x.z >= radius;
     for (int i = 0; i < d->nparticle; i++) {
@@ -237,11 +237,11 @@ START_TEST(test_room) {
       tdm_vec3 c = tdm_sub(x, d->sphere[i].position);
       free = free && !(tdm_dot(c, c) < sum * sum);
     }
-    ck_assert_int_eq(dem_room_free(&room, d, x, radius), free);
+    ck_assert_int_eq(dem_free_space_free(&room, d, x, radius), free);
     frees += free;
   }
   ck_assert(frees > 2000 && frees < 18000);
-  dem_room_close(&room);
+  dem_free_space_close(&room);
   rig_free(r);
 }
 END_TEST
@@ -508,7 +508,7 @@ START_TEST(test_relative_velocity) {
   for (int k = 0; k < 100; k++) { /* accelerates: 0.25 + 3 t in the step to t */
     tdm_state now = next;
     next.pose.position.x += 1e-3 * (0.25 + 3e-3 * (k + 1));
-    dem_motion path = dem_motion_make(&now, &next, 1e-3, TDM_LINEAR);
+    dem_path path = dem_path_make(&now, &next, 1e-3, TDM_LINEAR);
     steps(r, &path, 1);
   }
   ck_assert_int_eq(r->data->nparticle, 4);
@@ -547,20 +547,20 @@ END_TEST
 
 START_TEST(test_exact_sum) {
   /* what is added and taken away again in any order leaves nothing, where a plain sum leaves round-off */
-  dem_exact sum = {0};
+  dem_exact_sum sum = {0};
   double plain = 0, x[1000];
   for (int i = 0; i < 1000; i++) {
     x[i] = pow(10, i % 600 - 300) / 3 * (1 + 0.1 * sin(i));
-    dem_exact_add(&sum, x[i]);
+    dem_exact_sum_add(&sum, x[i]);
     plain += x[i];
   }
   for (int i = 0; i < 1000; i++) {
-    dem_exact_add(&sum, -x[(i * 383) % 1000]);
+    dem_exact_sum_add(&sum, -x[(i * 383) % 1000]);
     plain -= x[(i * 383) % 1000];
     ck_assert_int_le(sum.n, DEM_EXACT_PARTS);
   }
   ck_assert(plain != 0);
-  ck_assert(dem_exact_value(&sum) == 0 && sum.n == 0);
+  ck_assert(dem_exact_sum_value(&sum) == 0 && sum.n == 0);
 }
 END_TEST
 

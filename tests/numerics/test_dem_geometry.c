@@ -1,9 +1,9 @@
 /* Cylinders and cones against a search for the nearest point, driven bodies against differences, shapes from scenes. */
-#include "dem/bodies/driven.h"
-#include "dem/geometry/frustum.h"
-#include "dem/bodies/walls.h"
-#include "dem/watch/limits.h"
 #include "dem/adapter/report.h"
+#include "dem/bodies/driven.h"
+#include "dem/bodies/walls.h"
+#include "dem/geometry/frustum.h"
+#include "dem/watch/limits.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
 

@@ -406,7 +406,7 @@ START_TEST(test_load) {
     for (int s = 0; s < 3000; s++) {
       next = now;
       next.pose.position.z += 2e-6; /* 0.1 m/s upward */
-      dem_motion path = dem_motion_make(&now, &next, 2e-5, TDM_LINEAR);
+      dem_path path = dem_path_make(&now, &next, 2e-5, TDM_LINEAR);
       ck_assert(dem_step(d, &path, 1, 1, false, 2e-5));
       now = next;
       impulse = tdm_axpy(2e-5, d->body_load[0].force, impulse);

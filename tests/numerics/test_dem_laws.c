@@ -547,7 +547,7 @@ START_TEST(test_wall_work) {
   for (int k = 0; k < 6000; k++) {
     tdm_state next = now;
     next.pose.position.z += dt * 0.2;
-    dem_motion path = dem_motion_make(&now, &next, dt, TDM_LINEAR);
+    dem_path path = dem_path_make(&now, &next, dt, TDM_LINEAR);
     ck_assert(dem_step(r->data, &path, 1, 1, false, dt));
     now = next;
   }

@@ -1,9 +1,9 @@
 /* Loads on bodies, geometries, triangles and fixed particles as channels; elastic force and energy by the scene's law;
  * steps that are refused. */
-#include "dem/watch/check.h"
+#include "dem/bodies/walls.h"
 #include "dem/contact/theory.h"
 #include "dem/model/group_options.h"
-#include "dem/bodies/walls.h"
+#include "dem/watch/check.h"
 #include "dem/watch/guard.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"

@@ -3,8 +3,8 @@
 #include "tests/numerics/test_dem_support.h"
 #include "tests/test_main.h"
 
-#include "dem/contact/table.h"
 #include "dem/bodies/wall_stiffness.h"
+#include "dem/contact/table.h"
 
 #include <unistd.h>
 
@@ -294,7 +294,7 @@ static double hit_hinged(bool sets) {
     matrix(Y, (double[6]){0}, (double[6]){c.x, c.y, c.z, 0, sqrt(1 / about), 0});
     if (sets)
       dem_set_body_mobility(r->data, 0, Y);
-    dem_motion path = dem_motion_make(&now, &next, dt, TDM_LINEAR);
+    dem_path path = dem_path_make(&now, &next, dt, TDM_LINEAR);
     ck_assert(dem_step(r->data, &path, 1, 1, false, dt));
     tdm_wrench load = r->data->body_load[0];
     torque = load.moment.y + tdm_cross(next.pose.position, load.force).y;

@@ -1,10 +1,10 @@
 /* Pouring: exact numbers and masses, beds at rest inside their box, order of entries, errors, stored beds. */
 #include "test_dem_support.h"
 
-#include "dem/step/domain.h"
 #include "dem/flow/flow.h"
 #include "dem/flow/pour.h"
 #include "dem/flow/settle.h"
+#include "dem/step/domain.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>

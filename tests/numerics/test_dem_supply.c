@@ -1,8 +1,8 @@
 /* What is stored in the particles, and what sources, sinks, an open box and driven bodies have supplied. */
 #include "test_dem_support.h"
 
-#include "dem/step/domain.h"
 #include "dem/flow/flow.h"
+#include "dem/step/domain.h"
 #include "dem/watch/supply.h"
 #include "tests/test_main.h"
 

@@ -2,9 +2,9 @@
 #ifndef TEST_DEM_SUPPORT_H
 #define TEST_DEM_SUPPORT_H
 
-#include "dem/state/data.h"
-#include "dem/bodies/path.h"
 #include "dem/adapter/solver.h"
+#include "dem/bodies/path.h"
+#include "dem/state/data.h"
 #include "dem/step/step.h"
 
 #include <check.h>

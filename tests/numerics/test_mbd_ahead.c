@@ -43,7 +43,7 @@ static void rig_open(rig *r, const char *text, const char *body, const char *sec
   mbd_assembly assembly;
   memset(r, 0, sizeof *r);
   r->scene = scene_json(text);
-  ck_assert_msg(mbd_model_load(&r->model, r->scene, &r->err) == TDM_OK, "%s", r->err.message);
+  ck_assert_msg(mbd_model_read(&r->model, r->scene, &r->err) == TDM_OK, "%s", r->err.message);
   ck_assert_int_eq(mbd_model_couple(r->model, coupled, second ? 2 : 1, &r->err), TDM_OK);
   r->data = mbd_data_create(r->model);
   r->kkt = mbd_kkt_create(r->model);

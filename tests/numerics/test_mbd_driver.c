@@ -12,7 +12,7 @@ static mbd_motion motion_of(const char *text) {
   tdm_error err = {0};
   json_t *json = scene_json(text);
   tdm_object o = tdm_object_open(json, "", &err);
-  mbd_motion_load(&motion, &o, "motion");
+  mbd_motion_read(&motion, &o, "motion");
   ck_assert_msg(!err.status, "%s: %s", err.path, err.message);
   json_decref(json);
   return motion;
@@ -80,7 +80,7 @@ START_TEST(test_law_file) {
   tdm_error err = {0};
   json_t *json = scene_json("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
   tdm_object o = tdm_object_open(json, "", &err);
-  mbd_motion_load(&bad, &o, "motion");
+  mbd_motion_read(&bad, &o, "motion");
   ck_assert_int_eq(err.status, TDM_ERR_FILE);
   ck_assert_msg(strstr(err.message, "line 3") != NULL, "%s", err.message);
   mbd_motion_clear(&bad);

@@ -7,8 +7,8 @@
  * Run by the server as: dummy_solver --connect ENDPOINT --name NAME --timeout SECONDS
  */
 #include "protocol/base/log.h"
-#include "protocol/wire/participant.h"
 #include "protocol/base/scene.h"
+#include "protocol/wire/participant.h"
 
 #include <stdio.h>
 #include <stdlib.h>

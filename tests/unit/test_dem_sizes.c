@@ -1,8 +1,8 @@
 /* Size distributions: against their distribution functions, cut at both ends, the same for the same seed. */
 #include "../numerics/test_dem_support.h"
 
-#include "protocol/base/random.h"
 #include "dem/model/sizes.h"
+#include "protocol/base/random.h"
 #include "tests/test_main.h"
 
 #include <gsl/gsl_cdf.h>
@@ -143,7 +143,7 @@ START_TEST(test_same_again) {
     ck_assert(dem_sizes_draw(&s, 7, 2000 - k) != r);
   ck_assert(dem_sizes_draw(&s, 7, 1000) == r);
   ck_assert(dem_sizes_draw(&s, 8, 1000) != r);
-  ck_assert(dem_draw(1, 2, 3) == dem_draw(1, 2, 3) && dem_draw(1, 2, 3) != dem_draw(2, 1, 3));
+  ck_assert(tdm_random(1, 2, 3) == tdm_random(1, 2, 3) && tdm_random(1, 2, 3) != tdm_random(2, 1, 3));
   s = read_sizes("0.004");
   ck_assert(dem_sizes_draw(&s, 7, 1) == 0.004 && dem_sizes_mean(&s) == 0.004 && dem_sizes_quantile(&s, 0.999) == 0.004);
   /* the ends are reached, never passed, whatever is cut away */

@@ -9,7 +9,7 @@ static mbd_shape shape_of(const char *text) {
   tdm_error err = {0};
   json_t *json = scene_json(text);
   tdm_object o = tdm_object_open(json, "", &err);
-  mbd_shape s = mbd_shape_load(&o);
+  mbd_shape s = mbd_shape_read(&o);
   ck_assert_msg(!err.status, "%s: %s", err.path, err.message);
   json_decref(json);
   return s;
