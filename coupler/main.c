@@ -1,4 +1,5 @@
 /* tandem: the command line. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/run/run.h"
 #include "coupler/session/session.h"
 #include "coupler/tools/report.h"

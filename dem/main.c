@@ -1,4 +1,5 @@
 /* tandem-dem: the solver process of a co-simulation, and the command line of scenes of particles alone. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/bench.h"
 #include "dem/app/run.h"
 

@@ -1,4 +1,5 @@
 /* tandem-mbd: the solver process of a co-simulation, and the command line of scenes of bodies alone. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/app/run.h"
 
 #include <gsl/gsl_errno.h>

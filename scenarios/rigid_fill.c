@@ -1,3 +1,5 @@
+/* A box and its fill, taken as one rigid body that turns about the z axis through the origin: see rigid_fill.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/rigid_fill.h"
 
 #include <math.h>

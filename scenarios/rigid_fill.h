@@ -1,6 +1,7 @@
 /* A box and its fill, taken as one rigid body that turns about the z axis through the origin: what the references of
  * pendulum and torsional need. Angles are counter-clockwise seen from +z; the arm lies along +x at the start.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_RIGID_FILL_H
 #define SCN_RIGID_FILL_H
 

@@ -1,3 +1,5 @@
+/* What the scenarios share: see support.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/support.h"
 
 #include "coupler/loop/record.h"

@@ -1,4 +1,5 @@
 /* What the scenarios share: values of the scene as it ran, time histories by name. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_SUPPORT_H
 #define SCN_SUPPORT_H
 

@@ -1,3 +1,5 @@
+/* The scenarios that `tandem verify` knows: see table.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/table.h"
 
 const cpl_scenario scn_table[] = {

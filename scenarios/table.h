@@ -3,6 +3,7 @@
  * To add one: a folder <name>/ with scene.json, README.md and its C file (reference solution and measures), one row in
  * table.c, its files in CMakeLists.txt.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_TABLE_H
 #define SCN_TABLE_H
 

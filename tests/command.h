@@ -1,4 +1,5 @@
 /* Running the tandem executable as a user would, with its output caught. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_COMMAND_H
 #define TEST_COMMAND_H
 

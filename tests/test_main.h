@@ -1,4 +1,5 @@
 /* main() of a test file: TEST_MAIN("suite", seconds_a_test, test, test, ...) */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_MAIN_H
 #define TEST_MAIN_H
 

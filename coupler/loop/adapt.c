@@ -1,3 +1,5 @@
+/* The length of the next window from the mismatch of this one: see adapt.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/adapt.h"
 
 #include <math.h>

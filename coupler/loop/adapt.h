@@ -1,4 +1,5 @@
 /* The length of the next window from the mismatch of this one ("n": "auto"; coupler/README.md). */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_ADAPT_H
 #define CPL_LOOP_ADAPT_H
 

@@ -1,4 +1,5 @@
 /* The ledger: see ledger.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/ledger.h"
 
 #include "coupler/loop/window.h"

@@ -16,6 +16,7 @@
  * ledger.csv has sums since the start, drifts as the largest since the row before, energies as last looked at, all as
  * of the end of the last window that was over at the row's time.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_LEDGER_H
 #define CPL_LOOP_LEDGER_H
 

@@ -1,3 +1,5 @@
+/* How far two states of a body, or what two solvers make of a window, are apart: see mismatch.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* How far two states of a body, or what two solvers make of a window, are apart: all as lengths. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_MISMATCH_H
 #define CPL_LOOP_MISMATCH_H
 

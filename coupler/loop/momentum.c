@@ -1,3 +1,5 @@
+/* Momentum of the coupled bodies against the impulse of their loads: see momentum.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/momentum.h"
 
 #include "coupler/loop/window.h"

@@ -6,6 +6,7 @@
  * over other windows, or lost it. Joints and forces make it nothing that can be known from outside, so of other bodies
  * nothing is said.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_MOMENTUM_H
 #define CPL_LOOP_MOMENTUM_H
 

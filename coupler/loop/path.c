@@ -1,4 +1,5 @@
 /* Paths through a window: see path.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/path.h"
 
 #include "coupler/loop/adapt.h"

@@ -7,6 +7,7 @@
  *
  * Without nodes, accelerations and the states at the ends tell all that matters.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_PATH_H
 #define CPL_LOOP_PATH_H
 

@@ -1,3 +1,5 @@
+/* The result directory of a run: see record.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/record.h"
 
 #include "protocol/base/log.h"

@@ -7,6 +7,7 @@
  *   summary.json     settings, versions, wall times, warnings, how the run ended
  *   server.log, mbd.log, dem.log
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_RECORD_H
 #define CPL_LOOP_RECORD_H
 

@@ -1,3 +1,5 @@
+/* The coupled loop: see window.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/window.h"
 
 #include "coupler/loop/adapt.h"

@@ -2,6 +2,7 @@
  *
  * A window k covers the DEM steps k n … min((k+1) n, N). Times are step numbers times dt, never running sums.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_WINDOW_H
 #define CPL_LOOP_WINDOW_H
 

@@ -1,3 +1,5 @@
+/* `tandem check`: see check.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/run/check.h"
 
 #include "coupler/scheme/scheme.h"

@@ -1,4 +1,5 @@
 /* `tandem check`: what would run, from the settings and from what the solvers report of themselves. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_RUN_CHECK_H
 #define CPL_RUN_CHECK_H
 

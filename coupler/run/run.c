@@ -1,3 +1,5 @@
+/* One co-simulation from a scene file to a result directory: see run.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/run/run.h"
 
 #include "coupler/loop/record.h"

@@ -1,4 +1,5 @@
 /* One co-simulation from a scene file to a result directory. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_RUN_RUN_H
 #define CPL_RUN_RUN_H
 

@@ -1,3 +1,5 @@
+/* Acceleration of a fixed-point iteration c = H(c) over the windows of a run: see accelerate.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/scheme/accelerate.h"
 
 #include <gsl/gsl_blas.h>

@@ -5,6 +5,7 @@
  * Jacobian from the differences that the iterations have shown, and keeps them over a few windows (equations at the
  * functions in accelerate.c). Components are to be of one unit and of comparable size.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SCHEME_ACCELERATE_H
 #define CPL_SCHEME_ACCELERATE_H
 

@@ -10,6 +10,7 @@
  * MBD's; they never jump there: the next path begins where the last one ended. The first window is that of `hold`,
  * whose load at t = 0 is known, since MBD has no acceleration under a load before.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/window.h"
 
 #include <stdlib.h>

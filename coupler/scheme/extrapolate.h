@@ -1,4 +1,5 @@
 /* Extrapolation of window means into the next window ([L18] Eq. 4-12). */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SCHEME_EXTRAPOLATE_H
 #define CPL_SCHEME_EXTRAPOLATE_H
 

@@ -1,5 +1,6 @@
 /* hold: as lommen, but MBD goes on the last mean, held over the window:  W(t) = mean of window k-1.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/window.h"
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {

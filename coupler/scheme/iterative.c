@@ -10,6 +10,7 @@
  * do, at the same velocity, and the particles have felt the motion that MBD found. As the proxy answers to loads nearly
  * as the mechanism does, Z - E depends little on c. A window that does not converge goes on with the smallest residual.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
 #include "coupler/loop/window.h"
 #include "protocol/base/remark.h"

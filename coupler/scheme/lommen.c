@@ -8,6 +8,7 @@
  * not only at its end. It is the constant, the line or the parabola through what there is: the load at t = 0 is known
  * from DEM, each window adds one mean.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/window.h"
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {

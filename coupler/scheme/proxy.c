@@ -10,6 +10,7 @@
  * estimate of the error that costs nothing, and the sign of a stop, a slack cable or friction that turns inside a
  * window, where the linearisation ends. Where the mechanism cannot move, this is `dem-first`.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
 #include "coupler/loop/window.h"
 #include "protocol/base/remark.h"

@@ -4,6 +4,7 @@
  * scenarios/scene.schema.json, its paragraph in coupler/README.md. A scheme moves the loop over one window with the
  * operations of window.h.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SCHEME_H
 #define CPL_SCHEME_H
 

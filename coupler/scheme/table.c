@@ -1,3 +1,5 @@
+/* The table of coupling schemes: see scheme.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/scheme/scheme.h"
 
 #include <stddef.h>

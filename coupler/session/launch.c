@@ -1,3 +1,5 @@
+/* Solvers that the server starts itself: see launch.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/launch.h"
 
 #include "protocol/base/log.h"

@@ -1,4 +1,5 @@
 /* Solvers that the server starts itself: as processes, or as threads of this process (inproc). */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SESSION_LAUNCH_H
 #define CPL_SESSION_LAUNCH_H
 

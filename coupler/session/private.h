@@ -3,6 +3,7 @@
  * It lies in TMPDIR (/tmp), only this user can enter it, and a lock in it lives as long as the server. What a server
  * that was killed has left is removed by the next one.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SESSION_PRIVATE_H
 #define CPL_SESSION_PRIVATE_H
 

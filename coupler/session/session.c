@@ -1,3 +1,5 @@
+/* A session: see session.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/session.h"
 
 #include "coupler/scheme/scheme.h"

@@ -3,6 +3,7 @@
  * Whatever a partner does (dies, hangs, sends garbage), a call here returns within the time-out with an error that
  * names it and ends with the last lines of its log.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SESSION_SESSION_H
 #define CPL_SESSION_SESSION_H
 

@@ -1,5 +1,6 @@
 /* What partners send is looked at when it comes, so that what goes wrong with it later is not laid at another's door.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/session.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* READY: what a solver says when it has loaded its scene. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/session.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* The server's part of a scene: see settings.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/settings.h"
 
 #include "coupler/scheme/scheme.h"

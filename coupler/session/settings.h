@@ -1,4 +1,5 @@
 /* The server's part of a scene: the sections time, coupling and output. mbd and dem are handed on unread. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SESSION_SETTINGS_H
 #define CPL_SESSION_SETTINGS_H
 

@@ -1,3 +1,5 @@
+/* A run against its reference: see compare.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/compare.h"
 
 #include "coupler/tools/table.h"

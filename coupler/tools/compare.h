@@ -2,6 +2,7 @@
  *
  * A scenario fills a cpl_comparison from a result directory; verify, report and sweep take their numbers from it.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_COMPARE_H
 #define CPL_TOOLS_COMPARE_H
 

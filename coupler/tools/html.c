@@ -1,3 +1,5 @@
+/* The little HTML that reports and sweeps write: see html.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/html.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
 /* The little HTML that reports and sweeps write. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_HTML_H
 #define CPL_TOOLS_HTML_H
 

@@ -1,3 +1,5 @@
+/* Pieces of work side by side, each in a process of its own: see jobs.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/jobs.h"
 
 #include "protocol/app/command_line.h"

@@ -1,4 +1,5 @@
 /* Pieces of work side by side, each in a process of its own: whatever happens to one, the others go on. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_JOBS_H
 #define CPL_TOOLS_JOBS_H
 

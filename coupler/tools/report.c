@@ -1,3 +1,5 @@
+/* `tandem report DIR`: see report.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/report.h"
 
 #include "coupler/loop/record.h"

@@ -5,6 +5,7 @@
  *   time.png                            where the time went
  *   index.html                          all of them, with the figures of the summary
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_REPORT_H
 #define CPL_TOOLS_REPORT_H
 

@@ -1,3 +1,5 @@
+/* `tandem sweep`: see sweep.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/sweep.h"
 
 #include "coupler/loop/record.h"

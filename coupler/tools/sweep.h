@@ -7,6 +7,7 @@
  *
  * A cell that fails or is unstable is a result, not a failure of the sweep.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_SWEEP_H
 #define CPL_TOOLS_SWEEP_H
 

@@ -1,4 +1,5 @@
 /* What a sweep leaves: the table, the JSON, heat maps, error against run time. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/sweep.h"
 
 #include "coupler/tools/html.h"

@@ -1,3 +1,5 @@
+/* Time histories read back, and how well two of them agree: see table.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 
 #include "protocol/base/input.h"

@@ -1,4 +1,5 @@
 /* Time histories read back, and how well two of them agree. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_TABLE_H
 #define CPL_TOOLS_TABLE_H
 

@@ -1,3 +1,5 @@
+/* The verification runner: see verify.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/verify.h"
 
 #include "coupler/tools/jobs.h"

@@ -3,6 +3,7 @@
  * A scenario's function runs its scene as often as it needs (cpl_verify_run), compares with its reference and reports
  * numbers (cpl_verify_measure); this file prints the table, writes the JSON and decides on pass or fail.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_VERIFY_H
 #define CPL_TOOLS_VERIFY_H
 

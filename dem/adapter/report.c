@@ -1,4 +1,5 @@
 /* The report of READY: see report.h. Its keys are in README.md. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/report.h"
 
 #include "dem/bodies/walls.h"

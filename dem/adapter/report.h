@@ -1,4 +1,5 @@
 /* What the solver reports in READY: its figures, doubtful settings with the cure, and notes. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_ADAPTER_REPORT_H
 #define DEM_ADAPTER_REPORT_H
 

@@ -3,6 +3,7 @@
  * create: load, settle, report. step: one window on the bodies' paths, loads averaged over the window and over the
  * output intervals.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
 
 #include "dem/adapter/report.h"

@@ -1,4 +1,5 @@
 /* The DEM engine as a participant of a co-simulation. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_ADAPTER_SOLVER_H
 #define DEM_ADAPTER_SOLVER_H
 

@@ -1,3 +1,5 @@
+/* Output channels at a time inside a step, from their values at both ends: see within.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/within.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* Output channels at a time inside a step, from their values at both ends. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_ADAPTER_WITHIN_H
 #define DEM_ADAPTER_WITHIN_H
 

@@ -1,4 +1,5 @@
 /* The benchmark of the engine: see bench.h. A bed in a box without a lid, given as a file or made here. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/bench.h"
 
 #include "dem/search/pairs.h"

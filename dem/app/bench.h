@@ -1,4 +1,5 @@
 /* `tandem-dem bench`: particle-steps a second on a settled bed. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_APP_BENCH_H
 #define DEM_APP_BENCH_H
 

@@ -1,3 +1,5 @@
+/* A scene of particles alone: see run.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/run.h"
 
 #include "dem/adapter/solver.h"

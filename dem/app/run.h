@@ -5,6 +5,7 @@
  *   picture_N.png, pictures.png          pictures
  *   scene.json, summary.json, dem.log    the scene with all overrides; settings, times, how it ended; the log
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_APP_RUN_H
 #define DEM_APP_RUN_H
 

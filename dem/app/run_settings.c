@@ -1,4 +1,5 @@
 /* The sections time and output of a scene of particles alone. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/run.h"
 
 static void refuse_coupling(tdm_object *root) {

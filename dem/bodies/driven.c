@@ -1,4 +1,5 @@
 /* Driven bodies: see driven.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/driven.h"
 
 dem_drive dem_drive_read(tdm_object *body, const tdm_pose *pose) {

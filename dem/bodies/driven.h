@@ -5,6 +5,7 @@
  *   position x(tau) = c(tau) + R(omega tau) (x0 - c0), orientation q(tau) = exp(omega tau) q0
  * so the motion begins at the body's own pose. Before `start` and from `end` on the body rests.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_DRIVEN_H
 #define DEM_BODIES_DRIVEN_H
 

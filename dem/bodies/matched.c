@@ -1,4 +1,5 @@
 /* The load that ends where the proxy ended: see matched.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/matched.h"
 
 #include "protocol/base/legendre.h"

@@ -20,6 +20,7 @@
  * Q_3 ... Q_8, G G^T v = mu N v, directions v with mu below 1/100 (vibrations of more than about ten to a window, or of
  * a few steps each) get nothing. So d is at most ten times what p leaves of the load, for each direction.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_MATCHED_H
 #define DEM_BODIES_MATCHED_H
 

@@ -1,4 +1,5 @@
 /* Setting the mobility of a body: see mobility.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/mobility.h"
 
 #include "dem/state/data.h"

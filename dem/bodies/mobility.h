@@ -6,6 +6,7 @@
  *   n Y_c n = n Y_vv n + 2 a Y_wv n + a Y_ww a,   a = r x n
  * and a contact of a particle there has the effective mass m*, 1/m* = 1/m_p + n Y_c n.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_MOBILITY_H
 #define DEM_BODIES_MOBILITY_H
 

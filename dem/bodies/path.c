@@ -1,4 +1,5 @@
 /* The path of a body inside a window: see path.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/path.h"
 
 dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double duration, tdm_interpolation interpolation) {

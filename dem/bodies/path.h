@@ -7,6 +7,7 @@
  *
  * Where the path comes with nodes it goes through them instead (protocol/nodes.h), its angular velocity too.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_PATH_H
 #define DEM_BODIES_PATH_H
 

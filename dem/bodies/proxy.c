@@ -1,4 +1,5 @@
 /* The mechanism inside a window: see proxy.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/proxy.h"
 
 #include "dem/bodies/matched.h"

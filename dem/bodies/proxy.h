@@ -22,6 +22,7 @@
  * and what is left at the window's end is part of the next one's e_0. A correction c at the end is reached likewise
  * from (0, 0).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_PROXY_H
 #define DEM_BODIES_PROXY_H
 

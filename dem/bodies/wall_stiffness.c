@@ -1,4 +1,5 @@
 /* Stiffness of the contacts of coupled bodies: see wall_stiffness.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/wall_stiffness.h"
 
 #include "dem/contact/theory.h"

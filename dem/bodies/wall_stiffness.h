@@ -1,4 +1,5 @@
 /* How stiffly the particles hold the coupled bodies: the limit of the step for bodies that DEM moves itself. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_WALL_STIFFNESS_H
 #define DEM_BODIES_WALL_STIFFNESS_H
 

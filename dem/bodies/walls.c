@@ -1,4 +1,5 @@
 /* The walls of moving bodies: see walls.h. The contacts with them are in contact/loop.c. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 
 #include "dem/contact/theory.h"

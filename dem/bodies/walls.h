@@ -1,4 +1,5 @@
 /* The walls of moving bodies: putting them in place, and counting the particles that went through. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_WALLS_H
 #define DEM_BODIES_WALLS_H
 

@@ -15,6 +15,7 @@
  * energy pi w L^2 (8/15 s^10 - 4 sqrt2/3 s^7 + s^4). s = 1/sqrt2 + e, where e^2 (3 + 2 sqrt2 e + e^2) is
  * delta R* / L^2 + 3/4.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_COHESION_H
 #define DEM_CONTACT_COHESION_H
 

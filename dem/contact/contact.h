@@ -3,6 +3,7 @@
  * The loop fills the upper part; the normal law then fills the lower one, which the other families read. Lanes whose
  * contact is open hold anything but traps: their results are thrown away.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_CONTACT_H
 #define DEM_CONTACT_CONTACT_H
 

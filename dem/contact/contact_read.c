@@ -1,4 +1,5 @@
 /* Reading materials, contact laws and pairs: see contact_read.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/contact_read.h"
 
 #include "dem/contact/restitution.h"

@@ -1,4 +1,5 @@
 /* Energies of the contacts: see energy.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/energy.h"
 
 void dem_flux_add(dem_flux *sum, const dem_flux *chunk) {

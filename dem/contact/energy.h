@@ -4,6 +4,7 @@
  * (trapezoidal rule, second order as velocity Verlet is) and is not stored has been dissipated. So no law needs a
  * formula for its losses, and what a contact holds when it is cut (adhesion at pull-off) counts as lost.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_ENERGY_H
 #define DEM_CONTACT_ENERGY_H
 

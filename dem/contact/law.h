@@ -1,4 +1,5 @@
 /* One row of laws on DEM_W contacts: the part of the loops that pairs and walls share. Only loop.c includes it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LAW_H
 #define DEM_CONTACT_LAW_H
 

@@ -8,6 +8,7 @@
  *
  * law.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/pair_loop.h"
 #include "dem/contact/wall_loop.h"
 

@@ -1,4 +1,5 @@
 /* The laws' loops, compiled once for each instruction set and normal law: see loop.c. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LOOP_H
 #define DEM_CONTACT_LOOP_H
 

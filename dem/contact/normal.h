@@ -19,6 +19,7 @@
  *
  * The attractive end of a damped contact is kept, or cut at 0 (pair.floor is -inf or 0): see restitution.h.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_NORMAL_H
 #define DEM_CONTACT_NORMAL_H
 

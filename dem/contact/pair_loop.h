@@ -1,4 +1,5 @@
 /* The loop over pairs of particles. Only loop.c includes it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_PAIR_LOOP_H
 #define DEM_CONTACT_PAIR_LOOP_H
 

@@ -1,4 +1,5 @@
 /* Damping ratio from restitution: see restitution.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/restitution.h"
 
 #include "dem/contact/theory.h"

@@ -4,6 +4,7 @@
  *   x'' = -x^1.5 - sqrt(5) beta x^0.25 x',   x(0) = 0, x'(0) = 1,
  * so e depends on beta alone.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_RESTITUTION_H
 #define DEM_CONTACT_RESTITUTION_H
 

@@ -9,6 +9,7 @@
  * spring is.
  * twisting: constant-torque: mu_t R* F_n against the relative spin about the normal
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_ROLLING_H
 #define DEM_CONTACT_ROLLING_H
 

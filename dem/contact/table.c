@@ -1,4 +1,5 @@
 /* The tables of contact laws. The loops themselves are in loop.c. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/table.h"
 
 #include "dem/contact/loop.h"

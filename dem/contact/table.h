@@ -10,6 +10,7 @@
  * coefficients in contact_read.c, and give a normal law its closed forms in theory.c. Combinations without a row are
  * refused when the scene is loaded.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_TABLE_H
 #define DEM_CONTACT_TABLE_H
 

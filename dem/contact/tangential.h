@@ -20,6 +20,7 @@
  *   4. is clipped to mu_d F_n when the contact slides. The sum with the damping is clipped as well.
  * A contact sticks until F_el passes mu_s F_n; it then slides as long as F_el, clipped and grown on, passes mu_d F_n.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_TANGENTIAL_H
 #define DEM_CONTACT_TANGENTIAL_H
 

@@ -1,4 +1,5 @@
 /* Closed forms of normal impacts: see theory.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/theory.h"
 
 #include "dem/contact/restitution.h"

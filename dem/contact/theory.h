@@ -3,6 +3,7 @@
  * With the coefficients of a pair; effective mass [kg] and radius [m], approach speed [m/s]. For hertz, duration and
  * overlap are those without damping; NaN where there is no closed form.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_THEORY_H
 #define DEM_CONTACT_THEORY_H
 

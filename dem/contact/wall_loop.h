@@ -1,5 +1,6 @@
 /* The loop over particles and walls: planes DEM_W particles at a time, what other walls and meshes touch gathered until
  * there are DEM_W contacts. Only loop.c includes it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_WALL_LOOP_H
 #define DEM_CONTACT_WALL_LOOP_H
 

@@ -1,4 +1,5 @@
 /* Storing settled beds: see bed.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/bed.h"
 
 #include "dem/state/state_file.h"

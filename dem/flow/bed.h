@@ -2,6 +2,7 @@
  * (state_file.h) that is recognised by the fingerprint of everything that decides the bed, poses of the bodies
  * included. A run that starts from the file is bit-identical to the run that wrote it.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FLOW_BED_H
 #define DEM_FLOW_BED_H
 

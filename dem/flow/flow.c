@@ -1,4 +1,5 @@
 /* Sources and sinks: see flow.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/flow.h"
 
 #include "dem/bodies/walls.h"

@@ -10,6 +10,7 @@
  * A sink takes a particle at a step boundary: when its centre is in a box or behind a plane (world axes), or when it
  * does not touch a body any more that it has touched. The first sink that wants a particle gets it.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FLOW_FLOW_H
 #define DEM_FLOW_FLOW_H
 

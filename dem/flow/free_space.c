@@ -1,4 +1,5 @@
 /* Room for a sphere: see free_space.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/free_space.h"
 
 #include "dem/model/group_options.h"

@@ -2,6 +2,7 @@
  * a list, and when many places are tried, cells. The answer does not depend on them. In periodic directions a particle
  * is a member once for each of its images that is near the box.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FLOW_FREE_SPACE_H
 #define DEM_FLOW_FREE_SPACE_H
 

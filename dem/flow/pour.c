@@ -1,4 +1,5 @@
 /* Pouring: see pour.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/pour.h"
 
 #include "dem/flow/free_space.h"

@@ -4,6 +4,7 @@
  * that hold a particle of the largest radius each, and every cell that is free makes one, at a random place inside it.
  * The next layer is tried when this one has fallen out of the region. One entry of the scene pours after the other.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FLOW_POUR_H
 #define DEM_FLOW_POUR_H
 

@@ -1,4 +1,5 @@
 /* Settling: see settle.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/settle.h"
 
 #include "dem/bodies/walls.h"

@@ -6,6 +6,7 @@
  * the top of a bounce. What stays of the settling is the positions and the contact histories; velocities and spins are
  * 0 afterwards.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FLOW_SETTLE_H
 #define DEM_FLOW_SETTLE_H
 

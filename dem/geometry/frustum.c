@@ -1,4 +1,5 @@
 /* Cylinders and cones, in the half-plane (rho, z) through the axis and the point: see frustum.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/frustum.h"
 
 /* a point or a direction in the half-plane */

@@ -1,5 +1,6 @@
 /* Cylinders and cones. Own axes: z along the axis, from the end with radius[0] at z = 0 to the end with radius[1] at
  * z = length; a cylinder has two equal radii. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_GEOMETRY_FRUSTUM_H
 #define DEM_GEOMETRY_FRUSTUM_H
 

@@ -17,6 +17,7 @@
  * Where a file has vertices that differ in the last digit or lie on the middle of another edge, the topology has
  * cracks: a contact on an open edge whose point lies on a triangle that is nearer is dropped, too.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_GEOMETRY_MESH_H
 #define DEM_GEOMETRY_MESH_H
 

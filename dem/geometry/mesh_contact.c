@@ -1,4 +1,5 @@
 /* Contacts of a sphere with a mesh: local minima of the distance. See mesh.h for the rules. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/mesh_data.h"
 
 /* The regions of a triangle: the prism over its face, bounded by the planes through its edges; outside of one of them

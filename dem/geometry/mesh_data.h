@@ -1,4 +1,5 @@
 /* The insides of a mesh, for the files mesh*.c. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_GEOMETRY_MESH_DATA_H
 #define DEM_GEOMETRY_MESH_DATA_H
 

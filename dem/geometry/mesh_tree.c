@@ -1,4 +1,5 @@
 /* Finding the triangles near a point: a tree of boxes in body axes, split at the median. See mesh.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/mesh_data.h"
 
 #include <assert.h>

@@ -1,4 +1,5 @@
 /* Placing STL files: see part.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/part.h"
 
 #include <math.h>

@@ -11,6 +11,7 @@
  * R is the shape's "orientation", x_file times "scale". A body that is not coupled has its part's origin at its
  * "position".
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_GEOMETRY_PART_H
 #define DEM_GEOMETRY_PART_H
 

@@ -1,4 +1,5 @@
 /* Forces on the triangles of meshes: see traction.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/traction.h"
 
 #include <assert.h>

@@ -2,6 +2,7 @@
  * the contacts of that step themselves, so that they add up to the load on the body. A contact on an edge or at a
  * vertex counts for the lowest of its triangles.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_GEOMETRY_TRACTION_H
 #define DEM_GEOMETRY_TRACTION_H
 

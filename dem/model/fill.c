@@ -4,6 +4,7 @@
  * radius each, as few cells as will do, so as large as possible. Particles get cells at random, and a random place
  * inside their cell. The densest filling is the simple cubic lattice; a region that is too small for it is refused.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/fill.h"
 
 #include "dem/model/group_options.h"

@@ -1,4 +1,5 @@
 /* Particles from a scene: single ones, blocks, random filling, and what is to be poured (pour.h). */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_FILL_H
 #define DEM_MODEL_FILL_H
 

@@ -1,4 +1,5 @@
 /* Reading dem.sources and dem.sinks: see README.md for their keys. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model_read.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 /* Body forces, fixed particles, two dimensions: see group_options.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/group_options.h"
 
 #include "dem/model/model_read.h"

@@ -1,4 +1,5 @@
 /* What a group of particles has besides the rest: body forces, and particles that never move; and two dimensions. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_GROUP_OPTIONS_H
 #define DEM_MODEL_GROUP_OPTIONS_H
 

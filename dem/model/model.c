@@ -1,4 +1,5 @@
 /* The model's life. What it contains is read in model_read.c. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model.h"
 
 #include "dem/model/model_read.h"

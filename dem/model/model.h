@@ -2,6 +2,7 @@
  *
  * The scene section "dem" is described in README.md; model_read.c reads it, fill.c makes the particles.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_MODEL_H
 #define DEM_MODEL_MODEL_H
 

@@ -1,4 +1,5 @@
 /* Reading the scene section "dem": see README.md for its keys. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model_read.h"
 
 #include "dem/contact/contact_read.h"

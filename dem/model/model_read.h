@@ -1,4 +1,5 @@
 /* Reading the scene section "dem" into a model. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_MODEL_READ_H
 #define DEM_MODEL_MODEL_READ_H
 

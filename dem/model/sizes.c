@@ -1,4 +1,5 @@
 /* Size distributions: see sizes.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/sizes.h"
 
 #include "protocol/base/random.h"

@@ -1,3 +1,5 @@
+/* Pictures by gnuplot: see picture.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/picture.h"
 
 #include "protocol/app/plot.h"

@@ -2,6 +2,7 @@
  *
  * picture_NNN.png one time each, pictures.png all of them in a row; .gp and .dat are what they are made of.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_OUTPUT_PICTURE_H
 #define DEM_OUTPUT_PICTURE_H
 

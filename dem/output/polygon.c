@@ -1,3 +1,5 @@
+/* Walls as polygons, for pictures and ParaView: see polygon.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/polygon.h"
 
 #include <stdlib.h>

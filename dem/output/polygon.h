@@ -1,4 +1,5 @@
 /* Walls as polygons, for pictures and ParaView. A plane is cut to its container, or else to the bounds of the scene. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_OUTPUT_POLYGON_H
 #define DEM_OUTPUT_POLYGON_H
 

@@ -1,3 +1,5 @@
+/* The angle of repose of a heap: see repose.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/repose.h"
 
 #include <gsl/gsl_fit.h>

@@ -1,4 +1,5 @@
 /* The angle of repose of a heap: the slope of its surface on both sides. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_OUTPUT_REPOSE_H
 #define DEM_OUTPUT_REPOSE_H
 

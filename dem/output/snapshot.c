@@ -1,3 +1,5 @@
+/* The particles at one instant, as outputs need them: see snapshot.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/snapshot.h"
 
 #include <stdlib.h>

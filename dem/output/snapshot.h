@@ -1,5 +1,6 @@
 /* The particles at one instant, as outputs need them: the only place of the outputs that knows how the engine keeps
  * its particles. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_OUTPUT_SNAPSHOT_H
 #define DEM_OUTPUT_SNAPSHOT_H
 

@@ -1,3 +1,5 @@
+/* Particles and walls for ParaView: see vtp.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/vtp.h"
 
 #include <errno.h>

@@ -3,6 +3,7 @@
  * Arrays are base64 of a 64-bit byte count and the little-endian numbers, so that the files are XML. They hold nothing
  * that differs between two runs of the same scene.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_OUTPUT_VTP_H
 #define DEM_OUTPUT_VTP_H
 

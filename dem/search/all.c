@@ -1,4 +1,5 @@
 /* Every pair is looked at: the reference that the other searches are tested against. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/method.h"
 
 bool dem_find_all(void *state, const dem_search_input *input, dem_found *found) {

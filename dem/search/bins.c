@@ -1,4 +1,5 @@
 /* Spheres sorted into cells: see bins.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/bins.h"
 
 #include <math.h>

@@ -6,6 +6,7 @@
  *
  * The spheres are copied in the order of the cells: cells that are neighbours in x are neighbours in memory.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_BINS_H
 #define DEM_SEARCH_BINS_H
 

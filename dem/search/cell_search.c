@@ -1,5 +1,6 @@
 /* Linked cells: all spheres in cells of the largest diameter and the skin; neighbours are in the cells around. The
  * search for spheres of like size. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/bins.h"
 
 static double largest_radius(const dem_search_input *input) {

@@ -4,6 +4,7 @@
  *
  * A level takes in smaller spheres as long as one grid of cells is cheaper than two: see dem_cells_fit.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/bins.h"
 
 #include <math.h>

@@ -4,6 +4,7 @@
  * once, in any order and either way round, and puts it into the list of the thread that found it; search.c makes sorted
  * rows of them.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_METHOD_H
 #define DEM_SEARCH_METHOD_H
 

@@ -1,4 +1,5 @@
 /* The order of particles in memory: see order.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/order.h"
 
 #include <stdlib.h>

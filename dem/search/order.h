@@ -1,4 +1,5 @@
 /* The order of particles in memory: along a space-filling curve, so that what is near in space is near in memory. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_ORDER_H
 #define DEM_SEARCH_ORDER_H
 

@@ -1,4 +1,5 @@
 /* Neighbour lists: see pairs.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/pairs.h"
 
 #include "dem/search/order.h"

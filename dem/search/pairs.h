@@ -9,6 +9,7 @@
  * particle to this body's walls (at least the skin). The skin changes the speed, never a result. Checked every step,
  * after the drift: no contact is ever missed.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_PAIRS_H
 #define DEM_SEARCH_PAIRS_H
 

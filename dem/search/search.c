@@ -1,4 +1,5 @@
 /* The table of searches, and the sorted rows made of the pairs they find: see search.h and method.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 
 #include "dem/search/method.h"

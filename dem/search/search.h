@@ -6,6 +6,7 @@
  * (the nearest images when the box repeats). So results do not depend on the search, only the time does. A sphere whose
  * position is not finite has no partners.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
 

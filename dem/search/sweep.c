@@ -6,6 +6,7 @@
  * boxes are moved before the first exchange, so that the last exchange of a pair, on whichever axis, leaves it right.
  * If too much changed for that to pay (other particles, another numbering) all is made anew.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/sweep.h"
 
 #include <float.h>

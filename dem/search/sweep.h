@@ -1,4 +1,5 @@
 /* The linked linear list of [A07] Section 2.3.2: bounding boxes projected on the axes, their ends kept in order. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_SWEEP_H
 #define DEM_SEARCH_SWEEP_H
 

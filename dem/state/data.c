@@ -1,4 +1,5 @@
 /* Creating, copying and destroying the data, and particles that come and go: see data.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/data.h"
 
 #include "dem/bodies/walls.h"

@@ -6,6 +6,7 @@
  * order of creation, as long as they are few (one chunk); more are put in the order of their places every
  * DEM_SORT_STEPS steps (search/pairs.h). Nothing grows inside a contact loop.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STATE_DATA_H
 #define DEM_STATE_DATA_H
 

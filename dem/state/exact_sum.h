@@ -4,6 +4,7 @@
  * many are needed as the terms' exponents span; adding what was subtracted before brings it back to nothing. The
  * numbers may be short of bits, so they are compressed when room gets scarce.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STATE_EXACT_SUM_H
 #define DEM_STATE_EXACT_SUM_H
 

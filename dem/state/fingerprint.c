@@ -1,4 +1,5 @@
 /* Fingerprints of a model: see fingerprint.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/fingerprint.h"
 
 #include "dem/step/integrate.h"

@@ -1,4 +1,5 @@
 /* Memory for one piece of work: see scratch.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/scratch.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* Memory for one piece of work: taken piece by piece, given back in the opposite order. The pieces lie in a block that
  * somebody lends; what does not fit there comes from the heap. All zero at first. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STATE_SCRATCH_H
 #define DEM_STATE_SCRATCH_H
 

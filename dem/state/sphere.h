@@ -1,4 +1,5 @@
 /* The records of a particle that the contact loops gather whole: one cache line, or half of one, a load. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STATE_SPHERE_H
 #define DEM_STATE_SPHERE_H
 

@@ -1,4 +1,5 @@
 /* Stored states: see state_file.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/state_file.h"
 
 #include "dem/bodies/walls.h"

@@ -1,4 +1,5 @@
 /* The box dem.domain: see domain.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/domain.h"
 
 #include "dem/model/group_options.h"

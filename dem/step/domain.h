@@ -6,6 +6,7 @@
  * boundary so moves at a constant speed. Particles do not follow by themselves (no affine motion); the image that
  * stands k boxes away moves with k times the rate of the length more, and so does a particle that passes the boundary.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STEP_DOMAIN_H
 #define DEM_STEP_DOMAIN_H
 

@@ -1,4 +1,5 @@
 /* The integrators: see integrate.h. A particle's records are vectors of eight: velocity and spin go together. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/integrate.h"
 
 #include "dem/contact/simd/simd.h"

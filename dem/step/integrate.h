@@ -23,6 +23,7 @@
  * whoever reads or changes velocities between two steps need not know the integrator; after a change, or when dt is
  * another one, what is kept is made anew (dem_data.restart, dem_data.memory_dt).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STEP_INTEGRATE_H
 #define DEM_STEP_INTEGRATE_H
 

@@ -1,4 +1,5 @@
 /* Finding an integrator: see integrate.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/integrate.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
 /* One DEM step: see step.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/step.h"
 
 #include "dem/bodies/walls.h"

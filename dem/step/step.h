@@ -1,4 +1,5 @@
 /* One DEM step, the table of contents of the engine. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STEP_STEP_H
 #define DEM_STEP_STEP_H
 

@@ -1,4 +1,5 @@
 /* Checks of a state: see check.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/check.h"
 
 #include "dem/step/domain.h"

@@ -1,4 +1,5 @@
 /* Checks of a state: particles that overlap at the start, and numbers that are no longer finite. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_CHECK_H
 #define DEM_WATCH_CHECK_H
 

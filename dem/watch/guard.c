@@ -1,4 +1,5 @@
 /* The guard: see guard.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/guard.h"
 
 #include "dem/bodies/walls.h"

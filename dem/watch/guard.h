@@ -19,6 +19,7 @@
  *            what the scene's laws store (stored.h); cohesion is not judged
  *   numbers  positions and velocities that are no numbers always stop
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_GUARD_H
 #define DEM_WATCH_GUARD_H
 

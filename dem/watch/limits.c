@@ -1,4 +1,5 @@
 /* Limits of the DEM step: see limits.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/limits.h"
 
 #include "dem/step/domain.h"

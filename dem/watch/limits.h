@@ -9,6 +9,7 @@
  * Of contacts that multi-step takes several times in a step, so many times the limit counts.
  * Particles that sources will make count for the first two.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_LIMITS_H
 #define DEM_WATCH_LIMITS_H
 

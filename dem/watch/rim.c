@@ -1,3 +1,5 @@
+/* Particles that touch a wall of an open container beyond its rim, where a real one has no wall: see rim.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/rim.h"
 
 #include "protocol/base/remark.h"

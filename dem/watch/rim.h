@@ -1,4 +1,5 @@
 /* Particles that touch a wall of an open container beyond its rim, where a real one has no wall. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_RIM_H
 #define DEM_WATCH_RIM_H
 

@@ -1,4 +1,5 @@
 /* Stored energy: see stored.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/stored.h"
 
 #include "dem/bodies/walls.h"

@@ -2,6 +2,7 @@
  * is all that the scene's laws store: the normal part, tangential and rolling springs. What cohesion stores is left
  * out.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_STORED_H
 #define DEM_WATCH_STORED_H
 

@@ -1,4 +1,5 @@
 /* Energy from elsewhere: see supply.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/supply.h"
 
 #include "dem/watch/stored.h"

@@ -8,6 +8,7 @@
  * Constant forces have a potential and count as stored. Belts, a strained box, forces along a periodic direction and
  * cohesion, whose energy no one counts, cannot be accounted for: nothing is told then.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_SUPPLY_H
 #define DEM_WATCH_SUPPLY_H
 

@@ -10,6 +10,7 @@
  * 0.3 rad from one to the next. No nodes are needed, and none made, where every law stays within 1e-3 of its range of
  * the parabola of its start, and no body turns by more than 0.1 rad.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ADAPTER_AHEAD_H
 #define MBD_ADAPTER_AHEAD_H
 

@@ -1,3 +1,5 @@
+/* The guard: see guard.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/guard.h"
 
 #include "protocol/base/remark.h"

@@ -8,6 +8,7 @@
  * Off by more than guard.energy of the scale the run stops, or is warned of; by more than a tenth of that it is warned
  * of at any rate. Mechanisms that creep or stand still have no scale: a millionth of a joule per kilogram is the least.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ADAPTER_GUARD_H
 #define MBD_ADAPTER_GUARD_H
 

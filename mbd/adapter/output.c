@@ -1,3 +1,5 @@
+/* Output channels: see output.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/output.h"
 
 #include "mbd/assembly/balance.h"

@@ -3,6 +3,7 @@
  * Reactions come from an acceleration-level solve at the sample's own state and load, not from interpolated
  * multipliers: these are a derivative order less accurate than the positions.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ADAPTER_OUTPUT_H
 #define MBD_ADAPTER_OUTPUT_H
 

@@ -1,3 +1,5 @@
+/* The multibody solver as a participant of a co-simulation: see solver.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/solver.h"
 
 #include "mbd/adapter/ahead.h"

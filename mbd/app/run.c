@@ -1,3 +1,5 @@
+/* A scene of bodies alone: see run.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/app/run.h"
 
 #include "mbd/adapter/solver.h"

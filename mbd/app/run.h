@@ -4,6 +4,7 @@
  *   motion, reactions, energies, drift.png  and .svg: their plots
  *   scene.json, summary.json, mbd.log       the scene with all overrides; settings, counts, times; the log
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_APP_RUN_H
 #define MBD_APP_RUN_H
 

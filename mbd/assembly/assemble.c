@@ -1,3 +1,5 @@
+/* Consistent states: see assemble.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/assemble.h"
 
 #include "mbd/assembly/normal.h"

@@ -1,4 +1,5 @@
 /* Consistent states: positions and velocities on the constraints, accelerations and reactions that fit. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_ASSEMBLE_H
 #define MBD_ASSEMBLY_ASSEMBLE_H
 

@@ -1,3 +1,5 @@
+/* The sum of forces on every body: see balance.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/balance.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* The sum of forces on every body: what accelerations and reactions leave of it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_BALANCE_H
 #define MBD_ASSEMBLY_BALANCE_H
 

@@ -1,3 +1,5 @@
+/* The linear system of consistent states, in twist coordinates: see kkt.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/kkt.h"
 
 #include "mbd/linear/sparse.h"

@@ -5,6 +5,7 @@
  * with (0, -g) for a correction of the positions, (0, -G V - g_t) for one of the velocities (both the smallest in the
  * sense of kinetic energy), and (Q, -Gdot V - g_tt) for accelerations and reactions. Sparse, factored by KLU.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_KKT_H
 #define MBD_ASSEMBLY_KKT_H
 

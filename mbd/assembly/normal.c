@@ -1,3 +1,5 @@
+/* The normal force that a coefficient of friction multiplies, of the joint's own reaction: see normal.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/normal.h"
 
 #include "mbd/mechanics/residual.h"

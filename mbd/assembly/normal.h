@@ -6,6 +6,7 @@
  * and rub by |P| each; a bearing without a length takes F' alone. Beside these the force along the axis and the moment
  * about it rub at their radii (force/force.h, `along` and `about`), and a preload whatever the reaction is.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_NORMAL_H
 #define MBD_ASSEMBLY_NORMAL_H
 

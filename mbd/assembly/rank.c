@@ -1,3 +1,5 @@
+/* Dependent constraint rows: see rank.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/rank.h"
 
 #include <math.h>

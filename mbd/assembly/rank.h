@@ -1,4 +1,5 @@
 /* Dependent constraint rows: those that fix a motion which the rows before them fix already. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_RANK_H
 #define MBD_ASSEMBLY_RANK_H
 

@@ -1,3 +1,5 @@
+/* Friction that sticks: see stick.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/stick.h"
 
 #include "mbd/assembly/normal.h"

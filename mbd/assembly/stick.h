@@ -9,6 +9,7 @@
  *
  * Of several frictions that hold the same freedom one has a row; the others push with their limits, or not at all.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_STICK_H
 #define MBD_ASSEMBLY_STICK_H
 

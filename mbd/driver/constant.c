@@ -1,4 +1,5 @@
 /* Constant value: a lock. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 
 static void load(mbd_motion *motion, tdm_object *o) {

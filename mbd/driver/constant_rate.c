@@ -7,6 +7,7 @@
  *           x     = w T (5/2 s^4 - 3 s^5 + s^6)
  *         and x = w (t - T/2) after it.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 
 static void load(mbd_motion *motion, tdm_object *o) {

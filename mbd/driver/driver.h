@@ -4,6 +4,7 @@
  * its own (mbd_part_at sets them from the law). Its multiplier is the force or torque that it takes. A new driver
  * is one file that says which coordinate it is and one row in table.c.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_DRIVER_H
 #define MBD_DRIVER_H
 

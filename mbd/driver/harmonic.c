@@ -1,4 +1,5 @@
 /* Harmonic x = mean + amplitude sin(omega t + phase). */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 
 static void load(mbd_motion *motion, tdm_object *o) {

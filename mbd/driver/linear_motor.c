@@ -1,5 +1,6 @@
 /* Linear motor: the translation of a joint along its axis since the start configuration follows a motion law, and the
  * force that this takes is its output; a positive one pushes the second body forward and the first back. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
 #include "mbd/model/read.h"
 

@@ -1,4 +1,5 @@
 /* The table of motion laws, and reading one. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 
 #include <stdlib.h>

@@ -4,6 +4,7 @@
  * acceleration should be. To add one: a file that defines its ops (constant_rate.c), its name in the table of
  * motion.c, and a line in ../CMakeLists.txt and in ../README.md.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MOTION_H
 #define MBD_MOTION_H
 

@@ -3,6 +3,7 @@
  * A run that goes on after the last point is refused, unless the table ends at rest and "after" says "hold"; a periodic
  * table has no end.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 #include "mbd/model/curve.h"
 #include "protocol/base/input.h"

@@ -4,6 +4,7 @@
  * The angle is the twist about the axis: 2 atan(u.e/w) with the quaternion (w, u) of the rotation. Those about three
  * perpendicular axes are twice the arc tangents of Rodrigues' parameters, so three drivers prescribe any orientation
  * within half a turn. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
 #include "mbd/model/read.h"
 

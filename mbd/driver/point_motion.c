@@ -1,5 +1,6 @@
 /* Point motion: a point of the second body moves along a direction that is fixed in the first, by the law's value from
  * its place in the start configuration; across the direction it is free. Three of them prescribe its path. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
 #include "mbd/model/read.h"
 

@@ -1,4 +1,5 @@
 /* Polynomial x = c0 + c1 t + c2 t^2 + ... */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 #include "mbd/model/curve.h"
 

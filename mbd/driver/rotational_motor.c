@@ -3,6 +3,7 @@
  * The angle is the rotation of the second body against the first about the joint axis since the start configuration;
  * a positive torque turns the second body forward and the first back.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
 #include "mbd/model/read.h"
 

@@ -1,6 +1,7 @@
 /* Smooth step: from one value to another between t = start and start + rise,
  *   x = from + (to - from) (10 s^3 - 15 s^4 + 6 s^5), s = (t - start)/rise,
  * with rate and acceleration zero at both ends. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 
 static void load(mbd_motion *motion, tdm_object *o) {

@@ -1,4 +1,5 @@
 /* Forces along coordinates of a pair: see force.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

@@ -1,5 +1,6 @@
 /* Bump: unilateral contact without friction between a sphere of the second body and a plane of the first (that body is
  * on the side against the normal), or between two spheres. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

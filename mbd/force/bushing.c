@@ -4,6 +4,7 @@
  * turns the first frame's axes into the second's, in axes of the first [rad], |phi| < pi. The forces are those that
  * belong to these coordinates, so 1/2 x K x + preload x is the exact potential at any deflection: the moment is the
  * transpose of d(phi)/d(theta) times that of phi, the same at small angles. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

@@ -3,6 +3,7 @@
  * Its stiffness sets in over the length e after the stretch s = l - l0 has passed 0: spring force k s^2/(2e) up to s =
  * e, k (s - e/2) after it. The damping grows with the stiffness, so that the tension k s^2/(2e) + c s/e ldot is
  * continuous; it is cut off at zero. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

@@ -7,6 +7,7 @@
  * H are its derivatives. Then Q = -G^T f(x, xdot) and everything else follows in mbd_force_apply, with an exact
  * potential where f has one. A new force is one file and one row in table.c.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_FORCE_H
 #define MBD_FORCE_H
 

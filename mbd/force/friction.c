@@ -2,6 +2,7 @@
  * coefficient at rest to that in motion,
  *   f = way level(rate) normal + viscous rate,   level = slide + (hold - slide) exp(-(rate/scale)^2)
  * (Armstrong-Helouvry, Dupont & Canudas de Wit 1994, Automatica 30, 1083-1138, Eq. 3). */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

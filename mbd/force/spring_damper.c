@@ -1,6 +1,7 @@
 /* Translational spring-damper between two points: tension f = k (l - l0) + c ldot + preload along the line through
  * them, or with tables for k and c. Where the points coincide, a spring without free length and preload pulls nowhere
  * and its damper works along the velocity v of the points: force -(k d + c v) there, d from point to point. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

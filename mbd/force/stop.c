@@ -1,4 +1,5 @@
 /* Stop: limits of a joint's coordinate that push back like a contact and never pull. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

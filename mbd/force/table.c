@@ -1,6 +1,7 @@
 /* The force types. To add one: a file that defines its ops, its name below, and a line in ../CMakeLists.txt and in
  * ../README.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene there.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 
 extern const mbd_force_ops mbd_force_spring_damper, mbd_force_torsional_spring_damper, mbd_force_bushing,

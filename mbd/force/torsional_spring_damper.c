@@ -1,6 +1,7 @@
 /* Torsional spring-damper: torque k (theta - theta0) + c thetadot + preload on the rotation theta of the second body
  * against the first about an axis since the start, counted over turns; or with tables for k and c. A positive torque
  * turns the second body back. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

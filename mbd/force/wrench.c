@@ -1,5 +1,6 @@
 /* Wrench: a force and a moment from outside on one body, in axes of the world or of the body, times a factor that may
  * be a function of time. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
 #include "mbd/model/read.h"
 

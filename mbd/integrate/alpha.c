@@ -1,3 +1,5 @@
+/* One step of generalised-alpha on the group of poses: see alpha.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/alpha.h"
 
 #include "mbd/mechanics/residual.h"

@@ -24,6 +24,7 @@
  *   e_q = c2 h^2 (w1 - w),
  *   c2 = (am - af)/2 + beta - 1/6,   c3 = (1 - af)/2 - (1 - am - gamma)(1/2 + am - af) - 1/6.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_INTEGRATE_ALPHA_H
 #define MBD_INTEGRATE_ALPHA_H
 

@@ -1,4 +1,5 @@
 /* The local errors of a step: see alpha.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/alpha.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
  *
  * IDA's unknowns z are those of the mechanism, y, but that the velocities that the coupling loads have given are taken
  * out (impulse.h): loads jump between windows, and a BDF would mix what they were with what they are. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/stick.h"
 #include "mbd/integrate/impulse.h"
 #include "mbd/integrate/integrator.h"

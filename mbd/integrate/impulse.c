@@ -1,3 +1,5 @@
+/* Velocities that loads on the coupled bodies have given, in closed form: see impulse.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/impulse.h"
 
 #include <math.h>

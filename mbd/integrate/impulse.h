@@ -10,6 +10,7 @@
  *
  * Where the response cannot be solved for (a singular position) X is 0 in that window, and the load stays in dV/dt.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_INTEGRATE_IMPULSE_H
 #define MBD_INTEGRATE_IMPULSE_H
 

@@ -1,3 +1,5 @@
+/* What an integrator does, and the table of formulations that a scene may choose: see integrator.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/integrator.h"
 
 #include <stdio.h>

@@ -4,6 +4,7 @@
  *
  * An integrator never steps past the end of a window: the load ends there.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_INTEGRATE_INTEGRATOR_H
 #define MBD_INTEGRATE_INTEGRATOR_H
 

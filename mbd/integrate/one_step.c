@@ -1,5 +1,6 @@
 /* The one-step formulation: steps of generalised-alpha (alpha.h) over windows, dense output, start, states in memory.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/stick.h"
 #include "mbd/integrate/alpha.h"
 #include "mbd/integrate/integrator.h"

@@ -1,3 +1,5 @@
+/* IDA's own clock: see pace.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/pace.h"
 
 #include <math.h>

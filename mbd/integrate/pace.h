@@ -7,6 +7,7 @@
  * counted from the start of the step. The clocks differ by rounding; what adds up, 1e-7 of a window at most, is taken
  * back.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_INTEGRATE_PACE_H
 #define MBD_INTEGRATE_PACE_H
 

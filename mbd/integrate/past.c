@@ -1,3 +1,5 @@
+/* The last states without trouble, and the polynomial through them: see past.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/past.h"
 
 #include <math.h>

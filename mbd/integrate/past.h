@@ -1,4 +1,5 @@
 /* The last states without trouble, and the polynomial through them. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_INTEGRATE_PAST_H
 #define MBD_INTEGRATE_PAST_H
 

@@ -1,4 +1,5 @@
 /* Cylindrical joint: rotation about one axis and translation along it. Four rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"offset 1", "offset 2", "tilt 1", "tilt 2"};

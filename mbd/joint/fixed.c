@@ -1,4 +1,5 @@
 /* Fixed joint: no relative motion. Six rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"point x", "point y", "point z", "rotation 3", "rotation 1", "rotation 2"};

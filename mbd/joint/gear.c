@@ -3,6 +3,7 @@
  * A positive ratio, teeth of the second over teeth of the first, is an external mesh: the wheels turn against each
  * other. A negative one is an internal mesh or a belt. Joints whose first body is a carrier make a planetary gear.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 #include "mbd/model/read.h"
 

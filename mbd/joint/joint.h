@@ -5,6 +5,7 @@
  * G^T lambda and their derivative sum lambda_i H_i, the derivative of G V, which is V^T H_i, and the acceleration term
  * Gdot V = V^T H_i V. So a new joint is one file that composes rows (rows.h) and one row in table.c.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_JOINT_H
 #define MBD_JOINT_H
 

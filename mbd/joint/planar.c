@@ -1,5 +1,6 @@
 /* Planar joint: the second body's point stays in a plane of the first and the body turns about its normal alone. Three
  * rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"offset", "tilt 1", "tilt 2"};

@@ -1,5 +1,6 @@
 /* Point in plane: the second body's point stays in a plane of the first, through the first's point; everything else is
  * free. One row. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"offset"};

@@ -1,4 +1,5 @@
 /* Point on line: the second body's point stays on a line of the first; rotation is free. Two rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"offset 1", "offset 2"};

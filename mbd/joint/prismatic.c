@@ -1,4 +1,5 @@
 /* Prismatic joint (slider): translation along one axis, no rotation. Five rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"offset 1", "offset 2", "rotation 3", "rotation 1", "rotation 2"};

@@ -1,5 +1,6 @@
 /* Rack and pinion: the second joint's translation is radius times the first joint's angle, counted over turns. One row.
  * A negative radius turns the direction round. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 #include "mbd/model/read.h"
 

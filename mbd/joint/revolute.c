@@ -1,4 +1,5 @@
 /* Revolute joint (hinge): rotation about one axis. Five rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"point x", "point y", "point z", "tilt 1", "tilt 2"};

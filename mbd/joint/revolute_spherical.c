@@ -1,6 +1,7 @@
 /* Revolute-spherical link: a massless link of constant length that turns about an axis of the first body at one end and
  * ends in a ball on the second. The vector from the first point to the second keeps its length and its share along the
  * axis. Two rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 #include "mbd/model/read.h"
 

@@ -1,4 +1,5 @@
 /* Rod: the distance between two points is constant; a massless link with a ball at each end. One row. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 #include "mbd/model/read.h"
 

@@ -1,3 +1,5 @@
+/* Constraint rows from which joints are built: see rows.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/rows.h"
 
 #include <assert.h>

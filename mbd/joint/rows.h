@@ -3,6 +3,7 @@
  *
  * All arguments are world axes: arms from the centres of mass, body-fixed directions turned into the world.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ROWS_H
 #define MBD_ROWS_H
 

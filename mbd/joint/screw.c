@@ -1,4 +1,5 @@
 /* Screw: a cylindrical joint whose translation is pitch/2pi times its angle, counted over turns. Five rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"offset 1", "offset 2", "tilt 1", "tilt 2", "lead"};

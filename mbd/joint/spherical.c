@@ -1,4 +1,5 @@
 /* Spherical joint (ball): the points coincide, rotation is free. Three rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 
 static const char *const equation[] = {"point x", "point y", "point z"};

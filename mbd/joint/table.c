@@ -2,6 +2,7 @@
  * ../CMakeLists.txt and in ../README.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene
  * there.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 #include "mbd/model/read.h"
 

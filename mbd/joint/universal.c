@@ -1,5 +1,6 @@
 /* Universal joint (Hooke, Cardan): the points coincide, and an axis of the first body stays perpendicular to one of the
  * second. Four rows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
 #include "mbd/model/read.h"
 

@@ -1,3 +1,5 @@
+/* The linear systems of Newton's iteration in IDA: see linear_solver.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/linear/linear_solver.h"
 
 #include <nvector/nvector_serial.h>

@@ -1,4 +1,5 @@
 /* The linear systems of Newton's iteration in IDA: an mbd_sparse as SUNDIALS' matrix and linear solver. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_LINEAR_LINEAR_SOLVER_H
 #define MBD_LINEAR_LINEAR_SOLVER_H
 

@@ -1,3 +1,5 @@
+/* A square matrix that is filled entry by entry, factored and solved with: see lu.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/linear/lu.h"
 
 #include "mbd/linear/sparse.h"

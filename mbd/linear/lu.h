@@ -2,6 +2,7 @@
  *
  * A factorisation depends on the matrix alone, not on what was factored before.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_LINEAR_LU_H
 #define MBD_LINEAR_LU_H
 

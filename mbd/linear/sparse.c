@@ -1,3 +1,5 @@
+/* A square sparse matrix that learns its pattern, with KLU's factors: see sparse.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/linear/sparse.h"
 
 #include <math.h>

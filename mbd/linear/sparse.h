@@ -5,6 +5,7 @@
  * was added so far takes no place; the first value that is not zero makes the pattern grow. A planar mechanism, whose
  * out-of-plane entries are exact zeros, thus has the pattern of a planar one.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_LINEAR_SPARSE_H
 #define MBD_LINEAR_SPARSE_H
 

@@ -1,3 +1,5 @@
+/* The vector operations that IDA spends its time in, compiled here: see vector.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/linear/vector.h"
 
 #include <math.h>

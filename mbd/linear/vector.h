@@ -1,5 +1,6 @@
 /* The vector operations that IDA spends its time in, compiled here: distributions ship SUNDIALS without optimisation,
  * and then they take as long as everything else together. Serial vectors otherwise. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_LINEAR_VECTOR_H
 #define MBD_LINEAR_VECTOR_H
 

@@ -1,3 +1,5 @@
+/* Energies and work: see energy.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/energy.h"
 
 mbd_energies mbd_energies_at(const mbd_model *model, mbd_data *data) {

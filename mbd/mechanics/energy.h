@@ -1,4 +1,5 @@
 /* Energies and work. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_ENERGY_H
 #define MBD_MECHANICS_ENERGY_H
 

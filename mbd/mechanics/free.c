@@ -1,3 +1,5 @@
+/* Directions in which nothing holds a body: see free.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/free.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
 /* Directions in which nothing holds a body. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_FREE_H
 #define MBD_MECHANICS_FREE_H
 

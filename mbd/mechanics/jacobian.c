@@ -1,3 +1,5 @@
+/* The analytic Jacobian dF/dy + cj dF/dydot of the residual, entry by entry: see jacobian.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/jacobian.h"
 
 #include "mbd/assembly/normal.h"

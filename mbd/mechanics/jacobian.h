@@ -4,6 +4,7 @@
  * Euler parameters by dtheta = T dp, T = 2/|p|^2 [-u | w 1 + [u]], p = (w, u). The rotation matrix belongs to p/|p|, so
  * this is exact off the unit sphere too, where Newton's iterates are.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_JACOBIAN_H
 #define MBD_MECHANICS_JACOBIAN_H
 

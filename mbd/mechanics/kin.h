@@ -3,6 +3,7 @@
  * A pair's vectors have 12 entries: first body (3 translations, 3 rotations), second body (3, 3), world axes.
  * Rotations are the infinitesimal rotation vector in world axes: a body-fixed vector a changes by dtheta x a.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_KIN_H
 #define MBD_MECHANICS_KIN_H
 

@@ -1,3 +1,5 @@
+/* The equations of motion as a residual F(t, y, ydot) = 0: see residual.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/residual.h"
 
 #include "mbd/assembly/normal.h"

@@ -1,6 +1,7 @@
 /* The equations of motion as a residual F(t, y, ydot) = 0: stabilised index 2 (Gear, Gupta & Leimkuhler 1985, J.
  * Comput. Appl. Math. 12, 77-90; Hairer & Wanner, Solving ODEs II, VII.1).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_RESIDUAL_H
 #define MBD_MECHANICS_RESIDUAL_H
 

@@ -1,3 +1,5 @@
+/* Slim bodies: see slim.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/slim.h"
 
 #include "mbd/mechanics/state.h"

@@ -6,6 +6,7 @@
  * (J, J, J), and starts without spin: w x J w = 0 and J wdot = T keep w across the axis for ever while T is, and the
  * axis moves as that of the rod. A torque about the axis is an error (balance.h).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_SLIM_H
 #define MBD_MECHANICS_SLIM_H
 

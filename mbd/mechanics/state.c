@@ -1,3 +1,5 @@
+/* The unknowns and the run's state: see state.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/state.h"
 
 #include <stdlib.h>

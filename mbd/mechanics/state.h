@@ -7,6 +7,7 @@
  * Equations stand in the same order: kinematics (7) and dynamics (6) of each body, then the velocity constraints, the
  * position constraints and the norms.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_STATE_H
 #define MBD_MECHANICS_STATE_H
 

@@ -1,3 +1,5 @@
+/* The equations of motion linearised at a state, in twist coordinates: see tangent.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/tangent.h"
 
 /* d(J a) = (-[J a] + J [a]) dtheta; w x J w the same with a = w */

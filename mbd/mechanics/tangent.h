@@ -7,6 +7,7 @@
  * is. A load on a coupled body is a wrench about its centre of mass in world axes: it does not depend on q and adds
  * nothing.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MECHANICS_TANGENT_H
 #define MBD_MECHANICS_TANGENT_H
 

@@ -1,3 +1,5 @@
+/* Reading a body of a scene: see body.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/body.h"
 
 #include "mbd/model/inertia.h"

@@ -1,3 +1,5 @@
+/* A function of one variable through given points: see curve.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/curve.h"
 
 #include <gsl/gsl_spline.h>

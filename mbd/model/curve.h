@@ -3,6 +3,7 @@
  * Two points make a straight line. Outside of its points it goes on as a straight line with the slope of its end, a
  * periodic one repeats.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MODEL_CURVE_H
 #define MBD_MODEL_CURVE_H
 

@@ -1,3 +1,5 @@
+/* Mass, centre of mass and inertia of shapes of one density: see inertia.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/inertia.h"
 
 #include "protocol/base/surface.h"

@@ -2,6 +2,7 @@
  *
  * To add a primitive: a function and a row in the table of inertia.c.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MODEL_INERTIA_H
 #define MBD_MODEL_INERTIA_H
 

@@ -1,4 +1,5 @@
 /* Reading a model from its scene section. README.md lists the keys. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/model.h"
 #include "mbd/adapter/guard.h"
 #include "mbd/integrate/integrator.h"

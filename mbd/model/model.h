@@ -2,6 +2,7 @@
  *
  * Bodies are numbered from 0, the fixed world ("ground") is body -1. World axes unless a comment says body axes.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MODEL_MODEL_H
 #define MBD_MODEL_MODEL_H
 

@@ -1,3 +1,5 @@
+/* What the loaders of bodies, joints, drivers and forces share: see read.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/read.h"
 
 #include <stdio.h>

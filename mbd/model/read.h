@@ -4,6 +4,7 @@
  * Points and directions are world coordinates in the start configuration. Each may be given by a marker instead:
  * "body.marker" is its point, "body.marker.x", ".y" or ".z" a direction of its frame.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MODEL_READ_H
 #define MBD_MODEL_READ_H
 

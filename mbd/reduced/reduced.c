@@ -1,3 +1,5 @@
+/* The mechanism as its coupled bodies feel it: see reduced.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/reduced/reduced.h"
 
 #include "mbd/mechanics/tangent.h"

@@ -18,6 +18,7 @@
  * the reactions, so gravity's pendulum stiffness is in A_k. Y = J_r B is the mobility: symmetric, positive
  * semidefinite, zero in directions that are blocked or driven.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_REDUCED_REDUCED_H
 #define MBD_REDUCED_REDUCED_H
 

@@ -1,3 +1,5 @@
+/* What the command lines of tandem and of the solvers share: see command_line.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/command_line.h"
 
 #include <signal.h>

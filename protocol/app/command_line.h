@@ -1,4 +1,5 @@
 /* What the command lines of tandem and of the solvers share: options, signals, the exit status. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_COMMAND_LINE_H
 #define TDM_APP_COMMAND_LINE_H
 

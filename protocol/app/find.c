@@ -1,3 +1,5 @@
+/* Where scenes are: see find.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/find.h"
 
 #include <stdio.h>

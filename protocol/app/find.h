@@ -1,4 +1,5 @@
 /* Where scenes are: a file, or the name of a scenario. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_FIND_H
 #define TDM_APP_FIND_H
 

@@ -1,3 +1,5 @@
+/* The mark of a result directory: see mark.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/mark.h"
 
 #include <dirent.h>

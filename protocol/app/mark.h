@@ -5,6 +5,7 @@
  *   holds results             a run came as far as its first row
  *   file NAME                 a file of the directory that a new run may remove
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_MARK_H
 #define TDM_APP_MARK_H
 

@@ -1,3 +1,5 @@
+/* Plots by gnuplot: see plot.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/plot.h"
 
 #include "protocol/app/command_line.h"

@@ -1,4 +1,5 @@
 /* Plots by gnuplot: a script, a PNG and an SVG in the directory of the data. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_PLOT_H
 #define TDM_APP_PLOT_H
 

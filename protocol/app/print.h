@@ -1,4 +1,5 @@
 /* A solver's report, or another JSON object, for people. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_PRINT_H
 #define TDM_APP_PRINT_H
 

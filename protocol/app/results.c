@@ -1,3 +1,5 @@
+/* A result directory: see results.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/results.h"
 
 #include "protocol/base/input.h"

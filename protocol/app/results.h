@@ -3,6 +3,7 @@
  * CSV files hold nothing that differs between two runs of the same scene: no wall times, no dates. Numbers are written
  * with 17 digits, so that they read back as the same doubles.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_RESULTS_H
 #define TDM_APP_RESULTS_H
 

@@ -1,3 +1,5 @@
+/* A scene for one solver alone: see standalone.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/standalone.h"
 
 #include "protocol/app/plot.h"

@@ -10,6 +10,7 @@
  *
  * What runs when, and every other output, is the solver's own (dem/run.c, mbd/run.c).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_STANDALONE_H
 #define TDM_APP_STANDALONE_H
 

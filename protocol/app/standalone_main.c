@@ -1,4 +1,5 @@
 /* main() of a solver that also runs scenes alone. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
 #include "protocol/app/plot.h"

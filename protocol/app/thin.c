@@ -1,3 +1,5 @@
+/* Time histories thinned for plots: see thin.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/thin.h"
 
 #include <math.h>

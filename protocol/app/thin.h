@@ -3,6 +3,7 @@
  * Rows are gathered in bins of 1, 2, 4 ... rows; a bin keeps the least and the greatest value of each column in the
  * order in which they came, so that peaks and fast oscillations stay where a picture has no more pixels than bins.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_THIN_H
 #define TDM_APP_THIN_H
 

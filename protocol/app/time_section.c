@@ -1,3 +1,5 @@
+/* The section "time" of a scene, and the grid of the outputs: see time_section.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/time_section.h"
 
 uint64_t tdm_total_steps(const tdm_time *t) {

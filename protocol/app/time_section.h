@@ -1,4 +1,5 @@
 /* The section "time" of a scene, and the grid of the outputs. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_TIME_SECTION_H
 #define TDM_APP_TIME_SECTION_H
 

@@ -1,3 +1,5 @@
+/* Opening the files that a scene or a command names: see input.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/input.h"
 
 #include <errno.h>

@@ -1,5 +1,6 @@
 /* Opening the files that a scene or a command names: whatever lies under the name, nothing hangs and nothing is
  * endless. */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_INPUT_H
 #define TDM_BASE_INPUT_H
 

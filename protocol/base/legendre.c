@@ -1,3 +1,5 @@
+/* Legendre's polynomials over a window: see legendre.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/legendre.h"
 
 /* P_n(2 s - 1) = sum_p (-1)^(n+p) (n over p) (n+p over p) s^p; from one coefficient to the next by their ratio. */

@@ -1,4 +1,5 @@
 /* Legendre's polynomials over a window: the functions that moments of loads are taken with. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_BASE_LEGENDRE_H
 #define TDM_BASE_LEGENDRE_H
 

@@ -1,3 +1,5 @@
+/* The log: see log.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/log.h"
 
 #include <stdarg.h>

@@ -5,6 +5,7 @@
  * Each thread writes to its own sink, so that solvers that run as threads of one process keep separate logs.
  * `time` is seconds since the sink was opened (wall clock). Results never come from the log.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_LOG_H
 #define TDM_BASE_LOG_H
 

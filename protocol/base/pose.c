@@ -1,3 +1,5 @@
+/* Poses, twists, wrenches and the conversions of [L18] Section 2.2: see pose.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/pose.h"
 
 #include <assert.h>

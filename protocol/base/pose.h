@@ -4,6 +4,7 @@
  * turns body axes into world axes (v_world = q v_body q*). A twist is velocity and angular velocity, a wrench is force
  * and moment about the centre of mass, all in world axes.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_POSE_H
 #define TDM_BASE_POSE_H
 

@@ -1,3 +1,5 @@
+/* Progress of a run on standard error: see progress.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/progress.h"
 
 #include "protocol/base/log.h"

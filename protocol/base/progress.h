@@ -1,4 +1,5 @@
 /* Progress of a run on standard error: a bar on a terminal, a plain line now and then otherwise. */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_PROGRESS_H
 #define TDM_BASE_PROGRESS_H
 

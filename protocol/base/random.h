@@ -1,5 +1,6 @@
 /* Random numbers without a generator: each is a function of what it is for, so a copy of the data needs no state and
  * all machines draw the same. */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_RANDOM_H
 #define TDM_BASE_RANDOM_H
 

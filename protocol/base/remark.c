@@ -1,3 +1,5 @@
+/* Remarks: see remark.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/remark.h"
 
 #include "protocol/base/log.h"

@@ -5,6 +5,7 @@
  * from there, as from a run of one solver alone, to the terminal, summary.json and the report. SAVE and RESTORE of a
  * solver's state keep its table, so that windows that are tried several times count once.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_REMARK_H
 #define TDM_BASE_REMARK_H
 

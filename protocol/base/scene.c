@@ -1,5 +1,6 @@
 /* Scene objects: reading values with their path and range. The file, its overrides and positions are in scene_file.c.
  */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/scene.h"
 
 #include <assert.h>

@@ -12,6 +12,7 @@
  * jansson keeps no positions, so errors name the JSON path; tdm_scene_place finds line and column of a path in the
  * text.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_SCENE_H
 #define TDM_BASE_SCENE_H
 

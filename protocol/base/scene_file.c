@@ -1,4 +1,5 @@
 /* The scene file: reading, "--set" overrides, and the place of a JSON path in the text. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/scene.h"
 
 #include "protocol/base/input.h"

@@ -1,3 +1,5 @@
+/* Status codes and errors: see status.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/status.h"
 
 #include <stdarg.h>

@@ -3,6 +3,7 @@
  * Anything that a user, a file or the network can cause is returned as a tdm_status, with the details in a tdm_error:
  * the place (a JSON path), the cause and the cure. A programmer's mistake is an assert. No library function exits.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_STATUS_H
 #define TDM_BASE_STATUS_H
 

@@ -1,4 +1,5 @@
 /* STL files: see stl.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/stl.h"
 
 #include "protocol/base/input.h"

@@ -4,6 +4,7 @@
  * (many programs write that); else one that begins with "solid" and has no zero bytes at its beginning is text. The
  * normals of the file are ignored: the corners' order gives them.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_BASE_STL_H
 #define TDM_BASE_STL_H
 

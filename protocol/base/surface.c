@@ -1,4 +1,5 @@
 /* Surfaces of STL files: see surface.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/surface.h"
 
 #include <math.h>

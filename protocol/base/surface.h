@@ -7,6 +7,7 @@
  * is negative and lies inside a solid. What is negative elsewhere is inside out; a positive one inside another one
  * would count twice.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_BASE_SURFACE_H
 #define TDM_BASE_SURFACE_H
 

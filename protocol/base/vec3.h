@@ -1,5 +1,6 @@
 /* Vectors and 3x3 matrices. Values are passed and returned; everything is inline. SI units, frames as the caller says.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_VEC3_H
 #define TDM_BASE_VEC3_H
 

@@ -1,3 +1,5 @@
+/* Messages: see message.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/wire/message.h"
 
 #include <assert.h>

@@ -4,6 +4,7 @@
  * block of counts followed by raw float64 arrays. All little-endian. Every size is checked against the frame before it
  * is used, so a frame from anywhere can be handed to these functions.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_WIRE_MESSAGE_H
 #define TDM_WIRE_MESSAGE_H
 

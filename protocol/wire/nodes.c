@@ -1,4 +1,5 @@
 /* Paths: see nodes.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/wire/nodes.h"
 
 /* x of the cubic with values 0 and x1 and rates r0, r1 (by s) at the ends, and its rate by s */

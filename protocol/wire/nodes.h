@@ -8,6 +8,7 @@
  * (D: the left derivative of the exponential). The twist is the derivative of the pose. Turns between two nodes are to
  * be below a radian or so; the error of a smooth motion is h^4/384 of its fourth derivative.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_WIRE_NODES_H
 #define TDM_WIRE_NODES_H
 

@@ -1,3 +1,5 @@
+/* The participant API: see participant.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/wire/participant.h"
 
 #include "protocol/app/command_line.h"

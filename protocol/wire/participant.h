@@ -15,6 +15,7 @@
  * tests/protocol/dummy_solver.c is a complete example. tdm_participant_run wraps this loop for a solver that is written
  * as a table of operations. A handle belongs to one thread.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_WIRE_PARTICIPANT_H
 #define TDM_WIRE_PARTICIPANT_H
 

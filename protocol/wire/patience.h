@@ -6,6 +6,7 @@
  * that did not pay (nothing came, or others ran meanwhile) is followed by 1, 2, 4, ... TDM_SLEEPS_MAX waits without
  * one; one that paid makes the next wait look again.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_WIRE_PATIENCE_H
 #define TDM_WIRE_PATIENCE_H
 

@@ -1,3 +1,5 @@
+/* Transport: see transport.h. */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/wire/transport.h"
 
 #include "protocol/base/log.h"

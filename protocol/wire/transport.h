@@ -3,6 +3,7 @@
  * The server listens on one ROUTER socket, each solver connects one DEALER socket, in any order of starting. A
  * transport belongs to one thread.
  */
+/* SPDX-License-Identifier: MIT */
 #ifndef TDM_WIRE_TRANSPORT_H
 #define TDM_WIRE_TRANSPORT_H
 

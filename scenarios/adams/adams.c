@@ -1,5 +1,6 @@
 /* 28 models of one joint, spring or actuator against Adams' own results: position, orientation, velocities,
  * accelerations and reactions, every 0.1 s and at the peaks, for 5 s. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/adams/adams.h"
 
 #include "protocol/app/command_line.h"

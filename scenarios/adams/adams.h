@@ -1,4 +1,5 @@
 /* 28 models of one joint, spring or actuator against Adams' own results. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_ADAMS_H
 #define SCN_ADAMS_H
 

@@ -5,6 +5,7 @@
  *   v_p = (m_p u_p + m_c u_c + m_c e (u_c - u_p)) / (m_p + m_c)                                          [L18] Eq. 18
  *   error = 100 (v_simulation / v_theory - 1) %                                                          [L18] Eq. 19
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/collision/collision.h"
 
 #include "coupler/tools/table.h"

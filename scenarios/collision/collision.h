@@ -1,4 +1,5 @@
 /* A particle that hits a cube ([L18] Table I): the cases, and how far a run is from momentum and restitution. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_COLLISION_H
 #define SCN_COLLISION_H
 

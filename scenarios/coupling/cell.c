@@ -1,3 +1,5 @@
+/* Cells of a grid over Δt and n, one scheme each: see cell.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/coupling/cell.h"
 
 #include "protocol/app/results.h"

@@ -1,4 +1,5 @@
 /* Cells of a grid over Δt and n, one scheme each: their names, runs and numbers. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_COUPLING_CELL_H
 #define SCN_COUPLING_CELL_H
 

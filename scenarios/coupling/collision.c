@@ -5,6 +5,7 @@
  * is the worst place that there is: the range over all places is measured beside. Young's modulus is 4e7 Pa (E* =
  * 2.1e7 Pa), for contacts of some more steps.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/collision/collision.h"
 #include "scenarios/table.h"
 

@@ -1,4 +1,5 @@
 /* A fill 20 times as heavy as its box, on the spring and damper: which windows each scheme bears. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 

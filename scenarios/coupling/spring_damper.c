@@ -1,5 +1,6 @@
 /* [L18] Table II by scheme: the box of particles on a spring and damper over Δt and n, against the closed form; what
  * the cheapest good cell costs beside DEM alone; [L18]'s pinging at short windows. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 

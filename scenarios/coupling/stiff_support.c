@@ -4,6 +4,7 @@
  * Each cell's reference is its run with n = 1: the fill is compliant, no rigid body. A fill that rattles is chaotic,
  * and two runs of it that differ by round-off agree to 0.998 only; so a lid presses it, as on the arm of `torsional`.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"

@@ -2,6 +2,7 @@
  *
  * Particle motion is chaotic: two runs with n = 1 that differ by round-off (the box's mass by 1e-14 of itself) say how
  * close any two runs can come. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 

@@ -4,6 +4,7 @@
  * Exact theory where there is one (closed forms of Hertz, gross sliding); else the engine against the same contact law
  * integrated by impact.c; else curves read off the paper's figures (published.h).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/impact.h"
 #include "scenarios/dem_physics/published.h"
 #include "scenarios/dem_physics/rig.h"

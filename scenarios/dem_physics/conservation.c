@@ -1,4 +1,5 @@
 /* What no contact may change: energy without damping and friction, momentum and angular momentum always. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"
 

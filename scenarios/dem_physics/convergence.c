@@ -3,6 +3,7 @@
  * hooke: a sphere on a floor, pulled by gravity: an oscillator, z = z_0 + A cos(omega t), so the error is known.
  * hertz: a sphere on a sphere on a floor: the order from the differences between dt, dt/2 and dt/4.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"
 

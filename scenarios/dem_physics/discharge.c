@@ -4,6 +4,7 @@
  *
  * C and k from a straight line through W^(2/5) over D; the exponent from log W over log(D - 1.4 d).
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/step.h"
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"

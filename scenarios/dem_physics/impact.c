@@ -1,4 +1,5 @@
 /* The reference of the impact cases: see impact.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/impact.h"
 
 #include <math.h>

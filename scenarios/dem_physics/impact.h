@@ -5,6 +5,7 @@
  *   m v' = F_t,   I w'/R = F_t (R - delta)/R,   slip u = v + w (R - delta)/R,   w = R omega
  *   F_t = f - d delta^1/4 u, |F_t| <= mu max(F_n, 0),   f: a spring of stiffness s sqrt(delta)
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_IMPACT_H
 #define SCN_IMPACT_H
 

@@ -4,6 +4,7 @@
  * Where the engine's arm of friction at a plane is R - delta, and LAMMPS's R - delta/2, closed forms take ours; what is
  * printed is then met to delta/R.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/theory.h"
 #include "dem/step/step.h"
 #include "scenarios/dem_physics/impact.h"

@@ -1,6 +1,7 @@
 /* Two spheres collide centrally, once for each normal law and way to give its damping: restitution, duration of the
  * contact and largest overlap against theory. To add a case: a row of `cases`.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/impact.h"
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"

@@ -1,4 +1,5 @@
 /* Published values for the cases of this folder: see published.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/published.h"
 
 /* ---- Chung & Ooi (2011), curves read off the figures ---- */

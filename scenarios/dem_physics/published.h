@@ -4,6 +4,7 @@
  * Matter 13, 643-656: curves of tests 1, 4 and 5, digitised from the figures. Digitising is good to about 1 % of an
  * axis: 0.15 kN, 0.005 in restitution, 7 rad/s, 0.5 degrees, 0.05 in the normalised numbers of test 5.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_PUBLISHED_H
 #define SCN_PUBLISHED_H
 

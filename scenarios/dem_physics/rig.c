@@ -1,4 +1,5 @@
 /* A small scene of particles in memory: see rig.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/rig.h"
 
 #include "dem/flow/flow.h"

@@ -1,4 +1,5 @@
 /* A small scene of particles in memory, stepped by hand: what the cases of this folder run on. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_RIG_H
 #define SCN_RIG_H
 

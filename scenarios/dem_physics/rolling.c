@@ -1,4 +1,5 @@
 /* A sphere on a plane: sliding to rolling, slopes, a bouncing ball, and two published runs of another code. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/data.h"
 #include "scenarios/dem_physics/rig.h"
 #include "scenarios/table.h"

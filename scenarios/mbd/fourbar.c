@@ -5,6 +5,7 @@
  * Where the rods are horizontal the joints' Jacobian loses rank, and another branch begins there on which energy is
  * kept as well: only the angle tells.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/command_line.h"
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"

@@ -1,3 +1,5 @@
+/* Published mechanisms: see mechanism.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/mbd/mechanism.h"
 
 #include "protocol/base/log.h"

@@ -1,4 +1,5 @@
 /* Published mechanisms: how their coordinates come from the solver's channels, and what is measured on them. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_MECHANISM_H
 #define SCN_MECHANISM_H
 

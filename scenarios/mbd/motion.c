@@ -1,3 +1,5 @@
+/* A mechanism's motion: see motion.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/mbd/motion.h"
 
 #include "mbd/adapter/output.h"

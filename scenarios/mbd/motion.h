@@ -1,4 +1,5 @@
 /* A mechanism's motion: a scene of bodies alone, run in memory by the multibody solver, and its samples. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_MOTION_H
 #define SCN_MOTION_H
 

@@ -1,6 +1,7 @@
 /* Mechanisms of the literature with a reference solution: digits, drift of joints, energy and angular momentum, run
  * time at the tightest tolerance that the default formulation gets through; error over run time of all formulations.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"
 

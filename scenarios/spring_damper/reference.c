@@ -1,3 +1,5 @@
+/* Closed form of the spring-damper of [L18] Eq: see reference.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/spring_damper/reference.h"
 
 #include <assert.h>

@@ -2,6 +2,7 @@
  *
  *   m x'' + c x' + k x + F_pre = m g,   x(0) = x'(0) = 0,   x downward from the start
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_SPRING_DAMPER_REFERENCE_H
 #define SCN_SPRING_DAMPER_REFERENCE_H
 

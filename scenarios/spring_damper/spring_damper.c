@@ -1,5 +1,6 @@
 /* Box of particles on a spring and damper, [L18] Section 3.3: position and velocity of the box against the oscillator
  * that carries box and fill as one mass, and the load of the fill. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/spring_damper/reference.h"
 #include "scenarios/support.h"
 #include "scenarios/table.h"

@@ -5,6 +5,7 @@
  * rebound: v_c' = v_c + m_p (1 + e) (u_k - v_c)/(m_p + m_c)                                                     [L18]
  * Eq. 17 so the velocity is a staircase and the position a chain of straight lines.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/support.h"
 #include "scenarios/table.h"
 

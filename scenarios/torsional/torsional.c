@@ -5,6 +5,7 @@
  *
  * with I of box and fill about the pivot and c their centre of mass. GSL integrates it.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/rigid_fill.h"
 #include "scenarios/table.h"
 

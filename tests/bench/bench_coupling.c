@@ -5,6 +5,7 @@
  *
  * The scene is a free body and a DEM without particles, so that nearly nothing but the exchange is left.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/run/run.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"

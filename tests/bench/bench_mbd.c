@@ -1,6 +1,7 @@
 /* Wall time a window of the multibody solver in each formulation: the spring-damper box on a prismatic joint, with a
  * smooth load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS [FORMULATION]]
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/solver.h"
 #include "mbd/integrate/integrator.h"
 #include "protocol/base/log.h"

@@ -10,6 +10,7 @@
  * 2. IDA (fixed leading coefficient) on a mass that bounces on a stiff stop, by order and tolerance: steps, rejected
  *    steps, error against the exact solution.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/solver.h"
 #include "protocol/base/log.h"
 

@@ -1,5 +1,6 @@
 /* The triangles near a point, and a sphere's contacts: microseconds a query over the size of a meshed plane. Not a
  * test. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/mesh.h"
 #include "protocol/base/log.h"
 

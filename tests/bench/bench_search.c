@@ -6,6 +6,7 @@
  * random; the share of touching neighbours is that of a settled bed. Then sets of [A07] Fig. 2.17: discs of 10, 15 and
  * 20 mm.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 #include "protocol/base/log.h"
 

@@ -7,6 +7,7 @@
  * smaller groups, whose numbers it does not give, are fifths of this one. Density (100 kg/m3) and the container's
  * radius (1.97 m) are not given either.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/data.h"
 #include "dem/step/step.h"
 

@@ -1,5 +1,6 @@
 /* tandem-mbd as it would be without the capability LACKS of the environment (matched_load: it takes no more than three
  * coefficients of a load): a foreign solver may be so. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/solver.h"
 
 #include <gsl/gsl_errno.h>

@@ -1,4 +1,5 @@
 /* What users get wrong: each case must end with exit status 1 or 2 and a message that names place, cause and cure. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/command.h"
 #include "tests/test_main.h"
 

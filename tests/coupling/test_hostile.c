@@ -1,5 +1,6 @@
 /* What comes from somebody else is data: names in results, rows and scenes reach gnuplot, pages and file names as such.
  * And what waits for gnuplot, or was killed, leaves nothing running. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/command.h"
 #include "tests/test_main.h"
 

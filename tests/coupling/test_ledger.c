@@ -1,4 +1,5 @@
 /* The ledger: work in closed form, impulse, balance, and runs that gain energy. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/ledger.h"
 #include "coupler/loop/window.h"
 #include "coupler/tools/table.h"

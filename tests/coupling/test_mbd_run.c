@@ -1,4 +1,5 @@
 /* tandem-mbd run and check as a user calls them: the files of a run, bit-identity, wrong input. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

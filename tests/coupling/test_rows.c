@@ -1,4 +1,5 @@
 /* A row holds the state of its time, also where that lies inside a DEM step, and the last state is always written. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

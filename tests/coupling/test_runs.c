@@ -1,4 +1,5 @@
 /* Whole runs with tandem's own solvers: bit-identity, the output grid, the last window, Ctrl-C. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

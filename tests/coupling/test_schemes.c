@@ -6,6 +6,7 @@
  * lommen and hold use plain means of n values) is small against that of windows of 0.5 to 8 ms. The error is the rms of
  * x over 0.2 s beside the rms of x.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

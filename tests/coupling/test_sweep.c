@@ -1,4 +1,5 @@
 /* tandem sweep: the grid, its rows, resuming, cells that fail or are unstable. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/command.h"
 #include "tests/test_main.h"
 

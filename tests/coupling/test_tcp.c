@@ -1,4 +1,5 @@
 /* tcp: solvers started by hand in any order, strangers, second solvers of a role, ports in use. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/wire/participant.h"
 #include "protocol/wire/transport.h"
 #include "tests/command.h"

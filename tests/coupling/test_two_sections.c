@@ -1,4 +1,5 @@
 /* What only both sections of a scene together can get wrong: one file in two places, two gravities. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "protocol/base/stl.h"
 #include "tests/command.h"

@@ -1,5 +1,6 @@
 /* The verification of the coupling schemes: runs side by side, cells of the grids, --full. The group itself takes
  * minutes: `tandem verify coupling`. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/jobs.h"
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"

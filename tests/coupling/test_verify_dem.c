@@ -1,5 +1,6 @@
 /* The verification of the DEM engine: the fast part of the group "dem" meets its limits, and its JSON is whole. The
  * others (conservation, discharge) run with `tandem verify dem`. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/dem_physics/impact.h"
 #include "scenarios/table.h"
 #include "tests/command.h"

@@ -1,5 +1,6 @@
 /* The verification of the multibody solver: the fast part of the group "mbd" meets its limits, its JSON is whole, and a
  * wrong scene is found out. The others run with `tandem verify mbd`. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/adams/adams.h"
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"

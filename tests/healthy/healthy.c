@@ -1,6 +1,7 @@
 /* Machines and beds in order, and a sabotaged twin of each (cases.json): a run in order says nothing and ends where
  * it should; its twin is refused, stopped or warned of, in words that name the cause.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

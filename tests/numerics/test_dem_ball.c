@@ -1,4 +1,5 @@
 /* Spheres as walls: geometry, impacts, motion inside one, outputs. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 #include "dem/output/polygon.h"
 #include "dem/output/snapshot.h"

@@ -1,4 +1,5 @@
 /* What a run starts from: lids, the fill's report, stored beds, limits and mass ratios in the report. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/adapter/report.h"

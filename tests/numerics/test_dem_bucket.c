@@ -1,4 +1,5 @@
 /* Containers whose walls end, and warnings of what is probably another size or shape than meant. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/report.h"
 #include "dem/watch/guard.h"
 #include "protocol/base/remark.h"

@@ -1,4 +1,5 @@
 /* The box dem.domain: open, periodic, strained; and the searches by name. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"

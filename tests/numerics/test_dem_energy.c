@@ -1,5 +1,6 @@
 /* All sets of contact laws together: the energy balance of a closed box, momentum and angular momentum, the same bits
  * on all instruction sets, and histories that turn round with their pair. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/model/group_options.h"

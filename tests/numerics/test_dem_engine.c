@@ -1,4 +1,5 @@
 /* The engine as a whole: conservation, neighbour lists, copies, windows, wrenches, settling, paths. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/bodies/walls.h"

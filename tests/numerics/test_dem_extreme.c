@@ -1,4 +1,5 @@
 /* Extreme cases: each ends accurate or with a clear error, never in silent garbage; and the guard that sees to it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/watch/check.h"

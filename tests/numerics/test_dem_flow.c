@@ -1,4 +1,5 @@
 /* Sources and sinks: creation times, waiting, removal, balances, copies. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/bodies/walls.h"

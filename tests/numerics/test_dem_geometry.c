@@ -1,4 +1,5 @@
 /* Cylinders and cones against a search for the nearest point, driven bodies against differences, shapes from scenes. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/report.h"
 #include "dem/bodies/driven.h"
 #include "dem/bodies/walls.h"

@@ -1,5 +1,6 @@
 /* The integrators: order of convergence, reversal, conservation, windows with another step; body forces, fixed
  * particles and two dimensions. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/step/integrate.h"

@@ -1,5 +1,6 @@
 /* Each contact law against its closed form: impacts, friction, rolling, adhesion; and sets of laws that are refused.
  * Equations and sources: dem/README.md. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/contact/restitution.h"

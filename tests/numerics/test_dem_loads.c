@@ -1,5 +1,6 @@
 /* Loads on bodies, geometries, triangles and fixed particles as channels; elastic force and energy by the scene's law;
  * steps that are refused. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 #include "dem/contact/theory.h"
 #include "dem/model/group_options.h"

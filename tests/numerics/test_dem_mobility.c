@@ -1,5 +1,6 @@
 /* Mobility of bodies: the effective mass in the damping of contacts with them, against closed forms and in an impact on
  * a hinged body; the stiffness with which contacts hold the bodies, against closed forms. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_dem_support.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* Pouring: exact numbers and masses, beds at rest inside their box, order of entries, errors, stored beds. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"

@@ -1,4 +1,5 @@
 /* The mechanism that DEM carries through a window: momentum, work and moments, stiff bushings, hinges, drift. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_dem_support.h"
 #include "tests/test_main.h"
 

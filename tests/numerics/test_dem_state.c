@@ -1,4 +1,5 @@
 /* Stored states: a run that is saved and loaded goes on bit by bit; starts from a stored state; damage. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"

@@ -1,4 +1,5 @@
 /* What is stored in the particles, and what sources, sinks, an open box and driven bodies have supplied. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"

@@ -1,4 +1,5 @@
 /* Support for the tests of dem/: models from JSON text, and windows without a server. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_DEM_SUPPORT_H
 #define TEST_DEM_SUPPORT_H
 

@@ -1,4 +1,5 @@
 /* The path ahead: what drivers prescribe, exactly; what moves on springs beside them; when no nodes are needed. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/ahead.h"
 #include "mbd/assembly/kkt.h"
 #include "tests/numerics/test_mbd_support.h"

@@ -1,6 +1,7 @@
 /* Drivers: the motion law, a pendulum that a motor turns ([L18] Eq. 20-22 with the signs mended), rotors without a
  * fixed body, the motor's work, velocities at the start.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/motion.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"

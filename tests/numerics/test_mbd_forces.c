@@ -1,4 +1,5 @@
 /* Forces against solutions in closed form and against the balance of energy. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* Friction that sticks: modes, times, loads and energies against closed forms, in every formulation. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,7 @@
 /* Joints against solutions in closed form: screw, gears over many turns, rack, rod, universal joint, planar joint,
  * points on lines, and poses prescribed by drivers.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

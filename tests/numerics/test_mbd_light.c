@@ -1,5 +1,6 @@
 /* Light parts beside heavy ones: reactions and driver forces to 1e-6 for mass ratios up to 1e10, whichever holds the
  * other, with redundant rows and without, in every formulation. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/assemble.h"
 #include "mbd/assembly/balance.h"
 #include "tests/numerics/test_mbd_support.h"

@@ -1,4 +1,5 @@
 /* Motions with known solutions: free fall, pendulum, double pendulum, free body, heavy top; constraint drift. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

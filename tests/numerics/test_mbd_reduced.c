@@ -1,4 +1,5 @@
 /* The reduced model: against finite differences of the full model, and against closed forms. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/reduced/reduced.h"
 #include "test_mbd_support.h"
 #include "tests/test_main.h"

@@ -1,4 +1,5 @@
 /* Redundant constraints, singular positions, and the balance of energies. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

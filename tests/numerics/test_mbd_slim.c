@@ -1,4 +1,5 @@
 /* Thin rods without inertia about their own axis: they move as rods where nothing turns them about it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* Reactions, torsional springs over full turns, and the consistent start. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

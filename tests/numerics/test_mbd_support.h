@@ -1,6 +1,7 @@
 /* What the tests of mbd/ share: a solver run through mbd_solver_ops without a server, scenes written with single
  * quotes.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_MBD_SUPPORT_H
 #define TEST_MBD_SUPPORT_H
 

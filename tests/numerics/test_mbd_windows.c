@@ -1,6 +1,7 @@
 /* A preloaded spring-damper box against its closed form, whole and cut into windows with a load that is a quadratic in
  * time; IDA's history over windows; dense output; load jumps.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

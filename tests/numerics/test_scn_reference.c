@@ -1,4 +1,5 @@
 /* The scenarios' reference solutions: against their own equations, and against hand-made cases. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/rigid_fill.h"
 #include "scenarios/spring_damper/reference.h"
 #include "scenarios/table.h"

@@ -6,6 +6,7 @@
  *
  * Run by the server as: dummy_solver --connect ENDPOINT --name NAME --timeout SECONDS
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/log.h"
 #include "protocol/base/scene.h"
 #include "protocol/wire/participant.h"

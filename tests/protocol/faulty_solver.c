@@ -16,6 +16,7 @@
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
  *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/log.h"
 #include "protocol/wire/participant.h"
 #include "protocol/wire/transport.h"

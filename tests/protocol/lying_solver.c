@@ -1,6 +1,7 @@
 /* tandem's own solver of the role LIE_ROLE (mbd or dem), but for one number that it gets wrong: LIE says which, at
  * READY or, from window 3 on, in RESULT.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
 #include "protocol/base/log.h"

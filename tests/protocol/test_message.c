@@ -1,4 +1,5 @@
 /* Messages: what is written reads back; whatever else comes is refused, never believed. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/wire/message.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* Accelerations and the reduced model over the wire: only where ASSIGN asks for them. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/solver.h"
 #include "tests/protocol/wire.h"
 

@@ -1,5 +1,6 @@
 /* Wrong numbers, wherever a solver puts them: the run ends before anything is computed with them, and names who sent
  * them. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* The real server against a dummy solver that behaves, and one that does not. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"

@@ -1,4 +1,5 @@
 /* SAVE and RESTORE: the DEM engine as a thread, spoken to over the wire and by a session. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/session.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"

@@ -1,4 +1,5 @@
 /* A solver as a thread with the test as its server, message by message. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_WIRE_H
 #define TEST_WIRE_H
 

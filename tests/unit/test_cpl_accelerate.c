@@ -1,4 +1,5 @@
 /* Aitken and IQN-ILS on fixed-point problems whose solution is known. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/scheme/accelerate.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* The solver through its operations: bad scenes are refused with their path, good ones report; windows and samples. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "../numerics/test_dem_support.h"
 #include "dem/adapter/solver.h"
 #include "tests/test_main.h"

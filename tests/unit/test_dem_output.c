@@ -1,4 +1,5 @@
 /* What the outputs of a run work out: slopes of heaps, walls as polygons, the starts of particles. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/picture.h"
 #include "dem/output/polygon.h"
 #include "dem/output/repose.h"

@@ -1,4 +1,5 @@
 /* Size distributions: against their distribution functions, cut at both ends, the same for the same seed. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "../numerics/test_dem_support.h"
 
 #include "dem/model/sizes.h"

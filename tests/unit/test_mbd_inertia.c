@@ -1,6 +1,7 @@
 /* Bodies: markers, and mass, centre and inertia of shapes: primitives against finely divided or known solids, meshes
  * against exact values.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/inertia.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"

@@ -1,4 +1,5 @@
 /* Wrong scenes: each is refused with the status, the path and a word that tells the user what to do. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

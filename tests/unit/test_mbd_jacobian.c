@@ -1,6 +1,7 @@
 /* The analytic Jacobian against central differences of the residual, on random states (off the constraints and off the
  * unit sphere), for every joint, driver and force, between two bodies and against the ground.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/jacobian.h"
 #include "mbd/mechanics/residual.h"
 #include "mbd/mechanics/tangent.h"

@@ -1,4 +1,5 @@
 /* Paths between nodes: ends, derivatives, order. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/wire/nodes.h"
 #include "tests/test_main.h"
 

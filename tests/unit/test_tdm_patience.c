@@ -1,4 +1,5 @@
 /* When a wait looks for its message before it sleeps. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/wire/patience.h"
 #include "tests/test_main.h"
 

@@ -1,4 +1,5 @@
 /* Plots: whatever names, titles and files are called, gnuplot gets data and no commands; a plot can be ended. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/command_line.h"
 #include "protocol/app/plot.h"
 #include "tests/command.h"

@@ -1,4 +1,5 @@
 /* Pose mathematics: quaternions, SLERP, 3-1-3 Euler angles. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/pose.h"
 #include "tests/test_main.h"
 

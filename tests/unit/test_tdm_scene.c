@@ -1,4 +1,5 @@
 /* Scene reading: errors with path and place, overrides, nearest names. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/scene.h"
 #include "tests/test_main.h"
 

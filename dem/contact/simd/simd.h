@@ -4,6 +4,7 @@
  * 512 (AVX-512F/VL/DQ), 256 (AVX2) or 0 (plain C, four lanes). Every operation is the IEEE one and nothing is
  * contracted, so all three give the same bits.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_SIMD_SIMD_H
 #define DEM_CONTACT_SIMD_SIMD_H
 

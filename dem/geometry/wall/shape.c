@@ -1,4 +1,5 @@
 /* Reading the shapes of a scene into walls. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/wall/shape.h"
 
 #include <stdlib.h>

@@ -10,6 +10,7 @@
  *
  * Planes have no edges: a box seen from inside acts as if its faces were infinite. With "edges" they are a mesh.
  */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_GEOMETRY_WALL_SHAPE_H
 #define DEM_GEOMETRY_WALL_SHAPE_H
 
