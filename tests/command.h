@@ -8,6 +8,7 @@
 #include <dirent.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,14 +18,14 @@
 static char command_output[16384]; /* of the last command, standard output and error together */
 
 /* Run a shell command line ("tandem" stands for the executable just built). Returns its exit status, 128 + n after
- * signal n, 124 when it took longer than a minute. */
+ * signal n, 124 when it hangs. */
 static inline int command(const char *format, ...) {
   char words[4096], line[8192];
   va_list args;
   va_start(args, format);
   vsnprintf(words, sizeof words, format, args);
   va_end(args);
-  snprintf(line, sizeof line, "PATH=" TANDEM_BIN_DIR ":" TANDEM_TEST_DIR ":$PATH; exec 2>&1; timeout 60 %s", words);
+  snprintf(line, sizeof line, "PATH=" TANDEM_BIN_DIR ":" TANDEM_TEST_DIR ":$PATH; exec 2>&1; timeout 600 %s", words);
   FILE *pipe = popen(line, "r");
   ck_assert_ptr_nonnull(pipe);
   size_t n = fread(command_output, 1, sizeof command_output - 1, pipe);
@@ -82,15 +83,24 @@ static inline pid_t background(const char *dir, const char *const *arguments) {
   _exit(127);
 }
 
-/* Wait up to `seconds` for a background process; its exit status, -1 when it did not end (it is killed then). */
-static inline int background_end(pid_t pid, double seconds) {
+/* Wait for an event. What never comes ends with the test's own limit (test_main.h), as any hang does. */
+#define WAIT_FOR(event) \
+  do {                  \
+    while (!(event))    \
+      usleep(10000);    \
+  } while (0)
+
+/* Wait for a background process to end; its exit status, 128 + the signal that ended it. */
+static inline int background_end(pid_t pid) {
   int status;
-  for (int i = 0; i < (int)(seconds / 0.05); i++, usleep(50000))
-    if (waitpid(pid, &status, WNOHANG) == pid)
-      return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  kill(pid, SIGKILL);
-  waitpid(pid, NULL, 0);
-  return -1;
+  if (waitpid(pid, &status, 0) != pid)
+    return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/* It has not ended yet. */
+static inline bool background_runs(pid_t pid) {
+  return waitpid(pid, NULL, WNOHANG) == 0;
 }
 
 /* What a background process has printed so far, into command_output. */
@@ -102,6 +112,12 @@ static inline void background_output(const char *dir) {
   command_output[n] = 0;
   if (f)
     fclose(f);
+}
+
+/* It has printed this. */
+static inline bool background_said(const char *dir, const char *text) {
+  background_output(dir);
+  return strstr(command_output, text) != NULL;
 }
 
 /* The processes (zombies left out) whose command line has this text: their number, and the last one's id in *pid. */
@@ -128,6 +144,32 @@ static inline int find_processes(const char *text, pid_t *pid) {
   if (proc)
     closedir(proc);
   return found;
+}
+
+/* Processor time that a process has used [s]; 0 when there is none. */
+static inline double processor_time(pid_t pid) {
+  char path[64], line[1024] = "";
+  unsigned long user = 0, system = 0;
+  snprintf(path, sizeof path, "/proc/%d/stat", (int)pid);
+  FILE *f = fopen(path, "r");
+  if (f && fgets(line, sizeof line, f) && strrchr(line, ')'))
+    sscanf(strrchr(line, ')') + 1, " %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lu %lu", &user, &system);
+  if (f)
+    fclose(f);
+  return (double)(user + system) / (double)sysconf(_SC_CLK_TCK);
+}
+
+/* Lines of a file so far; 0 when there is none. */
+static inline int lines_of(const char *dir, const char *name) {
+  char path[512];
+  int lines = 0;
+  snprintf(path, sizeof path, "%s/%s", dir, name);
+  FILE *f = fopen(path, "r");
+  for (int c; f && (c = fgetc(f)) != EOF;)
+    lines += c == '\n';
+  if (f)
+    fclose(f);
+  return lines;
 }
 
 /* No process of the runs in this directory is left, and none of their ipc directories. */

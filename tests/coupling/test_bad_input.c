@@ -196,5 +196,5 @@ START_TEST(command_lines) {
 }
 END_TEST
 
-TEST_MAIN("bad input", 180, values_of_the_scene, a_step_above_the_limit_warns, files, result_directories, command_lines,
+TEST_MAIN("bad input", values_of_the_scene, a_step_above_the_limit_warns, files, result_directories, command_lines,
           more_bodies_than_a_message_holds)

@@ -547,7 +547,7 @@ START_TEST(installed_scenes_are_whole) {
 }
 END_TEST
 
-TEST_MAIN("dem_run", 120, a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
+TEST_MAIN("dem_run", a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
           without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
           an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
           meshes_are_beside_the_scene, forces_on_triangles, a_shorter_run, doubts_are_told, the_benchmark,

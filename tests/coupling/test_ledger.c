@@ -400,7 +400,7 @@ START_TEST(without_energies_there_is_no_verdict) {
 }
 END_TEST
 
-TEST_MAIN("ledger", 60, work_is_the_integral_along_the_path, impulse_and_balance_of_a_floating_cube,
+TEST_MAIN("ledger", work_is_the_integral_along_the_path, impulse_and_balance_of_a_floating_cube,
           momentum_of_an_isolated_system, momentum_that_no_load_gave_is_noticed, a_run_that_gains_energy_stops,
           a_run_that_ends_with_energy_gained_has_failed, no_false_alarm, an_inexact_exchange_is_told,
           springs_of_a_bed_raise_no_alarm, without_energies_there_is_no_verdict)

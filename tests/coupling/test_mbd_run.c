@@ -283,6 +283,6 @@ START_TEST(command_lines) {
 }
 END_TEST
 
-TEST_MAIN("mbd_run", 60, a_run_writes_its_files, runs_are_bit_identical, windows_and_grid_change_little,
-          results_are_kept, plots_can_be_left_out, without_gnuplot_runs_work, check_says_what_would_run,
-          values_of_the_scene, command_lines, energy_is_judged)
+TEST_MAIN("mbd_run", a_run_writes_its_files, runs_are_bit_identical, windows_and_grid_change_little, results_are_kept,
+          plots_can_be_left_out, without_gnuplot_runs_work, check_says_what_would_run, values_of_the_scene,
+          command_lines, energy_is_judged)

@@ -294,7 +294,7 @@ START_TEST(the_balance_of_a_driven_deck) {
 }
 END_TEST
 
-TEST_MAIN("prescribed", 300, a_deck_that_vibrates, a_screen_that_rocks, a_screen_with_a_prescribed_orientation,
+TEST_MAIN("prescribed", a_deck_that_vibrates, a_screen_that_rocks, a_screen_with_a_prescribed_orientation,
           a_deck_on_a_shaken_base, a_deck_that_accelerates, a_drum_that_turns_on, windows_that_adapt,
           windows_that_bend_too_much_are_refused, a_solver_that_takes_no_nodes, a_solver_that_tells_no_path,
           the_balance_of_a_driven_deck)

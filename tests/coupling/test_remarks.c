@@ -243,6 +243,6 @@ START_TEST(bodies_alone_have_both_lists) {
 }
 END_TEST
 
-TEST_MAIN("remarks", 60, the_first_is_kept_and_all_are_counted, from_elsewhere_nothing_steers_the_terminal,
+TEST_MAIN("remarks", the_first_is_kept_and_all_are_counted, from_elsewhere_nothing_steers_the_terminal,
           settling_is_not_silent, what_the_solver_warns_of_is_told, particles_alone_say_who_waits,
           what_falls_out_of_the_scene_is_told, bodies_alone_have_both_lists)

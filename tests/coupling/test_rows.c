@@ -154,4 +154,4 @@ START_TEST(frames_and_pictures) {
 }
 END_TEST
 
-TEST_MAIN("rows", 60, alone, coupled, loads_are_shared_out, frames_and_pictures)
+TEST_MAIN("rows", alone, coupled, loads_are_shared_out, frames_and_pictures)

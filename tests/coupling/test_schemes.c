@@ -559,7 +559,7 @@ START_TEST(multi_step_cannot_carry_a_mechanism) {
 }
 END_TEST
 
-TEST_MAIN("schemes", 120, orders_of_a_slider, orders_of_two_sliders, orders_of_a_swing, proxy_at_long_windows,
+TEST_MAIN("schemes", orders_of_a_slider, orders_of_two_sliders, orders_of_a_swing, proxy_at_long_windows,
           stiff_supports, half_the_run_in_a_window, two_bodies_in_one_piece,
           iterations_make_up_for_a_proxy_of_masses_alone, a_window_that_does_not_converge_is_told,
           iterations_at_long_windows, windows_find_their_length, a_fast_turn_shortens_windows, nothing_coupled,

@@ -202,11 +202,9 @@ START_TEST(interrupted_and_resumed) {
   const char *const arguments[] = {"sweep",  file, "--n",   "5,1", "--set", "time.end=0.3,1e5",
                                    "--jobs", "2",  "--out", out,   NULL};
   pid_t pid = background(dir, arguments);
-  for (int i = 0; i < 200 && command("test -s %s/cells/n=5_end=0.3/row.json", out) != 0; i++)
-    usleep(50000);
-  sleep(1);
+  WAIT_FOR(command("test -s %s/cells/n=5_end=0.3/row.json", out) == 0);
   kill(pid, SIGTERM);
-  ck_assert_int_eq(background_end(pid, 15), 130);
+  ck_assert_int_eq(background_end(pid), 130);
   background_output(dir);
   expect_output("--resume continues the sweep");
   expect_nothing_left(dir);
@@ -236,6 +234,6 @@ START_TEST(wrong_command_lines) {
 }
 END_TEST
 
-TEST_MAIN("sweep", 180, a_grid_and_its_rows, resuming_keeps_what_is_there, another_scene_in_the_same_directory,
+TEST_MAIN("sweep", a_grid_and_its_rows, resuming_keeps_what_is_there, another_scene_in_the_same_directory,
           failing_cells_are_results, a_row_names_the_fallback, an_inexact_cell_is_not_ok, interrupted_and_resumed,
           wrong_command_lines)

@@ -36,6 +36,13 @@ static void setup(void) {
   snprintf(address, sizeof address, "coupling.address=%s", endpoint);
 }
 
+/* The server's output once it listens and waits for this solver. */
+static void wait_for_server(const char *missing) {
+  char text[64];
+  snprintf(text, sizeof text, "waiting for %s", missing);
+  WAIT_FOR(background_said(dir, text));
+}
+
 /* The server, waiting for what others start. */
 static pid_t start_server(const char *mbd, const char *dem) {
   char file[128], out[128];
@@ -56,6 +63,13 @@ static pid_t start_solver(const char *program) {
   return pid;
 }
 
+/* A solver that runs, with or without a server. */
+static void wait_for_solver(const char *program) {
+  char text[512];
+  snprintf(text, sizeof text, "%s --connect %s", program, endpoint);
+  WAIT_FOR(find_processes(text, NULL) == 1);
+}
+
 static const char mbd_program[] = TANDEM_BIN_DIR "/tandem-mbd", dem_program[] = TANDEM_TEST_DIR "/dummy_solver";
 static const char mbd_by_hand[] = "coupling.solvers.mbd=null", dem_by_hand[] = "coupling.solvers.dem=null";
 
@@ -65,21 +79,20 @@ START_TEST(any_order) {
     pid_t server = 0, mbd = 0, dem = 0;
     if (order == 0)
       server = start_server(mbd_by_hand, dem_by_hand);
-    usleep(200000);
     dem = start_solver(dem_program);
-    usleep(200000);
+    wait_for_solver(dem_program);
     if (order == 1)
       server = start_server(mbd_by_hand, dem_by_hand);
     mbd = start_solver(mbd_program);
-    usleep(200000);
+    wait_for_solver(mbd_program);
     if (order == 2)
       server = start_server(mbd_by_hand, dem_by_hand);
-    int status = background_end(server, 20);
+    int status = background_end(server);
     background_output(dir);
     ck_assert_msg(status == 0, "order %d: %d: %s", order, status, command_output);
     expect_output("waiting for dem: start it with --connect tcp://127.0.0.1:");
-    ck_assert_int_eq(background_end(mbd, 5), 0);
-    ck_assert_int_eq(background_end(dem, 5), 0);
+    ck_assert_int_eq(background_end(mbd), 0);
+    ck_assert_int_eq(background_end(dem), 0);
     directory_remove(dir);
   }
 }
@@ -99,12 +112,12 @@ END_TEST
 START_TEST(a_port_in_use) {
   setup();
   pid_t server = start_server(mbd_by_hand, dem_by_hand);
-  usleep(500000);
+  wait_for_server("dem");
   ck_assert_int_eq(command("tandem run %s/scene.json --out %s/second --set %s", dir, dir, address), 1);
   expect_output("coupling.address: cannot listen on tcp://127.0.0.1:");
   expect_output("choose another address or port");
   kill(server, SIGINT);
-  ck_assert_int_eq(background_end(server, 5), 130);
+  ck_assert_int_eq(background_end(server), 130);
   directory_remove(dir);
 }
 END_TEST
@@ -117,7 +130,10 @@ static void talk_http(void) {
   int s = socket(AF_INET, SOCK_STREAM, 0);
   ck_assert_int_eq(connect(s, (struct sockaddr *)&to, sizeof to), 0);
   ck_assert_int_eq(send(s, words, sizeof words - 1, MSG_NOSIGNAL), (int)sizeof words - 1);
-  usleep(100000);
+  shutdown(s, SHUT_WR);
+  char answer[256];
+  while (recv(s, answer, sizeof answer, 0) > 0) /* until the server has had enough of it */
+    ;
   close(s);
 }
 
@@ -149,19 +165,19 @@ static void talk_nonsense(void) {
 START_TEST(strangers_and_second_solvers) {
   setup();
   pid_t server = start_server(mbd_by_hand, dem_by_hand);
-  usleep(500000);
+  wait_for_server("dem");
   talk_http();
   talk_nonsense();
   pid_t first = start_solver(mbd_program);
-  usleep(300000);
+  WAIT_FOR(command("grep -q 'event=hello role=mbd' %s/out/server.log", dir) == 0);
   pid_t second = start_solver(mbd_program);
-  ck_assert_int_eq(background_end(second, 5), 1); /* it is told that the role is taken */
+  ck_assert_int_eq(background_end(second), 1); /* it is told that the role is taken */
   pid_t dem = start_solver(dem_program);
-  int status = background_end(server, 20);
+  int status = background_end(server);
   background_output(dir);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
-  ck_assert_int_eq(background_end(first, 5), 0);
-  ck_assert_int_eq(background_end(dem, 5), 0);
+  ck_assert_int_eq(background_end(first), 0);
+  ck_assert_int_eq(background_end(dem), 0);
   ck_assert_int_eq(command("cat %s/out/server.log", dir), 0);
   expect_output("it does not begin with TNDM");
   expect_output("STEP came before HELLO");
@@ -171,4 +187,4 @@ START_TEST(strangers_and_second_solvers) {
 }
 END_TEST
 
-TEST_MAIN("tcp", 120, any_order, a_solver_that_is_never_started, a_port_in_use, strangers_and_second_solvers)
+TEST_MAIN("tcp", any_order, a_solver_that_is_never_started, a_port_in_use, strangers_and_second_solvers)

@@ -195,5 +195,5 @@ START_TEST(both_fall_by_it) {
 }
 END_TEST
 
-TEST_MAIN("two sections", 120, one_file_is_one_part, frames_of_a_mesh, another_place_is_refused, check_tells_the_centre,
+TEST_MAIN("two sections", one_file_is_one_part, frames_of_a_mesh, another_place_is_refused, check_tells_the_centre,
           a_part_in_millimetres_is_doubted, one_gravity, both_fall_by_it)

@@ -104,5 +104,5 @@ START_TEST(unknown_names_are_refused) {
 }
 END_TEST
 
-TEST_MAIN("verify", 30, the_default_is_the_group_scenarios, missed_limits_fail,
-          a_failing_scenario_does_not_stop_the_others, unknown_names_are_refused)
+TEST_MAIN("verify", the_default_is_the_group_scenarios, missed_limits_fail, a_failing_scenario_does_not_stop_the_others,
+          unknown_names_are_refused)

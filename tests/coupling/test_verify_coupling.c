@@ -183,5 +183,5 @@ START_TEST(full_and_jobs_go_with_verify) {
 }
 END_TEST
 
-TEST_MAIN("verify coupling", 60, jobs_are_independent, runs_side_by_side, cells_are_named_as_the_paper_has_them,
+TEST_MAIN("verify coupling", jobs_are_independent, runs_side_by_side, cells_are_named_as_the_paper_has_them,
           an_unstable_cell_is_a_result, the_group_is_there, full_and_jobs_go_with_verify)

@@ -102,5 +102,5 @@ START_TEST(the_reference_clips) {
 }
 END_TEST
 
-TEST_MAIN("verify dem", 60, normal_laws, chung_ooi, rolling, lammps, convergence, the_reference_keeps_what_theory_says,
+TEST_MAIN("verify dem", normal_laws, chung_ooi, rolling, lammps, convergence, the_reference_keeps_what_theory_says,
           the_reference_clips)

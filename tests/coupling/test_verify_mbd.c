@@ -117,5 +117,5 @@ START_TEST(adams_has_other_results_for_another_model) {
 }
 END_TEST
 
-TEST_MAIN("verify mbd", 60, adams_has_the_same_results, adams_has_other_results_for_another_model,
+TEST_MAIN("verify mbd", adams_has_the_same_results, adams_has_other_results_for_another_model,
           torque_free_meets_its_limits, a_wrong_scene_misses_its_limits, angles_are_counted_over_turns)

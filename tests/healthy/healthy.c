@@ -110,7 +110,7 @@ int main(void) {
   }
   Suite *suite = suite_create("healthy");
   TCase *tests = tcase_create("healthy");
-  tcase_set_timeout(tests, 90);
+  tcase_set_timeout(tests, TEST_HANGS);
   tcase_add_loop_test(tests, in_order, 0, (int)json_array_size(cases));
   tcase_add_loop_test(tests, sabotaged, 0, (int)json_array_size(cases));
   suite_add_tcase(suite, tests);

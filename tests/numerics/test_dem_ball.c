@@ -149,4 +149,4 @@ START_TEST(refused) {
 }
 END_TEST
 
-TEST_MAIN("dem_ball", 60, geometry, oblique_impact, swings_inside, a_coupled_ball, refused)
+TEST_MAIN("dem_ball", geometry, oblique_impact, swings_inside, a_coupled_ball, refused)

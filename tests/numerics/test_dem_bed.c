@@ -409,5 +409,5 @@ START_TEST(test_ratios) {
 }
 END_TEST
 
-TEST_MAIN("dem bed", 300, test_lid, test_lid_that_presses, test_lid_without_settling, test_fill, test_stored_bed,
+TEST_MAIN("dem bed", test_lid, test_lid_that_presses, test_lid_without_settling, test_fill, test_stored_bed,
           test_bed_of_a_body_that_moves, test_bad_store, test_limits, test_ratios)

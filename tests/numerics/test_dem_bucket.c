@@ -154,4 +154,4 @@ START_TEST(refused) {
 }
 END_TEST
 
-TEST_MAIN("dem_bucket", 60, over_the_rim, from_outside, inside_it_is_the_same, beyond_the_rim, sizes_of_files, refused)
+TEST_MAIN("dem_bucket", over_the_rim, from_outside, inside_it_is_the_same, beyond_the_rim, sizes_of_files, refused)

@@ -319,6 +319,6 @@ START_TEST(test_rayleigh) {
 }
 END_TEST
 
-TEST_MAIN("dem contact", 120, test_hertz_impact, test_damping_ratio, test_restitution, test_verlet_order,
+TEST_MAIN("dem contact", test_hertz_impact, test_damping_ratio, test_restitution, test_verlet_order,
           test_sliding_to_rolling, test_incline, test_gross_sliding, test_oblique_impact, test_no_energy_from_springs,
           test_effective_mass, test_mass_that_changes, test_rayleigh)

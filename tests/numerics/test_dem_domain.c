@@ -319,5 +319,5 @@ START_TEST(test_plane_across) {
 }
 END_TEST
 
-TEST_MAIN("dem domain", 300, test_repeats, test_bits, test_threads, test_verlet_1967, test_over_the_boundary,
-          test_strained, test_squeezed, test_open, test_channels, test_refused, test_plane_across)
+TEST_MAIN("dem domain", test_repeats, test_bits, test_threads, test_verlet_1967, test_over_the_boundary, test_strained,
+          test_squeezed, test_open, test_channels, test_refused, test_plane_across)

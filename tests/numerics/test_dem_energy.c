@@ -429,7 +429,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("dem energy");
   TCase *all = tcase_create("sets of laws");
-  tcase_set_timeout(all, 240);
+  tcase_set_timeout(all, TEST_HANGS);
   tcase_add_loop_test(all, test_energy, 0, NROW);
   tcase_add_loop_test(all, test_stored_from_the_state, 0, NROW);
   tcase_add_test(all, test_energy_of_substeps);

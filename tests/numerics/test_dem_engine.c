@@ -325,5 +325,5 @@ START_TEST(test_lost) {
 }
 END_TEST
 
-TEST_MAIN("dem engine", 120, test_lists_miss_nothing, test_far_particle, test_common_motion, test_copy, test_momentum,
+TEST_MAIN("dem engine", test_lists_miss_nothing, test_far_particle, test_common_motion, test_copy, test_momentum,
           test_energy, test_wrench, test_path, test_settling, test_shapes, test_lost)

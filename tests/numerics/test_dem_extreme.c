@@ -431,7 +431,7 @@ START_TEST(test_no_number) {
 }
 END_TEST
 
-TEST_MAIN("dem extreme cases", 60, test_stiffness_and_density, test_restitution, test_friction, test_size_ratio,
+TEST_MAIN("dem extreme cases", test_stiffness_and_density, test_restitution, test_friction, test_size_ratio,
           test_one_and_none, test_absurd_places, test_inside, test_through_a_wall, test_fast_but_no_leap, test_head_on,
           test_lost, test_fast_body, test_energy_of_a_motion, test_overlap, test_step_and_energy,
           test_limits_of_substeps, test_energy_of_a_push, test_no_number)

@@ -609,7 +609,7 @@ START_TEST(test_many_with_substeps) {
 }
 END_TEST
 
-TEST_MAIN("dem flow", 120, test_creation_times, test_mass_rate, test_limits, test_classes, test_room, test_many,
+TEST_MAIN("dem flow", test_creation_times, test_mass_rate, test_limits, test_classes, test_room, test_many,
           test_search_follows_sizes, test_balances, test_after_contact, test_through_is_no_rebound, test_waiting,
           test_waits_for_walls, test_waits_for_meshes, test_neighbours_keep_histories, test_relative_velocity,
           test_copy, test_exact_sum, test_many_with_substeps)

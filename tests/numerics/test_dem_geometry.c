@@ -552,7 +552,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("dem_geometry");
   TCase *tests = tcase_create("dem_geometry");
-  tcase_set_timeout(tests, 60);
+  tcase_set_timeout(tests, TEST_HANGS);
   tcase_add_loop_test(tests, test_shell, 0, 5);
   tcase_add_loop_test(tests, test_solid, 0, 5);
   tcase_add_test(tests, test_round_exact);

@@ -427,6 +427,6 @@ START_TEST(test_load) {
 }
 END_TEST
 
-TEST_MAIN("dem integrators", 300, test_order, test_order_damped, test_same_motion, test_reversal, test_energy,
-          test_momentum, test_another_step, test_newcomer, test_multi_step_is_cheaper_than_it_is_wrong, test_discs,
-          test_body_force, test_fixed, test_load)
+TEST_MAIN("dem integrators", test_order, test_order_damped, test_same_motion, test_reversal, test_energy, test_momentum,
+          test_another_step, test_newcomer, test_multi_step_is_cheaper_than_it_is_wrong, test_discs, test_body_force,
+          test_fixed, test_load)

@@ -628,7 +628,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("dem laws");
   TCase *all = tcase_create("laws");
-  tcase_set_timeout(all, 120);
+  tcase_set_timeout(all, TEST_HANGS);
   tcase_add_test(all, test_glass_balls);
   tcase_add_loop_test(all, test_impacts, 0, sizeof impacts / sizeof impacts[0]);
   const TTest *const tests[] = {test_contact_time_given,

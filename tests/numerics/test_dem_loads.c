@@ -508,6 +508,6 @@ START_TEST(test_not_representable) {
 }
 END_TEST
 
-TEST_MAIN("dem loads", 60, test_impulse, test_fixed, test_geometries, test_geometry_channels, test_triangles,
+TEST_MAIN("dem loads", test_impulse, test_fixed, test_geometries, test_geometry_channels, test_triangles,
           test_one_triangle, test_elastic, test_lid, test_guard_of_each_law, test_guard_of_a_belt, test_step,
           test_settle_step, test_gravity_across, test_not_representable)

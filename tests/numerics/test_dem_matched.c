@@ -342,6 +342,6 @@ START_TEST(powers_of_shifted_polynomials) {
 }
 END_TEST
 
-TEST_MAIN("matched", 60, ends_where_the_kicks_led, as_close_as_the_step_allows, several_freedoms_at_once,
+TEST_MAIN("matched", ends_where_the_kicks_led, as_close_as_the_step_allows, several_freedoms_at_once,
           more_freedoms_than_the_load_can_lead, a_parabola_stays_one, what_no_polynomial_can_say_is_left_alone,
           a_mechanism_that_runs_away, hardly_a_swing_is_left_to_the_parabola, powers_of_shifted_polynomials)

@@ -808,7 +808,7 @@ END_TEST
 
 /* ---- size ---- */
 
-TEST_MAIN("dem_mesh", 60, test_text, test_binary, test_odd_files, test_bad_files, test_report_closed,
-          test_report_faults, test_near, test_plane, test_inclined_plane, test_rounded_plane, test_passes, test_convex,
-          test_sharp_edge, test_fan, test_concave, test_candidates, test_rough, test_drum, test_drum_corner,
-          test_tight_drum, test_drum_outside, test_cracks)
+TEST_MAIN("dem_mesh", test_text, test_binary, test_odd_files, test_bad_files, test_report_closed, test_report_faults,
+          test_near, test_plane, test_inclined_plane, test_rounded_plane, test_passes, test_convex, test_sharp_edge,
+          test_fan, test_concave, test_candidates, test_rough, test_drum, test_drum_corner, test_tight_drum,
+          test_drum_outside, test_cracks)

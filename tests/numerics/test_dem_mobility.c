@@ -433,6 +433,6 @@ START_TEST(test_rate_in_groove) {
 }
 END_TEST
 
-TEST_MAIN("dem mobility", 60, test_damping, test_bodies_without_mobility, test_same_bits, test_fixed_particles,
+TEST_MAIN("dem mobility", test_damping, test_bodies_without_mobility, test_same_bits, test_fixed_particles,
           test_impact_on_hinge, test_rate_of_slider, test_rate_of_hinge, test_rate_of_free_body,
           test_rate_of_two_bodies, test_rate_in_groove)

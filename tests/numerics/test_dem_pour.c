@@ -287,5 +287,5 @@ START_TEST(test_errors) {
 }
 END_TEST
 
-TEST_MAIN("dem pour", 120, test_number, test_mass, test_entries, test_stored, test_full, test_ready, test_images,
-          test_plane, test_errors)
+TEST_MAIN("dem pour", test_number, test_mass, test_entries, test_stored, test_full, test_ready, test_images, test_plane,
+          test_errors)

@@ -330,7 +330,7 @@ START_TEST(the_interface_of_a_path) {
 }
 END_TEST
 
-TEST_MAIN("dem_proxy", 60, momentum_goes_over_without_loss, mobility_alone_moves_a_free_body_alike,
-          stiff_springs_are_exact, a_hinged_body_stays_on_its_circle, a_driven_body_follows_its_driver,
-          a_body_never_jumps, a_correction_is_reached_at_the_end, bodies_move_together, a_step_too_long_for_the_bodies,
+TEST_MAIN("dem_proxy", momentum_goes_over_without_loss, mobility_alone_moves_a_free_body_alike, stiff_springs_are_exact,
+          a_hinged_body_stays_on_its_circle, a_driven_body_follows_its_driver, a_body_never_jumps,
+          a_correction_is_reached_at_the_end, bodies_move_together, a_step_too_long_for_the_bodies,
           the_interface_of_a_path)

@@ -230,4 +230,4 @@ START_TEST(test_start) {
 }
 END_TEST
 
-TEST_MAIN("dem state", 60, test_goes_on, test_many, test_damage, test_start)
+TEST_MAIN("dem state", test_goes_on, test_many, test_damage, test_start)

@@ -105,5 +105,5 @@ START_TEST(what_cannot_be_accounted_for_is_not_told) {
 }
 END_TEST
 
-TEST_MAIN("supply", 30, a_driven_plate_supplies_what_particles_gain, sources_and_sinks_are_accounted_for,
+TEST_MAIN("supply", a_driven_plate_supplies_what_particles_gain, sources_and_sinks_are_accounted_for,
           looks_are_some_steps_apart, what_cannot_be_accounted_for_is_not_told)

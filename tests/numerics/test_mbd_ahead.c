@@ -210,5 +210,5 @@ START_TEST(looking_changes_nothing) {
 }
 END_TEST
 
-TEST_MAIN("mbd_ahead", 60, a_law_is_followed, what_the_acceleration_tells_has_no_nodes, a_path_ends_where_nodes_run_out,
+TEST_MAIN("mbd_ahead", a_law_is_followed, what_the_acceleration_tells_has_no_nodes, a_path_ends_where_nodes_run_out,
           a_spring_on_a_shaken_base, a_turn_is_followed, looking_changes_nothing)

@@ -419,5 +419,5 @@ START_TEST(test_start_velocities) {
 }
 END_TEST
 
-TEST_MAIN("mbd driver", 240, test_law, test_laws, test_law_between, test_law_ends, test_law_file, test_step_start,
+TEST_MAIN("mbd driver", test_law, test_laws, test_law_between, test_law_ends, test_law_file, test_step_start,
           test_smooth_start, test_long_windows, test_load, test_rotors, test_work, test_start_velocities)

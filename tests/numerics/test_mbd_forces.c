@@ -464,6 +464,6 @@ START_TEST(test_friction_vector) {
 }
 END_TEST
 
-TEST_MAIN("mbd forces", 120, test_cable, test_damped_cable, test_stop, test_friction, test_bushing_static,
+TEST_MAIN("mbd forces", test_cable, test_damped_cable, test_stop, test_friction, test_bushing_static,
           test_bushing_energy, test_stiff_bushing, test_bushing_turns, test_bump, test_wrench, test_tables,
           test_tilting_coil, test_no_length, test_vectors, test_friction_vector)

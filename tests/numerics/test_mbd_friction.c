@@ -341,7 +341,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("mbd friction");
   TCase *tcase = tcase_create("friction");
-  tcase_set_timeout(tcase, 120);
+  tcase_set_timeout(tcase, TEST_HANGS);
   const TTest *tests[] = {test_slope,   test_breakaway, test_stick_slip, test_drawer,  test_bearing,
                           test_linkage, test_motor,     test_stribeck,   test_windows, NULL};
   for (int i = 0; tests[i]; i++)

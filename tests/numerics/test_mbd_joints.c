@@ -383,7 +383,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("mbd_joints");
   TCase *tcase = tcase_create("joints");
-  tcase_set_timeout(tcase, 120);
+  tcase_set_timeout(tcase, TEST_HANGS);
   tcase_add_test(tcase, test_screw);
   tcase_add_loop_test(tcase, test_gear, 0, 2);
   tcase_add_loop_test(tcase, test_fast_gear, 0, 2);

@@ -190,7 +190,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("mbd_light");
   TCase *tcase = tcase_create("light");
-  tcase_set_timeout(tcase, 60);
+  tcase_set_timeout(tcase, TEST_HANGS);
   tcase_add_loop_test(tcase, a_ram_feels_all_it_lifts, 0, CASES);
   tcase_add_loop_test(tcase, a_start_that_does_not_fit_is_put_right, 0, CASES);
   tcase_add_loop_test(tcase, a_motor_feels_all_it_turns, 0, CASES);

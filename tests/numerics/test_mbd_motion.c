@@ -145,5 +145,5 @@ START_TEST(test_repeat) {
 }
 END_TEST
 
-TEST_MAIN("mbd motion", 120, test_free_fall, test_pendulum, test_drift, test_double_pendulum, test_free_body,
-          test_heavy_top, test_repeat)
+TEST_MAIN("mbd motion", test_free_fall, test_pendulum, test_drift, test_double_pendulum, test_free_body, test_heavy_top,
+          test_repeat)

@@ -639,7 +639,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("mbd_one_step");
   TCase *tcase = tcase_create("one_step");
-  tcase_set_timeout(tcase, 60);
+  tcase_set_timeout(tcase, TEST_HANGS);
   tcase_add_loop_test(tcase, test_order, 0, 3);
   tcase_add_test(tcase, test_heavy_top);
   tcase_add_test(tcase, test_energy);

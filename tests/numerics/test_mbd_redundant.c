@@ -283,7 +283,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("mbd_redundant");
   TCase *tcase = tcase_create("redundant");
-  tcase_set_timeout(tcase, 120);
+  tcase_set_timeout(tcase, TEST_HANGS);
   tcase_add_test(tcase, test_four_bar);
   tcase_add_test(tcase, test_door);
   tcase_add_loop_test(tcase, test_nearly_dependent, 0, 3);

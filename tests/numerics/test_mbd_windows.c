@@ -196,7 +196,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("mbd windows");
   TCase *tcase = tcase_create("windows");
-  tcase_set_timeout(tcase, 120);
+  tcase_set_timeout(tcase, TEST_HANGS);
   tcase_add_test(tcase, test_oscillator);
   tcase_add_test(tcase, test_cut_into_windows);
   tcase_add_test(tcase, test_tiny_windows);

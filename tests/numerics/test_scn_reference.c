@@ -104,5 +104,5 @@ START_TEST(the_paper_s_table_stands_beside_ours) {
 }
 END_TEST
 
-TEST_MAIN("references", 30, the_oscillator_obeys_its_equation, a_rigid_fill_is_box_and_fill_about_the_pivot,
+TEST_MAIN("references", the_oscillator_obeys_its_equation, a_rigid_fill_is_box_and_fill_about_the_pivot,
           the_stream_is_the_exact_sequence, the_paper_s_table_stands_beside_ours)

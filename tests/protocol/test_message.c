@@ -401,6 +401,6 @@ START_TEST(errors_travel) {
 }
 END_TEST
 
-TEST_MAIN("message", 60, control_round_trip, step_round_trip, proxy_round_trip, path_in_a_step, result_round_trip,
+TEST_MAIN("message", control_round_trip, step_round_trip, proxy_round_trip, path_in_a_step, result_round_trip,
           mobility_round_trip, path_in_a_result, malformed_headers_are_refused, any_damage_is_survived,
           absurd_steps_are_refused, errors_travel)

@@ -86,4 +86,4 @@ START_TEST(test_acceleration_alone) {
 }
 END_TEST
 
-TEST_MAIN("mobility", 60, test_asked_for, test_not_asked_for, test_acceleration_alone)
+TEST_MAIN("mobility", test_asked_for, test_not_asked_for, test_acceleration_alone)

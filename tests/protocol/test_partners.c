@@ -274,16 +274,10 @@ START_TEST(a_server_that_dies_takes_its_solvers) {
   char solver[128], partner[128];
   snprintf(solver, sizeof solver, "faulty_solver --connect ipc://%s", dir);
   snprintf(partner, sizeof partner, "tandem-mbd --connect ipc://%s", dir);
-  for (int i = 0; i < 100 && find_processes(solver, NULL) == 0; i++)
-    usleep(50000);
-  usleep(300000);
-  ck_assert_int_eq(find_processes(solver, NULL), 1);
-  ck_assert_int_eq(find_processes(partner, NULL), 1);
+  WAIT_FOR(find_processes(solver, NULL) == 1 && find_processes(partner, NULL) == 1);
   ck_assert_int_eq(kill(pid, SIGKILL), 0);
   waitpid(pid, NULL, 0);
-  usleep(300000);
-  ck_assert_int_eq(find_processes(solver, NULL), 0);
-  ck_assert_int_eq(find_processes(partner, NULL), 0);
+  WAIT_FOR(find_processes(solver, NULL) == 0 && find_processes(partner, NULL) == 0);
   directory_remove(dir);
 }
 END_TEST
@@ -304,8 +298,7 @@ START_TEST(a_solver_without_a_server_gives_up) {
 }
 END_TEST
 
-TEST_MAIN("partners", 240, dummy_is_an_oscillator, unknown_key_of_a_foreign_section,
-          a_scheme_that_a_solver_cannot_serve, faults_are_named, faults_of_mbd_are_named,
-          names_of_channels_are_looked_at, remarks_of_a_foreign_solver, a_fast_turn_is_refused,
-          what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
+TEST_MAIN("partners", dummy_is_an_oscillator, unknown_key_of_a_foreign_section, a_scheme_that_a_solver_cannot_serve,
+          faults_are_named, faults_of_mbd_are_named, names_of_channels_are_looked_at, remarks_of_a_foreign_solver,
+          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
           a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)

@@ -225,5 +225,5 @@ START_TEST(test_a_step_without_an_orientation) {
 }
 END_TEST
 
-TEST_MAIN("restore", 60, test_foreign_assignments, test_a_step_without_an_orientation, test_back_and_forth,
-          test_refused, test_session)
+TEST_MAIN("restore", test_foreign_assignments, test_a_step_without_an_orientation, test_back_and_forth, test_refused,
+          test_session)

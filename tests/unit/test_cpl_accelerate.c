@@ -134,6 +134,6 @@ START_TEST(aitken_converges_where_the_plain_iteration_does_not) {
 }
 END_TEST
 
-TEST_MAIN("accelerate", 10, iqn_ils_is_exact_after_n_differences, iqn_ils_reuses_windows,
-          iqn_ils_follows_a_bent_problem, a_difference_of_nothing_is_left_out, aitken_solves_one_linear_equation,
+TEST_MAIN("accelerate", iqn_ils_is_exact_after_n_differences, iqn_ils_reuses_windows, iqn_ils_follows_a_bent_problem,
+          a_difference_of_nothing_is_left_out, aitken_solves_one_linear_equation,
           aitken_converges_where_the_plain_iteration_does_not)

@@ -50,5 +50,5 @@ START_TEST(states_are_apart_by_lengths) {
 }
 END_TEST
 
-TEST_MAIN("adapt", 10, windows_grow_and_shrink_within_limits, windows_settle_where_the_mismatch_is_allowed,
+TEST_MAIN("adapt", windows_grow_and_shrink_within_limits, windows_settle_where_the_mismatch_is_allowed,
           states_are_apart_by_lengths)

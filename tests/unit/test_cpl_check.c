@@ -167,4 +167,4 @@ START_TEST(what_ready_says) {
 }
 END_TEST
 
-TEST_MAIN("checks of what partners send", 30, inertias, results, mobilities, what_ready_says)
+TEST_MAIN("checks of what partners send", inertias, results, mobilities, what_ready_says)

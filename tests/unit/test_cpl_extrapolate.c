@@ -89,5 +89,5 @@ START_TEST(the_history_keeps_the_last_three) {
 }
 END_TEST
 
-TEST_MAIN("extrapolate", 10, cramer_solves_the_system, three_means_give_the_paper_s_weights,
+TEST_MAIN("extrapolate", cramer_solves_the_system, three_means_give_the_paper_s_weights,
           polynomials_are_continued_exactly, the_start_holds_then_goes_linear, the_history_keeps_the_last_three)

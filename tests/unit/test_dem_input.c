@@ -450,5 +450,5 @@ START_TEST(a_wide_region) {
 }
 END_TEST
 
-TEST_MAIN("dem input", 120, test_bad_scenes, test_ready, test_doubts, test_no_particles, test_split_windows,
-          test_repeatable, test_fill, test_flow_channels, a_wide_region)
+TEST_MAIN("dem input", test_bad_scenes, test_ready, test_doubts, test_no_particles, test_split_windows, test_repeatable,
+          test_fill, test_flow_channels, a_wide_region)

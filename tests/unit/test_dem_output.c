@@ -140,5 +140,5 @@ START_TEST(particles_keep_the_colour_of_their_start) {
 }
 END_TEST
 
-TEST_MAIN("dem_output", 10, the_slopes_of_a_heap, no_heap_has_no_slope, walls_as_polygons, the_bounds_of_a_scene,
+TEST_MAIN("dem_output", the_slopes_of_a_heap, no_heap_has_no_slope, walls_as_polygons, the_bounds_of_a_scene,
           particles_keep_the_colour_of_their_start)

@@ -453,7 +453,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("dem_search");
   TCase *tests = tcase_create("dem_search");
-  tcase_set_timeout(tests, 60);
+  tcase_set_timeout(tests, TEST_HANGS);
   tcase_add_loop_test(tests, test_agree, 0, CLOUDS);
   tcase_add_test(tests, test_domain_changes);
   tcase_add_test(tests, test_low_corner);

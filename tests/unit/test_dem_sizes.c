@@ -194,4 +194,4 @@ START_TEST(test_errors) {
 }
 END_TEST
 
-TEST_MAIN("dem sizes", 60, test_distributions, test_lognormal_moments, test_list, test_same_again, test_errors)
+TEST_MAIN("dem sizes", test_distributions, test_lognormal_moments, test_list, test_same_again, test_errors)

@@ -225,5 +225,5 @@ START_TEST(test_markers) {
 }
 END_TEST
 
-TEST_MAIN("mbd inertia", 60, test_primitives, test_box_mesh, test_tetrahedron, test_bad_meshes, test_mesh_body,
+TEST_MAIN("mbd inertia", test_primitives, test_box_mesh, test_tetrahedron, test_bad_meshes, test_mesh_body,
           test_markers)

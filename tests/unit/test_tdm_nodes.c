@@ -91,4 +91,4 @@ START_TEST(beyond_its_ends) {
 }
 END_TEST
 
-TEST_MAIN("nodes", 10, ends_are_exact, the_twist_is_the_derivative, of_fourth_order, beyond_its_ends)
+TEST_MAIN("nodes", ends_are_exact, the_twist_is_the_derivative, of_fourth_order, beyond_its_ends)

@@ -47,4 +47,4 @@ START_TEST(one_that_pays_is_enough) {
 }
 END_TEST
 
-TEST_MAIN("patience", 10, looks_that_pay_go_on, looks_that_do_not_pay_become_rare, one_that_pays_is_enough)
+TEST_MAIN("patience", looks_that_pay_go_on, looks_that_do_not_pay_become_rare, one_that_pays_is_enough)

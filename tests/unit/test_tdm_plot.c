@@ -111,7 +111,9 @@ START_TEST(a_signal_ends_a_plot) {
   tdm_catch_signals();
   pid_t self = getpid();
   if (fork() == 0) {
-    usleep(300000);
+    char text[128];
+    snprintf(text, sizeof text, "%s/gnuplot", dir);
+    WAIT_FOR(find_processes(text, NULL) > 0);
     _exit(kill(self, signals[_i]) != 0);
   }
   ck_assert_int_eq(plot_something(dir, &err), TDM_ERR_INTERRUPTED);
@@ -139,7 +141,7 @@ END_TEST
 int main(void) {
   Suite *suite = suite_create("plot");
   TCase *tests = tcase_create("plot");
-  tcase_set_timeout(tests, 60);
+  tcase_set_timeout(tests, TEST_HANGS);
   tcase_add_test(tests, titles_are_data);
   tcase_add_test(tests, files_are_data);
   tcase_add_loop_test(tests, a_signal_ends_a_plot, 0, 3);

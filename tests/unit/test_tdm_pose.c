@@ -166,7 +166,7 @@ START_TEST(points_and_their_velocities) {
 }
 END_TEST
 
-TEST_MAIN("pose", 10, quaternion_matrix_and_back, half_turns_survive_the_matrix, product_turns_one_after_the_other,
+TEST_MAIN("pose", quaternion_matrix_and_back, half_turns_survive_the_matrix, product_turns_one_after_the_other,
           rotation_vector_and_back, a_turn_leads_from_one_orientation_to_the_other, slerp_turns_at_constant_rate,
           slerp_takes_the_short_way, euler_matrix_is_the_product, euler_angles_and_back, euler_singular_angles,
           points_and_their_velocities)

@@ -179,6 +179,6 @@ START_TEST(status_names) {
 }
 END_TEST
 
-TEST_MAIN("scene", 10, a_good_scene_loads, what_is_not_json, a_missing_file, wrong_values_name_their_place,
+TEST_MAIN("scene", a_good_scene_loads, what_is_not_json, a_missing_file, wrong_values_name_their_place,
           unknown_keys_get_the_nearest_name, the_first_error_sticks, orientation_from_euler_angles, places_in_the_text,
           overrides, nearest_names, status_names)

@@ -151,5 +151,5 @@ START_TEST(triangles_without_area) {
 }
 END_TEST
 
-TEST_MAIN("surfaces", 30, one_box, one_of_two_is_inside_out, cavities, a_common_edge, repeated_triangles,
+TEST_MAIN("surfaces", one_box, one_of_two_is_inside_out, cavities, a_common_edge, repeated_triangles,
           triangles_without_area)

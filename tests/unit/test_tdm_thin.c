@@ -77,4 +77,4 @@ START_TEST(tables_are_for_numbers) {
 }
 END_TEST
 
-TEST_MAIN("thin", 10, short_histories_are_whole, long_histories_keep_their_shape, tables_are_for_numbers)
+TEST_MAIN("thin", short_histories_are_whole, long_histories_keep_their_shape, tables_are_for_numbers)
