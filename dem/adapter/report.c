@@ -4,7 +4,6 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/step/integrate.h"
-#include "dem/watch/limits.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -371,12 +370,13 @@ static void report_meshes(dem_report *r, const dem_model *m) {
   json_object_set_new(r->json, "meshes", all);
 }
 
-void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind) {
+tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind, tdm_error *err) {
   const dem_model *m = d->model;
   *r = (dem_report){.json = json_object()};
   json_object_set_new(r->json, "notes", json_array());
   dem_fill fill = dem_fill_now(d);
-  dem_limits limits = dem_limits_expected(d);
+  if (dem_limits_expected(d, &r->limits, err))
+    return err->status;
   json_object_set_new(r->json, "particles", json_integer(d->nparticle));
   json_object_set_new(r->json, "particle_mass", number(fill.mass));
   json_object_set_new(r->json, "fill", report_fill(d, &fill));
@@ -399,9 +399,9 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
   warn_repeats(r, d);
   if (m->start && m->settle.wanted)
     note(r, "the particles of dem.start settled again, as dem.settle asks for");
-  report_limits(r, m, &limits);
-  warn_step(r, m, &limits);
-  warn_speed(r, d, limits.speed);
+  report_limits(r, m, &r->limits);
+  warn_step(r, m, &r->limits);
+  warn_speed(r, d, r->limits.speed);
   warn_plane(r, m);
   warn_scale(r, d);
   warn_triangles(r, m);
@@ -412,6 +412,7 @@ void dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settle
     json_object_set_new(r->json, "settle",
                         json_pack("{s:b, s:b, s:f, s:f, s:f}", "rest", settled->rest, "stored", settled->stored, "time",
                                   settled->time, "dt", settled->dt, "speed", settled->speed));
+  return TDM_OK;
 }
 
 void dem_report_flow(dem_report *r, const dem_data *d) {

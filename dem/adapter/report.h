@@ -4,18 +4,21 @@
 #define DEM_ADAPTER_REPORT_H
 
 #include "dem/flow/settle.h"
+#include "dem/watch/limits.h"
 
 enum { DEM_WARNINGS_MAX = 16 };
 
 typedef struct {
-  json_t *json; /* the figures; owned */
+  json_t *json;      /* the figures; owned */
+  dem_limits limits; /* of the step, at the speed to be expected */
   int nwarning;
   tdm_warning warning[DEM_WARNINGS_MAX];
 } dem_report;
 
 /* Of the state at the start of the run, after settling and before sources made anything. `nbehind` particles are behind
- * planes. */
-void dem_report_make(dem_report *report, const dem_data *data, const dem_settled *settled, int nbehind);
+ * planes. report->json is the caller's, also after an error. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_report_make(dem_report *report, const dem_data *data, const dem_settled *settled, int nbehind,
+                           tdm_error *err);
 
 /* Warn of sources that found no room at the start. */
 void dem_report_flow(dem_report *report, const dem_data *data);

@@ -18,10 +18,9 @@
 #include "dem/step/integrate.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
+#include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
 #include "dem/watch/limits.h"
-#include "dem/watch/stored.h"
-#include "dem/watch/supply.h"
 #include "protocol/base/log.h"
 #include "protocol/base/remark.h"
 
@@ -355,9 +354,10 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_energy_begin(&d->energy);
   dem_guard_begin(d);
-  dem_supply_begin(d);
-  s->contact_time = dem_limits_expected(d).contact;
-  dem_report_make(&s->report, d, &settled, nbehind);
+  dem_energy_balance_begin(d);
+  if (dem_report_make(&s->report, d, &settled, nbehind, err))
+    return err->status;
+  s->contact_time = s->report.limits.contact;
   for (int c = 0; c < m->ncoupled; c++)
     s->load[c] = d->body_load[m->coupled_body[c]];
   for (int l = 0; l < m->nload; l++)
@@ -369,7 +369,7 @@ static tdm_status start(dem_solver *s, tdm_ready *ready, tdm_error *err) {
   dem_report_flow(&s->report, d);
   channel_values(d, s->initial);
 
-  s->energy = dem_supply_look(d);
+  s->energy = dem_energy_balance_look(d);
   ready->energy = &s->energy;
   ready->rest = dem_rest_energy(d);
   ready->load = s->load;
@@ -509,7 +509,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     double t = step_time(d, step, k, dt);
     if (dem_guard(d, t, dt, err))
       return err->status;
-    if (step->has_proxy && dem_guard_bodies_due(d) && dem_guard_bodies(d, dem_proxy_rate2(s->proxy, d), t, dt, err))
+    if (step->has_proxy && dem_guard_proxy(d, s->proxy, t, dt, err))
       return err->status;
     if (!dem_flow(d, t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
@@ -524,7 +524,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
   for (int c = 0; c < m->ncoupled && result->nload == 1; c++)
     result->load[c] = mean_load(&s->load[c], (double)step->nstep);
   if (result->has_energy)
-    *result->energy = dem_supply_look(d);
+    *result->energy = dem_energy_balance_look(d);
   if (step->t1 >= m->time_end - 1e-3 * m->dt) {
     dem_guard_end(d, step->t1);
     dem_flow_end(d, step->t1);

@@ -4,6 +4,7 @@
 
 #include "dem/search/pairs.h"
 #include "dem/state/data.h"
+#include "dem/state/state_file.h"
 #include "dem/step/step.h"
 #include "protocol/base/log.h"
 #include "protocol/base/status.h"
@@ -289,18 +290,20 @@ static tdm_status refuse_coincident(const dem_data *d, bed *b, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
+static tdm_status load_model(engine *e, const options *o, tdm_error *err) {
   tdm_assignment assignment = {.scene = box_scene(o), .dt = o->dt, .n = 1};
-  tdm_status status = dem_model_load(&e->model, &assignment, err);
+  dem_model_load(&e->model, &assignment, err);
   json_decref(assignment.scene);
-  if (status)
-    return status;
+  return err->status;
+}
+
+static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
+  if (load_model(e, o, err))
+    return err->status;
+  if (!(o->skin > 0))
+    e->model->mean_radius = b->mean; /* the scene has no particles; the first skin is a share of it */
   e->data = dem_data_create(e->model);
   bool good = e->data && dem_data_reserve(e->data, b->n);
-  if (good && !(o->skin > 0)) {
-    e->model->mean_radius = b->mean;
-    e->data->skin = 0.05 * b->mean;
-  }
   rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {
     ball s = {0};
@@ -422,33 +425,44 @@ static tdm_status run_steps(dem_data *d, const options *o, long n, tdm_error *er
   return TDM_OK;
 }
 
-/* Largest difference of a force or of a torque by the radius against every pair looked at, one contact at a time, as a
- * share of the largest force. NAN: too many particles, or no memory. */
-static double force_error(dem_data *d) {
-  if (d->nparticle > 20000)
-    return NAN;
-  dem_model plain = *d->model;
+/* An engine in the same state that looks at every pair, one contact at a time. */
+static tdm_status make_referee(engine *referee, dem_data *d, const options *o, tdm_error *err) {
+  options plain = *o;
   plain.simd = "plain";
   plain.search = "all";
-  plain.law = dem_law_find("plain", plain.law->normal, plain.law->tangential, plain.law->more);
-  dem_data *all = dem_data_create(d->model);
-  double worst = 0, largest = 0;
-  bool good = all && dem_data_copy(all, d);
-  if (good) {
-    all->model = &plain;
-    dem_search_destroy(&all->search);
-    good = dem_forces_now(all, false);
+  void *bytes = NULL;
+  size_t size = 0;
+  if (load_model(referee, &plain, err))
+    return err->status;
+  referee->data = dem_data_create(referee->model);
+  if (!referee->data || !dem_state_save(d, &bytes, &size))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", d->nparticle);
+  if (dem_state_load(referee->data, bytes, size, err) == TDM_OK && !dem_forces_now(referee->data, false))
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  free(bytes);
+  return err->status;
+}
+
+/* Largest difference of a force or of a torque by the radius against the referee, as a share of the largest force.
+ * NAN: too many particles. */
+static tdm_status find_force_error(dem_data *d, const options *o, double *error, tdm_error *err) {
+  *error = NAN;
+  if (d->nparticle > 20000)
+    return TDM_OK;
+  engine referee = {0};
+  if (make_referee(&referee, d, o, err) == TDM_OK) {
+    double worst = 0, largest = 0;
+    dem_forces_again(d, false, 0);
+    for (int i = 0; i < d->nparticle; i++) {
+      const dem_push *all = &referee.data->push[i];
+      largest = fmax(largest, tdm_norm(all->force));
+      worst = fmax(worst, tdm_norm(tdm_sub(all->force, d->push[i].force)));
+      worst = fmax(worst, tdm_norm(tdm_sub(all->twist, d->push[i].twist)));
+    }
+    *error = largest > 0 ? worst / largest : worst;
   }
-  dem_forces_again(d, false, 0);
-  for (int i = 0; good && i < d->nparticle; i++) {
-    largest = fmax(largest, tdm_norm(all->push[i].force));
-    worst = fmax(worst, tdm_norm(tdm_sub(all->push[i].force, d->push[i].force)));
-    worst = fmax(worst, tdm_norm(tdm_sub(all->push[i].twist, d->push[i].twist)));
-  }
-  if (all)
-    all->model = d->model;
-  dem_data_destroy(&all);
-  return good ? (largest > 0 ? worst / largest : worst) : NAN;
+  engine_destroy(&referee);
+  return err->status;
 }
 
 static long peak_memory(void) {
@@ -501,8 +515,9 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
                      cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",
                      (double)(touching + d->ncontact) / n, "pairs_per_particle", (double)listed / n, "rebuilds",
                      (json_int_t)(d->nrebuild - rebuilds), "rss_bytes", (json_int_t)rss, "kinetic_energy", energy);
-    double error = force_error(d);
-    json_object_set_new(*out, "force_error", isfinite(error) ? json_real(error) : json_null());
+    double error;
+    if (find_force_error(d, o, &error, err) == TDM_OK)
+      json_object_set_new(*out, "force_error", isfinite(error) ? json_real(error) : json_null());
   }
   engine_destroy(&e);
   return err->status;

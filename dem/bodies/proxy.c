@@ -496,8 +496,8 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   tell_mobilities(x, d);
 }
 
-double dem_proxy_rate2(const dem_proxy *x, const dem_data *d) {
-  return dem_walls_rate2(d, x->f, x->J_now, x->B_now);
+tdm_status dem_proxy_rate2(const dem_proxy *x, const dem_data *d, double *rate2, tdm_error *err) {
+  return dem_walls_rate2(d, x->f, x->J_now, x->B_now, rate2, err);
 }
 
 void dem_proxy_kick(dem_proxy *x, const dem_data *d) {

@@ -112,8 +112,9 @@ static void scale_body(const matrix6 L, int nfree, double *J, double *B, size_t 
     }
 }
 
-/* largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: no memory, or numbers that are none */
-static double largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product, double *value) {
+/* Largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: numbers that are none. False: no memory. */
+static bool largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product, double *value,
+                          double *out) {
   for (size_t i = 0; i < wide; i++)
     for (size_t j = 0; j < wide; j++) {
       double sum = 0;
@@ -123,7 +124,7 @@ static double largest_eigen(int nfree, const double *J, const double *B, size_t 
     }
   gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(wide);
   if (!work)
-    return NAN;
+    return false;
   gsl_matrix_view matrix = gsl_matrix_view_array(product, wide, wide);
   gsl_vector_view values = gsl_vector_view_array(value, wide);
   int status = gsl_eigen_symm(&matrix.matrix, &values.vector, work);
@@ -131,17 +132,21 @@ static double largest_eigen(int nfree, const double *J, const double *B, size_t 
   double largest = 0;
   for (size_t i = 0; i < wide; i++)
     largest = value[i] <= largest ? largest : value[i]; /* keeps a NaN */
-  return status == GSL_SUCCESS ? largest : NAN;
+  *out = status == GSL_SUCCESS ? largest : NAN;
+  return true;
 }
 
 /* The eigenvalues of B K J that are not 0 are those of L^T J B L, K = L L^T, which is symmetric. */
-double dem_walls_rate2(const dem_data *d, int nfree, const double *J, const double *B) {
+tdm_status dem_walls_rate2(const dem_data *d, int nfree, const double *J, const double *B, double *rate2,
+                           tdm_error *err) {
   size_t k = (size_t)d->model->ncoupled, wide = 6 * k, many = wide * (size_t)nfree;
+  *rate2 = 0;
   if (many == 0)
-    return 0;
+    return TDM_OK;
   matrix6 *K = calloc(k, sizeof *K);
-  double *room = malloc((2 * many + wide * wide + wide) * sizeof *room), rate2 = NAN;
-  if (K && room && add_walls(d, K)) {
+  double *room = malloc((2 * many + wide * wide + wide) * sizeof *room);
+  bool good = K && room && add_walls(d, K);
+  if (good) {
     double *left = room, *right = left + many, *product = right + many, *value = product + wide * wide;
     memcpy(left, J, many * sizeof *J);
     memcpy(right, B, many * sizeof *B);
@@ -149,9 +154,9 @@ double dem_walls_rate2(const dem_data *d, int nfree, const double *J, const doub
       factor(K[c]);
       scale_body(K[c], nfree, left + 6 * c * (size_t)nfree, right + 6 * c, wide);
     }
-    rate2 = largest_eigen(nfree, left, right, wide, product, value);
+    good = largest_eigen(nfree, left, right, wide, product, value, rate2);
   }
   free(K);
   free(room);
-  return rate2;
+  return good ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the stiffness of the coupled bodies");
 }

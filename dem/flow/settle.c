@@ -64,14 +64,17 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
   return dem_check_finite(d, out->time, err);
 }
 
-/* step and quiet time: longer than a particle lingers at the top of a bounce */
-static double choose_times(const dem_data *d, dem_settled *out) {
+/* step, and how long it must be quiet: longer than a particle lingers at the top of a bounce */
+static tdm_status choose_times(const dem_data *d, dem_settled *out, double *quiet, tdm_error *err) {
   const dem_model *m = d->model;
-  dem_limits limits = dem_limits_now(d);
+  dem_limits limits;
+  if (dem_limits_now(d, &limits, err))
+    return err->status;
   out->dt = m->settle.dt > 0 ? m->settle.dt : fmin(0.2 * limits.rayleigh, limits.contact / 30);
-  double g = tdm_norm(m->gravity), quiet = 50 * out->dt;
-  quiet = fmax(quiet, isfinite(limits.contact) ? 2 * limits.contact : 0);
-  return fmax(quiet, g > 0 ? 20 * m->settle.speed / g : 0);
+  double g = tdm_norm(m->gravity);
+  *quiet = fmax(50 * out->dt, isfinite(limits.contact) ? 2 * limits.contact : 0);
+  *quiet = fmax(*quiet, g > 0 ? 20 * m->settle.speed / g : 0);
+  return TDM_OK;
 }
 
 static void hold_bodies(dem_data *d) {
@@ -92,7 +95,9 @@ static void stand_still(dem_data *d) {
 /* let the particles come to rest with the bodies held */
 static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   hold_bodies(d); /* first: the bed does not depend on their speeds */
-  double quiet = choose_times(d, out);
+  double quiet;
+  if (choose_times(d, out, &quiet, err))
+    return err->status;
   if (d->model->settle.dt > 0 && dem_check_step(d, out->dt, "dem.settle.dt", err))
     return err->status;
   if (run(d, quiet, p, out, err))
@@ -126,7 +131,9 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
   const dem_settling *settle = &d->model->settle;
   const double close_enough = 0.01; /* of the wanted force */
   hold_bodies(d);
-  double quiet = choose_times(d, out), moved = 0;
+  double quiet, moved = 0;
+  if (choose_times(d, out, &quiet, err))
+    return err->status;
   uint64_t still = 0, most = (uint64_t)fmin(ceil(settle->max_time / out->dt), 1e15);
   for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
     bool pressed = move_lids(d, out->dt) < close_enough;

@@ -9,7 +9,7 @@
 #include "dem/step/domain.h"
 #include "dem/step/integrate.h"
 #include "dem/step/step.h"
-#include "dem/watch/supply.h"
+#include "dem/watch/energy_balance.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -306,7 +306,7 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   dst->strain_dt = src->strain_dt;
   dst->guard = src->guard;
   dst->ledger = src->ledger;
-  dst->supply = src->supply;
+  dst->energy_balance = src->energy_balance;
   dst->list_valid = src->list_valid;
   dst->list_stale = src->list_stale;
   dst->nrebuild = src->nrebuild;
@@ -374,7 +374,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->position_at_list[i] = newcomer->position;
   dem_data_end(d);
   dem_exact_sum_add(&d->ledger.mass, newcomer->mass);
-  dem_supply_flow(d, i, 1);
+  dem_energy_balance_flow(d, i, 1);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
   d->pairs.first[i + 1] = d->pairs.first[i];
@@ -437,7 +437,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
     if (number[i] < 0) {
       d->ledger.removed++;
       dem_exact_sum_add(&d->ledger.mass, -d->mass[i]);
-      dem_supply_flow(d, i, -1);
+      dem_energy_balance_flow(d, i, -1);
       continue;
     }
     d->push[number[i]] = d->push[i];

@@ -91,12 +91,12 @@ typedef struct {
   dem_exact_sum mass;        /* created less removed, without round-off [kg] */
 } dem_ledger;
 
-/* Energy that came in from elsewhere than the coupled bodies (supply.h). */
+/* Energy that came in from elsewhere than the coupled bodies (energy_balance.h). */
 typedef struct {
   double flow, driven; /* since the start of the run [J] */
   double power;        /* of the driven bodies at the last step [W] */
   uint64_t next_look;  /* step from which on the energy may be looked at again */
-} dem_supply;
+} dem_energy_balance;
 
 /* What the guard saw last (guard.h). */
 typedef enum {
@@ -141,7 +141,7 @@ typedef struct dem_data {
   const dem_model *model; /* borrowed */
   uint64_t nstep;         /* steps since the start of the run */
   dem_ledger ledger;
-  dem_supply supply;
+  dem_energy_balance energy_balance;
 
   /* particles, (nparticle) each, room for (capacity) */
   int nparticle, capacity;

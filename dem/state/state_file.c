@@ -50,7 +50,7 @@ typedef struct {
   double skin;
   double memory_dt, strained, strain_dt;
   dem_ledger ledger;
-  dem_supply supply;
+  dem_energy_balance energy_balance;
   dem_guard_state guard;
   dem_energy energy;
 } counters;
@@ -163,7 +163,7 @@ static counters counters_of(const dem_data *d) {
                     .strained = d->strained,
                     .strain_dt = d->strain_dt,
                     .ledger = d->ledger,
-                    .supply = d->supply,
+                    .energy_balance = d->energy_balance,
                     .guard = d->guard,
                     .energy = d->energy};
 }
@@ -371,7 +371,7 @@ static bool get_run(const reader *r, dem_data *d, counters *c) {
   d->strain_steps = c->strain_steps;
   d->strain_dt = c->strain_dt;
   d->ledger = c->ledger;
-  d->supply = c->supply;
+  d->energy_balance = c->energy_balance;
   d->guard = c->guard;
   d->energy = c->energy;
   dem_domain_put(d);

@@ -7,8 +7,8 @@
 #include "dem/search/pairs.h"
 #include "dem/step/domain.h"
 #include "dem/step/integrate.h"
+#include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
-#include "dem/watch/supply.h"
 
 #include <string.h>
 
@@ -227,7 +227,7 @@ bool dem_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n, bool 
   if (d->model->domain.open)
     dem_domain_leave(d);
   if (d->model->ndriven > 0 && !settling)
-    dem_supply_step(d, dt);
+    dem_energy_balance_step(d, dt);
   d->restart = d->restart || settling;
   dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
   d->nstep++;

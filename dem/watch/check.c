@@ -95,7 +95,9 @@ tdm_status dem_check_step(const dem_data *d, double dt, const char *path, tdm_er
   const dem_guard_def *guard = &d->model->guard;
   if (guard->chosen && guard->action == DEM_GUARD_WARN)
     return TDM_OK;
-  dem_limits limits = dem_limits_expected(d);
+  dem_limits limits;
+  if (dem_limits_expected(d, &limits, err))
+    return err->status;
   if (dt > DEM_CONTACT_SHARE_REFUSED * limits.contact)
     tdm_fail(err, TDM_ERR_SCENE, path,
              "%g s is more than half of the shortest contact, %.4g s at %.3g m/s: particles would pass through each "

@@ -5,10 +5,9 @@
 #include "dem/bodies/walls.h"
 #include "dem/step/domain.h"
 #include "dem/watch/check.h"
+#include "dem/watch/energy_balance.h"
 #include "dem/watch/limits.h"
 #include "dem/watch/rim.h"
-#include "dem/watch/stored.h"
-#include "dem/watch/supply.h"
 #include "protocol/base/remark.h"
 
 #include <stdio.h>
@@ -216,7 +215,9 @@ static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_
 /* ---- the step ---- */
 
 static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err) {
-  dem_limits now = dem_limits_now(d);
+  dem_limits now;
+  if (dem_limits_now(d, &now, err))
+    return err->status;
   double eigen = DEM_EIGEN_SHARE * now.eigen, contact = DEM_CONTACT_SHARE_MOST * now.contact;
   if (!(dt > fmin(eigen, contact)))
     return TDM_OK;
@@ -232,7 +233,7 @@ static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err)
 /* t, dt: of the step that ended */
 static bool can_judge(const dem_data *d, double t, double dt) {
   const dem_model *m = d->model;
-  if (!dem_supply_known(m))
+  if (!dem_energy_balance_known(m))
     return false;
   double before = t - (double)m->guard.every * dt; /* the last look */
   for (int b = 0; b < m->nbody; b++)
@@ -246,7 +247,7 @@ static bool can_judge(const dem_data *d, double t, double dt) {
 static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   dem_guard_state *g = &d->guard;
   uint64_t flow = d->ledger.created + d->ledger.removed;
-  dem_stored e = dem_stored_now(d);
+  dem_stored_energy e = dem_stored_energy_now(d);
   double all = e.kinetic + e.potential + e.elastic;
   if (!g->judging || g->flow != flow) {
     g->judging = 1;
@@ -270,12 +271,13 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   return tell(d, DEM_GUARD_ENERGY, "dem", text, t, err);
 }
 
-bool dem_guard_bodies_due(const dem_data *d) {
+tdm_status dem_guard_proxy(dem_data *d, const dem_proxy *proxy, double t, double dt, tdm_error *err) {
   uint64_t every = (uint64_t)d->model->guard.every;
-  return every > 0 && d->nstep % every == 0;
-}
-
-tdm_status dem_guard_bodies(dem_data *d, double rate2, double t, double dt, tdm_error *err) {
+  double rate2;
+  if (every == 0 || d->nstep % every != 0)
+    return TDM_OK;
+  if (dem_proxy_rate2(proxy, d, &rate2, err))
+    return err->status;
   double limit = DEM_EIGEN_SHARE * 2 / sqrt(rate2);
   if (!(dt > limit))
     return TDM_OK;

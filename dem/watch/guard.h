@@ -16,13 +16,14 @@
  *            dem.settle.speed). Judged while nothing but contacts, gravity and
  *            constant forces acts: no body moves or has moved since the last look, no surface (belt) moves, no particle
  *            came or went since, the box is not strained, no force acts along a periodic direction. Elastic is
- *            what the scene's laws store (stored.h); cohesion is not judged
+ *            what the scene's laws store (energy_balance.h); cohesion is not judged
  *   numbers  positions and velocities that are no numbers always stop
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_WATCH_GUARD_H
 #define DEM_WATCH_GUARD_H
 
+#include "dem/bodies/proxy.h"
 #include "dem/state/data.h"
 
 /* Read the section's "guard". */
@@ -40,11 +41,8 @@ tdm_status dem_guard(dem_data *data, double t, double dt, tdm_error *err);
 /* At the end of the run, t [s]: remarks on particles that are lost behind planes, or fall below every wall. */
 void dem_guard_end(const dem_data *data, double t);
 
-/* Is it time for dem_guard_bodies? */
-bool dem_guard_bodies_due(const dem_data *data);
-
-/* For bodies that DEM moves itself (proxy.h): looks whether dt [s] is short enough for them; rate2 [1/s2]: the largest
- * square of a frequency of theirs on their contacts. */
-tdm_status dem_guard_bodies(dem_data *data, double rate2, double t, double dt, tdm_error *err);
+/* The same for bodies that DEM moves itself: looks, every dem.guard.every steps, whether dt [s] is short enough for
+ * them on the springs of their contacts. */
+tdm_status dem_guard_proxy(dem_data *data, const dem_proxy *proxy, double t, double dt, tdm_error *err);
 
 #endif

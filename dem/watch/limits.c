@@ -214,30 +214,31 @@ static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, doubl
     sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);
 }
 
-static double smallest_eigen(const dem_data *d) {
-  double *sum = calloc((size_t)d->nparticle + 1, sizeof *sum), smallest = INFINITY;
+/* the smallest 2/omega [s], inf when nothing touches */
+static tdm_status find_eigen(const dem_data *d, double *smallest, tdm_error *err) {
+  double *sum = calloc((size_t)d->nparticle + 1, sizeof *sum);
   if (!sum)
-    return smallest;
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the limits of the step of %d particles", d->nparticle);
+  *smallest = INFINITY;
   for (int i = 0; i < d->nparticle; i++)
     add_stiffness(d, i, sum);
   for (size_t k = 0; k < d->walls.count; k++)
     add_wall_stiffness(d, &d->walls.entry[k], sum);
   for (int i = 0; i < d->nparticle; i++)
     if (sum[i] > 0)
-      smallest = fmin(smallest, takes(d->model, d->mass[i]) * 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
+      *smallest = fmin(*smallest, takes(d->model, d->mass[i]) * 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
   free(sum);
-  return smallest;
+  return TDM_OK;
 }
 
-static dem_limits limits_at(const dem_data *d, double speed) {
+static tdm_status limits_at(const dem_data *d, double speed, dem_limits *l, tdm_error *err) {
   const dem_model *m = d->model;
-  dem_limits l = {.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
+  *l = (dem_limits){.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
   for (int i = 0; i < d->nparticle; i++)
-    add_particle(&l, m, d->kind[i], d->sphere[i].radius, d->mass[i]);
+    add_particle(l, m, d->kind[i], d->sphere[i].radius, d->mass[i]);
   for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
-    add_particle(&l, m, m->kind[i], m->radius[i], m->mass[i]);
-  l.eigen = smallest_eigen(d);
-  return l;
+    add_particle(l, m, m->kind[i], m->radius[i], m->mass[i]);
+  return find_eigen(d, &l->eigen, err);
 }
 
 static void choose_step(dem_limits *l) {
@@ -249,23 +250,25 @@ static void choose_step(dem_limits *l) {
                                                      : "0.4 of the Rayleigh step";
 }
 
-dem_limits dem_limits_now(const dem_data *d) {
-  dem_limits l = limits_at(d, impact_speed(d));
-  choose_step(&l);
-  return l;
+tdm_status dem_limits_now(const dem_data *d, dem_limits *l, tdm_error *err) {
+  if (limits_at(d, impact_speed(d), l, err))
+    return err->status;
+  choose_step(l);
+  return TDM_OK;
 }
 
-dem_limits dem_limits_expected(const dem_data *d) {
+tdm_status dem_limits_expected(const dem_data *d, dem_limits *l, tdm_error *err) {
   const dem_model *m = d->model;
-  dem_limits l = limits_at(d, dem_expected_speed(d));
+  if (limits_at(d, dem_expected_speed(d), l, err))
+    return err->status;
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     for (int k = 0; k < 2; k++) {
       double r = k ? source->sizes.max : source->sizes.min;
       double full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
-      add_particle(&l, m, source->kind, r, source->mass > 0 ? source->mass : full);
+      add_particle(l, m, source->kind, r, source->mass > 0 ? source->mass : full);
     }
   }
-  choose_step(&l);
-  return l;
+  choose_step(l);
+  return TDM_OK;
 }

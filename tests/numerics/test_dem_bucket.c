@@ -71,7 +71,8 @@ static int count_warnings(json_t *json, const char *path, const char *words) {
   rig *r = rig_make(json, 2e-5, 0, NULL);
   dem_report report;
   int n = 0;
-  dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0);
+  tdm_error err = {0};
+  ck_assert(!dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0, &err));
   for (int k = 0; k < report.nwarning; k++)
     n += strstr(report.warning[k].path, path) && strstr(report.warning[k].message, words);
   json_decref(report.json);

@@ -6,7 +6,7 @@
 #include "dem/model/group_options.h"
 #include "dem/search/search.h"
 #include "dem/state/state_file.h"
-#include "dem/watch/stored.h"
+#include "dem/watch/energy_balance.h"
 #include "tests/test_main.h"
 
 /* ---- every set of laws ---- */
@@ -141,7 +141,7 @@ START_TEST(test_stored_from_the_state) {
     rig *r = scene_of(&l, true, true, "plain", 2e-6);
     for (int k = 0; k < 30; k++) {
       rig_steps(r, 250);
-      double loops = dem_energy_elastic(&r->data->energy), state = dem_stored_now(r->data).elastic;
+      double loops = dem_energy_elastic(&r->data->energy), state = dem_stored_energy_now(r->data).elastic;
       most = fmax(most, loops);
       ck_assert_msg(fabs(state - loops) <= 1e-9 * loops + 1e-20, "%s: %.12g in the loops, %.12g", name_of(&l), loops,
                     state);

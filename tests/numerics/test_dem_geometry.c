@@ -332,7 +332,7 @@ START_TEST(test_read_mesh) {
   ck_assert_int_eq(dem_mesh_contacts(wall->mesh, near, 1, own, 0.3, &c, 1), 1);
   ck_near(c.gap, 0.25, 1e-15);
   dem_report report;
-  dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0);
+  ck_assert(!dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0, &err));
   const json_t *of = json_array_get(json_object_get(report.json, "meshes"), 0);
   ck_assert_int_eq(json_integer_value(json_object_get(of, "open_edges")), 3);
   ck_near(json_real_value(json_object_get(of, "area")), 0.03, 1e-9);

@@ -1,11 +1,13 @@
-/* Stored energy: see stored.h. */
+/* Stored and supplied energy of the particles: see energy_balance.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/watch/stored.h"
+#include "dem/watch/energy_balance.h"
 
 #include "dem/bodies/walls.h"
 #include "dem/contact/theory.h"
 #include "dem/model/group_options.h"
 #include "dem/step/domain.h"
+
+/* ---- stored ---- */
 
 /* A contact as its springs see it. */
 typedef struct {
@@ -131,8 +133,8 @@ double dem_particle_energy(const dem_data *d, int i, double *potential) {
   return kinetic + 0.5 * inertia * tdm_dot(p->spin, p->spin);
 }
 
-dem_stored dem_stored_now(const dem_data *d) {
-  dem_stored e = {0};
+dem_stored_energy dem_stored_energy_now(const dem_data *d) {
+  dem_stored_energy e = {0};
   for (int i = 0; i < d->nparticle; i++) {
     double potential;
     e.kinetic += dem_particle_energy(d, i, &potential);
@@ -143,5 +145,58 @@ dem_stored dem_stored_now(const dem_data *d) {
   }
   for (size_t k = 0; k < d->walls.count; k++)
     e.elastic += elastic_of_wall(d, k);
+  return e;
+}
+
+/* ---- supplied ---- */
+
+bool dem_energy_balance_known(const dem_model *m) {
+  if (m->cohesion != DEM_COHESION_none || m->domain.strained || (m->domain.repeats && m->driven))
+    return false;
+  for (int a = 0; a < 3; a++)
+    if (m->domain.periodic[a] && (&m->gravity.x)[a] != 0)
+      return false;
+  for (int w = 0; w < m->nwall; w++) /* belts */
+    if (m->wall[w].moves)
+      return false;
+  return true;
+}
+
+/* of the driven bodies on the particles [W] */
+static double power_of_bodies(const dem_data *d) {
+  double power = 0;
+  for (int b = 0; b < d->model->nbody; b++) {
+    const tdm_wrench *load = &d->body_load[b];
+    const tdm_twist *twist = &d->twist[b];
+    if (d->model->body[b].drive.given)
+      power -= tdm_dot(load->force, twist->velocity) + tdm_dot(load->moment, twist->angular);
+  }
+  return power;
+}
+
+void dem_energy_balance_begin(dem_data *d) {
+  d->energy_balance = (dem_energy_balance){.power = power_of_bodies(d), .next_look = d->nstep};
+}
+
+void dem_energy_balance_step(dem_data *d, double dt) {
+  double power = power_of_bodies(d);
+  d->energy_balance.driven += 0.5 * dt * (d->energy_balance.power + power);
+  d->energy_balance.power = power;
+}
+
+void dem_energy_balance_flow(dem_data *d, int i, double sign) {
+  double potential, kinetic = dem_particle_energy(d, i, &potential);
+  d->energy_balance.flow += sign * (kinetic + potential);
+}
+
+tdm_energy dem_energy_balance_look(dem_data *d) {
+  const dem_model *m = d->model;
+  tdm_energy e = {.kinetic = NAN, .stored = NAN, .supplied = d->energy_balance.flow + d->energy_balance.driven};
+  if (d->nstep < d->energy_balance.next_look || !dem_energy_balance_known(m))
+    return e;
+  dem_stored_energy now = dem_stored_energy_now(d);
+  d->energy_balance.next_look = d->nstep + (uint64_t)(m->guard.every > 0 ? m->guard.every : DEM_LOOK_STEPS);
+  e.kinetic = now.kinetic;
+  e.stored = now.kinetic + now.potential + now.elastic;
   return e;
 }

@@ -4,7 +4,7 @@
 
 #include "dem/flow/flow.h"
 #include "dem/step/domain.h"
-#include "dem/watch/supply.h"
+#include "dem/watch/energy_balance.h"
 #include "tests/test_main.h"
 
 /* no friction, no damping */
@@ -22,8 +22,8 @@ static void steps(rig *r, long n) {
 
 /* now, whatever was looked at before */
 static tdm_energy look(dem_data *d) {
-  d->supply.next_look = 0;
-  return dem_supply_look(d);
+  d->energy_balance.next_look = 0;
+  return dem_energy_balance_look(d);
 }
 
 START_TEST(a_driven_plate_supplies_what_particles_gain) {
@@ -33,7 +33,7 @@ START_TEST(a_driven_plate_supplies_what_particles_gain) {
                                "'particles':[{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0.02],"
                                "[0.05,0,0.03]]}]}"),
                     2e-6, 0, NULL);
-  dem_supply_begin(r->data);
+  dem_energy_balance_begin(r->data);
   tdm_energy start = look(r->data);
   double most = 0;
   for (int k = 0; k < 250; k++) {
@@ -55,7 +55,7 @@ START_TEST(sources_and_sinks_are_accounted_for) {
                                "'sinks':[{'name':'k','type':'plane','point':[0,0,0.2],'normal':[0,0,1]}]}"),
                     1e-4, 0, NULL);
   ck_assert(dem_flow(r->data, 0, r->model->dt));
-  dem_supply_begin(r->data);
+  dem_energy_balance_begin(r->data);
   double start = look(r->data).stored, least = 0, most = 0;
   for (int k = 0; k < 50; k++) {
     steps(r, 100);
@@ -73,16 +73,16 @@ START_TEST(looks_are_some_steps_apart) {
   rig *r = rig_make(scene_json("{" BALL ",'particles':[{'type':'list','material':'a','radius':0.01,"
                                "'positions':[[0,0,0]]}]}"),
                     1e-5, 0, NULL);
-  dem_supply_begin(r->data);
-  ck_assert(!isnan(dem_supply_look(r->data).stored));
+  dem_energy_balance_begin(r->data);
+  ck_assert(!isnan(dem_energy_balance_look(r->data).stored));
   steps(r, 9);
-  ck_assert(isnan(dem_supply_look(r->data).stored) && isnan(dem_supply_look(r->data).kinetic));
+  ck_assert(isnan(dem_energy_balance_look(r->data).stored) && isnan(dem_energy_balance_look(r->data).kinetic));
   steps(r, 1);
-  ck_assert(!isnan(dem_supply_look(r->data).stored));
+  ck_assert(!isnan(dem_energy_balance_look(r->data).stored));
   /* a copy looks when the original does */
   dem_data *copy = dem_data_create(r->model);
   ck_assert(dem_data_copy(copy, r->data));
-  ck_assert(isnan(dem_supply_look(copy).stored));
+  ck_assert(isnan(dem_energy_balance_look(copy).stored));
   dem_data_destroy(&copy);
   rig_free(r);
 }
@@ -98,12 +98,12 @@ START_TEST(what_cannot_be_accounted_for_is_not_told) {
                                  "'positions':[[0.5,0.5,0.5]]}]}",
                                  extra[i]),
                       1e-5, 0, NULL);
-    dem_supply_begin(r->data);
-    ck_assert_msg(isnan(dem_supply_look(r->data).stored), "scene %d", i);
+    dem_energy_balance_begin(r->data);
+    ck_assert_msg(isnan(dem_energy_balance_look(r->data).stored), "scene %d", i);
     rig_free(r);
   }
 }
 END_TEST
 
-TEST_MAIN("supply", a_driven_plate_supplies_what_particles_gain, sources_and_sinks_are_accounted_for,
+TEST_MAIN("energy_balance", a_driven_plate_supplies_what_particles_gain, sources_and_sinks_are_accounted_for,
           looks_are_some_steps_apart, what_cannot_be_accounted_for_is_not_told)
