@@ -3,6 +3,7 @@
 #include "dem/adapter/report.h"
 
 #include "dem/bodies/walls.h"
+#include "dem/geometry/wall/mesh_wall.h"
 #include "dem/step/integrate.h"
 
 #include <stdarg.h>
@@ -86,7 +87,7 @@ static bool behind(const dem_data *d, tdm_pose frame, tdm_vec3 low, tdm_vec3 hig
   const dem_model *m = d->model;
   for (int w = 0; w < m->nwall; w++) {
     int out = 0;
-    for (int k = 0; k < 9 && dem_wall_endless(&m->wall[w]); k++) {
+    for (int k = 0; k < 9 && m->wall[w].endless; k++) {
       tdm_vec3 n, x = tdm_v3(k & 1 ? low.x : high.x, k & 2 ? low.y : high.y, k & 4 ? low.z : high.z);
       if (k == 8)
         x = tdm_scale(0.5, tdm_add(low, high));
@@ -328,10 +329,11 @@ static void warn_scale(dem_report *r, const dem_data *d) {
   const double diameter = 2 * dem_largest_radius(m);
   for (int w = 0; w < m->nwall; w++) {
     const dem_wall *wall = &m->wall[w];
-    if (!wall->mesh || wall->plates || diameter == 0)
+    const dem_mesh *mesh = dem_wall_mesh(wall);
+    if (!mesh || wall->plates || diameter == 0)
       continue;
     const dem_geometry *g = &m->geometry[wall->geometry];
-    tdm_vec3 low = dem_mesh_figures(wall->mesh)->low, high = dem_mesh_figures(wall->mesh)->high;
+    tdm_vec3 low = dem_mesh_figures(mesh)->low, high = dem_mesh_figures(mesh)->high;
     double size = fmax(high.x - low.x, fmax(high.y - low.y, high.z - low.z));
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "dem.bodies[%d].shapes[%d].scale", g->body, g->number);
@@ -339,18 +341,18 @@ static void warn_scale(dem_report *r, const dem_data *d) {
       warn(r, path,
            "makes \"%s\" %.3g m wide, %.3g diameters of the largest particle; is the file in millimetres? Give "
            "\"scale\": 0.001 then",
-           dem_mesh_name(wall->mesh), size, size / diameter);
+           dem_mesh_name(mesh), size, size / diameter);
     else if (size < few * diameter)
       warn(r, path,
            "makes \"%s\" %.3g m wide, %.2g diameters of the largest particle; a file in metres needs \"scale\": 1",
-           dem_mesh_name(wall->mesh), size, size / diameter);
+           dem_mesh_name(mesh), size, size / diameter);
   }
 }
 
 static void report_meshes(dem_report *r, const dem_model *m) {
   json_t *all = json_array();
   for (int w = 0; w < m->nwall; w++) {
-    const dem_mesh *mesh = m->wall[w].mesh;
+    const dem_mesh *mesh = dem_wall_mesh(&m->wall[w]);
     if (!mesh)
       continue;
     const dem_mesh_report *of = dem_mesh_figures(mesh);

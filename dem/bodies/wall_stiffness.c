@@ -37,45 +37,39 @@ static void add_contact(const dem_data *d, matrix6 K, int particle, int body, do
   add_spring(K, tangential, lever, tdm_v3(0, 0, 1));
 }
 
-/* the contacts of a particle with a wall: entries begin ... end of the list. near: room for as many triangles */
-static void add_entries(const dem_data *d, size_t begin, size_t end, int *near, matrix6 K) {
+/* the contacts of a particle with a wall: entries begin ... end of the list */
+static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) {
   int i = d->walls.entry[begin].particle, w = d->walls.entry[begin].wall;
   const dem_wall *wall = &d->model->wall[w];
   const dem_wall_place *place = &d->wall[w];
   const dem_sphere *s = &d->sphere[i];
   if (s->inverse_mass == 0 && d->mobility[wall->body].per_mass == 0) /* as the loops leave it out */
     return;
-  if (wall->primitive != DEM_MESH) {
+  if (!wall->shape->touches) {
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, place, s->position, &n);
-    if (gap < s->radius && !(dem_wall_endless(wall) && gap <= -s->radius))
+    if (dem_wall_touches(wall, gap, s->radius))
       add_contact(d, K, i, wall->body, gap, n);
     return;
   }
-  dem_mesh_contact found[DEM_MESH_CONTACTS_MAX];
-  for (size_t k = begin; k < end; k++)
-    near[k - begin] = d->walls.entry[k].part;
-  int many = dem_mesh_contacts(wall->mesh, near, (int)(end - begin), dem_wall_own(place, s->position), s->radius, found,
-                               DEM_MESH_CONTACTS_MAX);
+  dem_touch found[DEM_TOUCHES_MAX];
+  int many = wall->shape->touches(wall, &d->walls.entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
+                                  dem_wall_own(place, s->position), s->radius, found);
   for (int c = 0; c < many; c++)
     add_contact(d, K, i, wall->body, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
 }
 
-/* false: no memory */
-static bool add_walls(const dem_data *d, matrix6 *K) {
+static void add_walls(const dem_data *d, matrix6 *K) {
   const dem_wall_contacts *list = &d->walls;
-  int *near = malloc((list->count + 1) * sizeof *near);
-  for (size_t k = 0, next; near && k < list->count; k = next) {
+  for (size_t k = 0, next; k < list->count; k = next) {
     const dem_wall_entry *e = &list->entry[k];
     for (next = k + 1;
          next < list->count && list->entry[next].wall == e->wall && list->entry[next].particle == e->particle;)
       next++;
     int coupled = d->model->body[d->model->wall[e->wall].body].coupled;
     if (coupled >= 0)
-      add_entries(d, k, next, near, K[coupled]);
+      add_entries(d, k, next, K[coupled]);
   }
-  free(near);
-  return near != NULL;
 }
 
 /* ---- the eigenvalue ---- */
@@ -145,8 +139,9 @@ tdm_status dem_walls_rate2(const dem_data *d, int nfree, const double *J, const 
     return TDM_OK;
   matrix6 *K = calloc(k, sizeof *K);
   double *room = malloc((2 * many + wide * wide + wide) * sizeof *room);
-  bool good = K && room && add_walls(d, K);
+  bool good = K && room;
   if (good) {
+    add_walls(d, K);
     double *left = room, *right = left + many, *product = right + many, *value = product + wide * wide;
     memcpy(left, J, many * sizeof *J);
     memcpy(right, B, many * sizeof *B);

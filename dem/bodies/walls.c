@@ -53,7 +53,7 @@ void dem_bodies_drive(dem_data *d, double t) {
 bool dem_behind(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
-  return dem_wall_endless(wall) && dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
+  return wall->endless && dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
 }
 
 void dem_mark_front(dem_data *d, int first) {
@@ -85,7 +85,7 @@ static double lowest(const dem_data *d, tdm_vec3 up) {
   double least = INFINITY;
   for (int w = 0; w < m->nwall; w++) {
     double low, high;
-    const bool plane = m->wall[w].primitive == DEM_PLANE;
+    const bool plane = m->wall[w].shape->half_space;
     if (dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
       least = fmin(least, low);
     else if (!plane || tdm_dot(d->wall[w].normal, up) > level)

@@ -1,12 +1,10 @@
-/* The loop over particles and walls: planes DEM_W particles at a time, what other walls and meshes touch gathered until
+/* The loop over particles and walls: planes DEM_W particles at a time, what touches other walls gathered until
  * there are DEM_W contacts. Only loop.c includes it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_WALL_LOOP_H
 #define DEM_CONTACT_WALL_LOOP_H
 
 #include "dem/contact/law.h"
-
-#include <stdlib.h>
 
 enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM, SX, SY, SZ, PER_INERTIA, WALL_NUMBERS };
 
@@ -145,14 +143,13 @@ DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t 
   const dem_wall *wall = &m->wall[list->entry[begin].wall];
   const dem_wall_place *place = &d->wall[list->entry[begin].wall];
   const double reach = r.more ? m->reach : 0;
-  const bool endless = dem_wall_endless(wall);
   for (size_t k = begin; k < end; k++) {
     const dem_sphere *s = &d->sphere[list->entry[k].particle];
     if (left_out(task, s, wall->body))
       continue;
     tdm_vec3 n;
     double gap = dem_wall_gap(wall, place, s->position, &n);
-    if (gap >= s->radius + reach || (endless && gap <= -s->radius))
+    if (gap >= s->radius + reach || (wall->endless && gap <= -s->radius))
       close_entry(list, k, r.ncolumn);
     else
       add_to_batch(task, b, k, gap, n, r);
@@ -248,21 +245,38 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
   }
 }
 
-/* ---- meshes ---- */
+/* ---- walls with parts: meshes ---- */
 
-/* Hand the history of a contact that ended on a triangle to the one that begins on a neighbour. Entries begin ... end
- * are those of one particle; holds[k - begin]: a contact is there now. */
-static void pass_histories(const dem_mesh *mesh, const dem_wall_contacts *list, size_t begin, size_t end,
-                           const bool *holds, int ncolumn) {
-  for (size_t to = begin; to < end; to++) {
-    bool fresh = holds[to - begin];
-    for (int q = 0; q < ncolumn && fresh; q++)
-      fresh = list->history[(size_t)q * list->capacity + to] == 0;
-    for (size_t from = begin; from < end && fresh; from++) {
-      bool kept = false;
-      for (int q = 0; q < ncolumn && !holds[from - begin]; q++)
-        kept = kept || list->history[(size_t)q * list->capacity + from] != 0;
-      if (!kept || !dem_mesh_passes(mesh, list->entry[from].part, list->entry[to].part))
+/* The entries of one particle with one wall, [begin, end), and those among them, ascending, that are contacts now. */
+typedef struct {
+  size_t begin, end;
+  int n;
+  size_t at[DEM_TOUCHES_MAX];
+} touching_parts;
+
+static bool holds(const touching_parts *now, size_t k) {
+  for (int c = 0; c < now->n; c++)
+    if (now->at[c] == k)
+      return true;
+  return false;
+}
+
+static bool has_history(const dem_wall_contacts *list, size_t k, int ncolumn) {
+  for (int q = 0; q < ncolumn; q++)
+    if (list->history[(size_t)q * list->capacity + k] != 0)
+      return true;
+  return false;
+}
+
+/* Hand the history of a contact that ended on a part to the one that begins on a neighbour. */
+static void pass_histories(const dem_wall *wall, const dem_wall_contacts *list, const touching_parts *now,
+                           int ncolumn) {
+  for (int c = 0; c < now->n && ncolumn > 0; c++) {
+    const size_t to = now->at[c];
+    bool fresh = !has_history(list, to, ncolumn);
+    for (size_t from = now->begin; from < now->end && fresh; from++) {
+      if (!has_history(list, from, ncolumn) || holds(now, from) ||
+          !wall->shape->passes(wall, list->entry[from].part, list->entry[to].part))
         continue;
       for (int q = 0; q < ncolumn; q++) {
         double *column = list->history + (size_t)q * list->capacity;
@@ -274,52 +288,45 @@ static void pass_histories(const dem_mesh *mesh, const dem_wall_contacts *list, 
   }
 }
 
-/* the contacts of one particle with a mesh: entries begin ... end */
-DEM_KERNEL void mesh_of_one(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
+/* the contacts of one particle: entries begin ... end */
+DEM_KERNEL void parts_of_one(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
   const dem_wall_contacts *list = &d->walls;
   int i = list->entry[begin].particle, w = list->entry[begin].wall;
-  const dem_mesh *mesh = m->wall[w].mesh;
+  const dem_wall *wall = &m->wall[w];
   const dem_sphere *s = &d->sphere[i];
-  if (left_out(task, s, m->wall[w].body))
+  if (left_out(task, s, wall->body))
     return;
-  size_t many = end - begin;
-  int small_near[256], *near = many <= 256 ? small_near : malloc(many * sizeof *near);
-  bool small_holds[256], *holds = many <= 256 ? small_holds : malloc(many * sizeof *holds);
-  memset(holds, 0, many * sizeof *holds);
-  size_t at[DEM_MESH_CONTACTS_MAX];
-  dem_mesh_contact found[DEM_MESH_CONTACTS_MAX];
-  for (size_t k = begin; k < end; k++)
-    near[k - begin] = list->entry[k].part;
-  int n = dem_mesh_contacts(mesh, near, (int)(end - begin), dem_wall_own(&d->wall[w], s->position),
-                            s->radius + (r.more ? m->reach : 0), found, DEM_MESH_CONTACTS_MAX);
+  dem_touch found[DEM_TOUCHES_MAX];
+  touching_parts now = {.begin = begin, .end = end};
+  now.n = wall->shape->touches(wall, &list->entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
+                               dem_wall_own(&d->wall[w], s->position), s->radius + (r.more ? m->reach : 0), found);
   size_t k = begin;
-  for (int c = 0; c < n; c++) { /* both ascend */
-    while (list->entry[k].part != found[c].triangle)
+  for (int c = 0; c < now.n; c++) { /* both ascend */
+    while (list->entry[k].part != found[c].part)
       k++;
-    holds[k - begin] = true;
-    at[c] = k;
+    now.at[c] = k;
   }
-  pass_histories(mesh, list, begin, end, holds, r.ncolumn);
-  for (k = begin; k < end; k++)
-    if (!holds[k - begin])
+  pass_histories(wall, list, &now, r.ncolumn);
+  int next = 0;
+  for (k = begin; k < end; k++) {
+    if (next < now.n && now.at[next] == k)
+      next++;
+    else
       close_entry(list, k, r.ncolumn);
-  for (int c = 0; c < n; c++)
-    add_to_batch(task, b, at[c], found[c].gap, tdm_m3_mul(d->wall[w].axes, found[c].normal), r);
-  if (many > 256) {
-    free(near);
-    free(holds);
   }
+  for (int c = 0; c < now.n; c++)
+    add_to_batch(task, b, now.at[c], found[c].gap, tdm_m3_mul(d->wall[w].axes, found[c].normal), r);
 }
 
-DEM_KERNEL void mesh_wall(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
+DEM_KERNEL void wall_with_parts(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
   const dem_wall_contacts *list = &task->data->walls;
   for (size_t k = begin, next; k < end; k = next) {
     next = k + 1;
     while (next < end && list->entry[next].particle == list->entry[k].particle)
       next++;
-    mesh_of_one(task, b, k, next, r);
+    parts_of_one(task, b, k, next, r);
   }
 }
 
@@ -338,10 +345,10 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     const dem_wall *wall = &m->wall[list->entry[k].wall];
     for (next = k + 1; next < last && list->entry[next].wall == list->entry[k].wall;)
       next++;
-    if (wall->primitive == DEM_MESH) {
-      mesh_wall(task, &b, k, next, r);
+    if (wall->shape->touches) {
+      wall_with_parts(task, &b, k, next, r);
     } else {
-      bool whole = !constants.more && wall->primitive == DEM_PLANE && !wall->moves && !m->driven;
+      bool whole = !constants.more && wall->shape->half_space && !wall->moves && !m->driven;
       size_t rest = whole ? next - (next - k) % DEM_W : k;
       plane(task, k, rest, r);
       simple_wall(task, &b, rest, next, r);

@@ -164,7 +164,7 @@ static bool touches(const dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
   double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
-  return gap < d->sphere[i].radius && !(dem_wall_endless(wall) && gap <= -d->sphere[i].radius);
+  return dem_wall_touches(wall, gap, d->sphere[i].radius);
 }
 
 /* is particle i inside sink s by its place alone? */

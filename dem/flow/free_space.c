@@ -137,7 +137,7 @@ static bool overlaps_wall(const dem_data *d, tdm_vec3 x, double radius) {
   for (int w = 0; w < m->nwall; w++) {
     tdm_vec3 n;
     double gap = dem_wall_gap(&m->wall[w], &d->wall[w], x, &n);
-    if (gap < radius && !(dem_wall_endless(&m->wall[w]) && gap <= -radius))
+    if (dem_wall_touches(&m->wall[w], gap, radius))
       return true;
   }
   return false;

@@ -21,14 +21,15 @@
 #ifndef DEM_GEOMETRY_MESH_H
 #define DEM_GEOMETRY_MESH_H
 
+#include "dem/geometry/touch.h"
 #include "protocol/base/stl.h"
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stddef.h>
 
-#define DEM_MESH_FLAT 1e-5           /* angle up to which an edge is flat [rad] */
-#define DEM_MESH_FACET_ANGLE 0.35    /* default facet angle [rad]: 20 degrees */
-enum { DEM_MESH_CONTACTS_MAX = 32 }; /* of one sphere; of more the deepest are kept */
+#define DEM_MESH_FLAT 1e-5        /* angle up to which an edge is flat [rad] */
+#define DEM_MESH_FACET_ANGLE 0.35 /* default facet angle [rad]: 20 degrees */
 
 typedef enum { DEM_EDGE_OPEN, DEM_EDGE_FLAT, DEM_EDGE_CONVEX, DEM_EDGE_CONCAVE, DEM_EDGE_MANY } dem_edge_kind;
 
@@ -75,16 +76,12 @@ int dem_mesh_near(const dem_mesh *mesh, tdm_vec3 x, double range, int *out, int 
 /* Distance of x from the nearest point of the mesh and the unit normal from there towards x. */
 double dem_mesh_gap(const dem_mesh *mesh, tdm_vec3 x, tdm_vec3 *normal);
 
-typedef struct {
-  int triangle;    /* its key: the lowest triangle that has the contact point */
-  double gap;      /* of the sphere's centre from the surface, >= 0 [m] */
-  tdm_vec3 normal; /* unit, from the surface towards the centre */
-} dem_mesh_contact;
-
-/* The contacts of a sphere at x, ascending by triangle. `candidates` (n) must have all triangles nearer than the
- * radius, in any order, and may have others. Returns their number, at most `max`: of more the deepest are kept. */
-int dem_mesh_contacts(const dem_mesh *mesh, const int *candidates, int n, tdm_vec3 x, double radius,
-                      dem_mesh_contact *out, int max);
+/* The contacts of a sphere at x, ascending by their part, the lowest triangle that has the contact point; gaps are >=
+ * 0. The candidates, candidate[0], candidate[stride] ... candidate[(n - 1) * stride], must have all triangles nearer
+ * than the radius, in any order, and may have others. Returns the number of contacts, at most `max`, which is at most
+ * DEM_TOUCHES_MAX: of more the deepest are kept. */
+int dem_mesh_contacts(const dem_mesh *mesh, const int *candidate, size_t stride, int n, tdm_vec3 x, double radius,
+                      dem_touch *out, int max);
 
 /* Does a contact that ended on triangle `from` go on as one that begins on `to`? True for a triangle itself, for
  * facets (a common vertex, planes closer than the facet angle), and over a common edge at any angle: a sphere rolls

@@ -175,22 +175,33 @@ static void insert(touch *t, int *n, touch now) {
       return;
   while (place > 0 && deeper(&now, &t[place - 1]))
     place--;
-  if (place == DEM_MESH_CONTACTS_MAX)
+  if (place == DEM_TOUCHES_MAX)
     return;
-  *n += *n < DEM_MESH_CONTACTS_MAX;
+  *n += *n < DEM_TOUCHES_MAX;
   for (int i = *n - 1; i > place; i--)
     t[i] = t[i - 1];
   t[place] = now;
 }
 
+/* what the caller takes for near: number i is at i * stride */
+typedef struct {
+  const int *number;
+  size_t stride;
+  int n;
+} candidates;
+
+static int candidate_of(const candidates *near, int i) {
+  return near->number[(size_t)i * near->stride];
+}
+
 /* Does the claim's point on the rim of the mesh lie on a triangle that does not belong to it by its vertices, and is
  * nearer to x? */
-static bool bridged(const dem_mesh *m, const int *candidates, int n, tdm_vec3 x, const claim *c, double crack) {
+static bool bridged(const dem_mesh *m, const candidates *near, tdm_vec3 x, const claim *c, double crack) {
   bool open = c->at.on == DEM_ON_EDGE ? m->edge[c->at.feature].kind == DEM_EDGE_OPEN
                                       : c->at.on == DEM_ON_VERTEX && m->rim[c->at.feature];
-  for (int i = 0; open && i < n; i++)
-    if (dem_mesh_nearest(m, candidates[i], x).distance2 < c->at.distance2 &&
-        dem_mesh_nearest(m, candidates[i], c->at.point).distance2 <= crack * crack)
+  for (int i = 0; open && i < near->n; i++)
+    if (dem_mesh_nearest(m, candidate_of(near, i), x).distance2 < c->at.distance2 &&
+        dem_mesh_nearest(m, candidate_of(near, i), c->at.point).distance2 <= crack * crack)
       return true;
   return false;
 }
@@ -208,19 +219,20 @@ static bool first_time(int seen[VERTICES_SEEN], int *n, int vertex) {
   return true;
 }
 
-int dem_mesh_contacts(const dem_mesh *m, const int *candidates, int n, tdm_vec3 x, double radius, dem_mesh_contact *out,
-                      int max) {
-  touch t[DEM_MESH_CONTACTS_MAX];
+int dem_mesh_contacts(const dem_mesh *m, const int *candidate, size_t stride, int n, tdm_vec3 x, double radius,
+                      dem_touch *out, int max) {
+  const candidates near = {candidate, stride, n};
+  touch t[DEM_TOUCHES_MAX];
   int count = 0, seen[VERTICES_SEEN], nseen = 0;
   double crack = fmin(m->crack, 1e-3 * radius);
   for (int i = 0; i < n; i++) {
-    claim c = claim_of(m, candidates[i], x);
+    claim c = claim_of(m, candidate_of(&near, i), x);
     if (!(c.at.distance2 < radius * radius))
       continue;
     if (c.at.on == DEM_ON_VERTEX && !first_time(seen, &nseen, c.at.feature))
       continue;
     touch now = {.claim = descend(m, x, c)};
-    if (bridged(m, candidates, n, x, &now.claim, crack))
+    if (bridged(m, &near, x, &now.claim, crack))
       continue;
     now.gap = dem_mesh_normal(m, now.claim.face, &now.claim.at, x, &now.normal);
     insert(t, &count, now);
@@ -230,9 +242,9 @@ int dem_mesh_contacts(const dem_mesh *m, const int *candidates, int n, tdm_vec3 
   count = count < max ? count : max;
   for (int i = 0; i < count; i++) {
     int place = i;
-    for (; place > 0 && out[place - 1].triangle > t[i].claim.face; place--)
+    for (; place > 0 && out[place - 1].part > t[i].claim.face; place--)
       out[place] = out[place - 1];
-    out[place] = (dem_mesh_contact){t[i].claim.face, t[i].gap, t[i].normal};
+    out[place] = (dem_touch){t[i].claim.face, t[i].gap, t[i].normal};
   }
   return count;
 }

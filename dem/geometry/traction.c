@@ -38,7 +38,7 @@ void dem_traction_add(dem_data *d, double share) {
   const dem_traction *t = &d->traction;
   for (size_t k = 0; t->wanted && k < d->walls.count; k++) {
     const dem_wall_entry *e = &d->walls.entry[k];
-    if (!d->model->wall[e->wall].mesh)
+    if (!d->model->wall[e->wall].shape->parts)
       continue;
     tdm_vec3 *sum = &t->force[d->model->first_triangle[e->wall] + e->part];
     *sum = tdm_axpy(-share, t->entry_force[k], *sum);

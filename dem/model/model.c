@@ -53,14 +53,14 @@ void dem_model_destroy(dem_model **model) {
     free(m->source[i].name);
   for (int i = 0; m->sink && i < m->nsink; i++)
     free(m->sink[i].name);
-  for (int i = 0; m->mesh && i < m->nmesh; i++)
-    dem_mesh_destroy(&m->mesh[i]);
+  for (int w = 0; w < m->nwall; w++)
+    dem_wall_release(&m->wall[w]);
   free(m->settle.store);
   free(m->start);
-  void *arrays[] = {m->pouring,  m->source,       m->sink,           m->box,      m->mesh,
-                    m->material, m->geometry,     m->first_triangle, m->pair,     m->settle_pair,
-                    m->body,     m->coupled_body, m->wall,           m->group,    m->radius,
-                    m->mass,     m->kind,         m->position,       m->velocity, m->spin};
+  void *arrays[] = {m->pouring,      m->source,         m->sink,     m->box,         m->material,
+                    m->geometry,     m->first_triangle, m->pair,     m->settle_pair, m->body,
+                    m->coupled_body, m->wall,           m->group,    m->radius,      m->mass,
+                    m->kind,         m->position,       m->velocity, m->spin};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

@@ -8,7 +8,7 @@
 
 #include "dem/bodies/driven.h"
 #include "dem/contact/table.h"
-#include "dem/geometry/wall/shape.h"
+#include "dem/geometry/wall/wall.h"
 #include "dem/model/sizes.h"
 #include "protocol/wire/participant.h"
 
@@ -221,7 +221,7 @@ typedef struct dem_model {
   int nwall;
   dem_wall *wall; /* (nwall) of all bodies, body by body */
 
-  int ntriangle;       /* of all walls that are meshes, if triangle_forces, else 0 */
+  int ntriangle;       /* of all walls with parts, if triangle_forces, else 0 */
   int *first_triangle; /* (nwall) of these; NULL when there are none */
 
   int ngroup;
@@ -233,9 +233,6 @@ typedef struct dem_model {
 
   int nbox;
   dem_box *box; /* (nbox) containers */
-
-  int nmesh;
-  dem_mesh **mesh; /* (nmesh) owned; walls borrow them */
 
   int nsource, nsink;
   dem_source *source; /* (nsource) */

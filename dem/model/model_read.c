@@ -3,6 +3,7 @@
 #include "dem/model/model_read.h"
 
 #include "dem/contact/contact_read.h"
+#include "dem/geometry/wall/shape.h"
 #include "dem/model/fill.h"
 #include "dem/model/group_options.h"
 #include "dem/step/domain.h"
@@ -235,8 +236,6 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
   m->nwall = walls.count;
   m->box = walls.box;
   m->nbox = walls.nbox;
-  m->mesh = walls.mesh;
-  m->nmesh = walls.nmesh;
   if (!err->status)
     couple_bodies(m, assignment, err);
 }
@@ -245,13 +244,13 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
 
 /* which triangles each mesh has among those of all */
 static void number_triangles(dem_model *m, tdm_object *section) {
-  if (m->nmesh == 0 && !section->err->status)
-    tdm_object_fail(section, "triangle_forces", "there is no mesh in dem.bodies; remove the key, or add a mesh");
   m->first_triangle = allocate((size_t)m->nwall, sizeof *m->first_triangle, section->err);
   for (int w = 0; w < m->nwall && !section->err->status; w++) {
     m->first_triangle[w] = m->ntriangle;
-    m->ntriangle += m->wall[w].mesh ? dem_mesh_figures(m->wall[w].mesh)->triangles : 0;
+    m->ntriangle += m->wall[w].shape->parts ? m->wall[w].shape->parts(&m->wall[w]) : 0;
   }
+  if (m->ntriangle == 0 && !section->err->status)
+    tdm_object_fail(section, "triangle_forces", "there is no mesh in dem.bodies; remove the key, or add a mesh");
 }
 
 static void read_loads(dem_model *m, tdm_object *section) {

@@ -70,56 +70,18 @@ tdm_status dem_snapshot_take(dem_snapshot *s, const dem_data *d, tdm_error *err)
   return TDM_OK;
 }
 
-static void include(dem_bounds *b, tdm_vec3 x, double margin) {
-  b->low = tdm_v3(fmin(b->low.x, x.x - margin), fmin(b->low.y, x.y - margin), fmin(b->low.z, x.z - margin));
-  b->high = tdm_v3(fmax(b->high.x, x.x + margin), fmax(b->high.y, x.y + margin), fmax(b->high.z, x.z + margin));
-}
-
-/* a box of edges 2 half around `center`, in axes that `frame` turns and moves to the world's */
-static void include_box(dem_bounds *b, tdm_pose frame, tdm_vec3 half) {
-  for (int k = 0; k < 8; k++) {
-    tdm_vec3 corner = tdm_v3(k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z);
-    include(b, tdm_pose_point(frame, corner), 0);
-  }
-}
-
-/* the frame of a shape at `point` with `turn` on a body */
-static tdm_pose frame_of(const tdm_pose *body, tdm_vec3 point, tdm_quat turn) {
-  bool turned = turn.w != 0 || turn.x != 0 || turn.y != 0 || turn.z != 0;
-  return (tdm_pose){tdm_pose_point(*body, point), turned ? tdm_quat_mul(body->orientation, turn) : body->orientation};
-}
-
-/* walls that end; planes have no size */
-static void include_wall(dem_bounds *b, const dem_wall *w, const tdm_pose *pose) {
-  tdm_pose frame = frame_of(pose, w->point, w->turn);
-  double r = fmax(w->radius[0], w->radius[1]);
-  if (w->primitive == DEM_SOLID_BOX)
-    include_box(b, frame, w->half);
-  else if (w->primitive == DEM_BALL)
-    include(b, frame.position, r);
-  else if (w->primitive == DEM_CYLINDER)
-    include_box(b, frame, tdm_v3(r, r, 0));
-  else if (w->primitive == DEM_SHELL || w->primitive == DEM_SOLID_FRUSTUM)
-    include_box(b, frame_of(&frame, tdm_v3(0, 0, 0.5 * w->length), (tdm_quat){0}), tdm_v3(r, r, 0.5 * w->length));
-  else if (w->primitive == DEM_MESH) {
-    const dem_mesh_report *mesh = dem_mesh_figures(w->mesh);
-    tdm_vec3 middle = tdm_scale(0.5, tdm_add(mesh->low, mesh->high));
-    include_box(b, frame_of(pose, middle, (tdm_quat){0}), tdm_scale(0.5, tdm_sub(mesh->high, mesh->low)));
-  }
-}
-
 dem_bounds dem_scene_bounds(const dem_data *d, const dem_snapshot *s) {
   const dem_model *m = d->model;
   dem_bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
   for (int i = 0; i < s->count; i++)
-    include(&b, s->position[i], s->radius[i]);
+    dem_bounds_add(&b, s->position[i], s->radius[i]);
   for (int k = 0; k < m->nbox; k++)
-    include_box(&b, frame_of(&d->pose[m->box[k].body], m->box[k].center, m->box[k].turn), m->box[k].half);
+    dem_bounds_add_box(&b, dem_frame_at(&d->pose[m->box[k].body], m->box[k].center, m->box[k].turn), m->box[k].half);
   for (int w = 0; w < m->nwall; w++)
-    include_wall(&b, &m->wall[w], &d->pose[m->wall[w].body]);
+    dem_wall_bounds(&m->wall[w], &d->pose[m->wall[w].body], &b);
   for (int k = 0; k < m->nsource; k++) {
-    include(&b, m->source[k].low, m->source[k].sizes.max);
-    include(&b, m->source[k].high, m->source[k].sizes.max);
+    dem_bounds_add(&b, m->source[k].low, m->source[k].sizes.max);
+    dem_bounds_add(&b, m->source[k].high, m->source[k].sizes.max);
   }
   if (!(b.low.x <= b.high.x))
     b = (dem_bounds){{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};

@@ -20,11 +20,6 @@ typedef struct {
 tdm_status dem_snapshot_take(dem_snapshot *snapshot, const dem_data *data, tdm_error *err);
 void dem_snapshot_free(dem_snapshot *snapshot);
 
-/* An axis-parallel box [m]. */
-typedef struct {
-  tdm_vec3 low, high;
-} dem_bounds;
-
 /* Around the particles, the walls that have a size, and the sources; a cube of 1 m when there is none. */
 dem_bounds dem_scene_bounds(const dem_data *data, const dem_snapshot *snapshot);
 

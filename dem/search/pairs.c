@@ -290,17 +290,17 @@ static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now)
   return good;
 }
 
-/* the triangles near particle i */
-static bool list_mesh(dem_data *d, int i, int w) {
+/* the parts of wall w near particle i */
+static bool list_parts(dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 own = dem_wall_own(&d->wall[w], d->sphere[i].position);
   double range = d->sphere[i].radius + d->model->reach + d->skin;
-  int some[64], *near = some, n = dem_mesh_near(wall->mesh, own, range, some, 64);
+  int some[64], *near = some, n = wall->shape->near(wall, own, range, some, 64);
   if (n > 64) {
     near = malloc((size_t)n * sizeof *near);
     if (!near)
       return false;
-    dem_mesh_near(wall->mesh, own, range, near, n);
+    wall->shape->near(wall, own, range, near, n);
   }
   bool good = true;
   for (int k = 0; k < n && good; k++)
@@ -315,13 +315,13 @@ static bool list_wall(dem_data *d, int i, int w) {
   const dem_model *m = d->model;
   const dem_wall *wall = &m->wall[w];
   const dem_sphere *s = &d->sphere[i];
-  if (wall->primitive == DEM_MESH)
-    return list_mesh(d, i, w);
+  if (wall->shape->near)
+    return list_parts(d, i, w);
   tdm_vec3 n;
   double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
   /* distance from where a contact acts; a plane ends one radius behind its surface */
   double away = gap - s->radius - m->reach;
-  if (dem_wall_endless(wall))
+  if (wall->endless)
     away = fmax(away, -gap - s->radius);
   if (away < d->skin)
     return append_wall(d, (dem_wall_entry){i, w, 0});

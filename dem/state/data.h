@@ -32,10 +32,12 @@ typedef struct {
   size_t count, capacity;
 } dem_pairs;
 
-/* A particle near a wall; `part` is the triangle of a mesh, else 0. */
+/* A particle near a wall; `part` of the wall: the triangle of a mesh; else 0. */
 typedef struct {
   int particle, wall, part;
 } dem_wall_entry;
+
+enum { DEM_PART_STRIDE = sizeof(dem_wall_entry) / sizeof(int) }; /* from the part of one entry to that of the next */
 
 /* Chunk by chunk, in each ascending by wall, particle and part. */
 typedef struct {

@@ -31,7 +31,7 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
     bool lid = false; /* away while settling */
     for (int k = 0; k < m->nbox; k++)
       lid = lid || m->box[k].lid == w;
-    const double what[] = {wall->primitive, wall->body, lid};
+    const double what[] = {wall->shape->number, wall->body, lid};
     h = hash_numbers(h, what, 3);
     if (lid)
       continue;
@@ -41,8 +41,8 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
     const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside,
                            wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
     h = hash_numbers(h, more, sizeof more / sizeof *more);
-    unsigned long long mesh = wall->mesh ? dem_mesh_hash(wall->mesh) : 0;
-    h = hash_bytes(h, &mesh, sizeof mesh);
+    unsigned long long data = wall->shape->hash ? wall->shape->hash(wall) : 0;
+    h = hash_bytes(h, &data, sizeof data);
   }
   for (int k = 0; k < m->nbox; k++) {
     const double lid[] = {m->box[k].lid, m->box[k].gap, m->box[k].press};

@@ -40,7 +40,7 @@ static void check_planes(const dem_model *m, int axis, tdm_error *err) {
   for (int w = 0; w < m->nwall; w++) {
     const dem_body *body = &m->body[m->wall[w].body];
     tdm_vec3 n = tdm_quat_rotate(body->start.pose.orientation, m->wall[w].normal);
-    if (m->wall[w].primitive == DEM_PLANE && fabs((&n.x)[axis]) > 1e-12)
+    if (m->wall[w].shape->half_space && fabs((&n.x)[axis]) > 1e-12)
       tdm_fail(err, TDM_ERR_SCENE, "dem.domain",
                "is periodic in %s, across which a plane of \"%s\" stands (normal [%g, %g, %g]); remove the plane, or "
                "make %s open",

@@ -81,7 +81,7 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
     for (int w = 0; w < m->nwall; w++) {
       tdm_vec3 n;
       double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
-      bool through = dem_wall_endless(&m->wall[w]) && gap <= -d->sphere[i].radius;
+      bool through = m->wall[w].endless && gap <= -d->sphere[i].radius;
       behind = behind || through;
       if (!through && d->sphere[i].radius - gap > overlap_max * d->sphere[i].radius)
         refuse_wall(d, i, w, d->sphere[i].radius - gap, err);

@@ -94,13 +94,13 @@ static void rates_at_wall(const dem_data *d, const dem_wall_entry *e, double gap
   c->at.mass = 1 / dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n);
 }
 
-/* Listed wall k; of the triangles of a mesh the first that is listed stands for the normal law of all, and each has the
+/* Listed wall k; of the parts of a wall the first that is listed stands for the normal law of all, and each has the
  * springs of its own history. */
 static double elastic_of_wall(const dem_data *d, size_t k) {
   const dem_model *m = d->model;
   const dem_wall_entry *e = &d->walls.entry[k];
   const dem_sphere *s = &d->sphere[e->particle];
-  const bool first = k == 0 || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].mesh;
+  const bool first = k == 0 || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].shape->parts;
   tdm_vec3 n;
   double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), overlap = s->radius - gap;
   if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
@@ -110,7 +110,7 @@ static double elastic_of_wall(const dem_data *d, size_t k) {
                .overlap = overlap,
                .history = d->walls.history ? &d->walls.history[k] : NULL,
                .stride = d->walls.capacity,
-               .dt = alone ? step_ahead(d) : 0}; /* the normal of a triangle is not known here */
+               .dt = alone ? step_ahead(d) : 0}; /* the normal at a part is not known here */
   rates_at_wall(d, e, gap, n, &c);
   for (size_t part = k; part < d->walls.count && same_contact(d, k, part); part++)
     c.at.deepest = fmax(c.at.deepest, dem_wall_deepest_so_far(d, part));

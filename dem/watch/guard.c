@@ -100,7 +100,7 @@ static deepest find_deepest(const dem_data *d) {
     const dem_sphere *s = &d->sphere[e->particle];
     tdm_vec3 n;
     double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), share = 1 - gap / s->radius;
-    if (share > worst.share && !(m->wall[e->wall].primitive == DEM_PLANE && share >= 2))
+    if (share > worst.share && !(m->wall[e->wall].shape->half_space && share >= 2))
       worst = (deepest){share, e->particle, -1, e->wall};
   }
   return worst;

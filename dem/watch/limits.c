@@ -14,7 +14,7 @@ double dem_rayleigh(double radius, double density, double shear, double poisson)
 static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
   double deepest = 0;
   for (int w = 0; w < d->model->nwall; w++) {
-    if (d->model->wall[w].primitive != DEM_PLANE)
+    if (!d->model->wall[w].shape->half_space)
       continue;
     tdm_vec3 n;
     double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
@@ -33,7 +33,7 @@ static double poured_speed(const dem_data *d, const dem_pouring *p) {
   tdm_vec3 up = tdm_scale(-1 / g, m->gravity), x = m->position[p->first];
   double fall = fall_of(d, up, x), low, high;
   for (int w = 0; w < m->nwall; w++)
-    if (dem_wall_hollow(&m->wall[w]) && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+    if (!m->wall[w].solid && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
       fall = fmax(fall, tdm_dot(x, up) - low);
   return sqrt(v * v + 2 * g * fall);
 }
@@ -97,7 +97,7 @@ static double fall_height(const dem_data *d) {
     include_box(&e, &m->box[k], d->pose[m->box[k].body]);
   for (int w = 0; w < m->nwall; w++) {
     double low, high;
-    if (dem_wall_hollow(&m->wall[w]) && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
+    if (!m->wall[w].solid && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
       e.low = fmin(e.low, low);
       e.high = fmax(e.high, high);
     }
@@ -121,7 +121,7 @@ static double driven_speed(const dem_data *d) {
     const dem_wall *wall = &m->wall[w];
     if (!wall->moves)
       continue;
-    bool ends = wall->primitive != DEM_PLANE && wall->primitive != DEM_CYLINDER;
+    bool ends = dem_wall_ends(wall);
     fastest = fmax(fastest, ends ? dem_wall_belt_speed(wall) : tdm_norm(wall->surface.velocity));
     for (int i = 0; i < d->nparticle && !ends; i++) {
       tdm_vec3 n;

@@ -41,12 +41,12 @@ int main(void) {
         at[a] = 1 + (n - 2) * ((double)(draw >> 11) * 0x1p-53);
       }
       int near[ROOM];
-      dem_mesh_contact contact[DEM_MESH_CONTACTS_MAX];
+      dem_touch contact[DEM_TOUCHES_MAX];
       tdm_vec3 x = {at[0], at[1], 0.9};
       double begin = tdm_clock();
       int many = dem_mesh_near(mesh, x, 1, near, ROOM);
       double middle = tdm_clock();
-      dem_mesh_contacts(mesh, near, many, x, 1, contact, DEM_MESH_CONTACTS_MAX);
+      dem_mesh_contacts(mesh, near, 1, many, x, 1, contact, DEM_TOUCHES_MAX);
       near_time += middle - begin;
       contact_time += tdm_clock() - middle;
     }

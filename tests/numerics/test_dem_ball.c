@@ -1,6 +1,7 @@
 /* Spheres as walls: geometry, impacts, motion inside one, outputs. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
+#include "dem/geometry/wall/rows.h"
 #include "dem/output/polygon.h"
 #include "dem/output/snapshot.h"
 #include "dem/watch/limits.h"
@@ -28,14 +29,14 @@ START_TEST(geometry) {
   const dem_wall *w = &r->model->wall[0];
   const dem_wall_place *at = &r->data->wall[0];
   tdm_vec3 n;
-  ck_assert_int_eq(w->primitive, DEM_BALL);
+  ck_assert_ptr_eq(w->shape, &dem_shape_sphere);
   ck_near(dem_wall_gap(w, at, tdm_v3(1 + 0.6, 2, 4 + 0.8), &n), 0.5, 1e-14);
   ck_vector(n, tdm_v3(0.6, 0, 0.8), 1e-14);
   ck_near(dem_wall_gap(w, at, tdm_v3(1, 2.25, 4), &n), -0.25, 1e-14);
   ck_vector(n, tdm_v3(0, 1, 0), 1e-14);
   ck_near(dem_wall_gap(w, at, tdm_v3(1, 2, 4), &n), -0.5, 1e-14);
   ck_near(tdm_norm(n), 1, 1e-14);
-  ck_assert(!dem_wall_endless(w) && !dem_wall_hollow(w));
+  ck_assert(!w->endless && w->solid);
   double low, high;
   ck_assert(dem_wall_extent(w, at, tdm_v3(0, 0.6, 0.8), &low, &high));
   ck_near(low, 0.6 * 2 + 0.8 * 4 - 0.5, 1e-14);
@@ -93,7 +94,7 @@ START_TEST(swings_inside) {
       scene_json(SCENE("[0,0,-9.81]", SMOOTH, "'radius':0.21,'side':'inside'", "'positions':[[1.002,2,2.80001]]")),
       1e-5, 0, NULL);
   const dem_data *d = r->data;
-  ck_assert(dem_wall_endless(&r->model->wall[0]) && dem_wall_hollow(&r->model->wall[0]));
+  ck_assert(r->model->wall[0].endless && !r->model->wall[0].solid);
   double before = 0, crossing[3] = {0};
   int n = 0;
   for (long k = 1; k < 400000 && n < 3; k++) {

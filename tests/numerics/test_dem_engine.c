@@ -4,6 +4,7 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/flow/settle.h"
+#include "dem/geometry/wall/rows.h"
 #include "dem/search/pairs.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"
@@ -294,7 +295,7 @@ END_TEST
 
 START_TEST(test_shapes) {
   /* a solid box: faces, edges, corners, and a centre inside */
-  dem_wall box = {.primitive = DEM_SOLID_BOX, .half = {1, 2, 3}};
+  dem_wall box = {.shape = &dem_shape_box, .half = {1, 2, 3}};
   tdm_pose pose = {{10, 0, 0}, tdm_quat_from_rotvec(tdm_v3(0, 0, M_PI / 2))};
   dem_wall_place at = dem_wall_put(&box, &pose);
   tdm_vec3 n;

@@ -4,6 +4,7 @@
 #include "dem/bodies/driven.h"
 #include "dem/bodies/walls.h"
 #include "dem/geometry/frustum.h"
+#include "dem/geometry/wall/mesh_wall.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
@@ -274,7 +275,7 @@ START_TEST(test_read) {
   ck_vector(dem_wall_surface(&m->wall[0], &r->data->wall[0], tdm_v3(10, 2, 0.5), tdm_v3(0, 0, 1)), tdm_v3(2, 0.5, 0),
             1e-14);
   /* a container: an endless cylinder and two planes */
-  ck_assert(m->wall[1].primitive == DEM_CYLINDER && dem_wall_endless(&m->wall[1]));
+  ck_assert(m->wall[1].shape == &dem_shape_cylinder && m->wall[1].endless);
   ck_near(gap_at(r, 1, 10, 1.5, 7, &n), 0.5, 1e-14);
   ck_vector(n, tdm_v3(0, -1, 0), 1e-15);
   ck_near(gap_at(r, 2, 10, 0, -1, &n), 1, 1e-14);
@@ -317,8 +318,7 @@ START_TEST(test_read_mesh) {
   rig *r = load(body);
   unlink(file);
   const dem_wall *wall = &r->model->wall[0];
-  ck_assert_int_eq(r->model->nmesh, 1);
-  ck_assert(wall->primitive == DEM_MESH && wall->mesh == r->model->mesh[0]);
+  ck_assert(wall->shape == &dem_shape_mesh);
   /* turned by 90 degrees about x: its plane is y = 0 */
   tdm_vec3 n, x = tdm_v3(1, 0.25, 0.5);
   ck_near(gap_at(r, 0, x.x, x.y, x.z, &n), 0.25, 1e-15);
@@ -326,10 +326,10 @@ START_TEST(test_read_mesh) {
   ck_near(gap_at(r, 0, 1, 0, 0.75, &n), 0.05, 1e-8);
   ck_vector(dem_wall_surface(wall, &r->data->wall[0], x, tdm_v3(0, 1, 0)), tdm_v3(0, 0, 3), 0);
   int near[1];
-  dem_mesh_contact c;
+  dem_touch c;
   tdm_vec3 own = dem_wall_own(&r->data->wall[0], x);
-  ck_assert_int_eq(dem_mesh_near(wall->mesh, own, 0.3, near, 1), 1);
-  ck_assert_int_eq(dem_mesh_contacts(wall->mesh, near, 1, own, 0.3, &c, 1), 1);
+  ck_assert_int_eq(wall->shape->near(wall, own, 0.3, near, 1), 1);
+  ck_assert_int_eq(dem_mesh_contacts(dem_wall_mesh(wall), near, 1, 1, own, 0.3, &c, 1), 1);
   ck_near(c.gap, 0.25, 1e-15);
   dem_report report;
   ck_assert(!dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0, &err));

@@ -65,10 +65,10 @@ static void add_cube(tdm_stl *s, tdm_vec3 at, unsigned faces) {
   }
 }
 
-static int contacts(const dem_mesh *m, tdm_vec3 x, double radius, dem_mesh_contact *out) {
+static int contacts(const dem_mesh *m, tdm_vec3 x, double radius, dem_touch *out) {
   int near[4096], n = dem_mesh_near(m, x, radius, near, 4096);
   ck_assert_int_le(n, 4096);
-  return dem_mesh_contacts(m, near, n, x, radius, out, DEM_MESH_CONTACTS_MAX);
+  return dem_mesh_contacts(m, near, 1, n, x, radius, out, DEM_TOUCHES_MAX);
 }
 
 static void ck_vector(tdm_vec3 v, tdm_vec3 e, double tolerance) {
@@ -435,7 +435,7 @@ static void sweep_plane(tdm_mat3 to_world, bool turned) {
       continue;
     double radius = pow(10, between(-1, 0.5)), s = side[trial / 3 % 2];
     x = tdm_axpy(s * radius * between(0.7, 0.999), up, x);
-    dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+    dem_touch out[DEM_TOUCHES_MAX];
     int n = contacts(m, x, radius, out);
     if (n != 1)
       ck_abort_msg("trial %d: %d contacts at [%.17g, %.17g, %.17g] radius %.17g", trial, n, x.x, x.y, x.z, radius);
@@ -467,16 +467,16 @@ END_TEST
 /* The history of a contact passes from triangle to triangle all over a path. */
 START_TEST(test_passes) {
   dem_mesh *m = meshed_plane(tdm_m3_identity(), false);
-  dem_mesh_contact now[DEM_MESH_CONTACTS_MAX];
+  dem_touch now[DEM_TOUCHES_MAX];
   int before = -1, changes = 0;
   for (int k = 0; k <= 200000; k++) {
     double s = k / 200000.0;
     ck_assert_int_eq(contacts(m, tdm_v3(-5 + 10 * s, -4.9 + 9.3 * s, 0.99), 1, now), 1);
-    if (before >= 0 && now[0].triangle != before) {
-      ck_assert(dem_mesh_passes(m, before, now[0].triangle));
+    if (before >= 0 && now[0].part != before) {
+      ck_assert(dem_mesh_passes(m, before, now[0].part));
       changes++;
     }
-    before = now[0].triangle;
+    before = now[0].part;
   }
   ck_assert_int_gt(changes, 20);
   ck_assert(!dem_mesh_passes(m, 0, dem_mesh_figures(m)->triangles - 1));
@@ -501,7 +501,7 @@ START_TEST(test_convex) {
     double gap = tdm_norm(d);
     if (gap < 1e-3)
       continue;
-    dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+    dem_touch out[DEM_TOUCHES_MAX];
     ck_assert_int_eq(contacts(m, x, 1.05 * gap, out), 1);
     ck_relative(out[0].gap, gap, 1e-12);
     ck_vector(out[0].normal, tdm_scale(1 / gap, d), 1e-12);
@@ -515,7 +515,7 @@ START_TEST(test_sharp_edge) {
   tdm_stl s = {0};
   add_cube(&s, tdm_v3(0, 0, 0), 63);
   dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
-  dem_mesh_contact now[DEM_MESH_CONTACTS_MAX], before = {0};
+  dem_touch now[DEM_TOUCHES_MAX], before = {0};
   int changes = 0;
   for (int k = 0; k <= 10000; k++) {
     /* the centre's way, 0.09 off the surface: along the top, around the edge, down the side and around the next */
@@ -530,9 +530,9 @@ START_TEST(test_sharp_edge) {
     ck_assert_int_eq(contacts(m, x, 0.1, now), 1);
     ck_near(now[0].gap, 0.09, 1e-14);
     if (k > 0) {
-      ck_assert(dem_mesh_passes(m, before.triangle, now[0].triangle));
+      ck_assert(dem_mesh_passes(m, before.part, now[0].part));
       ck_assert_double_le(tdm_norm(tdm_sub(now[0].normal, before.normal)), 4e-3);
-      changes += now[0].triangle != before.triangle;
+      changes += now[0].part != before.part;
     }
     before = now[0];
   }
@@ -550,7 +550,7 @@ START_TEST(test_fan) {
     add(&s, tdm_v3(0, 0, 0), tdm_v3(cos(a), sin(a), -0.2), tdm_v3(cos(b), sin(b), -0.2));
   }
   dem_mesh *m = mesh_of(&s, DEM_MESH_FACET_ANGLE);
-  dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+  dem_touch out[DEM_TOUCHES_MAX];
   state = 17;
   for (int trial = 0; trial < 200; trial++) {
     double r = trial % 3 ? between(0, 0.015) : 0, a = between(0, 7);
@@ -574,7 +574,7 @@ START_TEST(test_concave) {
   state = 5;
   for (int trial = 0; trial < 20000; trial++) {
     const double radius = 0.25, x[3] = {between(0.2, 0.5), between(0.2, 0.5), trial % 3 ? between(0.2, 0.5) : 0.2};
-    dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+    dem_touch out[DEM_TOUCHES_MAX];
     int n = contacts(m, tdm_v3(x[0], x[1], x[2]), radius, out), touching = 0;
     double sum = 0;
     for (int k = 0; k < 3; k++)
@@ -586,7 +586,7 @@ START_TEST(test_concave) {
     for (int k = 0; k < n; k++) {
       sum -= out[k].gap;
       ck_near(out[k].normal.x + out[k].normal.y + out[k].normal.z, 1, 1e-15);
-      ck_assert(k == 0 || out[k - 1].triangle < out[k].triangle);
+      ck_assert(k == 0 || out[k - 1].part < out[k].part);
     }
     ck_near(sum, 0, 1e-12);
   }
@@ -598,7 +598,7 @@ END_TEST
 START_TEST(test_candidates) {
   dem_mesh *m = soup(400);
   int all[400], n = dem_mesh_figures(m)->triangles;
-  dem_mesh_contact out[DEM_MESH_CONTACTS_MAX], other[DEM_MESH_CONTACTS_MAX];
+  dem_touch out[DEM_TOUCHES_MAX], other[DEM_TOUCHES_MAX];
   for (int trial = 0; trial < 200; trial++) {
     for (int t = 0; t < n; t++)
       all[t] = t;
@@ -608,10 +608,10 @@ START_TEST(test_candidates) {
       all[k] = swap;
     }
     tdm_vec3 x = tdm_v3(between(-1, 1), between(-1, 1), between(-1, 1));
-    int a = contacts(m, x, 0.1, out), b = dem_mesh_contacts(m, all, n, x, 0.1, other, DEM_MESH_CONTACTS_MAX);
+    int a = contacts(m, x, 0.1, out), b = dem_mesh_contacts(m, all, 1, n, x, 0.1, other, DEM_TOUCHES_MAX);
     ck_assert_int_eq(a, b);
     for (int k = 0; k < a; k++) {
-      ck_assert_int_eq(out[k].triangle, other[k].triangle);
+      ck_assert_int_eq(out[k].part, other[k].part);
       ck_assert_double_eq(out[k].gap, other[k].gap);
       ck_vector(out[k].normal, other[k].normal, 0);
     }
@@ -619,7 +619,7 @@ START_TEST(test_candidates) {
       double least = out[0].gap;
       for (int k = 1; k < a; k++)
         least = fmin(least, out[k].gap);
-      ck_assert_int_eq(dem_mesh_contacts(m, all, n, x, 0.1, other, 1), 1);
+      ck_assert_int_eq(dem_mesh_contacts(m, all, 1, n, x, 0.1, other, 1), 1);
       ck_assert_double_eq(other[0].gap, least);
     }
   }
@@ -672,7 +672,7 @@ START_TEST(test_rough) {
         expected[count++] = gap[t];
       }
     }
-    dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+    dem_touch out[DEM_TOUCHES_MAX];
     ck_assert_int_eq(contacts(m, x, radius, out), count);
     several += count > 1;
     for (int k = 0; k < count; k++) {
@@ -717,7 +717,7 @@ START_TEST(test_drum) {
       /* z passes rows: 2 is a row's edge */
       double at = 4 * angle * i / steps, turn = at - angle * (floor(at / angle) + 0.5);
       tdm_vec3 x = tdm_v3(way * cos(at), way * sin(at), 1.5 + 1.0 * i / steps);
-      dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+      dem_touch out[DEM_TOUCHES_MAX];
       ck_assert_int_eq(contacts(m, x, radius + 0.03, out), 1);
       ck_near(out[0].gap, apothem - way * cos(turn), 1e-12);
       if (i > 0) {
@@ -740,7 +740,7 @@ END_TEST
 START_TEST(test_drum_corner) {
   dem_mesh *m = drum(36, 1, 0.1);
   double a = 2 * M_PI / 36;
-  dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+  dem_touch out[DEM_TOUCHES_MAX];
   ck_assert_int_eq(contacts(m, tdm_v3(0.79 * cos(a), 0.79 * sin(a), 0.4), 0.22, out), 2);
   ck_near(out[0].gap, out[1].gap, 1e-14);
   ck_near(acos(tdm_dot(out[0].normal, out[1].normal)), a, 1e-7);
@@ -751,7 +751,7 @@ END_TEST
 /* A sphere nearly as large as the drum touches opposite sides: they are never merged. */
 START_TEST(test_tight_drum) {
   dem_mesh *m = drum(36, 1, DEM_MESH_FACET_ANGLE);
-  dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+  dem_touch out[DEM_TOUCHES_MAX];
   tdm_vec3 sum = {0, 0, 0};
   int n = contacts(m, tdm_v3(0, 0, 0.5), 0.999, out);
   ck_assert_int_gt(n, 8);
@@ -769,7 +769,7 @@ START_TEST(test_drum_outside) {
   for (int i = 0; i <= 20000; i++) {
     double at = 0.5 * i / 20000;
     tdm_vec3 x = tdm_v3(1.19 * cos(at), 1.19 * sin(at), 1.2 + at), n;
-    dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+    dem_touch out[DEM_TOUCHES_MAX];
     ck_assert_int_eq(contacts(m, x, 0.2, out), 1);
     ck_near(out[0].gap, dem_mesh_gap(m, x, &n), 1e-14);
     ck_assert(i == 0 || tdm_norm(tdm_sub(out[0].normal, before)) < 2e-4);
@@ -795,7 +795,7 @@ START_TEST(test_cracks) {
     ck_assert_int_ge(dem_mesh_figures(m)->open, 8);
     for (int i = 0; i <= 20000; i++) {
       double x = i % 3 ? -1 + 2 * i / 20000. : (i % 7 - 3) * 1e-10;
-      dem_mesh_contact out[DEM_MESH_CONTACTS_MAX];
+      dem_touch out[DEM_TOUCHES_MAX];
       int n = contacts(m, tdm_v3(x, 1.5 * sin(i), 0.99), 1, out);
       ck_assert_msg(n == 1, "%d contacts at x = %.17g (%d)", n, x, kind);
       ck_near(out[0].gap, 0.99, 1e-12);
