@@ -66,6 +66,26 @@ static inline void write_file(const char *dir, const char *name, const char *tex
   fclose(f);
 }
 
+/* A new directory (directory_make) with the file scene.json. Single quotes in the text become double ones, so that JSON
+ * may be written in C without backslashes. */
+static inline const char *directory_with_scene(const char *scene) {
+  char text[8192];
+  const char *dir = directory_make();
+  ck_assert_uint_lt(strlen(scene), sizeof text);
+  strcpy(text, scene);
+  for (char *c = text; *c; c++)
+    *c = *c == '\'' ? '"' : *c;
+  write_file(dir, "scene.json", text);
+  return dir;
+}
+
+/* DIR/OUT/NAME exists. */
+static inline bool is_there(const char *dir, const char *out, const char *name) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/%s/%s", dir, out, name);
+  return access(path, F_OK) == 0;
+}
+
 /* Start `tandem` with these arguments (NULL-terminated, the program's name not among them), its output to DIR/output.
  */
 static inline pid_t background(const char *dir, const char *const *arguments) {

@@ -1,7 +1,7 @@
 /* tandem-dem run and check as a user calls them: the files of a run, bit-identity, wrong input, Ctrl-C. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <jansson.h>
@@ -27,19 +27,12 @@ static const char scene[] =
 static const char *dir;
 
 static void setup(void) {
-  dir = directory_make();
-  write_file(dir, "scene.json", scene);
+  dir = directory_with_scene(scene);
 }
 
 static void run(const char *out, const char *options) {
   int status = command("tandem-dem run %s/scene.json --out %s/%s %s", dir, dir, out, options);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
-}
-
-static bool is_there(const char *out, const char *name) {
-  char path[512];
-  snprintf(path, sizeof path, "%s/%s/%s", dir, out, name);
-  return access(path, F_OK) == 0;
 }
 
 static char *read_all(const char *out, const char *name) {
@@ -120,9 +113,7 @@ START_TEST(a_run_writes_its_files) {
   run("out", "--set 'output.pictures={\"times\":[0,0.05],\"view\":\"yz\",\"color\":\"height0\"}'");
   cpl_table t;
   tdm_error err = {0};
-  char path[512];
-  snprintf(path, sizeof path, "%s/out/channels.csv", dir);
-  ck_assert_msg(cpl_table_read(&t, path, &err) == TDM_OK, "%s", err.message);
+  read_table(&t, dir, "out/channels.csv");
   ck_assert_int_eq(t.nrow, 11);
   const double *time = cpl_table_column(&t, "time", &err), *z = cpl_table_column(&t, "particles.com.z", &err);
   ck_assert_ptr_nonnull(z);
@@ -179,7 +170,7 @@ START_TEST(a_run_writes_its_files) {
   free(text);
   static const char *const pictures[] = {"picture_000.png", "picture_001.png", "pictures.png", "channels.png"};
   for (int i = 0; i < 4; i++)
-    ck_assert_msg(is_there("out", pictures[i]), "%s", pictures[i]);
+    ck_assert_msg(is_there(dir, "out", pictures[i]), "%s", pictures[i]);
   directory_remove(dir);
 }
 END_TEST
@@ -219,7 +210,7 @@ START_TEST(without_gnuplot_runs_work) {
                        dir, dir);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
   expect_output("gnuplot is not installed");
-  ck_assert(is_there("out", "picture_002.dat") && is_there("out", "summary.json"));
+  ck_assert(is_there(dir, "out", "picture_002.dat") && is_there(dir, "out", "summary.json"));
   directory_remove(dir);
 }
 END_TEST
@@ -311,7 +302,7 @@ START_TEST(result_directories) {
   expect_output("holds the results of an earlier run");
   expect_output("--force");
   run("out", "--force --set output.particles_interval=0.1");
-  ck_assert(!is_there("out", "particles_000002.vtp")); /* of the run before */
+  ck_assert(!is_there(dir, "out", "particles_000002.vtp")); /* of the run before */
 
   ck_assert_int_eq(command("tandem-dem run %s/scene.json --out %s/scene.json/out", dir, dir), 1);
   expect_output("scene.json: cannot be the result directory, as it is a file");
@@ -351,7 +342,7 @@ START_TEST(a_check_says_what_would_run) {
   expect_output("every 0.01 s: 11 rows");
   expect_output("limits.rayleigh.time");
   expect_output("0 warnings");
-  ck_assert(!is_there(".", "run-out"));
+  ck_assert(!is_there(dir, ".", "run-out"));
   directory_remove(dir);
 }
 END_TEST
@@ -443,9 +434,7 @@ START_TEST(forces_on_triangles) {
   run("out", "--set output.interval=2e-4 --set output.particles_interval=0.02"); /* a sample is one step */
   cpl_table t;
   tdm_error err = {0};
-  char path[512];
-  snprintf(path, sizeof path, "%s/out/channels.csv", dir);
-  ck_assert_msg(cpl_table_read(&t, path, &err) == TDM_OK, "%s", err.message);
+  read_table(&t, dir, "out/channels.csv");
   const double *load[3] = {cpl_table_column(&t, "body.tub.shape1.fx", &err),
                            cpl_table_column(&t, "body.tub.shape1.fy", &err),
                            cpl_table_column(&t, "body.tub.shape1.fz", &err)};

@@ -211,18 +211,7 @@ START_TEST(directories_of_dead_servers_go) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("hostile");
-  TCase *tests = tcase_create("hostile");
-  tcase_set_timeout(tests, TEST_HANGS);
-  tcase_add_test(tests, results_of_somebody_else);
-  tcase_add_test(tests, names_of_a_sweep);
-  tcase_add_test(tests, values_that_differ_in_a_blank_are_two_cells);
-  tcase_add_loop_test(tests, a_report_can_be_ended, 0, 3);
-  tcase_add_test(tests, plots_after_a_run_can_be_ended);
-  tcase_add_test(tests, a_killed_report_takes_gnuplot_with_it);
-  tcase_add_test(tests, cells_of_a_killed_sweep_end);
-  tcase_add_test(tests, directories_of_dead_servers_go);
-  suite_add_tcase(suite, tests);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("hostile", {results_of_somebody_else, 1}, {names_of_a_sweep, 1},
+               {values_that_differ_in_a_blank_are_two_cells, 1}, {a_report_can_be_ended, 3},
+               {plots_after_a_run_can_be_ended, 1}, {a_killed_report_takes_gnuplot_with_it, 1},
+               {cells_of_a_killed_sweep_end, 1}, {directories_of_dead_servers_go, 1})

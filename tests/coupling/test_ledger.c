@@ -2,9 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/ledger.h"
 #include "coupler/loop/window.h"
-#include "coupler/tools/table.h"
 #include "protocol/app/results.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -105,25 +105,13 @@ static double figure(const json_t *ledger, const char *key) {
   return json_number_value(json_object_get(ledger, key));
 }
 
-static void read_csv(const char *dir, const char *name, cpl_table *t) {
-  char path[256];
-  snprintf(path, sizeof path, "%s/out/%s", dir, name);
-  ck_assert_int_eq(cpl_table_read(t, path, NULL), TDM_OK);
-}
-
-static const double *column(const cpl_table *t, const char *name) {
-  const double *c = cpl_table_column(t, name, NULL);
-  ck_assert_msg(c != NULL, "no column %s", name);
-  return c;
-}
-
 START_TEST(impulse_and_balance_of_a_floating_cube) {
   const char *dir = directory_make();
   write_file(dir, "scene.json", floating);
   ck_assert_msg(command("tandem run %s/scene.json --out %s/out --force", dir, dir) == 0, "%s", command_output);
   cpl_table ledger = {0}, body = {0};
-  read_csv(dir, "ledger.csv", &ledger);
-  read_csv(dir, "body_cube.csv", &body);
+  read_table(&ledger, dir, "out/ledger.csv");
+  read_table(&body, dir, "out/body_cube.csv");
   ck_assert_int_eq(ledger.nrow, body.nrow);
   const double *t = column(&body, "time"), *vx = column(&body, "vx"), *vz = column(&body, "vz");
   const double *px = column(&ledger, "cube.impulse.x"), *pz = column(&ledger, "cube.impulse.z");
@@ -173,8 +161,8 @@ START_TEST(momentum_of_an_isolated_system) {
                           "mbd.formulation=%s --set coupling.transport=inproc --set output.interval=2e-3",
                           dir, dir, k % 2 ? 1 : 7, scheme[k / 3], formulation[k % 3]) == 0,
                   "%s", command_output);
-    read_csv(dir, "body_cube.csv", &body);
-    read_csv(dir, "dem.csv", &dem);
+    read_table(&body, dir, "out/body_cube.csv");
+    read_table(&dem, dir, "out/dem.csv");
     for (int c = 0; c < 3; c++) {
       static const char *const v[] = {"vx", "vy", "vz"};
       static const char *const w[] = {"particles.velocity.x", "particles.velocity.y", "particles.velocity.z"};
@@ -392,7 +380,7 @@ START_TEST(without_energies_there_is_no_verdict) {
   ck_assert_double_eq_tol(figure(body, "work_mbd_J"), figure(body, "work_dem_J"), 0.05);
   json_decref(summary);
   cpl_table t = {0};
-  read_csv(dir, "ledger.csv", &t);
+  read_table(&t, dir, "out/ledger.csv");
   ck_assert(cpl_table_column(&t, "energy.mbd", NULL) && !cpl_table_column(&t, "energy.dem", NULL) &&
             !cpl_table_column(&t, "balance", NULL));
   cpl_table_free(&t);

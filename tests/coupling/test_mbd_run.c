@@ -1,7 +1,7 @@
 /* tandem-mbd run and check as a user calls them: the files of a run, bit-identity, wrong input. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <jansson.h>
@@ -21,33 +21,12 @@ static const char scene[] =
 static const char *dir;
 
 static void setup(void) {
-  dir = directory_make();
-  write_file(dir, "scene.json", scene);
+  dir = directory_with_scene(scene);
 }
 
 static void run(const char *out, const char *options) {
   int status = command("tandem-mbd run %s/scene.json --out %s/%s %s", dir, dir, out, options);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
-}
-
-static bool is_there(const char *out, const char *name) {
-  char path[512];
-  snprintf(path, sizeof path, "%s/%s/%s", dir, out, name);
-  return access(path, F_OK) == 0;
-}
-
-static void read_channels(const char *out, cpl_table *t) {
-  char path[512];
-  tdm_error err = {0};
-  snprintf(path, sizeof path, "%s/%s/channels.csv", dir, out);
-  ck_assert_msg(cpl_table_read(t, path, &err) == TDM_OK, "%s", err.message);
-}
-
-static const double *column(const cpl_table *t, const char *name) {
-  tdm_error err = {0};
-  const double *c = cpl_table_column(t, name, &err);
-  ck_assert_msg(c != NULL, "%s", err.message);
-  return c;
 }
 
 static double number(const json_t *json, const char *a, const char *b) {
@@ -63,9 +42,9 @@ START_TEST(a_run_writes_its_files) {
   static const char *const files[] = {"channels.csv", "scene.json",   "summary.json",  "mbd.log",  "motion.png",
                                       "motion.svg",   "energies.png", "reactions.png", "drift.png"};
   for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
-    ck_assert_msg(is_there("out", files[i]), "%s", files[i]);
+    ck_assert_msg(is_there(dir, "out", files[i]), "%s", files[i]);
   cpl_table t;
-  read_channels("out", &t);
+  read_table(&t, dir, "out/channels.csv");
   ck_assert_int_eq(t.nrow, 51);
   const double *time = column(&t, "time"), *x = column(&t, "body.bob.x"), *y = column(&t, "body.bob.y");
   const double *kinetic = column(&t, "energy.kinetic"), *potential = column(&t, "energy.potential");
@@ -110,15 +89,15 @@ START_TEST(windows_and_grid_change_little) {
   run("one", "--set mbd.solver.relative_tolerance=1e-10");
   run("two", "--set mbd.solver.relative_tolerance=1e-10 --set time.dt=0.013 --set output.interval=0.1");
   cpl_table a, b;
-  read_channels("one", &a);
-  read_channels("two", &b);
+  read_table(&a, dir, "one/channels.csv");
+  read_table(&b, dir, "two/channels.csv");
   ck_assert_int_eq(b.nrow, 6);
   for (int i = 0; i < b.nrow; i++)
     ck_assert_double_eq_tol(column(&b, "body.bob.y")[i], column(&a, "body.bob.y")[10 * i], 1e-7);
   cpl_table_free(&a);
   /* a grid that does not end with the run */
   run("three", "--set output.interval=0.03");
-  read_channels("three", &a);
+  read_table(&a, dir, "three/channels.csv");
   ck_assert_int_eq(a.nrow, 18);
   ck_assert_double_eq_tol(column(&a, "time")[16], 0.48, 1e-15);
   ck_assert_double_eq(column(&a, "time")[17], 0.5);
@@ -126,7 +105,7 @@ START_TEST(windows_and_grid_change_little) {
   cpl_table_free(&a);
   run("four", "--set output.interval=0.7");
   expect_output("output.interval: is 0.7 s but the run ends at 0.5 s");
-  read_channels("four", &a);
+  read_table(&a, dir, "four/channels.csv");
   ck_assert_int_eq(a.nrow, 2);
   ck_assert_double_eq(column(&a, "time")[1], 0.5);
   cpl_table_free(&a);
@@ -142,7 +121,7 @@ START_TEST(results_are_kept) {
   expect_output("--force");
   run("out", "--force --set time.end=0.1");
   cpl_table t;
-  read_channels("out", &t);
+  read_table(&t, dir, "out/channels.csv");
   ck_assert_int_eq(t.nrow, 11);
   cpl_table_free(&t);
   directory_remove(dir);
@@ -153,11 +132,12 @@ END_TEST
 START_TEST(plots_can_be_left_out) {
   setup();
   run("out", "--no-plots");
-  ck_assert(is_there("out", "channels.csv") && is_there("out", "summary.json"));
-  ck_assert(!is_there("out", "motion.gp") && !is_there("out", "motion.png") && !is_there("out", "drift.svg"));
+  ck_assert(is_there(dir, "out", "channels.csv") && is_there(dir, "out", "summary.json"));
+  ck_assert(!is_there(dir, "out", "motion.gp") && !is_there(dir, "out", "motion.png") &&
+            !is_there(dir, "out", "drift.svg"));
   ck_assert_int_eq(command("tandem report %s/out", dir), 2);
   expect_output("holds the results of tandem-mbd run, which makes its plots itself");
-  ck_assert(!is_there("out", "time.csv"));
+  ck_assert(!is_there(dir, "out", "time.csv"));
   directory_remove(dir);
 }
 END_TEST
@@ -167,7 +147,7 @@ START_TEST(without_gnuplot_runs_work) {
   int status = command("env PATH=/nowhere " TANDEM_BIN_DIR "/tandem-mbd run %s/scene.json --out %s/out", dir, dir);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
   expect_output("gnuplot is not installed");
-  ck_assert(is_there("out", "channels.csv") && is_there("out", "summary.json"));
+  ck_assert(is_there(dir, "out", "channels.csv") && is_there(dir, "out", "summary.json"));
   directory_remove(dir);
 }
 END_TEST

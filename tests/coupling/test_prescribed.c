@@ -53,13 +53,7 @@ static const char *dir;
 static double reference[2][NTIME]; /* of n = 1: z of the deck, kinetic energy of the grain */
 
 static void setup(const char *scene) {
-  char text[4096];
-  dir = directory_make();
-  snprintf(text, sizeof text, "%s", scene);
-  for (char *c = text; *c; c++)
-    if (*c == '\'')
-      *c = '"';
-  write_file(dir, "scene.json", text);
+  dir = directory_with_scene(scene);
 }
 
 static void run(const char *options) {

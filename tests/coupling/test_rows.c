@@ -1,7 +1,7 @@
 /* A row holds the state of its time, also where that lies inside a DEM step, and the last state is always written. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -31,20 +31,6 @@ static void setup(void) {
   write_file(dir, "coupled.json", text);
 }
 
-static void read_table(cpl_table *t, const char *file) {
-  char path[512];
-  tdm_error err = {0};
-  snprintf(path, sizeof path, "%s/%s", dir, file);
-  ck_assert_msg(cpl_table_read(t, path, &err) == TDM_OK, "%s", err.message);
-}
-
-static const double *column(const cpl_table *t, const char *name) {
-  tdm_error err = {0};
-  const double *c = cpl_table_column(t, name, &err);
-  ck_assert_msg(c != NULL, "%s", err.message);
-  return c;
-}
-
 /* rows on the grid and one of the end */
 static void expect_grid(const cpl_table *t) {
   const double *time = column(t, "time");
@@ -71,7 +57,7 @@ START_TEST(alone) {
   setup();
   cpl_table t;
   ck_assert_msg(command("tandem-dem run %s/falls.json --out %s/out", dir, dir) == 0, "%s", command_output);
-  read_table(&t, "out/channels.csv");
+  read_table(&t, dir, "out/channels.csv");
   expect_fall(&t, 5);
   ck_assert_double_eq(column(&t, "particles.count")[100], 1);
   cpl_table_free(&t);
@@ -86,10 +72,10 @@ START_TEST(coupled) {
     ck_assert_msg(command("tandem run %s/coupled.json --force --out %s/out --set coupling.scheme=%s", dir, dir,
                           i ? "lommen" : "proxy") == 0,
                   "%s", command_output);
-    read_table(&t, "out/dem.csv");
+    read_table(&t, dir, "out/dem.csv");
     expect_fall(&t, 5);
     cpl_table_free(&t);
-    read_table(&t, "out/body_plate.csv");
+    read_table(&t, dir, "out/body_plate.csv");
     expect_grid(&t);
     const double *time = column(&t, "time"), *v = column(&t, "vz"), *z = column(&t, "z");
     for (int k = 0; k < t.nrow; k++) {
@@ -97,7 +83,7 @@ START_TEST(coupled) {
       ck_assert_double_lt(fabs(z[k] + 3 * time[k] + 2 * time[k] * time[k]), 1e-7);
     }
     cpl_table_free(&t);
-    read_table(&t, "out/ledger.csv");
+    read_table(&t, dir, "out/ledger.csv");
     expect_grid(&t);
     cpl_table_free(&t);
   }
@@ -112,7 +98,7 @@ static double impulse(const char *options, const char *channel) {
   cpl_table t;
   ck_assert_msg(command("tandem-dem run %s/bounces.json --force --out %s/out %s", dir, dir, options) == 0, "%s",
                 command_output);
-  read_table(&t, "out/channels.csv");
+  read_table(&t, dir, "out/channels.csv");
   const double *time = column(&t, "time"), *f = column(&t, channel);
   double sum = 0;
   for (int k = 1; k < t.nrow; k++)

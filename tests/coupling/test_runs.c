@@ -1,7 +1,7 @@
 /* Whole runs with tandem's own solvers: bit-identity, the output grid, the last window, Ctrl-C. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -29,8 +29,7 @@ static const char scene[] =
 static const char *dir;
 
 static void setup(void) {
-  dir = directory_make();
-  write_file(dir, "scene.json", scene);
+  dir = directory_with_scene(scene);
 }
 
 static void run(const char *out, const char *options) {
@@ -43,10 +42,9 @@ static void expect_same(const char *a, const char *b, const char *file) {
 }
 
 static void read_body(cpl_table *t, const char *out) {
-  char file[256];
-  tdm_error err = {0};
-  snprintf(file, sizeof file, "%s/%s/body_box.csv", dir, out);
-  ck_assert_msg(cpl_table_read(t, file, &err) == TDM_OK, "%s", err.message);
+  char file[64];
+  snprintf(file, sizeof file, "%s/body_box.csv", out);
+  read_table(t, dir, file);
 }
 
 /* largest difference of the box's height in two runs [m] */

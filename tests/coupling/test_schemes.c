@@ -7,8 +7,8 @@
  * x over 0.2 s beside the rms of x.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <gsl/gsl_linalg.h>
@@ -162,13 +162,7 @@ static void solve_swing(void) {
 /* ---- runs ---- */
 
 static void setup(const char *scene) {
-  char text[4096];
-  dir = directory_make();
-  snprintf(text, sizeof text, "%s", scene);
-  for (char *c = text; *c; c++)
-    if (*c == '\'')
-      *c = '"';
-  write_file(dir, "scene.json", text);
+  dir = directory_with_scene(scene);
 }
 
 static void run(const char *options) {
@@ -180,13 +174,12 @@ static void run(const char *options) {
 
 /* rms of the error of x, as a share of the rms of x */
 static double error(int n, const char *options) {
-  char file[256], line[2048];
+  char line[2048];
   tdm_error err = {0};
   cpl_table t;
   snprintf(line, sizeof line, "--set coupling.n=%d %s", n, options);
   run(line);
-  snprintf(file, sizeof file, "%s/out/body_box.csv", dir);
-  ck_assert_msg(cpl_table_read(&t, file, &err) == TDM_OK, "%s", err.message);
+  read_table(&t, dir, "out/body_box.csv");
   const double *x = cpl_table_column(&t, "x", &err);
   double wrong = 0, all = 0;
   ck_assert_int_eq(t.nrow, NTIME);

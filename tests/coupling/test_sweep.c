@@ -30,8 +30,7 @@ static const char scene[] =
 static const char *dir;
 
 static void setup(void) {
-  dir = directory_make();
-  write_file(dir, "scene.json", scene);
+  dir = directory_with_scene(scene);
 }
 
 static json_t *rows_of(const char *name) {

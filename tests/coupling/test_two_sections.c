@@ -1,8 +1,8 @@
 /* What only both sections of a scene together can get wrong: one file in two places, two gravities. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "protocol/base/stl.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -51,13 +51,11 @@ static void setup(void) {
 
 /* The load at the start: the grain pushes the plate down, at its distance from the centre of mass. */
 static void expect_held(const char *options, double arm) {
-  char file[512];
   cpl_table t;
   tdm_error err = {0};
   int status = command("tandem run %s/scene.json --force --strict --out %s/out %s", dir, dir, options);
   ck_assert_msg(status == 0, "%s", command_output);
-  snprintf(file, sizeof file, "%s/out/body_plate.csv", dir);
-  ck_assert_msg(cpl_table_read(&t, file, &err) == TDM_OK, "%s", err.message);
+  read_table(&t, dir, "out/body_plate.csv");
   double fz = cpl_table_column(&t, "fz", &err)[0], my = cpl_table_column(&t, "my", &err)[0];
   ck_assert_msg(fz < -0.5 && fabs(my / fz + arm) < 1e-6, "%s: the load is %g N with the arm %g m, expected %g m",
                 options, fz, -my / fz, arm);
@@ -168,17 +166,14 @@ START_TEST(both_fall_by_it) {
   setup();
   cpl_table t;
   tdm_error err = {0};
-  char file[512];
   ck_assert_int_eq(command("tandem run %s/scene.json --force --out %s/out --set time.end=0.02 --set 'gravity=[0,0,-2]' "
                            "--set 'mbd.joints=[]' --set 'dem.particles[0].positions=[[0,0,5]]'",
                            dir, dir),
                    0);
-  snprintf(file, sizeof file, "%s/out/dem.csv", dir);
-  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  read_table(&t, dir, "out/dem.csv");
   ck_assert_double_lt(fabs(cpl_table_column(&t, "particles.velocity.z", &err)[t.nrow - 1] + 0.04), 1e-12);
   cpl_table_free(&t);
-  snprintf(file, sizeof file, "%s/out/body_plate.csv", dir);
-  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  read_table(&t, dir, "out/body_plate.csv");
   ck_assert_double_lt(fabs(cpl_table_column(&t, "vz", &err)[t.nrow - 1] + 0.04), 1e-8);
   cpl_table_free(&t);
   write_file(dir, "alone.json",
@@ -187,8 +182,7 @@ START_TEST(both_fall_by_it) {
              "[\"m\", \"m\"], \"restitution\": 0.1, \"friction\": 0.5}], \"particles\": [{\"type\": \"list\", "
              "\"material\": \"m\", \"radius\": 0.01, \"positions\": [[0, 0, 1]]}]}}");
   ck_assert_int_eq(command("tandem-dem run %s/alone.json --out %s/alone", dir, dir), 0);
-  snprintf(file, sizeof file, "%s/alone/channels.csv", dir);
-  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  read_table(&t, dir, "alone/channels.csv");
   ck_assert_double_lt(fabs(cpl_table_column(&t, "particles.velocity.z", &err)[t.nrow - 1] + 0.04), 1e-12);
   cpl_table_free(&t);
   directory_remove(dir);

@@ -108,13 +108,9 @@ int main(void) {
     fprintf(stderr, "cases.json:%d: %s\n", error.line, error.text);
     return EXIT_FAILURE;
   }
-  Suite *suite = suite_create("healthy");
-  TCase *tests = tcase_create("healthy");
-  tcase_set_timeout(tests, TEST_HANGS);
-  tcase_add_loop_test(tests, in_order, 0, (int)json_array_size(cases));
-  tcase_add_loop_test(tests, sabotaged, 0, (int)json_array_size(cases));
-  suite_add_tcase(suite, tests);
-  int status = run_suite(suite);
+  const int ncase = (int)json_array_size(cases);
+  const test_row rows[] = {{in_order, ncase}, {sabotaged, ncase}};
+  int status = test_run("healthy", rows, sizeof rows / sizeof *rows);
   json_decref(cases);
   return status;
 }

@@ -426,18 +426,6 @@ START_TEST(test_histories_turn) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem energy");
-  TCase *all = tcase_create("sets of laws");
-  tcase_set_timeout(all, TEST_HANGS);
-  tcase_add_loop_test(all, test_energy, 0, NROW);
-  tcase_add_loop_test(all, test_stored_from_the_state, 0, NROW);
-  tcase_add_test(all, test_energy_of_substeps);
-  tcase_add_loop_test(all, test_energy_from_outside, 0, 4);
-  tcase_add_loop_test(all, test_momentum, 0, NROW);
-  tcase_add_loop_test(all, test_same_bits, 0, NROW);
-  tcase_add_loop_test(all, test_lists_do_not_matter, 0, DEM_ROLLINGS * DEM_TWISTINGS);
-  tcase_add_test(all, test_histories_turn);
-  suite_add_tcase(suite, all);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("dem energy", {test_energy, NROW}, {test_stored_from_the_state, NROW}, {test_energy_of_substeps, 1},
+               {test_energy_from_outside, 4}, {test_momentum, NROW}, {test_same_bits, NROW},
+               {test_lists_do_not_matter, DEM_ROLLINGS *DEM_TWISTINGS}, {test_histories_turn, 1})

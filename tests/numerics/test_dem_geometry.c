@@ -549,24 +549,7 @@ START_TEST(test_belt_turns) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem_geometry");
-  TCase *tests = tcase_create("dem_geometry");
-  tcase_set_timeout(tests, TEST_HANGS);
-  tcase_add_loop_test(tests, test_shell, 0, 5);
-  tcase_add_loop_test(tests, test_solid, 0, 5);
-  tcase_add_test(tests, test_round_exact);
-  tcase_add_test(tests, test_driven);
-  tcase_add_loop_test(tests, test_belt, 0, 2);
-  tcase_add_test(tests, test_spinning_surface);
-  tcase_add_loop_test(tests, test_belt_slope, 0, 4);
-  tcase_add_test(tests, test_belt_carries);
-  tcase_add_loop_test(tests, test_belt_turns, 0, 5);
-  tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_read);
-  tcase_add_test(tests, test_read_mesh);
-  tcase_add_test(tests, test_rolling);
-  tcase_add_test(tests, test_groove);
-  suite_add_tcase(suite, tests);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("dem_geometry", {test_shell, 5}, {test_solid, 5}, {test_round_exact, 1}, {test_driven, 1},
+               {test_belt, 2}, {test_spinning_surface, 1}, {test_belt_slope, 4}, {test_belt_carries, 1},
+               {test_belt_turns, 5}, {test_refused, 1}, {test_read, 1}, {test_read_mesh, 1}, {test_rolling, 1},
+               {test_groove, 1})

@@ -625,36 +625,11 @@ START_TEST(test_no_elastic_constants) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem laws");
-  TCase *all = tcase_create("laws");
-  tcase_set_timeout(all, TEST_HANGS);
-  tcase_add_test(all, test_glass_balls);
-  tcase_add_loop_test(all, test_impacts, 0, sizeof impacts / sizeof impacts[0]);
-  const TTest *const tests[] = {test_contact_time_given,
-                                test_linear_clip,
-                                test_hunt_crossley,
-                                test_hunt_crossley_floor,
-                                test_hysteretic_adhesion,
-                                test_hysteretic_path,
-                                test_constant_viscosity,
-                                test_coulomb,
-                                test_viscous,
-                                test_static_friction,
-                                test_rolling_resistance,
-                                test_rolling_on_incline,
-                                test_twisting,
-                                test_jkr,
-                                test_jkr_impact,
-                                test_dmt,
-                                test_sjkr,
-                                test_settle_overrides,
-                                test_wall_work,
-                                test_no_elastic_constants};
-  for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++)
-    tcase_add_test(all, tests[k]);
-  tcase_add_loop_test(all, test_rolling_from_sliding, 0, 6);
-  tcase_add_loop_test(all, test_refused, 0, sizeof refused / sizeof refused[0]);
-  suite_add_tcase(suite, all);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("dem laws", {test_glass_balls, 1}, {test_impacts, sizeof impacts / sizeof impacts[0]},
+               {test_contact_time_given, 1}, {test_linear_clip, 1}, {test_hunt_crossley, 1},
+               {test_hunt_crossley_floor, 1}, {test_hysteretic_adhesion, 1}, {test_hysteretic_path, 1},
+               {test_constant_viscosity, 1}, {test_coulomb, 1}, {test_viscous, 1}, {test_static_friction, 1},
+               {test_rolling_resistance, 1}, {test_rolling_on_incline, 1}, {test_twisting, 1}, {test_jkr, 1},
+               {test_jkr_impact, 1}, {test_dmt, 1}, {test_sjkr, 1}, {test_settle_overrides, 1}, {test_wall_work, 1},
+               {test_no_elastic_constants, 1}, {test_rolling_from_sliding, 6},
+               {test_refused, sizeof refused / sizeof refused[0]})

@@ -338,16 +338,6 @@ START_TEST(test_undetermined) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd friction");
-  TCase *tcase = tcase_create("friction");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  const TTest *tests[] = {test_slope,   test_breakaway, test_stick_slip, test_drawer,  test_bearing,
-                          test_linkage, test_motor,     test_stribeck,   test_windows, NULL};
-  for (int i = 0; tests[i]; i++)
-    tcase_add_loop_test(tcase, tests[i], 0, 3);
-  tcase_add_test(tcase, test_pendulum);
-  tcase_add_test(tcase, test_undetermined);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd friction", {test_slope, 3}, {test_breakaway, 3}, {test_stick_slip, 3}, {test_drawer, 3},
+               {test_bearing, 3}, {test_linkage, 3}, {test_motor, 3}, {test_stribeck, 3}, {test_windows, 3},
+               {test_pendulum, 1}, {test_undetermined, 1})

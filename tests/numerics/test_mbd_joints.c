@@ -380,25 +380,7 @@ START_TEST(test_table_ends) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_joints");
-  TCase *tcase = tcase_create("joints");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  tcase_add_test(tcase, test_screw);
-  tcase_add_loop_test(tcase, test_gear, 0, 2);
-  tcase_add_loop_test(tcase, test_fast_gear, 0, 2);
-  tcase_add_test(tcase, test_planet);
-  tcase_add_test(tcase, test_rack);
-  tcase_add_test(tcase, test_conical_pendulum);
-  tcase_add_test(tcase, test_rod_or_ball);
-  tcase_add_test(tcase, test_universal);
-  tcase_add_test(tcase, test_slopes);
-  tcase_add_test(tcase, test_point_in_plane);
-  tcase_add_test(tcase, test_link);
-  tcase_add_test(tcase, test_two_drivers);
-  tcase_add_test(tcase, test_prescribed_pose);
-  tcase_add_test(tcase, test_offset_law);
-  tcase_add_test(tcase, test_table_ends);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_joints", {test_screw, 1}, {test_gear, 2}, {test_fast_gear, 2}, {test_planet, 1}, {test_rack, 1},
+               {test_conical_pendulum, 1}, {test_rod_or_ball, 1}, {test_universal, 1}, {test_slopes, 1},
+               {test_point_in_plane, 1}, {test_link, 1}, {test_two_drivers, 1}, {test_prescribed_pose, 1},
+               {test_offset_law, 1}, {test_table_ends, 1})

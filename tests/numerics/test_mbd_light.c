@@ -187,15 +187,7 @@ START_TEST(forces_that_do_not_add_up_are_found) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_light");
-  TCase *tcase = tcase_create("light");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  tcase_add_loop_test(tcase, a_ram_feels_all_it_lifts, 0, CASES);
-  tcase_add_loop_test(tcase, a_start_that_does_not_fit_is_put_right, 0, CASES);
-  tcase_add_loop_test(tcase, a_motor_feels_all_it_turns, 0, CASES);
-  tcase_add_loop_test(tcase, a_parallelogram_has_the_same_forces_with_looser_joints, 0, 3 * RATIOS * 3);
-  tcase_add_test(tcase, forces_that_do_not_add_up_are_found);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_light", {a_ram_feels_all_it_lifts, CASES}, {a_start_that_does_not_fit_is_put_right, CASES},
+               {a_motor_feels_all_it_turns, CASES},
+               {a_parallelogram_has_the_same_forces_with_looser_joints, 3 * RATIOS * 3},
+               {forces_that_do_not_add_up_are_found, 1})

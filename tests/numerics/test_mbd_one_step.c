@@ -636,33 +636,8 @@ START_TEST(test_chain) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_one_step");
-  TCase *tcase = tcase_create("one_step");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  tcase_add_loop_test(tcase, test_order, 0, 3);
-  tcase_add_test(tcase, test_heavy_top);
-  tcase_add_test(tcase, test_energy);
-  tcase_add_loop_test(tcase, test_impulse, 0, 3);
-  tcase_add_test(tcase, test_stiff_start);
-  tcase_add_test(tcase, test_restarts);
-  tcase_add_test(tcase, test_white_noise);
-  tcase_add_test(tcase, test_samples);
-  tcase_add_test(tcase, test_work);
-  tcase_add_test(tcase, test_max_step);
-  tcase_add_test(tcase, test_chain);
-  tcase_add_test(tcase, test_redundant);
-  tcase_add_test(tcase, test_fast);
-  tcase_add_test(tcase, test_many_turns);
-  tcase_add_loop_test(tcase, test_turns_in_a_window, 0, 3);
-  tcase_add_test(tcase, test_steps_of_samples);
-  tcase_add_test(tcase, test_small_and_far);
-  tcase_add_test(tcase, test_bad_load);
-  tcase_add_loop_test(tcase, test_tiny_steps, 0, 2);
-  tcase_add_test(tcase, test_bouncing);
-  tcase_add_test(tcase, test_restitution);
-  tcase_add_test(tcase, test_long_window);
-  tcase_add_loop_test(tcase, test_save, 0, 2);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_one_step", {test_order, 3}, {test_heavy_top, 1}, {test_energy, 1}, {test_impulse, 3},
+               {test_stiff_start, 1}, {test_restarts, 1}, {test_white_noise, 1}, {test_samples, 1}, {test_work, 1},
+               {test_max_step, 1}, {test_chain, 1}, {test_redundant, 1}, {test_fast, 1}, {test_many_turns, 1},
+               {test_turns_in_a_window, 3}, {test_steps_of_samples, 1}, {test_small_and_far, 1}, {test_bad_load, 1},
+               {test_tiny_steps, 2}, {test_bouncing, 1}, {test_restitution, 1}, {test_long_window, 1}, {test_save, 2})

@@ -493,7 +493,7 @@ static void expect_same(const tdm_mobility *a, const tdm_mobility *b) {
  * place in the list, beyond the limit or not */
 START_TEST(test_component) {
   const char *names[] = {"l1", "l0"};
-  const int nother = _i;
+  const int nother = _i + 1;
   char scene[16384], before[4096] = "", behind[4096] = "", ties[4096] = "", joints[1024] = "";
   for (int i = 0; i < nother; i++) {
     char name[8], *to = i % 2 ? before : behind;
@@ -589,22 +589,8 @@ START_TEST(test_many_freedoms) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_reduced");
-  TCase *tcase = tcase_create("reduced");
-  const int n = sizeof scenes / sizeof scenes[0];
-  tcase_add_test(tcase, test_free_body);
-  tcase_add_test(tcase, test_prismatic);
-  tcase_add_test(tcase, test_arm);
-  tcase_add_test(tcase, test_torsional);
-  tcase_add_test(tcase, test_driven);
-  tcase_add_test(tcase, test_cap);
-  tcase_add_loop_test(tcase, test_differences, 0, n);
-  tcase_add_loop_test(tcase, test_light_and_heavy, 0, 4);
-  tcase_add_loop_test(tcase, test_mobility, 0, n);
-  tcase_add_loop_test(tcase, test_component, 1, 9);
-  tcase_add_loop_test(tcase, test_ties, 0, 4);
-  tcase_add_test(tcase, test_many_freedoms);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+enum { NSCENE = sizeof scenes / sizeof scenes[0] };
+
+TEST_MAIN_ROWS("mbd_reduced", {test_free_body, 1}, {test_prismatic, 1}, {test_arm, 1}, {test_torsional, 1},
+               {test_driven, 1}, {test_cap, 1}, {test_differences, NSCENE}, {test_light_and_heavy, 4},
+               {test_mobility, NSCENE}, {test_component, 8}, {test_ties, 4}, {test_many_freedoms, 1})

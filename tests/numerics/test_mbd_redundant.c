@@ -280,20 +280,6 @@ START_TEST(test_restart) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_redundant");
-  TCase *tcase = tcase_create("redundant");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  tcase_add_test(tcase, test_four_bar);
-  tcase_add_test(tcase, test_door);
-  tcase_add_loop_test(tcase, test_nearly_dependent, 0, 3);
-  tcase_add_loop_test(tcase, test_refused, 0, sizeof bad / sizeof bad[0]);
-  tcase_add_test(tcase, test_singular);
-  tcase_add_test(tcase, test_standstill);
-  tcase_add_loop_test(tcase, test_tolerances, 0, 3);
-  tcase_add_test(tcase, test_advice);
-  tcase_add_test(tcase, test_restart);
-  tcase_add_loop_test(tcase, test_balance, 0, 3);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_redundant", {test_four_bar, 1}, {test_door, 1}, {test_nearly_dependent, 3},
+               {test_refused, sizeof bad / sizeof bad[0]}, {test_singular, 1}, {test_standstill, 1},
+               {test_tolerances, 3}, {test_advice, 1}, {test_restart, 1}, {test_balance, 3})

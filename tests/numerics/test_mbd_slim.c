@@ -90,13 +90,5 @@ START_TEST(what_would_turn_it_is_refused) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_slim");
-  TCase *tcase = tcase_create("slim");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  tcase_add_loop_test(tcase, a_rod_on_a_ball_goes_round_in_a_cone, 0, 3);
-  tcase_add_loop_test(tcase, a_hinged_rod_swings_as_any_other, 0, 3);
-  tcase_add_loop_test(tcase, what_would_turn_it_is_refused, 0, sizeof bad / sizeof bad[0]);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_slim", {a_rod_on_a_ball_goes_round_in_a_cone, 3}, {a_hinged_rod_swings_as_any_other, 3},
+               {what_would_turn_it_is_refused, sizeof bad / sizeof bad[0]})

@@ -193,17 +193,5 @@ START_TEST(test_long_load) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd windows");
-  TCase *tcase = tcase_create("windows");
-  tcase_set_timeout(tcase, TEST_HANGS);
-  tcase_add_test(tcase, test_oscillator);
-  tcase_add_test(tcase, test_cut_into_windows);
-  tcase_add_test(tcase, test_tiny_windows);
-  tcase_add_test(tcase, test_samples);
-  tcase_add_test(tcase, test_jumps);
-  tcase_add_loop_test(tcase, test_momentum, 0, 9);
-  tcase_add_test(tcase, test_long_load);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd windows", {test_oscillator, 1}, {test_cut_into_windows, 1}, {test_tiny_windows, 1},
+               {test_samples, 1}, {test_jumps, 1}, {test_momentum, 9}, {test_long_load, 1})

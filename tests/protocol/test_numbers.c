@@ -53,13 +53,7 @@ static const struct {
 static const char *dir;
 
 static void setup(void) {
-  char text[2048];
-  dir = directory_make();
-  snprintf(text, sizeof text, "%s", scene);
-  for (char *c = text; *c; c++)
-    if (*c == '\'')
-      *c = '"';
-  write_file(dir, "scene.json", text);
+  dir = directory_with_scene(scene);
 }
 
 static int run(const char *role, const char *lie) {

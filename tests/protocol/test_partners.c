@@ -1,7 +1,7 @@
 /* The real server against a dummy solver that behaves, and one that does not. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/table.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -20,8 +20,7 @@ static const char scene[] =
 static const char *dir;
 
 static void setup(void) {
-  dir = directory_make();
-  write_file(dir, "scene.json", scene);
+  dir = directory_with_scene(scene);
 }
 
 static int run_with(const char *fault, const char *window) {
@@ -34,11 +33,9 @@ START_TEST(dummy_is_an_oscillator) {
   setup();
   int status = run_with("", NULL);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
-  char file[256];
   cpl_table t;
   tdm_error err = {0};
-  snprintf(file, sizeof file, "%s/out/body_mass.csv", dir);
-  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  read_table(&t, dir, "out/body_mass.csv");
   const double *time = cpl_table_column(&t, "time", &err), *x = cpl_table_column(&t, "x", &err);
   const double *fx = cpl_table_column(&t, "fx", &err);
   ck_assert_int_eq(t.nrow, 201);
@@ -47,8 +44,7 @@ START_TEST(dummy_is_an_oscillator) {
   for (int i = 1; i < t.nrow; i++)
     ck_assert_double_eq_tol(fx[i], -10 * sin(10 * (time[i] - 0.45e-3)), 2e-3);
   cpl_table_free(&t);
-  snprintf(file, sizeof file, "%s/out/dem.csv", dir);
-  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  read_table(&t, dir, "out/dem.csv");
   ck_assert_double_eq_tol(cpl_table_column(&t, "dummy.time", &err)[200], 0.2, 1e-12);
   cpl_table_free(&t);
   expect_nothing_left(dir);
@@ -224,11 +220,8 @@ END_TEST
 START_TEST(what_was_computed_is_kept) {
   setup();
   ck_assert_int_eq(run_with("killed", "1000"), 1);
-  char file[256];
   cpl_table t;
-  tdm_error err = {0};
-  snprintf(file, sizeof file, "%s/out/body_mass.csv", dir);
-  ck_assert_int_eq(cpl_table_read(&t, file, &err), TDM_OK);
+  read_table(&t, dir, "out/body_mass.csv");
   ck_assert_int_eq(t.nrow, 101); /* windows 0 ... 999 are 0.1 s, and the row of t = 0 */
   cpl_table_free(&t);
   ck_assert_int_eq(command("cat %s/out/summary.json", dir), 0);

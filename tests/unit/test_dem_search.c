@@ -450,22 +450,6 @@ START_TEST(test_exchange_rules) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("dem_search");
-  TCase *tests = tcase_create("dem_search");
-  tcase_set_timeout(tests, TEST_HANGS);
-  tcase_add_loop_test(tests, test_agree, 0, CLOUDS);
-  tcase_add_test(tests, test_domain_changes);
-  tcase_add_test(tests, test_low_corner);
-  tcase_add_test(tests, test_lattice);
-  tcase_add_test(tests, test_coincident);
-  tcase_add_test(tests, test_far);
-  tcase_add_test(tests, test_far_in_large_bed);
-  tcase_add_test(tests, test_scratch);
-  tcase_add_test(tests, test_table);
-  tcase_add_test(tests, test_choose);
-  tcase_add_test(tests, test_table_2_2);
-  tcase_add_loop_test(tests, test_exchange_rules, 0, (int)(sizeof rules / sizeof *rules));
-  suite_add_tcase(suite, tests);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("dem_search", {test_agree, CLOUDS}, {test_domain_changes, 1}, {test_low_corner, 1}, {test_lattice, 1},
+               {test_coincident, 1}, {test_far, 1}, {test_far_in_large_bed, 1}, {test_scratch, 1}, {test_table, 1},
+               {test_choose, 1}, {test_table_2_2, 1}, {test_exchange_rules, (int)(sizeof rules / sizeof *rules)})

@@ -406,13 +406,5 @@ START_TEST(test_hopeless_load) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_input");
-  TCase *tcase = tcase_create("input");
-  tcase_add_loop_test(tcase, test_bad_scene, 0, sizeof cases / sizeof cases[0]);
-  tcase_add_test(tcase, test_good_scene);
-  tcase_add_test(tcase, test_long_polynomial);
-  tcase_add_test(tcase, test_hopeless_load);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_input", {test_bad_scene, sizeof cases / sizeof cases[0]}, {test_good_scene, 1},
+               {test_long_polynomial, 1}, {test_hopeless_load, 1})

@@ -350,13 +350,6 @@ START_TEST(test_all_types) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("mbd_jacobian");
-  TCase *tcase = tcase_create("jacobian");
-  tcase_add_loop_test(tcase, test_jacobian, 0, sizeof scenes / sizeof scenes[0]);
-  tcase_add_loop_test(tcase, test_power, 0, sizeof scenes / sizeof scenes[0]);
-  tcase_add_loop_test(tcase, test_tangent, 0, sizeof scenes / sizeof scenes[0]);
-  tcase_add_test(tcase, test_all_types);
-  suite_add_tcase(suite, tcase);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("mbd_jacobian", {test_jacobian, sizeof scenes / sizeof scenes[0]},
+               {test_power, sizeof scenes / sizeof scenes[0]}, {test_tangent, sizeof scenes / sizeof scenes[0]},
+               {test_all_types, 1})

@@ -138,14 +138,5 @@ START_TEST(a_plot_that_hangs_is_ended) {
 }
 END_TEST
 
-int main(void) {
-  Suite *suite = suite_create("plot");
-  TCase *tests = tcase_create("plot");
-  tcase_set_timeout(tests, TEST_HANGS);
-  tcase_add_test(tests, titles_are_data);
-  tcase_add_test(tests, files_are_data);
-  tcase_add_loop_test(tests, a_signal_ends_a_plot, 0, 3);
-  tcase_add_test(tests, a_plot_that_hangs_is_ended);
-  suite_add_tcase(suite, tests);
-  return run_suite(suite);
-}
+TEST_MAIN_ROWS("plot", {titles_are_data, 1}, {files_are_data, 1}, {a_signal_ends_a_plot, 3},
+               {a_plot_that_hangs_is_ended, 1})
