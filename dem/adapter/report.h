@@ -3,7 +3,7 @@
 #ifndef DEM_ADAPTER_REPORT_H
 #define DEM_ADAPTER_REPORT_H
 
-#include "dem/flow/settle.h"
+#include "dem/settle/settle.h"
 #include "dem/watch/limits.h"
 
 enum { DEM_WARNINGS_MAX = 16 };

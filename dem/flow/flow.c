@@ -242,6 +242,26 @@ bool dem_flow(dem_data *d, double t, double dt) {
   return true;
 }
 
+/* ---- the open box ---- */
+
+void dem_flow_leave(dem_data *d) {
+  int *gone = d->number; /* scratch */
+  uint64_t many = 0;
+  for (int i = 0; i < d->nparticle; i++) {
+    bool out = false;
+    for (int a = 0; a < 3; a++) {
+      double x = (&d->sphere[i].position.x)[a] - d->domain.low[a];
+      out = out || (!d->domain.periodic[a] && (x < 0 || x > d->domain.length[a]));
+    }
+    gone[i] = out ? 0 : -1;
+    many += out;
+  }
+  if (many == 0)
+    return;
+  d->ledger.left += many;
+  dem_data_remove(d, gone);
+}
+
 /* ---- balances ---- */
 
 double dem_balance_number(const dem_data *d) {

@@ -1,8 +1,6 @@
-/* The model's life. What it contains is read in model_read.c. */
+/* What the model tells of itself, and its end. What it contains is read in model_read.c. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model.h"
-
-#include "dem/model/model_read.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,17 +26,6 @@ double dem_largest_radius(const dem_model *m) {
   for (int s = 0; s < m->nsource; s++)
     largest = fmax(largest, m->source[s].sizes.max);
   return largest;
-}
-
-tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
-  tdm_error own = {0}; /* so that err may be NULL */
-  if (!err)
-    err = &own;
-  *model = calloc(1, sizeof **model);
-  if (!*model)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM model");
-  dem_model_read(*model, assignment, err);
-  return err->status;
 }
 
 void dem_model_destroy(dem_model **model) {

@@ -6,11 +6,8 @@
 #include "dem/geometry/wall/shape.h"
 #include "dem/model/fill.h"
 #include "dem/model/group_options.h"
-#include "dem/step/domain.h"
 #include "dem/step/integrate.h"
-#include "dem/watch/guard.h"
 
-#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,48 +17,6 @@ static void *allocate(size_t n, size_t size, tdm_error *err) {
   if (!p)
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %zu items of the DEM model", n);
   return p;
-}
-
-/* ---- keys of several objects ---- */
-
-int dem_read_material(const dem_model *m, tdm_object *o) {
-  const char *name = tdm_get_string(o, "material", NULL);
-  int i = dem_find_material(m, name);
-  if (i >= 0 || o->err->status)
-    return i >= 0 ? i : 0;
-  const char *names[64];
-  int n = 0;
-  for (; n < m->nmaterial && n < 64; n++)
-    names[n] = m->material[n].name;
-  const char *near = tdm_nearest(name, names, n);
-  tdm_object_fail(o, "material", "\"%s\" is no material of dem.materials; %s%s%s", name,
-                  near ? "did you mean \"" : "add it there or use one of them", near ? near : "", near ? "\"?" : "");
-  return 0;
-}
-
-tdm_vec3 dem_read_vector(tdm_object *o, const char *key, const tdm_vec3 *fallback) {
-  tdm_vec3 v = tdm_get_vec3(o, key, fallback);
-  if (!o->err->status && !isfinite(tdm_dot(v, v)))
-    tdm_object_fail(o, key, "is [%g, %g, %g]: too large to be squared in double precision; give at most 1e150", v.x,
-                    v.y, v.z);
-  return v;
-}
-
-void dem_check_mass(tdm_object *o, const char *key, double mass) {
-  if (!o->err->status && !(isnormal(mass * mass) && isnormal(1 / (mass * mass))))
-    tdm_object_fail(o, key,
-                    "gives a particle of %g kg, which double precision does not hold when squared or inverted; "
-                    "give a mass between 1e-150 and 1e150 kg",
-                    mass);
-}
-
-void dem_check_place(tdm_object *o, const char *key, tdm_vec3 x, double radius) {
-  double far = fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))), apart = DBL_EPSILON * far;
-  if (!o->err->status && !(apart <= 1e-6 * radius))
-    tdm_object_fail(o, key,
-                    "reaches %g m from the origin, where the numbers of double precision are %.2g m apart, more than "
-                    "1e-6 of the radius, %g m; take places nearer to the origin",
-                    far, apart, radius);
 }
 
 static const char *choose(tdm_object *o, const char *key, const char *const *names, int fallback) {
@@ -103,29 +58,6 @@ static void read_search(dem_model *m, tdm_object *section) {
 
 /* ---- bodies ---- */
 
-/* name the nearest body for a coupled name that is none */
-static void unknown_body(const dem_model *m, const char *path, const char *name, tdm_error *err) {
-  const char **names = allocate((size_t)m->nbody, sizeof *names, err);
-  for (int b = 0; names && b < m->nbody; b++)
-    names[b] = m->body[b].name;
-  const char *near = names ? tdm_nearest(name, names, m->nbody) : NULL;
-  if (near)
-    tdm_fail(err, TDM_ERR_SCENE, path, "\"%s\" is no body of dem.bodies; did you mean \"%s\"?", name, near);
-  else
-    tdm_fail(err, TDM_ERR_SCENE, path, "\"%s\" is no body of dem.bodies; add it there%s%s%s", name,
-             m->nbody ? " or name one of them, such as \"" : "", m->nbody ? m->body[0].name : "", m->nbody ? "\"" : "");
-  free(names);
-}
-
-int dem_read_body(const dem_model *m, tdm_object *o, const char *key) {
-  const char *name = tdm_get_string(o, key, NULL);
-  int b = dem_find_body(m, name);
-  char path[TDM_PATH_MAX];
-  if (b < 0 && !o->err->status)
-    unknown_body(m, tdm_path(path, o, key, -1), name, o->err);
-  return b < 0 ? 0 : b;
-}
-
 /* tie the assignment's coupled bodies to bodies of the scene */
 static void couple_bodies(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
   m->coupled_body = allocate((size_t)assignment->nbody, sizeof *m->coupled_body, err);
@@ -135,7 +67,7 @@ static void couple_bodies(dem_model *m, const tdm_assignment *assignment, tdm_er
     snprintf(path, sizeof path, "coupling.bodies[%d].dem", i);
     int b = dem_find_body(m, assigned->name);
     if (b < 0) {
-      unknown_body(m, path, assigned->name, err);
+      dem_fail_unknown_body(m, path, assigned->name, err);
       return;
     }
     dem_body *body = &m->body[b];
@@ -299,7 +231,18 @@ static void read_settle(dem_model *m, tdm_object *section) {
   tdm_object_close(&o);
 }
 
-void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
+static void read_guard(dem_model *m, tdm_object *section) {
+  static const char *const actions[] = {"warn", "stop"};
+  tdm_object o = tdm_get_object(section, "guard", false);
+  m->guard.every = tdm_get_integer(&o, "every", 100, 0);
+  m->guard.overlap = tdm_get_number(&o, "overlap", 0.3, TDM_POSITIVE);
+  m->guard.energy = tdm_get_number(&o, "energy", 0.5, TDM_POSITIVE);
+  m->guard.chosen = tdm_has(&o, "action");
+  m->guard.action = (dem_guard_action)tdm_get_choice(&o, "action", actions, 2, DEM_GUARD_WARN);
+  tdm_object_close(&o);
+}
+
+static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
   m->dt = assignment->dt;
   m->time_start = assignment->time_start;
   m->proxy = assignment->proxy;
@@ -350,7 +293,7 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   dem_domain_read(m, &o);
   if (!err->status)
     dem_domain_check(m, dem_largest_radius(m), err);
-  dem_guard_read(m, &o);
+  read_guard(m, &o);
   const char *start = tdm_has(&o, "start") ? tdm_get_string(&o, "start", NULL) : NULL;
   m->start = start ? strdup(start) : NULL;
   if (m->start && m->settle.store)
@@ -361,4 +304,15 @@ void dem_model_read(dem_model *m, const tdm_assignment *assignment, tdm_error *e
   bool has_speed = tdm_has(&o, "expected_speed");
   m->expected_speed = tdm_get_number(&o, "expected_speed", 0, has_speed ? TDM_POSITIVE : TDM_ANY);
   tdm_object_close(&o);
+}
+
+tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
+  tdm_error own = {0}; /* so that err may be NULL */
+  if (!err)
+    err = &own;
+  *model = calloc(1, sizeof **model);
+  if (!*model)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM model");
+  read_model(*model, assignment, err);
+  return err->status;
 }

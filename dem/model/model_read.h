@@ -1,12 +1,9 @@
-/* Reading the scene section "dem" into a model. */
+/* What the readers of the scene section "dem" share. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_MODEL_READ_H
 #define DEM_MODEL_MODEL_READ_H
 
 #include "dem/model/model.h"
-
-/* Fill *model (zeroed) from the assignment. The first error is left in err. */
-void dem_model_read(dem_model *model, const tdm_assignment *assignment, tdm_error *err);
 
 /* Three numbers whose square is a number too: of what is squared or divided by on the way. */
 tdm_vec3 dem_read_vector(tdm_object *o, const char *key, const tdm_vec3 *fallback);
@@ -24,8 +21,18 @@ int dem_read_material(const dem_model *model, tdm_object *o);
 /* The key `key` of an object as the index of a body; 0 after an error. */
 int dem_read_body(const dem_model *model, tdm_object *o, const char *key);
 
+/* Fail at `path` because dem.bodies has no body `name`; the nearest name is suggested. */
+void dem_fail_unknown_body(const dem_model *model, const char *path, const char *name, tdm_error *err);
+
 /* The arrays "sources" and "sinks" (may be NULL; flow_read.c). Materials and bodies are there already. */
 void dem_sources_read(dem_model *model, json_t *sources, tdm_error *err);
 void dem_sinks_read(dem_model *model, json_t *sinks, tdm_error *err);
+
+/* The key "domain" of the section (domain_read.c). */
+void dem_domain_read(dem_model *model, tdm_object *section);
+
+/* Refuse a box that at any time of the run is too narrow for the images of particles up to this radius [m], planes
+ * across a periodic direction, and sources outside. */
+void dem_domain_check(const dem_model *model, double largest_radius, tdm_error *err);
 
 #endif

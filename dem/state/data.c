@@ -6,7 +6,7 @@
 #include "dem/geometry/traction.h"
 #include "dem/model/group_options.h"
 #include "dem/search/pairs.h"
-#include "dem/step/domain.h"
+#include "dem/state/domain.h"
 #include "dem/step/integrate.h"
 #include "dem/step/step.h"
 #include "dem/watch/energy_balance.h"

@@ -15,7 +15,7 @@
 #include "dem/search/search.h"
 #include "dem/state/exact_sum.h"
 #include "dem/state/scratch.h"
-#include "dem/step/timers.h"
+#include "dem/state/timers.h"
 
 #include <stdint.h>
 

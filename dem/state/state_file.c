@@ -5,8 +5,8 @@
 #include "dem/bodies/walls.h"
 #include "dem/model/group_options.h"
 #include "dem/search/pairs.h"
+#include "dem/state/domain.h"
 #include "dem/state/fingerprint.h"
-#include "dem/step/domain.h"
 #include "dem/step/integrate.h"
 #include "protocol/base/input.h"
 

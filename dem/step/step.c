@@ -3,9 +3,10 @@
 #include "dem/step/step.h"
 
 #include "dem/bodies/walls.h"
+#include "dem/flow/flow.h"
 #include "dem/geometry/traction.h"
 #include "dem/search/pairs.h"
-#include "dem/step/domain.h"
+#include "dem/state/domain.h"
 #include "dem/step/integrate.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
@@ -225,7 +226,7 @@ bool dem_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n, bool 
   if (!(multi ? multi_step(d, motion, k, n, dt) : single_step(d, motion, k, n, settling, dt)))
     return false;
   if (d->model->domain.open)
-    dem_domain_leave(d);
+    dem_flow_leave(d);
   if (d->model->ndriven > 0 && !settling)
     dem_energy_balance_step(d, dt);
   d->restart = d->restart || settling;

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/check.h"
 
-#include "dem/step/domain.h"
+#include "dem/state/domain.h"
 #include "dem/watch/limits.h"
 
 #include <stdio.h>

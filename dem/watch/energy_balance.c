@@ -5,7 +5,7 @@
 #include "dem/bodies/walls.h"
 #include "dem/contact/theory.h"
 #include "dem/model/group_options.h"
-#include "dem/step/domain.h"
+#include "dem/state/domain.h"
 
 /* ---- stored ---- */
 

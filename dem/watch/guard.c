@@ -3,7 +3,7 @@
 #include "dem/watch/guard.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/step/domain.h"
+#include "dem/state/domain.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/limits.h"
@@ -14,17 +14,6 @@
 #include <string.h>
 
 enum { STEP_LOOKS = 10, PACE_STEPS = 10 };
-
-void dem_guard_read(dem_model *m, tdm_object *section) {
-  static const char *const actions[] = {"warn", "stop"};
-  tdm_object o = tdm_get_object(section, "guard", false);
-  m->guard.every = tdm_get_integer(&o, "every", 100, 0);
-  m->guard.overlap = tdm_get_number(&o, "overlap", 0.3, TDM_POSITIVE);
-  m->guard.energy = tdm_get_number(&o, "energy", 0.5, TDM_POSITIVE);
-  m->guard.chosen = tdm_has(&o, "action");
-  m->guard.action = (dem_guard_action)tdm_get_choice(&o, "action", actions, 2, DEM_GUARD_WARN);
-  tdm_object_close(&o);
-}
 
 static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const char *text, double t, tdm_error *err) {
   static const char *const events[DEM_GUARD_KINDS] = {[DEM_GUARD_LEAP] = "guard.leap",

@@ -26,9 +26,6 @@
 #include "dem/bodies/proxy.h"
 #include "dem/state/data.h"
 
-/* Read the section's "guard". */
-void dem_guard_read(dem_model *model, tdm_object *section);
-
 /* At the start of the run: what is there already is no reason to tell. */
 void dem_guard_begin(dem_data *data);
 

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/limits.h"
 
-#include "dem/step/domain.h"
+#include "dem/state/domain.h"
 
 #include <stdlib.h>
 

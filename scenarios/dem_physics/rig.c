@@ -3,7 +3,7 @@
 #include "scenarios/dem_physics/rig.h"
 
 #include "dem/flow/flow.h"
-#include "dem/flow/settle.h"
+#include "dem/settle/settle.h"
 #include "dem/step/step.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/results.h"

@@ -4,8 +4,8 @@
 
 #include "dem/adapter/report.h"
 #include "dem/bodies/walls.h"
-#include "dem/flow/bed.h"
-#include "dem/flow/settle.h"
+#include "dem/settle/bed.h"
+#include "dem/settle/settle.h"
 #include "dem/watch/limits.h"
 #include "tests/test_main.h"
 

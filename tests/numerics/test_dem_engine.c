@@ -3,9 +3,9 @@
 #include "test_dem_support.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/flow/settle.h"
 #include "dem/geometry/wall/rows.h"
 #include "dem/search/pairs.h"
+#include "dem/settle/settle.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"
 #include "tests/test_main.h"

@@ -1,6 +1,6 @@
 /* Storing settled beds: see bed.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/flow/bed.h"
+#include "dem/settle/bed.h"
 
 #include "dem/state/state_file.h"
 

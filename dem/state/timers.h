@@ -1,7 +1,7 @@
 /* Where the time of the steps goes, for benchmarks: one clock that is read between the phases. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STEP_TIMERS_H
-#define DEM_STEP_TIMERS_H
+#ifndef DEM_STATE_TIMERS_H
+#define DEM_STATE_TIMERS_H
 
 #include "protocol/base/log.h"
 

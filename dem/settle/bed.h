@@ -3,10 +3,19 @@
  * included. A run that starts from the file is bit-identical to the run that wrote it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_FLOW_BED_H
-#define DEM_FLOW_BED_H
+#ifndef DEM_SETTLE_BED_H
+#define DEM_SETTLE_BED_H
 
-#include "dem/flow/settle.h"
+#include "dem/state/data.h"
+
+/* How the settling of a bed went. */
+typedef struct {
+  bool rest;       /* the bed came to rest in time */
+  bool pressed;    /* lids that are to be pressed reached their force in time, or there are none */
+  bool stored;     /* it came from the file settle.store */
+  double dt, time; /* step, and simulated time that it took [s] */
+  double speed;    /* largest particle speed at the end, before velocities were set to 0 [m/s] */
+} dem_settled;
 
 /* Load settle.store into data, which is at the start; forces are not evaluated yet. *found is false when there is no
  * such file. Errors (path dem.settle.store): a file that is damaged or of another bed. */

@@ -5,8 +5,8 @@
  * The next layer is tried when this one has fallen out of the region. One entry of the scene pours after the other.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_FLOW_POUR_H
-#define DEM_FLOW_POUR_H
+#ifndef DEM_SETTLE_POUR_H
+#define DEM_SETTLE_POUR_H
 
 #include "dem/state/data.h"
 

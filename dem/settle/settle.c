@@ -1,10 +1,10 @@
 /* Settling: see settle.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/flow/settle.h"
+#include "dem/settle/settle.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/flow/bed.h"
-#include "dem/flow/pour.h"
+#include "dem/settle/bed.h"
+#include "dem/settle/pour.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"

@@ -1,6 +1,6 @@
 /* Pouring: see pour.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/flow/pour.h"
+#include "dem/settle/pour.h"
 
 #include "dem/flow/free_space.h"
 #include "dem/model/fill.h"

@@ -1,9 +1,6 @@
-/* The box dem.domain: see domain.h. */
+/* Reading the box dem.domain. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/step/domain.h"
-
-#include "dem/model/group_options.h"
-#include "dem/step/integrate.h"
+#include "dem/model/model_read.h"
 
 #include <stdio.h>
 
@@ -83,89 +80,4 @@ void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err)
   }
   if (box->wanted)
     check_sources(m, err);
-}
-
-void dem_domain_put(dem_data *d) {
-  const dem_domain_def *box = &d->model->domain;
-  double t = d->strained + (double)d->strain_steps * d->strain_dt;
-  for (int a = 0; a < 3; a++) {
-    double length = box->length[a] * (1 + box->rate[a] * t);
-    d->domain.periodic[a] = box->periodic[a];
-    d->domain.length[a] = length;
-    d->domain.low[a] = box->low[a] - 0.5 * (length - box->length[a]);
-    d->domain_rate[a] = box->length[a] * box->rate[a];
-  }
-}
-
-void dem_domain_begin(dem_data *d) {
-  d->strained = d->strain_dt = 0;
-  d->strain_steps = 0;
-  dem_domain_put(d);
-  if (d->model->domain.repeats)
-    dem_domain_wrap(d);
-}
-
-void dem_domain_strain(dem_data *d, double dt) {
-  if (dt != d->strain_dt) {
-    d->strained += (double)d->strain_steps * d->strain_dt;
-    d->strain_steps = 0;
-    d->strain_dt = dt;
-  }
-  d->strain_steps++;
-  dem_domain_put(d);
-}
-
-/* what a box that repeats puts into particle i when it goes on at the other side: potential and kinetic energy */
-static double shift_energy(const dem_data *d, int i, int axis, double way, double speed) {
-  tdm_vec3 field = dem_field(d, i);
-  return d->mass[i] * (speed * ((&d->pace[i].velocity.x)[axis] + 0.5 * speed) - (&field.x)[axis] * way);
-}
-
-/* particle i, k boxes up along an axis */
-static void shift(dem_data *d, int i, int axis, double k) {
-  double way = k * d->domain.length[axis], speed = k * d->domain_rate[axis];
-  if (d->model->energy)
-    d->energy.supplied += shift_energy(d, i, axis, way, speed);
-  (&d->sphere[i].position.x)[axis] += way;
-  (&d->sphere[i].velocity.x)[axis] += speed;
-  (&d->pace[i].velocity.x)[axis] += speed;
-  (&d->position_at_list[i].x)[axis] += way;
-  dem_keeping keeps = d->model->integrator->keeps;
-  if (keeps == DEM_KEEPS_VELOCITY)
-    (&d->memory[i].velocity.x)[axis] += speed;
-  if (keeps == DEM_KEEPS_PLACE)
-    (&d->memory[i].velocity.x)[axis] += way - speed * d->memory_dt;
-}
-
-void dem_domain_wrap(dem_data *d) {
-  for (int a = 0; a < 3; a++) {
-    double low = d->domain.low[a], high = low + d->domain.length[a];
-    for (int i = 0; d->domain.periodic[a] && i < d->nparticle; i++) {
-      double x = (&d->sphere[i].position.x)[a];
-      if (x >= low && x < high)
-        continue;
-      shift(d, i, a, -floor((x - low) / d->domain.length[a]));
-      double *now = &(&d->sphere[i].position.x)[a]; /* round-off may have put it on the far face */
-      if (*now >= high)
-        *now = low;
-    }
-  }
-}
-
-void dem_domain_leave(dem_data *d) {
-  int *gone = d->number; /* scratch */
-  uint64_t many = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    bool out = false;
-    for (int a = 0; a < 3; a++) {
-      double x = (&d->sphere[i].position.x)[a] - d->domain.low[a];
-      out = out || (!d->domain.periodic[a] && (x < 0 || x > d->domain.length[a]));
-    }
-    gone[i] = out ? 0 : -1;
-    many += out;
-  }
-  if (many == 0)
-    return;
-  d->ledger.left += many;
-  dem_data_remove(d, gone);
 }

@@ -7,17 +7,10 @@
  * stands k boxes away moves with k times the rate of the length more, and so does a particle that passes the boundary.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STEP_DOMAIN_H
-#define DEM_STEP_DOMAIN_H
+#ifndef DEM_STATE_DOMAIN_H
+#define DEM_STATE_DOMAIN_H
 
 #include "dem/state/data.h"
-
-/* Read the section's "domain". */
-void dem_domain_read(dem_model *model, tdm_object *section);
-
-/* Refuse a box that at any time of the run is too narrow for the images of particles up to this radius [m], planes
- * across a periodic direction, and sources outside. */
-void dem_domain_check(const dem_model *model, double largest_radius, tdm_error *err);
 
 /* The box as at the start of the run. */
 void dem_domain_begin(dem_data *data);
@@ -30,9 +23,6 @@ void dem_domain_strain(dem_data *data, double dt);
 
 /* Bring particles back into the box along its periodic directions. */
 void dem_domain_wrap(dem_data *data);
-
-/* Take out what has left the box. */
-void dem_domain_leave(dem_data *data);
 
 /* a - b, or what it is to the nearest image of b */
 static inline tdm_vec3 dem_between(const dem_data *d, tdm_vec3 a, tdm_vec3 b) {

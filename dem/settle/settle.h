@@ -7,18 +7,10 @@
  * 0 afterwards.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_FLOW_SETTLE_H
-#define DEM_FLOW_SETTLE_H
+#ifndef DEM_SETTLE_SETTLE_H
+#define DEM_SETTLE_SETTLE_H
 
-#include "dem/state/data.h"
-
-typedef struct {
-  bool rest;       /* the bed came to rest in time */
-  bool pressed;    /* lids that are to be pressed reached their force in time, or there are none */
-  bool stored;     /* it came from the file settle.store */
-  double dt, time; /* step, and simulated time that it took [s] */
-  double speed;    /* largest particle speed at the end, before velocities were set to 0 [m/s] */
-} dem_settled;
+#include "dem/settle/bed.h"
 
 /* Settle `data`, which is at the start, or take the bed from settle.store; then lids are in place. `participant` is
  * told that the solver lives (NULL: a signal may end it). Errors: TDM_ERR_INTERRUPTED, TDM_ERR_NUMERIC, TDM_ERR_MEMORY,
