@@ -9,6 +9,7 @@
 #include "mbd/adapter/solver.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
+#include "protocol/version.h"
 #include "scenarios/table.h"
 
 #include <gsl/gsl_errno.h>
@@ -219,7 +220,7 @@ int main(int argc, char **argv) {
       return 0;
     }
     if (strcmp(argv[i], "--version") == 0) {
-      printf("tandem %s\n", TANDEM_VERSION);
+      printf("tandem %s\n", TDM_VERSION);
       return 0;
     }
   }

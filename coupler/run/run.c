@@ -10,6 +10,7 @@
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 #include "protocol/base/remark.h"
+#include "protocol/version.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -231,7 +232,7 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   tdm_utf8_clean(name);
   json_t *json = json_pack(
       "{s:s, s:s, s:{s:f, s:f, s:o, s:s, s:f}, s:{s:s, s:s, s:i}, s:I, s:f, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}}",
-      "tandem", TANDEM_VERSION, "scene", name, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
+      "tandem", TDM_VERSION, "scene", name, "settings", "time.end", s->time_end, "time.dt", s->dt, "coupling.n",
       s->adapt.on ? json_string("auto") : json_integer(s->n), "coupling.scheme", scheme ? scheme->name : "",
       "output.interval", s->output_interval, "machine", "system", machine.sysname, "processor", machine.machine,
       "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "windows", (json_int_t)r->windows, "simulated_s", r->simulated,

@@ -1,5 +1,6 @@
 /* Solvers that the server starts itself: see launch.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* pthread_timedjoin_np */
 #include "coupler/session/launch.h"
 
 #include "protocol/base/log.h"

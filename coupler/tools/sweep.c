@@ -1,5 +1,6 @@
 /* `tandem sweep`: see sweep.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* asprintf */
 #include "coupler/tools/sweep.h"
 
 #include "coupler/loop/record.h"

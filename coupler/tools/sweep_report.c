@@ -4,6 +4,7 @@
 
 #include "coupler/tools/html.h"
 #include "coupler/tools/table.h"
+#include "protocol/version.h"
 
 #include <errno.h>
 #include <math.h>
@@ -299,7 +300,7 @@ static tdm_status write_json(const cpl_sweep_options *o, const cpl_cell *cell, i
     if (cell[k].row)
       json_array_append(rows, cell[k].row);
   int k = cheapest(cell, ncell, c);
-  json_t *json = json_pack("{s:s, s:o, s:o}", "tandem", TANDEM_VERSION, "rows", rows, "cheapest",
+  json_t *json = json_pack("{s:s, s:o, s:o}", "tandem", TDM_VERSION, "rows", rows, "cheapest",
                            k < 0 ? json_null() : json_string(cell[k].name));
   snprintf(file, sizeof file, "%s/sweep.json", o->out);
   const char *files[] = {file, o->json};

@@ -7,6 +7,7 @@
 #include "protocol/app/find.h"
 #include "protocol/app/results.h"
 #include "protocol/base/log.h"
+#include "protocol/version.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -317,7 +318,7 @@ static tdm_status write_json(const char *file, const outcome *outcomes, int n, b
   json_t *scenarios = json_array();
   for (int i = 0; i < n; i++)
     json_array_append_new(scenarios, outcome_to_json(&outcomes[i]));
-  json_t *json = json_pack("{s:s, s:b, s:f, s:o}", "tandem", TANDEM_VERSION, "pass", (int)pass, "wall_s", wall,
+  json_t *json = json_pack("{s:s, s:b, s:f, s:o}", "tandem", TDM_VERSION, "pass", (int)pass, "wall_s", wall,
                            "scenarios", scenarios);
   int failed = json_dump_file(json, file, JSON_INDENT(2));
   json_decref(json);

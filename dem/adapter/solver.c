@@ -23,6 +23,7 @@
 #include "dem/watch/limits.h"
 #include "protocol/base/log.h"
 #include "protocol/base/remark.h"
+#include "protocol/version.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -581,7 +582,7 @@ const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,
     .ncapability = sizeof capabilities / sizeof capabilities[0],
     .role = "dem",
-    .software = "tandem-dem " TANDEM_VERSION,
+    .software = "tandem-dem " TDM_VERSION,
     .create = create,
     .step = solve,
     .save = save,

@@ -10,6 +10,7 @@
 #include "mbd/mechanics/free.h"
 #include "mbd/reduced/reduced.h"
 #include "protocol/base/log.h"
+#include "protocol/version.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -444,7 +445,7 @@ const tdm_solver_ops mbd_solver_ops = {
     .capabilities = capabilities,
     .ncapability = sizeof capabilities / sizeof capabilities[0],
     .role = "mbd",
-    .software = "tandem-mbd " TANDEM_VERSION,
+    .software = "tandem-mbd " TDM_VERSION,
     .create = create,
     .step = step,
     .save = save,

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-volatile int tdm_interrupted, tdm_signal_count;
-
 static tdm_status unknown_option(const tdm_option *options, int noption, const char *program, const char *word,
                                  tdm_error *err) {
   const char *names[32];

@@ -3,6 +3,7 @@
 #ifndef TDM_APP_COMMAND_LINE_H
 #define TDM_APP_COMMAND_LINE_H
 
+#include "protocol/base/interrupt.h"
 #include "protocol/base/status.h"
 
 #include <stdbool.h>
@@ -29,13 +30,7 @@ void tdm_arguments_free(tdm_arguments *arguments);
 tdm_status tdm_unknown_command(const char *program, const char *command, const char *const *names, int nname,
                                tdm_error *err);
 
-/* Set by Ctrl-C, SIGTERM and a closed terminal once tdm_catch_signals was called: runs end in order then. */
-extern volatile int tdm_interrupted;
-
-/* How many of them came: what goes on after the first (the plots of a run that was interrupted) ends at the next. */
-extern volatile int tdm_signal_count;
-
-/* Signals end a run in order; calls that wait are woken. */
+/* From now on signals set tdm_interrupted and so end a run in order; calls that wait are woken. */
 void tdm_catch_signals(void);
 
 /* Print the error, if it is set, and return the exit status: 0, 1, 2 (wrong command line), 130 (interrupted). */

@@ -12,7 +12,7 @@ static int is_file(const char *path) {
   return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
-/* The share folder of an installed tandem: beside the folder that this program lies in, wherever that was put. */
+/* The share folder beside the folder that this program lies in, wherever that was put. */
 static void share_dir(char *out, size_t size) {
   char self[2048];
   ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -44,9 +44,9 @@ tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char 
                           tdm_error *err) {
   char share[2200];
   share_dir(share, sizeof share);
-  const char *const usual[] = {"scenarios", share, TANDEM_SOURCE_DIR "/scenarios"};
+  const char *const usual[] = {"scenarios", share};
   const char *const *place = dir ? &dir : usual;
-  int nplace = dir ? 1 : 3;
+  int nplace = dir ? 1 : 2;
   snprintf(out, size, "%s", name);
   if (is_file(out) || strchr(name, '/') || strstr(name, ".json"))
     return TDM_OK; /* a file, or meant as one: reading it tells what is wrong */

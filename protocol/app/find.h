@@ -8,8 +8,8 @@
 #include <stddef.h>
 
 /* The scene file for `name`: a file of that name, or GROUP/NAME/scene.json ("": NAME/scene.json) in --scenarios DIR
- * (`dir`, may be NULL: then ./scenarios, the installed share folder, the source folder that tandem was built from). The
- * error for a scenario of another group names the program that runs it. */
+ * (`dir`, may be NULL: then ./scenarios, and share/tandem/scenarios beside the folder of the program). The error for a
+ * scenario of another group names the program that runs it. */
 tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir, tdm_error *err);
 
 #endif

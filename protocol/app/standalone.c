@@ -5,6 +5,7 @@
 #include "protocol/app/plot.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/version.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -236,7 +237,7 @@ json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err) {
   uname(&machine);
   snprintf(name, sizeof name, "%s", run->options->scene);
   tdm_utf8_clean(name);
-  json_t *json = json_pack("{s:s, s:s, s:s, s:{s:s, s:s, s:i}}", "tandem", TANDEM_VERSION, "software",
+  json_t *json = json_pack("{s:s, s:s, s:s, s:{s:s, s:s, s:i}}", "tandem", TDM_VERSION, "software",
                            run->program->ops->software, "scene", name, "machine", "system", machine.sysname,
                            "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN));
   json_object_set(json, "report", run->ready.report ? run->ready.report : json_null());

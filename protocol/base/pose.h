@@ -8,7 +8,7 @@
 #ifndef TDM_BASE_POSE_H
 #define TDM_BASE_POSE_H
 
-#include "vec3.h"
+#include "protocol/base/vec3.h"
 
 typedef struct {
   double w, x, y, z;

@@ -9,14 +9,13 @@
 #define TDM_WIRE_MESSAGE_H
 
 #include "protocol/base/status.h"
+#include "protocol/version.h"
 #include "protocol/wire/nodes.h"
 
 #include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#define TDM_PROTOCOL_VERSION 1
 
 /* one row a message: name, number, who sends it */
 #define TDM_MESSAGE_LIST(X)  \

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/wire/participant.h"
 
-#include "protocol/app/command_line.h"
+#include "protocol/base/interrupt.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 #include "protocol/base/remark.h"

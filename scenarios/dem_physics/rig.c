@@ -1,5 +1,6 @@
 /* A small scene of particles in memory: see rig.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* vasprintf */
 #include "scenarios/dem_physics/rig.h"
 
 #include "dem/flow/flow.h"

@@ -1,5 +1,6 @@
 /* What users get wrong: each case must end with exit status 1 or 2 and a message that names place, cause and cure. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "protocol/version.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 
@@ -192,7 +193,7 @@ START_TEST(command_lines) {
   ck_assert_int_eq(command("tandem --help"), 0);
   expect_output("spring_damper");
   ck_assert_int_eq(command("tandem --version"), 0);
-  expect_output(TANDEM_VERSION);
+  expect_output(TDM_VERSION);
 }
 END_TEST
 

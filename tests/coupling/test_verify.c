@@ -50,7 +50,7 @@ START_TEST(the_default_is_the_group_scenarios) {
   const char *const names[] = {NULL};
   json_t *json = verify(names, TDM_OK);
   ck_assert(json_is_true(json_object_get(json, "pass")));
-  ck_assert_str_eq(json_string_value(json_object_get(json, "tandem")), TANDEM_VERSION);
+  ck_assert_str_eq(json_string_value(json_object_get(json, "tandem")), TDM_VERSION);
   ck_assert(json_is_number(json_object_get(json, "wall_s")));
   json_t *scenarios = json_object_get(json, "scenarios");
   ck_assert_uint_eq(json_array_size(scenarios), 1);

@@ -1,5 +1,5 @@
 /* main() of a solver process. */
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* SPDX-License-Identifier: MIT */
 #include "protocol/base/log.h"
 #include "protocol/wire/participant.h"
 
