@@ -190,11 +190,11 @@ static void warn_speed(dem_report *r, const dem_data *d, double speed) {
   for (int i = 0; i < d->nparticle + m->nsource; i++) {
     const dem_source *s = i < d->nparticle ? NULL : &m->source[i - d->nparticle];
     double radius = s ? s->sizes.max : d->sphere[i].radius;
-    int kind = s ? s->kind : d->kind[i];
+    int kind = s ? s->material : d->material[i];
     double full = m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
     double mass = !s ? d->mass[i] : s->mass > 0 ? s->mass : full;
     smallest = fmin(smallest, s ? s->sizes.min : radius);
-    if (i > 0 && !s && d->mass[i] == d->mass[i - 1] && kind == d->kind[i - 1])
+    if (i > 0 && !s && d->mass[i] == d->mass[i - 1] && kind == d->material[i - 1])
       continue;
     double share = deepest_impact(m, kind, radius, mass, speed);
     of = share > worst ? radius : of;
@@ -270,7 +270,7 @@ static double heaviest_particle(const dem_data *d) {
   for (int i = 0; i < d->nparticle; i++)
     heaviest = fmax(heaviest, d->mass[i]);
   for (int s = 0; s < m->nsource; s++) {
-    double r = m->source[s].sizes.max, full = m->material[m->source[s].kind].density * 4.0 / 3 * M_PI * r * r * r;
+    double r = m->source[s].sizes.max, full = m->material[m->source[s].material].density * 4.0 / 3 * M_PI * r * r * r;
     heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
   }
   return heaviest;

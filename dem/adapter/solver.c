@@ -313,9 +313,9 @@ static tdm_status check_started(const dem_data *d, tdm_error *err) {
   double largest = 0;
   for (int i = 0; i < d->nparticle && !err->status; i++) {
     largest = fmax(largest, d->sphere[i].radius);
-    for (int j = i > 0 && d->kind[i] == d->kind[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
-      if (!m->pair[d->kind[i] * m->nmaterial + j].given) {
-        const char *a = m->material[d->kind[i]].name, *b = m->material[j].name;
+    for (int j = i > 0 && d->material[i] == d->material[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
+      if (!m->pair[d->material[i] * m->nmaterial + j].given) {
+        const char *a = m->material[d->material[i]].name, *b = m->material[j].name;
         return tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
                         "\"%s\" and \"%s\" have no entry, but dem.start brings particles of \"%s\"; add one", a, b, a);
       }

@@ -25,7 +25,7 @@ static void add_spring(matrix6 K, double k, tdm_vec3 lever, tdm_vec3 e) {
 static void add_contact(const dem_data *d, matrix6 K, int particle, int body, double gap, tdm_vec3 n) {
   const dem_model *m = d->model;
   const dem_sphere *s = &d->sphere[particle];
-  const dem_pair *pair = &m->pair[d->kind[particle] * m->nmaterial + m->body[body].material];
+  const dem_pair *pair = &m->pair[d->material[particle] * m->nmaterial + m->body[body].material];
   tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->pose[body].position);
   dem_impact at = {.mass = 1 / dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n),
                    .radius = s->radius};

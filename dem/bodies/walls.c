@@ -195,7 +195,7 @@ double dem_lid_force(const dem_data *d, const dem_box *box) {
       continue;
     tdm_vec3 n;
     double radius = d->sphere[i].radius, gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
-    const dem_pair *pair = &m->settle_pair[d->kind[i] * m->nmaterial + m->body[box->body].material];
+    const dem_pair *pair = &m->settle_pair[d->material[i] * m->nmaterial + m->body[box->body].material];
     dem_impact at = {.mass = d->mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
     if (gap < radius && gap > -radius)
       sum += dem_normal_force(m, pair, at, radius - gap);

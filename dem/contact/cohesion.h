@@ -1,4 +1,4 @@
-/* Cohesion: attraction besides, or in place of, the normal law's force; in the loops with `more` only.
+/* Cohesion: attraction besides, or in place of, the normal law's force; in the loops with `all_terms` only.
  *
  * sjkr: -k A with the contact area A = 2 pi R* delta (of the circle in which two spheres of equal overlap cross).
  * Friction is limited by the normal law's force alone.
@@ -60,7 +60,7 @@ DEM_KERNEL vd dem_cube_root(vd x) {
 
 DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
   vd root = dem_cube_root(c->radius), length = DEM_OF(c, adhesion_length) * root * root; /* L */
-  vd depth = length * length / c->radius, young = DEM_OF(c, young);
+  vd depth = length * length / c->radius, young = DEM_OF(c, effective_young);
   vd sum = c->overlap / depth + vd_set(0.75);
   vm holds = vm_and(vm_less(vd_set(0), history[0]), vm_less(vd_set(0), sum));
   c->touching = vm_and(c->touching, vm_or(vm_less(vd_set(0), c->overlap), holds));

@@ -36,7 +36,7 @@ typedef struct {
   dem_coefficients pair;
   const dem_model *model;
 
-  bool more;          /* constant in each loop: the fields below are there */
+  bool all_terms;     /* constant in each loop: the fields below are there */
   vd3 spin;           /* angular velocity of the particle against the partner [rad/s] */
   vd inverse_inertia; /* of rolling, 1/I_r: sum of 1/(I + m R^2) [1/(kg m2)] */
   vd sliding;         /* history: 1 while the contact slides, for a static friction of its own */

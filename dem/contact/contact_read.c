@@ -219,7 +219,7 @@ static void damp_tangential(const dem_model *m, dem_pair *p) {
   double beta = p->restitution > 0 ? dem_beta_keep(p->restitution) : 0;
   if (m->law->tangential == DEM_TANGENTIAL_mindlin) {
     double normal = m->law->normal == DEM_NORMAL_hertz ? p->normal_damping : 2 * sqrt(5.0 / 6) * beta;
-    p->tangential_damping = normal * sqrt(8 * p->shear / (2 * p->young));
+    p->tangential_damping = normal * sqrt(8 * p->effective_shear / (2 * p->effective_young));
   }
   if (m->law->tangential == DEM_TANGENTIAL_spring)
     p->tangential_damping = p->damps_as_normal * 2 * beta * sqrt(p->tangential_stiffness);
@@ -288,10 +288,10 @@ static void read_hunt_pair(dem_model *m, tdm_object *o, dem_pair *p) {
     tdm_object_fail(
         o, "stiffness",
         "is not Hertz's, and tangential \"mindlin\" needs his contact circle; remove it, or use \"spring\"");
-  else if (tdm_has(o, "stiffness") || !(p->young > 0) || m->exponent != 1.5)
+  else if (tdm_has(o, "stiffness") || !(p->effective_young > 0) || m->exponent != 1.5)
     p->stiffness = need(o, "stiffness", "without elastic constants and exponent 1.5, normal", law, TDM_POSITIVE);
   else
-    p->hertzian = 4.0 / 3 * p->young;
+    p->hertzian = 4.0 / 3 * p->effective_young;
   p->speed_floor = tdm_get_number(o, "speed_floor", 1e-3, TDM_POSITIVE);
   read_damping(m, o, p);
 }
@@ -372,7 +372,7 @@ static void read_others(const dem_model *m, tdm_object *o, dem_pair *p) {
     /* 0 would have no length of its own: so little that no contact feels it */
     double energy = need(o, "adhesion_energy", "cohesion", &dem_cohesions[m->cohesion], TDM_NOT_NEGATIVE);
     p->adhesion_energy = fmax(energy, 1e-18);
-    p->adhesion_length = cbrt(M_PI * p->adhesion_energy / p->young);
+    p->adhesion_length = cbrt(M_PI * p->adhesion_energy / p->effective_young);
   }
 }
 
@@ -427,8 +427,8 @@ static bool read_pair_names(const dem_model *m, tdm_object *o, int which[2]) {
 static void elastic_constants(const dem_material *a, const dem_material *b, dem_pair *p) {
   if (!(a->young > 0) || !(b->young > 0))
     return;
-  p->young = 1 / ((1 - a->poisson * a->poisson) / a->young + (1 - b->poisson * b->poisson) / b->young);
-  p->shear = 1 / ((2 - a->poisson) / a->shear + (2 - b->poisson) / b->shear);
+  p->effective_young = 1 / ((1 - a->poisson * a->poisson) / a->young + (1 - b->poisson * b->poisson) / b->young);
+  p->effective_shear = 1 / ((2 - a->poisson) / a->shear + (2 - b->poisson) / b->shear);
 }
 
 static void read_pair(dem_model *m, tdm_object *o) {
@@ -466,9 +466,9 @@ void dem_pairs_read(dem_model *m, json_t *array, tdm_error *err) {
 void dem_pairs_check(const dem_model *m, tdm_error *err) {
   int *many = allocate((size_t)m->nmaterial, sizeof *many, err); /* particles of a material */
   for (int i = 0; many && i < m->nparticle; i++)
-    many[m->kind[i]]++;
+    many[m->particle_material[i]]++;
   for (int s = 0; many && s < m->nsource; s++)
-    many[m->source[s].kind] += m->source[s].count > 1 ? 2 : (int)m->source[s].count;
+    many[m->source[s].material] += m->source[s].count > 1 ? 2 : (int)m->source[s].count;
   for (int a = 0; many && a < m->nmaterial; a++)
     for (int b = a; b < m->nmaterial; b++) {
       bool meet = a == b ? many[a] > 1 : many[a] > 0 && many[b] > 0;
@@ -515,7 +515,7 @@ static double law_reach(const dem_model *m) {
   double reach = 0;
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++)
     if (m->cohesion == DEM_COHESION_jkr && m->pair[k].given)
-      reach = fmax(reach, dem_jkr_reach(dem_largest_radius(m), m->pair[k].young, m->pair[k].adhesion_energy));
+      reach = fmax(reach, dem_jkr_reach(dem_largest_radius(m), m->pair[k].effective_young, m->pair[k].adhesion_energy));
   return reach;
 }
 
@@ -531,8 +531,8 @@ void dem_contact_finish(dem_model *m) {
   viscous = viscous && m->law->normal == DEM_NORMAL_hertz;
   m->couples = m->rolling != DEM_ROLLING_none || m->twisting != DEM_TWISTING_none;
   bool shared = m->multi_step.substeps > 0; /* an evaluation may leave contacts out */
-  bool more = m->couples || m->cohesion != DEM_COHESION_none || m->energy || sliding || viscous || shared;
-  m->law = dem_law_find(m->simd, m->law->normal, m->law->tangential, more);
+  bool all_terms = m->couples || m->cohesion != DEM_COHESION_none || m->energy || sliding || viscous || shared;
+  m->law = dem_law_find(m->simd, m->law->normal, m->law->tangential, all_terms);
   m->columns = dem_columns_of(m->law, m->rolling, m->cohesion, sliding);
   m->reach = law_reach(m);
 }

@@ -15,12 +15,12 @@ typedef dem_tangential tangential_law(dem_contact *, vd *history);
 
 typedef struct batch batch;
 
-/* one row: all of it constant in a loop, but `ncolumn` and `column` with `more` */
+/* one row: all of it constant in a loop, but `ncolumn` and `column` with `all_terms` */
 typedef struct {
   normal_law *normal;
   tangential_law *tangential;
   int ncolumn, column; /* of history; first of the normal law */
-  bool more;
+  bool all_terms;
   bool rubs;                               /* there are tangential forces or more: spins matter */
   void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
 } row;
@@ -28,10 +28,10 @@ typedef struct {
 /* what comes out of a law */
 typedef struct {
   vd3 force, twist; /* twist: normal x force */
-  vd3 couple;       /* with more: rolling and twisting [N m] */
+  vd3 couple;       /* with all_terms: rolling and twisting [N m] */
 } outcome;
 
-/* ---- what `more` adds ---- */
+/* ---- what `all_terms` adds ---- */
 
 DEM_KERNEL dem_tangential tangential_of_scene(dem_contact *c, vd *history) {
   switch (c->model->law->tangential) {
@@ -128,7 +128,7 @@ DEM_KERNEL outcome law(dem_loop_task *task, dem_contact *c, vd3 velocity, double
   for (int q = 0; q < r.ncolumn; q++)
     h[q] = vd_load(history + (size_t)q * stride);
   r.normal(c, h + r.column);
-  if (r.more) {
+  if (r.all_terms) {
     const dem_columns *columns = &c->model->columns;
     c->pull = vd_set(0);
     cohesion_of_scene(c, h + (columns->cohesion < 0 ? 0 : columns->cohesion));
@@ -136,21 +136,21 @@ DEM_KERNEL outcome law(dem_loop_task *task, dem_contact *c, vd3 velocity, double
   }
   dem_tangential t = r.tangential(c, h);
   outcome out = {0};
-  if (r.more)
+  if (r.all_terms)
     out.couple = law_more(task, c, &t, h, walls);
   for (int q = 0; q < r.ncolumn; q++)
     vd_store(history + (size_t)q * stride, vd_only(c->touching, h[q]));
   vd along = c->force;
-  if (r.more)
+  if (r.all_terms)
     along = along + c->pull;
   out.force = vd3_only(c->touching, vd3_axpy(along, c->normal, t.force));
   out.twist = vd3_only(c->touching, vd3_cross(c->normal, t.force));
   return out;
 }
 
-/* the row as it is: with `more` the columns are the scene's */
+/* the row as it is: with `all_terms` the columns are the scene's */
 DEM_INLINE row row_of(const dem_model *m, row r) {
-  if (r.more) {
+  if (r.all_terms) {
     r.ncolumn = m->columns.ncolumn;
     r.column = m->columns.normal < 0 ? 0 : m->columns.normal;
   }

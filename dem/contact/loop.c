@@ -2,9 +2,10 @@
  *
  * One source, compiled once for each instruction set and normal law (DEM_LAW, set by the build), in it once for each
  * row of the table: the kernels are constants of an always-inlined function, so no call and no branch on a law is left
- * in a loop. With `more` there is one pair of loops for a normal law, in which the scene's other laws are switches.
- * DEM_W contacts go at a time, one a lane, whether they touch or not; what does not touch adds nothing. Forces are
- * added lane after lane, in the order of the list, so the sums are those of a loop over one contact at a time.
+ * in a loop. With `all_terms` there is one pair of loops for a normal law, in which the scene's other laws are
+ * switches. DEM_W contacts go at a time, one a lane, whether they touch or not; what does not touch adds nothing.
+ * Forces are added lane after lane, in the order of the list, so the sums are those of a loop over one contact at a
+ * time.
  *
  * law.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops.
  */
@@ -34,24 +35,24 @@
 ROWS(X)
 #undef X
 
-#define ROW_MORE ((row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true, true, batch_more})
+#define ROW_ALL_TERMS ((row){JOIN(dem_normal_, DEM_LAW), tangential_of_scene, 0, 0, true, true, batch_all_terms})
 
-static __attribute__((noinline)) void batch_more(dem_loop_task *task, batch *b) {
-  wall_batch(task, b, row_of(task->model, ROW_MORE));
+static __attribute__((noinline)) void batch_all_terms(dem_loop_task *task, batch *b) {
+  wall_batch(task, b, row_of(task->model, ROW_ALL_TERMS));
 }
 
-static void pairs_more(dem_loop_task *task) {
-  pair_loop(task, ROW_MORE);
+static void pairs_all_terms(dem_loop_task *task) {
+  pair_loop(task, ROW_ALL_TERMS);
 }
 
-static void walls_more(dem_loop_task *task) {
-  wall_loop(task, ROW_MORE);
+static void walls_all_terms(dem_loop_task *task) {
+  wall_loop(task, ROW_ALL_TERMS);
 }
 
 const dem_law DEM_ISA(JOIN(dem_laws_, DEM_LAW))[] = {
 #define X(n, t)                                                      \
   {DEM_NORMAL_##n, DEM_TANGENTIAL_##t, false, pairs_##t, walls_##t}, \
-      {DEM_NORMAL_##n, DEM_TANGENTIAL_##t, true, pairs_more, walls_more},
+      {DEM_NORMAL_##n, DEM_TANGENTIAL_##t, true, pairs_all_terms, walls_all_terms},
     ROWS(X)
 #undef X
         {0}};

@@ -38,13 +38,13 @@ DEM_KERNEL void dem_normal_hooke(dem_contact *c, vd *history) {
 
 DEM_KERNEL void dem_normal_hertz(dem_contact *c, vd *history) {
   (void)history;
-  vd young = DEM_OF(c, young);
+  vd young = DEM_OF(c, effective_young);
   c->circle = vd_sqrt(c->radius * c->overlap);
   c->stiffness = (young + young) * c->circle; /* S_n */
   c->damping = vd_sqrt(c->stiffness * c->mass);
   vd elastic = vd_set(2.0 / 3.0) * c->stiffness * c->overlap;
   vd damped = DEM_OF(c, normal_damping) * c->damping * c->rate;
-  if (c->more)
+  if (c->all_terms)
     damped = damped + DEM_OF(c, viscosity) * c->circle * c->rate;
   c->force = vd_max(elastic + damped, DEM_OF(c, floor));
   c->elastic = vd_set(0.4) * elastic * c->overlap;

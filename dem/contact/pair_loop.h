@@ -22,7 +22,7 @@ DEM_KERNEL void pair_spins(const dem_data *d, const int *i, const int *j, dem_co
 
 /* Forces, twists and couples of pairs, lane after lane: the torque of a couple is -radius x twist. One sum a particle
  * and pair, so that results do not depend on which pairs share a batch. */
-DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int *sink, unsigned touching, vd3 force,
+DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int *slot, unsigned touching, vd3 force,
                              vd3 twist, vd3 couple) {
   double f[3][DEM_W], t[3][DEM_W], m[3][DEM_W];
   vd_store(f[0], force.x), vd_store(f[1], force.y), vd_store(f[2], force.z);
@@ -33,7 +33,7 @@ DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int 
       continue;
     tdm_vec3 one = {f[0][l], f[1][l], f[2][l]}, sliding = {t[0][l], t[1][l], t[2][l]},
              turning = {m[0][l], m[1][l], m[2][l]};
-    dem_push *a = &d->push[i[l]], *b = &d->push[sink[l]];
+    dem_push *a = &d->push[i[l]], *b = &d->push[slot[l]];
     a->force = tdm_add(a->force, one);
     b->force = tdm_sub(b->force, one);
     a->twist = tdm_add(a->twist, tdm_axpy(-1 / d->rotor[i[l]].radius, turning, sliding));
@@ -81,11 +81,11 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
   const dem_sphere *sphere = d->sphere;
   const dem_rotor *rotor = d->rotor;
   dem_push *push = d->push;
-  dem_contact c = {.dt = task->dt, .model = m, .more = constants.more};
-  const vd reach = vd_set(constants.more ? m->reach : 0);
+  dem_contact c = {.dt = task->dt, .model = m, .all_terms = constants.all_terms};
+  const vd reach = vd_set(constants.all_terms ? m->reach : 0);
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
-  const bool repeats = m->domain.repeats, shared = constants.more && task->share != DEM_ALL;
+  const bool repeats = m->domain.repeats, shared = constants.all_terms && task->share != DEM_ALL;
   const bool many = d->nparticle > 20000; /* more than a cache of the second level holds */
   long touching = 0;
 
@@ -104,7 +104,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
       nearest_image(d, s, boxes);
     vd3 x = {s[0], s[1], s[2]};
     vd r2 = vd3_dot(x, x), sum = b[3], far = sum;
-    if (constants.more)
+    if (constants.all_terms)
       far = far + reach;
     c.touching = vm_less(r2, far * far);
     vm own = c.touching;
@@ -133,7 +133,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     c.mass = per_all * both;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
-        c.pair.index[l] = d->kind[i[l]] * m->nmaterial + d->kind[j[l]];
+        c.pair.index[l] = d->material[i[l]] * m->nmaterial + d->material[j[l]];
 
     /* the contact divides the distance of the centres as the radii: arms r_i r / (r_i + r_j) */
     vd share = r * per_sum;
@@ -142,27 +142,28 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     vd3 velocity = {s[4], s[5], s[6]};
     if (constants.rubs)
       velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), velocity);
-    if (constants.more)
+    if (constants.all_terms)
       pair_spins(d, i, j, &c);
-    if (!constants.more)
+    if (!constants.all_terms)
       touching += __builtin_popcount(vm_bits(c.touching));
     outcome out = law(task, &c, velocity, list->history + k, list->capacity, law_row, 0);
     for (int q = 0; shared && q < ncolumn; q++) {
       double *history = list->history + (size_t)q * list->capacity + k;
       vd_store(history, vd_pick(own, vd_load(history), kept[q]));
     }
-    if (constants.more) /* cohesion may have opened some */
+    if (constants.all_terms) /* cohesion may have opened some */
       touching += __builtin_popcount(vm_bits(c.touching));
-    if (constants.more && m->energy && m->domain.strained)
+    if (constants.all_terms && m->energy && m->domain.strained)
       add_box_power(task, boxes, c.touching, out.force);
-    if (constants.more && m->couples) {
-      push_couples(d, i, j, list->sink + k, vm_bits(c.touching), out.force, vd3_scale(share, out.twist), out.couple);
+    if (constants.all_terms && m->couples) {
+      push_couples(d, i, j, list->reaction_slot + k, vm_bits(c.touching), out.force, vd3_scale(share, out.twist),
+                   out.couple);
     } else if (constants.rubs) {
       vd3 twist = vd3_scale(share, out.twist);
-      vd_push_pairs(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z},
+      vd_push_pairs(push, i, list->reaction_slot + k, (vd[3]){out.force.x, out.force.y, out.force.z},
                     (vd[3]){twist.x, twist.y, twist.z});
     } else {
-      vd_push_forces(push, i, list->sink + k, (vd[3]){out.force.x, out.force.y, out.force.z});
+      vd_push_forces(push, i, list->reaction_slot + k, (vd[3]){out.force.x, out.force.y, out.force.z});
     }
   }
   task->touching += touching;

@@ -1,4 +1,4 @@
-/* Couples: rolling and twisting resistance; in the loops with `more` only. F_n is that of friction.
+/* Couples: rolling and twisting resistance; in the loops with `all_terms` only. F_n is that of friction.
  *
  * rolling, with the relative spin w in the tangent plane:
  * constant-torque: mu_r R* F_n against w (model A of Ai et al. 2011); at rest as coulomb

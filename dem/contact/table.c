@@ -51,10 +51,10 @@ const char *dem_simd_best(void) {
   return dem_simd_names[i];
 }
 
-const dem_law *dem_law_find(const char *simd, dem_normal normal, dem_tangential_law tangential, bool more) {
+const dem_law *dem_law_find(const char *simd, dem_normal normal, dem_tangential_law tangential, bool all_terms) {
   int s = simd_index(simd);
   for (const dem_law *law = s < 0 ? NULL : laws[s][normal]; law && law->pairs; law++)
-    if (law->tangential == tangential && law->more == more)
+    if (law->tangential == tangential && law->all_terms == all_terms)
       return law;
   return NULL;
 }

@@ -132,7 +132,7 @@ typedef void dem_loop(dem_loop_task *task);
 typedef struct {
   dem_normal normal;
   dem_tangential_law tangential;
-  bool more; /* with all other families and with energies */
+  bool all_terms; /* with all other families and with energies */
   dem_loop *pairs, *walls;
 } dem_law;
 
@@ -146,7 +146,7 @@ const char *dem_simd_best(void);
 bool dem_simd_here(const char *simd);
 
 /* The row of a combination compiled for an instruction set of this machine, NULL when there is none. */
-const dem_law *dem_law_find(const char *simd, dem_normal normal, dem_tangential_law tangential, bool more);
+const dem_law *dem_law_find(const char *simd, dem_normal normal, dem_tangential_law tangential, bool all_terms);
 
 /* The columns of a combination. */
 dem_columns dem_columns_of(const dem_law *law, dem_rolling rolling, dem_cohesion cohesion, bool sliding);

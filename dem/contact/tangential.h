@@ -54,7 +54,7 @@ DEM_KERNEL dem_tangential dem_spring(dem_contact *c, vd3 f, vd stiffness, vd dam
   f = vd3_add(f, grow);
   vd press = vd_max(c->force, vd_set(0)), limit = DEM_OF(c, friction) * press, limit2 = limit * limit;
   vd f2 = vd3_dot(f, f), passed2 = limit2;
-  if (c->more && c->model->columns.sliding >= 0) {
+  if (c->all_terms && c->model->columns.sliding >= 0) {
     vd hold = DEM_OF(c, static_friction) * press;
     passed2 = vd_pick(vm_less(vd_set(0), c->sliding), limit2, hold * hold);
   }
@@ -67,7 +67,7 @@ DEM_KERNEL dem_tangential dem_spring(dem_contact *c, vd3 f, vd stiffness, vd dam
 
   vd3 sum = vd3_axpy(-damping, c->slip, f);
   vd sum2 = vd3_dot(sum, sum);
-  if (c->more && c->model->columns.sliding >= 0) {
+  if (c->all_terms && c->model->columns.sliding >= 0) {
     limit = vd_pick(slides, limit, DEM_OF(c, static_friction) * press);
     limit2 = limit * limit;
     c->sliding = vd_only(slides, vd_set(1));
@@ -88,7 +88,7 @@ DEM_KERNEL dem_tangential dem_tangential_mindlin(dem_contact *c, vd *history) {
   vd3 f = dem_turn_history(c, (vd3){history[0], history[1], history[2]});
   vd before = history[3];
   vd unload = vd_pick(vm_less(c->circle, before), c->circle / before, vd_set(1));
-  vd stiffness = vd_set(8) * DEM_OF(c, shear) * c->circle;
+  vd stiffness = vd_set(8) * DEM_OF(c, effective_shear) * c->circle;
   history[3] = c->circle;
   return dem_spring(c, vd3_scale(unload, f), stiffness, DEM_OF(c, tangential_damping) * c->damping, history);
 }

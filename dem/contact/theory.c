@@ -70,12 +70,12 @@ double dem_contact_time(double mass, double radius, double young, double speed) 
 
 static double hertz_time(const dem_model *m, const dem_pair *p, dem_impact i) {
   (void)m;
-  return dem_contact_time(i.mass, i.radius, p->young, i.speed);
+  return dem_contact_time(i.mass, i.radius, p->effective_young, i.speed);
 }
 
 static double hertz_overlap(const dem_model *m, const dem_pair *p, dem_impact i) {
   (void)m;
-  return pow(15 * i.mass * i.speed * i.speed / (16 * p->young * sqrt(i.radius)), 0.4);
+  return pow(15 * i.mass * i.speed * i.speed / (16 * p->effective_young * sqrt(i.radius)), 0.4);
 }
 
 static double hertz_restitution(const dem_model *m, const dem_pair *p, dem_impact i) {
@@ -85,7 +85,7 @@ static double hertz_restitution(const dem_model *m, const dem_pair *p, dem_impac
 
 static double hertz_force(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
   (void)m;
-  return 4.0 / 3 * p->young * sqrt(i.radius * overlap) * overlap;
+  return 4.0 / 3 * p->effective_young * sqrt(i.radius * overlap) * overlap;
 }
 
 /* ---- Hunt and Crossley ---- */
@@ -193,7 +193,7 @@ double dem_normal_stiffness(const dem_model *m, const dem_pair *p, dem_impact i,
 double dem_tangential_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
   switch (m->law->tangential) {
   case DEM_TANGENTIAL_mindlin:
-    return 8 * p->shear * sqrt(i.radius * overlap);
+    return 8 * p->effective_shear * sqrt(i.radius * overlap);
   case DEM_TANGENTIAL_spring:
     return p->tangential_stiffness;
   default:

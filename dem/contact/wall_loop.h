@@ -35,7 +35,7 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
   dem_data *d = task->data;
   const dem_wall_contacts *list = &d->walls;
   const int ncolumn = r.ncolumn;
-  dem_contact c = {.dt = task->dt, .touching = vm_first(b->count), .model = m, .more = r.more};
+  dem_contact c = {.dt = task->dt, .touching = vm_first(b->count), .model = m, .all_terms = r.all_terms};
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
   memcpy(c.pair.index, b->index, sizeof b->index);
@@ -47,14 +47,14 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
   c.mass = vd_set(1) / c.inverse_mass;
   c.turn = vd_load(v[TURN]);
   vd3 velocity = {vd_load(v[VX]), vd_load(v[VY]), vd_load(v[VZ])};
-  if (r.more) {
+  if (r.all_terms) {
     c.spin = (vd3){vd_load(v[SX]), vd_load(v[SY]), vd_load(v[SZ])};
     c.inverse_inertia = vd_load(v[PER_INERTIA]);
   }
   outcome out = law(task, &c, velocity, b->history[0], DEM_W, r, DEM_ENERGY_WALL_NORMAL);
 
   double f[6][DEM_W], couple[3][DEM_W];
-  if (r.more)
+  if (r.all_terms)
     vd_store(couple[0], out.couple.x), vd_store(couple[1], out.couple.y), vd_store(couple[2], out.couple.z);
   vd_store(f[0], out.force.x), vd_store(f[1], out.force.y), vd_store(f[2], out.force.z);
   vd_store(f[3], out.twist.x), vd_store(f[4], out.twist.y), vd_store(f[5], out.twist.z);
@@ -71,7 +71,7 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
     tdm_wrench *load = &task->load[b->body[l]];
     load->force = tdm_sub(load->force, force);
     load->moment = tdm_sub(load->moment, tdm_cross(b->lever[l], force));
-    if (r.more)
+    if (r.all_terms)
       push_wall_more(task, b, l, force, (tdm_vec3){couple[0][l], couple[1][l], couple[2][l]});
   }
   task->touching += __builtin_popcount(vm_bits(c.touching));
@@ -115,7 +115,7 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
                             s->radius, per_mass, arm};
   for (int q = 0; q <= ARM; q++)
     b->number[q][l] = numbers[q];
-  if (r.more) {
+  if (r.all_terms) {
     tdm_vec3 spin = tdm_axpy(1 / s->radius, d->rotor[i].surface, tdm_scale(-1, wall_w));
     b->number[SX][l] = spin.x, b->number[SY][l] = spin.y, b->number[SZ][l] = spin.z;
     b->number[PER_INERTIA][l] = s->inverse_mass / (1.4 * s->radius * s->radius);
@@ -126,7 +126,7 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
     b->history[q][l] = list->history[(size_t)q * list->capacity + k];
   b->entry[l] = (int)k;
   b->body[l] = body;
-  b->index[l] = d->kind[i] * m->nmaterial + m->body[body].material;
+  b->index[l] = d->material[i] * m->nmaterial + m->body[body].material;
   b->lever[l] = lever;
   if (b->count == DEM_W)
     r.flush(task, b);
@@ -142,7 +142,7 @@ DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t 
     return;
   const dem_wall *wall = &m->wall[list->entry[begin].wall];
   const dem_wall_place *place = &d->wall[list->entry[begin].wall];
-  const double reach = r.more ? m->reach : 0;
+  const double reach = r.all_terms ? m->reach : 0;
   for (size_t k = begin; k < end; k++) {
     const dem_sphere *s = &d->sphere[list->entry[k].particle];
     if (left_out(task, s, wall->body))
@@ -235,7 +235,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
     c.mass = vd_set(1) / c.inverse_mass;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
-        c.pair.index[l] = d->kind[i[l]] * m->nmaterial + m->body[body].material;
+        c.pair.index[l] = d->material[i[l]] * m->nmaterial + m->body[body].material;
     outcome out = law(task, &c, velocity, history, list->capacity, r, 0);
     vd3 twist = vd3_scale(vd_pick(c.touching, arm, vd_set(0)), out.twist);
     vd3 moment = vd3_only(c.touching, vd3_cross(lever, out.force));
@@ -301,7 +301,7 @@ DEM_KERNEL void parts_of_one(dem_loop_task *task, batch *b, size_t begin, size_t
   dem_touch found[DEM_TOUCHES_MAX];
   touching_parts now = {.begin = begin, .end = end};
   now.n = wall->shape->touches(wall, &list->entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
-                               dem_wall_own(&d->wall[w], s->position), s->radius + (r.more ? m->reach : 0), found);
+                               dem_wall_own(&d->wall[w], s->position), s->radius + (r.all_terms ? m->reach : 0), found);
   size_t k = begin;
   for (int c = 0; c < now.n; c++) { /* both ascend */
     while (list->entry[k].part != found[c].part)
@@ -348,7 +348,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     if (wall->shape->touches) {
       wall_with_parts(task, &b, k, next, r);
     } else {
-      bool whole = !constants.more && wall->shape->half_space && !wall->moves && !m->driven;
+      bool whole = !constants.all_terms && wall->shape->half_space && !wall->moves && !m->driven;
       size_t rest = whole ? next - (next - k) % DEM_W : k;
       plane(task, k, rest, r);
       simple_wall(task, &b, rest, next, r);

@@ -22,13 +22,13 @@ static const double ROUND_OFF = 1e-6; /* of a step: times on the grid of steps a
 
 static double mass_of(const dem_model *m, const dem_source *s, uint64_t particle) {
   double r = dem_sizes_draw(&s->sizes, s->seed, particle);
-  return s->mass > 0 ? s->mass : m->material[s->kind].density * 4.0 / 3 * M_PI * r * r * r;
+  return s->mass > 0 ? s->mass : m->material[s->material].density * 4.0 / 3 * M_PI * r * r * r;
 }
 
-static tdm_vec3 place_of(const dem_source *s, uint64_t particle, uint64_t draw) {
+static tdm_vec3 place_of(const dem_source *s, uint64_t particle, uint64_t attempt) {
   tdm_vec3 size = tdm_sub(s->high, s->low);
-  const double u[3] = {tdm_random(s->seed, particle, 3 * draw + 1), tdm_random(s->seed, particle, 3 * draw + 2),
-                       tdm_random(s->seed, particle, 3 * draw + 3)};
+  const double u[3] = {tdm_random(s->seed, particle, 3 * attempt + 1), tdm_random(s->seed, particle, 3 * attempt + 2),
+                       tdm_random(s->seed, particle, 3 * attempt + 3)};
   return tdm_add(s->low, tdm_v3(size.x * u[0], size.y * u[1], size.z * u[2]));
 }
 
@@ -71,14 +71,14 @@ static bool find_room(const dem_data *d, dem_free_space *room, const dem_source 
   bool point = s->low.x == s->high.x && s->low.y == s->high.y && s->low.z == s->high.z;
   out->radius = dem_sizes_draw(&s->sizes, s->seed, now->made);
   out->mass = mass_of(m, s, now->made);
-  out->kind = s->kind;
+  out->material = s->material;
   tdm_vec3 v = velocity_of(d, s);
   out->velocity = tdm_axpy(late, m->gravity, v);
   for (int k = 0; k < (point ? 1 : TRIES); k++) {
-    tdm_vec3 x = point ? s->low : place_of(s, now->made, now->draw);
+    tdm_vec3 x = point ? s->low : place_of(s, now->made, now->tried);
     out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
     out->position = dem_flatten(m, out->position, m->flat_at);
-    now->draw++;
+    now->tried++;
     if (dem_free_space_free(room, d, out->position, out->radius))
       return true;
   }
@@ -141,7 +141,7 @@ static bool make_due(dem_data *d, dem_free_space *room, const dem_source *s, dem
       return false;
     now->made++;
     now->made_mass += newcomer.mass;
-    now->draw = 0;
+    now->tried = 0;
   }
   return true;
 }

@@ -29,8 +29,8 @@ enum { PARTICLES_MAX = 20000000, CELLS_MANY = 100000000 };
 typedef struct {
   dem_model *m;
   tdm_object *o;
-  int entry; /* of dem.particles */
-  int kind;  /* material */
+  int entry;    /* of dem.particles */
+  int material; /* material */
   dem_sizes sizes;
   uint64_t seed;
   tdm_pose frame;    /* positions of the entry to world */
@@ -59,19 +59,20 @@ static bool make_room(filler *f, long n) {
   }
   size_t total = (size_t)(m->nparticle + n) + 1;
   bool good = grow(&m->radius, total, sizeof *m->radius) && grow(&m->mass, total, sizeof *m->mass) &&
-              grow(&m->kind, total, sizeof *m->kind) && grow(&m->position, total, sizeof *m->position) &&
-              grow(&m->velocity, total, sizeof *m->velocity) && grow(&m->spin, total, sizeof *m->spin);
+              grow(&m->particle_material, total, sizeof *m->particle_material) &&
+              grow(&m->position, total, sizeof *m->position) && grow(&m->velocity, total, sizeof *m->velocity) &&
+              grow(&m->spin, total, sizeof *m->spin);
   if (!good)
     tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
   return good;
 }
 
 static double mass_of(const filler *f, double radius) {
-  return f->mass > 0 ? f->mass : f->m->material[f->kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+  return f->mass > 0 ? f->mass : f->m->material[f->material].density * 4.0 / 3 * M_PI * radius * radius * radius;
 }
 
 /* radius of the entry's particle k */
-static double draw(const filler *f, uint64_t k) {
+static double radius_of(const filler *f, uint64_t k) {
   return dem_sizes_draw(&f->sizes, f->seed, k);
 }
 
@@ -81,7 +82,7 @@ static void add(filler *f, tdm_vec3 x, double radius) {
   int i = m->nparticle++;
   m->radius[i] = radius;
   m->mass[i] = mass_of(f, radius);
-  m->kind[i] = f->kind;
+  m->particle_material[i] = f->material;
   m->position[i] = tdm_pose_point(f->frame, x);
   m->velocity[i] = f->velocity;
   m->spin[i] = f->spin;
@@ -109,7 +110,7 @@ static void read_list(filler *f) {
       tdm_fail(o->err, TDM_ERR_SCENE, tdm_path(path, o, "positions", (int)i), "must be three finite numbers [x, y, z]");
       return;
     }
-    add(f, tdm_v3(x[0], x[1], x[2]), draw(f, i));
+    add(f, tdm_v3(x[0], x[1], x[2]), radius_of(f, i));
   }
 }
 
@@ -135,7 +136,7 @@ static void read_block(filler *f) {
   for (int k = 0; k < (int)count[2]; k++)
     for (int j = 0; j < (int)count[1]; j++)
       for (int i = 0; i < (int)count[0]; i++)
-        add(f, tdm_axpy(spacing, tdm_v3(i, j, k), corner), draw(f, number++));
+        add(f, tdm_axpy(spacing, tdm_v3(i, j, k), corner), radius_of(f, number++));
 }
 
 /* ---- random ---- */
@@ -233,7 +234,7 @@ static void read_random(filler *f) {
 static long count_of_mass(const filler *f) {
   double sum = 0;
   for (uint64_t k = 0; k < PARTICLES_MAX; k++) {
-    sum += mass_of(f, draw(f, k));
+    sum += mass_of(f, radius_of(f, k));
     if (sum > f->total_mass * (1 + 1e-9)) /* sums are not exact */
       return (long)k;
   }
@@ -250,7 +251,7 @@ static long read_amount(filler *f) {
   long n = o->err->status ? 0 : count_of_mass(f);
   if (n == 0 && !o->err->status)
     tdm_object_fail(o, "total_mass", "is %g kg, less than the first particle, %g kg", f->total_mass,
-                    mass_of(f, draw(f, 0)));
+                    mass_of(f, radius_of(f, 0)));
   f->total_mass = 0;
   return n;
 }
@@ -276,7 +277,7 @@ static void read_poured(filler *f) {
     return;
   p.count = (int)count;
   for (int k = 0; k < p.count; k++)
-    add(f, tdm_scale(0.5, tdm_add(p.low, p.high)), draw(f, (uint64_t)k));
+    add(f, tdm_scale(0.5, tdm_add(p.low, p.high)), radius_of(f, (uint64_t)k));
   m->pouring[m->npouring++] = p;
   m->npoured += p.count;
 }
@@ -286,7 +287,7 @@ static void read_poured(filler *f) {
 /* "material" and "body" by name */
 static void read_names(filler *f) {
   tdm_object *o = f->o;
-  f->kind = dem_read_material(f->m, o);
+  f->material = dem_read_material(f->m, o);
   f->frame = (tdm_pose){{0, 0, 0}, tdm_quat_identity()};
   if (!tdm_has(o, "body"))
     return;

@@ -38,8 +38,8 @@ static void read_region(tdm_object *o, tdm_vec3 *low, tdm_vec3 *high) {
 
 /* ---- sources ---- */
 
-static double sphere_mass(const dem_model *m, int kind, double radius) {
-  return m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+static double sphere_mass(const dem_model *m, int material, double radius) {
+  return m->material[material].density * 4.0 / 3 * M_PI * radius * radius * radius;
 }
 
 static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
@@ -52,7 +52,7 @@ static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
     tdm_object_fail(o, "rate", "missing; give \"rate\" [1/s] or \"mass_rate\" [kg/s]");
   /* equal masses: exact multiples of 1/rate */
   if (by_mass && (s->mass > 0 || s->sizes.min == s->sizes.max)) {
-    s->rate = s->mass_rate / (s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.min));
+    s->rate = s->mass_rate / (s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.min));
     s->mass_rate = 0;
   }
 }
@@ -60,7 +60,7 @@ static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
 /* Particles that are due are counted one by one. */
 static void check_rate(const dem_model *m, tdm_object *o, const dem_source *s) {
   const double most = 1e6; /* a step */
-  double mass = s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.min);
+  double mass = s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.min);
   double a_step = m->dt * (s->mass_rate > 0 ? s->mass_rate / mass : s->rate);
   if (!o->err->status && !(a_step <= most))
     tdm_object_fail(o, tdm_has(o, "rate") ? "rate" : "mass_rate",
@@ -106,11 +106,11 @@ static void read_source(dem_model *m, tdm_object *o) {
       same = k;
   m->nsource++;
   refuse_same(o, s->name, same, "dem.sources");
-  s->kind = dem_read_material(m, o);
+  s->material = dem_read_material(m, o);
   dem_sizes_read(o, &s->sizes);
   s->mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
-  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.min));
-  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->kind, s->sizes.max));
+  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.min));
+  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.max));
   read_place(o, s);
   s->velocity = dem_read_vector(o, "velocity", &(tdm_vec3){0, 0, 0});
   if (m->flat >= 0 && (&s->velocity.x)[m->flat] != 0)

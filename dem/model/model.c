@@ -44,10 +44,10 @@ void dem_model_destroy(dem_model **model) {
     dem_wall_release(&m->wall[w]);
   free(m->settle.store);
   free(m->start);
-  void *arrays[] = {m->pouring,      m->source,         m->sink,     m->box,         m->material,
-                    m->geometry,     m->first_triangle, m->pair,     m->settle_pair, m->body,
-                    m->coupled_body, m->wall,           m->group,    m->radius,      m->mass,
-                    m->kind,         m->position,       m->velocity, m->spin};
+  void *arrays[] = {m->pouring,           m->source,         m->sink,     m->box,         m->material,
+                    m->geometry,          m->first_triangle, m->pair,     m->settle_pair, m->body,
+                    m->coupled_body,      m->wall,           m->group,    m->radius,      m->mass,
+                    m->particle_material, m->position,       m->velocity, m->spin};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

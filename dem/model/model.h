@@ -28,9 +28,9 @@ typedef struct {
   bool given;         /* the scene has this pair */
   double restitution; /* 0: the damping is given otherwise */
   double friction, static_friction;
-  double floor; /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
-  double young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
-  double shear; /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
+  double floor;           /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
+  double effective_young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
+  double effective_shear; /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
 
   /* normal; normal_damping: hooke 2 zeta: c_n = this * sqrt(m* k); hertz 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n);
    * hunt-crossley X = lambda v_0 */
@@ -77,7 +77,7 @@ typedef struct {
 /* Makes particles during the run (flow.h). */
 typedef struct {
   char *name;
-  int kind; /* material */
+  int material; /* material */
   dem_sizes sizes;
   double mass;        /* of one particle [kg], 0: from the density */
   double rate;        /* [1/s], 0: mass_rate decides */
@@ -241,12 +241,12 @@ typedef struct dem_model {
   /* the particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
    * settling and have no position yet. */
   int nparticle, npoured;
-  double *radius;     /* (nparticle) [m] */
-  double *mass;       /* (nparticle) [kg] */
-  int *kind;          /* (nparticle) material */
-  tdm_vec3 *position; /* (nparticle) at the start [m] */
-  tdm_vec3 *velocity; /* (nparticle) at the start [m/s] */
-  tdm_vec3 *spin;     /* (nparticle) angular velocity at the start [rad/s] */
+  double *radius;         /* (nparticle) [m] */
+  double *mass;           /* (nparticle) [kg] */
+  int *particle_material; /* (nparticle) material */
+  tdm_vec3 *position;     /* (nparticle) at the start [m] */
+  tdm_vec3 *velocity;     /* (nparticle) at the start [m/s] */
+  tdm_vec3 *spin;         /* (nparticle) angular velocity at the start [rad/s] */
 
   double expected_speed; /* largest relative speed that the user expects [m/s], 0: estimated */
 

@@ -60,7 +60,7 @@ tdm_status dem_snapshot_take(dem_snapshot *s, const dem_data *d, tdm_error *err)
   for (int k = 0; k < s->count; k++) {
     int i = order[k].particle;
     s->id[k] = (int64_t)d->id[i];
-    s->material[k] = d->kind[i];
+    s->material[k] = d->material[i];
     s->radius[k] = d->sphere[i].radius;
     s->position[k] = d->sphere[i].position;
     s->velocity[k] = d->pace[i].velocity;

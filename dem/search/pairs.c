@@ -66,10 +66,10 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
   for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
     for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
       int j = d->rows.other[r], oi = old ? old[i] : i, oj = old ? old[j] : j, at = find_entry(list, oi, oj);
-      list->sink[k] = at < 0 ? -1 : 2 * at + (oi > oj);
+      list->reaction_slot[k] = at < 0 ? -1 : 2 * at + (oi > oj);
     }
   for (; k < chunk[c + 1]; k++)
-    list->sink[k] = -1;
+    list->reaction_slot[k] = -1;
 }
 
 /* Bring the histories to their new entries, column by column; vectors turn round with their pairs. False: no memory. */
@@ -85,7 +85,7 @@ static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
 #pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
     for (int c = 0; c < d->nchunk; c++)
       for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
-        int at = list->sink[k];
+        int at = list->reaction_slot[k];
         to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
       }
   }
@@ -112,11 +112,11 @@ static void fill_chunk(dem_data *d, int c) {
     list->first[i] = k;
     for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
       list->one[k] = i;
-      list->other[k] = list->sink[k] = d->rows.other[r];
+      list->other[k] = list->reaction_slot[k] = d->rows.other[r];
     }
   }
   for (; k < (int)list->chunk[c + 1]; k++)
-    list->one[k] = list->other[k] = list->sink[k] = none;
+    list->one[k] = list->other[k] = list->reaction_slot[k] = none;
   if (c + 1 == d->nchunk)
     list->first[d->nparticle] = k;
 }
@@ -138,7 +138,7 @@ static bool place_crossings(dem_data *d) {
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
       if (list->other[k] < d->nparticle && list->other[k] >= (c + 1) * DEM_CHUNK) {
         x->particle[place] = list->other[k];
-        list->sink[k] = first + place++;
+        list->reaction_slot[k] = first + place++;
         x->chunk[list->other[k] / DEM_CHUNK + 1]++;
       }
   for (int c = 0; c < d->nchunk; c++)
@@ -179,10 +179,10 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
                             .domain = d->domain,
                             .nthread = d->nthread,
                             .scratch = &d->scratch};
-  dem_time_spent(d->times, DEM_PHASE_LIST);
+  dem_time_spent(d->timers, DEM_PHASE_LIST);
   if (!dem_search_run(d->search, &input, &d->rows))
     return false;
-  dem_time_spent(d->times, DEM_PHASE_SEARCH);
+  dem_time_spent(d->timers, DEM_PHASE_SEARCH);
   if (d->model->driven)
     drop_fixed(d);
   int ncolumn = d->model->columns.ncolumn;
@@ -197,7 +197,7 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
       if (carry)
         find_histories(d, chunk, old, c);
       else if (chunk[c + 1] > chunk[c])
-        memset(list->sink + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->sink);
+        memset(list->reaction_slot + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->reaction_slot);
     if (!carry_pairs(d, chunk, before))
       return false;
   }

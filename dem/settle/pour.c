@@ -30,8 +30,11 @@ static const dem_pouring *present(const dem_data *d) {
 static bool add(dem_data *d, tdm_vec3 x) {
   const dem_model *m = d->model;
   uint64_t id = d->ledger.created;
-  dem_newcomer newcomer = {
-      .position = x, .velocity = m->velocity[id], .radius = m->radius[id], .mass = m->mass[id], .kind = m->kind[id]};
+  dem_newcomer newcomer = {.position = x,
+                           .velocity = m->velocity[id],
+                           .radius = m->radius[id],
+                           .mass = m->mass[id],
+                           .material = m->particle_material[id]};
   if (!dem_data_add(d, &newcomer))
     return false;
   int i = d->nparticle - 1;

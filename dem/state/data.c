@@ -47,7 +47,7 @@ static size_t layout(dem_data *d, char *block) {
 /* The same for the arrays of particles, with room for d->capacity and the particle that is none. */
 static size_t layout_particles(dem_data *d, char *block) {
   size_t np = (size_t)d->capacity + 1, used = 0;
-#define X(field, n) PLACE(field, np *(size_t)(n));
+#define X(field, n, name) PLACE(field, np *(size_t)(n));
   DEM_PARTICLE_STATE(X)
 #undef X
   PLACE(pairs.first, np);
@@ -76,7 +76,7 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
   size_t np = (size_t)d->nparticle;
   dst->nparticle = d->nparticle;
   dst->nchunk = d->nchunk;
-#define X(field, n)         \
+#define X(field, n, name)   \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
@@ -171,7 +171,7 @@ bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
     return true;
   size_t before = list->capacity, capacity = (count + count / 16 + 64) & ~(size_t)7;
   if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
-      !grow(&list->sink, capacity, 0, sizeof(int)) ||
+      !grow(&list->reaction_slot, capacity, 0, sizeof(int)) ||
       (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
     return false;
   for (int q = ncolumn - 1; q > 0; q--) /* columns move apart, the last first */
@@ -199,7 +199,7 @@ static void begin(dem_data *d) {
   for (int i = 0; i < d->nparticle; i++) {
     d->id[i] = (uint64_t)i;
     d->mass[i] = m->mass[i];
-    d->kind[i] = m->kind[i];
+    d->material[i] = m->particle_material[i];
     d->sphere[i] = (dem_sphere){m->position[i], m->radius[i], m->velocity[i], 1 / m->mass[i]};
     d->rotor[i] = (dem_rotor){tdm_scale(m->radius[i], m->spin[i]), m->radius[i]};
     d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
@@ -260,7 +260,7 @@ static bool copy_lists(dem_data *dst, const dem_data *src) {
   if (p->count > 0) {
     memcpy(dst->pairs.one, p->one, p->count * sizeof *p->one);
     memcpy(dst->pairs.other, p->other, p->count * sizeof *p->other);
-    memcpy(dst->pairs.sink, p->sink, p->count * sizeof *p->sink);
+    memcpy(dst->pairs.reaction_slot, p->reaction_slot, p->count * sizeof *p->reaction_slot);
   }
   if (w->count > 0)
     memcpy(dst->walls.entry, w->entry, w->count * sizeof *w->entry);
@@ -322,7 +322,7 @@ void dem_data_destroy(dem_data **data) {
     return;
   void *arrays[] = {d->pairs.one,
                     d->pairs.other,
-                    d->pairs.sink,
+                    d->pairs.reaction_slot,
                     d->pairs.history,
                     d->walls.entry,
                     d->walls.history,
@@ -357,7 +357,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   int i = d->nparticle++;
   d->id[i] = d->ledger.created++;
   d->mass[i] = newcomer->mass;
-  d->kind[i] = newcomer->kind;
+  d->material[i] = newcomer->material;
   d->touched[i] = 0;
   const dem_model *m = d->model;
   tdm_vec3 velocity = dem_flatten(m, newcomer->velocity, 0);
@@ -397,14 +397,14 @@ static void remove_pairs(dem_pairs *list, int before, int after, const int *numb
       if (other >= before || number[other] < 0) /* none, or gone */
         continue;
       list->one[out] = number[i];
-      list->other[out] = list->sink[out] = number[other];
+      list->other[out] = list->reaction_slot[out] = number[other];
       for (size_t q = 0; q < (size_t)ncolumn; q++)
         list->history[q * list->capacity + out] = list->history[q * list->capacity + (size_t)k];
       out++;
     }
   }
   for (; out % DEM_LANES_MAX != 0; out++)
-    list->one[out] = list->other[out] = list->sink[out] = after;
+    list->one[out] = list->other[out] = list->reaction_slot[out] = after;
   list->first[after] = (int)out;
   list->count = out;
 }
@@ -443,7 +443,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
     d->push[number[i]] = d->push[i];
     if (d->spare_push)
       d->spare_push[number[i]] = d->spare_push[i];
-#define X(field, n)                                                                       \
+#define X(field, n, name)                                                                 \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
     DEM_PARTICLE_STATE(X)
@@ -490,7 +490,7 @@ bool dem_data_permute(dem_data *d, const int *from) {
   uint64_t *copy = dem_scratch_take(&d->scratch, (n + 1) * sizeof *copy); /* a word of each particle at a time */
   if (!copy)
     return false;
-#define X(field, each)                                                                                            \
+#define X(field, each, name)                                                                                      \
   if ((size_t)(each) * sizeof *d->field % sizeof *copy == 0)                                                      \
     reorder_words((uint64_t *)(void *)d->field, n, (size_t)(each) * sizeof *d->field / sizeof *copy, from, copy); \
   else                                                                                                            \

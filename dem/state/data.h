@@ -23,12 +23,12 @@
  * ascending and greater than i. Entries are chunk by chunk, each chunk's filled up to a multiple of DEM_LANES_MAX with
  * entries of the particle that is none (number nparticle). */
 typedef struct {
-  int *first;      /* (nparticle + 1) */
-  int *one;        /* (capacity) i */
-  int *other;      /* (capacity) j */
-  int *sink;       /* (capacity) place in push for the reaction on j: j, or one of the places between the chunks */
-  double *history; /* (columns x capacity) or NULL */
-  size_t *chunk;   /* (nchunk + 1) first entry of a chunk */
+  int *first;         /* (nparticle + 1) */
+  int *one;           /* (capacity) i */
+  int *other;         /* (capacity) j */
+  int *reaction_slot; /* (capacity) place in push for the reaction on j: j, or one of the places between the chunks */
+  double *history;    /* (columns x capacity) or NULL */
+  size_t *chunk;      /* (nchunk + 1) first entry of a chunk */
   size_t count, capacity;
 } dem_pairs;
 
@@ -56,25 +56,26 @@ typedef struct {
   int count, capacity;
 } dem_crossings;
 
-/* The arrays of particles that are state: X(field, entries a particle). A new one only needs its row. */
-#define DEM_PARTICLE_STATE(X)    \
-  X(sphere, 1)                   \
-  X(rotor, 1)                    \
-  X(pace, 1)                     \
-  X(position_at_list, 1)         \
-  X(mass, 1)                     \
-  X(kind, 1)                     \
-  X(id, 1)                       \
-  X(touched, 1)                  \
-  X(drive, d->model->driven)     \
-  X(memory, d->model->remembers) \
-  X(front, d->model->nwall)
+/* The arrays of particles that are state: X(field, entries a particle, name in stored states). A new one only needs its
+ * row. */
+#define DEM_PARTICLE_STATE(X)                \
+  X(sphere, 1, "sphere")                     \
+  X(rotor, 1, "rotor")                       \
+  X(pace, 1, "pace")                         \
+  X(position_at_list, 1, "position_at_list") \
+  X(mass, 1, "mass")                         \
+  X(material, 1, "kind")                     \
+  X(id, 1, "id")                             \
+  X(touched, 1, "touched")                   \
+  X(drive, d->model->driven, "drive")        \
+  X(memory, d->model->remembers, "memory")   \
+  X(front, d->model->nwall, "front")
 
 /* How far a source is. */
 typedef struct {
   uint64_t due, made;         /* particles that should be there by now, and those that are */
   double due_mass, made_mass; /* of these [kg], summed in order of creation */
-  uint64_t draw;              /* places tried for the next particle */
+  uint64_t tried;             /* places tried for the next particle */
   uint64_t waits;             /* times that a particle had to wait */
   uint64_t blocked;           /* 1: the next particle waits now */
 } dem_source_state;
@@ -148,7 +149,7 @@ typedef struct dem_data {
   /* particles, (nparticle) each, room for (capacity) */
   int nparticle, capacity;
   uint64_t *id;               /* order of creation, ascending; never used twice */
-  int *kind;                  /* material */
+  int *material;              /* material */
   uint32_t *touched;          /* bit s: sink s waits until the particle has left its body again */
   double *mass;               /* [kg] */
   dem_sphere *sphere;         /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
@@ -217,7 +218,7 @@ typedef struct dem_data {
   tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
   int *number;                   /* (nparticle) scratch, where particles can leave; else none */
-  dem_timers *times;             /* borrowed; NULL: not measured */
+  dem_timers *timers;            /* borrowed; NULL: not measured */
   int push_capacity, nthread;
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
@@ -236,7 +237,7 @@ void dem_data_destroy(dem_data **data);
 typedef struct {
   tdm_vec3 position, velocity; /* world [m], [m/s] */
   double radius, mass;         /* [m], [kg] */
-  int kind;                    /* material */
+  int material;                /* material */
 } dem_newcomer;
 
 /* Append a particle between two steps: without spin and contacts, with the next id. The lists are rebuilt at the next

@@ -145,7 +145,7 @@ static uint64_t hash_particles(uint64_t h, const dem_model *m) {
   h = hash_numbers(h, (const double[]){m->nparticle}, 1);
   h = hash_numbers(h, m->radius, np);
   h = hash_numbers(h, m->mass, np);
-  h = hash_bytes(h, m->kind, np * sizeof *m->kind);
+  h = hash_bytes(h, m->particle_material, np * sizeof *m->particle_material);
   h = hash_vectors(h, m->position, np);
   h = hash_vectors(h, m->velocity, np);
   return hash_vectors(h, m->spin, np);
@@ -200,7 +200,7 @@ uint64_t dem_fingerprint_whole(const dem_model *m) {
   h = hash_surfaces(hash_pairs(h, m, m->pair), m);
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
-    const double numbers[] = {source->kind,          source->mass,      source->rate,   source->mass_rate,
+    const double numbers[] = {source->material,      source->mass,      source->rate,   source->mass_rate,
                               source->start,         source->end,       source->factor, source->relative,
                               (double)source->count, source->total_mass};
     h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);

@@ -180,7 +180,7 @@ static bool save(const dem_data *d, const void *note, size_t note_size, void **b
   memcpy(h.magic, magic, sizeof magic);
   dem_fingerprint_bed_parts(m, h.part);
   put(&w, &h, sizeof h);
-#define X(field, n) put_section(&w, #field, d->field, np *(size_t)(n) * sizeof *d->field);
+#define X(field, n, name) put_section(&w, name, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
 #undef X
   put_section(&w, "push", d->push, np * sizeof *d->push);
@@ -304,14 +304,14 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
 static bool get_particles(const reader *r, dem_data *d) {
   size_t np = (size_t)d->nparticle;
   bool good = true;
-#define X(field, n)                                                   \
-  if (!get(r, #field, d->field, np * (size_t)(n) * sizeof *d->field)) \
-    good = good && r->use != DEM_STATE_WHOLE &&                       \
+#define X(field, n, name)                                           \
+  if (!get(r, name, d->field, np * (size_t)(n) * sizeof *d->field)) \
+    good = good && r->use != DEM_STATE_WHOLE &&                     \
            ((void *)d->field == (void *)d->memory || (void *)d->field == (void *)d->drive);
   DEM_PARTICLE_STATE(X)
 #undef X
   for (int i = 0; i < d->nparticle; i++)
-    good = good && d->kind[i] >= 0 && d->kind[i] < d->model->nmaterial;
+    good = good && d->material[i] >= 0 && d->material[i] < d->model->nmaterial;
   return good;
 }
 

@@ -22,12 +22,12 @@ typedef struct {
 } dem_timers;
 
 /* The time since the last call was spent in this phase. NULL: nobody wants to know. */
-static inline void dem_time_spent(dem_timers *times, dem_phase phase) {
-  if (!times)
+static inline void dem_time_spent(dem_timers *timers, dem_phase phase) {
+  if (!timers)
     return;
   double now = tdm_clock();
-  times->spent[phase] += now - times->mark;
-  times->mark = now;
+  timers->spent[phase] += now - timers->mark;
+  timers->mark = now;
 }
 
 #endif

@@ -85,9 +85,9 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt, con
     touching += task.touching;
     d->chunk_flux[c] = task.flux;
     if (integrator && d->nthread == 1) {
-      dem_time_spent(d->times, DEM_PHASE_CONTACTS);
+      dem_time_spent(d->timers, DEM_PHASE_CONTACTS);
       integrator->end(d, c, dt);
-      dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
+      dem_time_spent(d->timers, DEM_PHASE_INTEGRATION);
     }
   }
   if (integrator && d->nthread > 1)
@@ -201,10 +201,10 @@ static bool single_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_
   if (m->domain.strained && !settling)
     dem_domain_strain(d, dt);
   double moved2 = begin_step(d, integrator, dt, 0);
-  dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
+  dem_time_spent(d->timers, DEM_PHASE_INTEGRATION);
   if (!find_contacts(d, moved2, dt))
     return false;
-  dem_time_spent(d->times, DEM_PHASE_LIST);
+  dem_time_spent(d->timers, DEM_PHASE_LIST);
   dem_traction_clear(d);
   evaluate(d, DEM_ALL, settling, dt, integrator);
   dem_traction_add(d, 1);
@@ -230,7 +230,7 @@ bool dem_step(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n, bool 
   if (d->model->ndriven > 0 && !settling)
     dem_energy_balance_step(d, dt);
   d->restart = d->restart || settling;
-  dem_time_spent(d->times, DEM_PHASE_INTEGRATION);
+  dem_time_spent(d->timers, DEM_PHASE_INTEGRATION);
   d->nstep++;
   d->since_sort++;
   d->since_list++;

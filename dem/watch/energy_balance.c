@@ -61,7 +61,7 @@ static double elastic_of_pair(const dem_data *d, int i, int k) {
   double sum = a->radius + b->radius, per_mass = a->inverse_mass + b->inverse_mass, r = tdm_norm(x);
   if (!(per_mass > 0) || !(r < sum))
     return 0;
-  contact c = {.pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]],
+  contact c = {.pair = &m->pair[d->material[i] * m->nmaterial + d->material[j]],
                .at = {.mass = 1 / per_mass, .radius = a->radius * b->radius / sum},
                .overlap = sum - r,
                .history = d->pairs.history ? &d->pairs.history[k] : NULL,
@@ -105,7 +105,7 @@ static double elastic_of_wall(const dem_data *d, size_t k) {
   double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), overlap = s->radius - gap;
   if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
     return 0;
-  contact c = {.pair = &m->pair[d->kind[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],
+  contact c = {.pair = &m->pair[d->material[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],
                .at = {.mass = 1 / s->inverse_mass, .radius = s->radius},
                .overlap = overlap,
                .history = d->walls.history ? &d->walls.history[k] : NULL,

@@ -194,7 +194,7 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
     double overlap = both - tdm_norm(dem_between(d, d->sphere[i].position, d->sphere[j].position));
     if (!(overlap > 0))
       continue;
-    const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + d->kind[j]];
+    const dem_pair *pair = &m->pair[d->material[i] * m->nmaterial + d->material[j]];
     dem_impact at = {.mass = 1 / (1 / d->mass[i] + 1 / d->mass[j]),
                      .radius = d->sphere[i].radius * d->sphere[j].radius / both};
     double s = stiffness(m, pair, at, overlap);
@@ -209,7 +209,7 @@ static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, doubl
   tdm_vec3 n;
   double radius = d->sphere[i].radius;
   double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], d->sphere[i].position, &n);
-  const dem_pair *pair = &m->pair[d->kind[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
+  const dem_pair *pair = &m->pair[d->material[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
   if (gap < radius && gap > -radius)
     sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);
 }
@@ -235,9 +235,9 @@ static tdm_status limits_at(const dem_data *d, double speed, dem_limits *l, tdm_
   const dem_model *m = d->model;
   *l = (dem_limits){.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
   for (int i = 0; i < d->nparticle; i++)
-    add_particle(l, m, d->kind[i], d->sphere[i].radius, d->mass[i]);
+    add_particle(l, m, d->material[i], d->sphere[i].radius, d->mass[i]);
   for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
-    add_particle(l, m, m->kind[i], m->radius[i], m->mass[i]);
+    add_particle(l, m, m->particle_material[i], m->radius[i], m->mass[i]);
   return find_eigen(d, &l->eigen, err);
 }
 
@@ -265,8 +265,8 @@ tdm_status dem_limits_expected(const dem_data *d, dem_limits *l, tdm_error *err)
     const dem_source *source = &m->source[s];
     for (int k = 0; k < 2; k++) {
       double r = k ? source->sizes.max : source->sizes.min;
-      double full = m->material[source->kind].density * 4.0 / 3 * M_PI * r * r * r;
-      add_particle(l, m, source->kind, r, source->mass > 0 ? source->mass : full);
+      double full = m->material[source->material].density * 4.0 / 3 * M_PI * r * r * r;
+      add_particle(l, m, source->material, r, source->mass > 0 ? source->mass : full);
     }
   }
   choose_step(l);

@@ -53,10 +53,10 @@ static json_t *scene(const char *search, int group) {
 static void print(const char *name, const dem_data *d, double steps) {
   double all = 0;
   for (int k = 0; k < DEM_PHASES; k++)
-    all += d->times->spent[k];
+    all += d->timers->spent[k];
   printf("%-12s %5d discs  %7.1f ns a disc and step  every %6.1f steps a list ", name, d->nparticle,
          1e9 * all / steps / d->nparticle, steps / (double)(d->nrebuild ? d->nrebuild : 1));
-#define X(phase, title) printf("  " title " %4.1f %%", 100 * d->times->spent[DEM_PHASE_##phase] / all);
+#define X(phase, title) printf("  " title " %4.1f %%", 100 * d->timers->spent[DEM_PHASE_##phase] / all);
   DEM_PHASE_LIST(X)
 #undef X
   putchar('\n');
@@ -68,15 +68,15 @@ static bool run(const char *name, int group, long steps) {
   tdm_assignment assignment = {.scene = scene(name, group), .dt = 1e-5, .n = 1};
   dem_model *model = NULL;
   dem_data *d = dem_model_load(&model, &assignment, &err) == TDM_OK ? dem_data_create(model) : NULL;
-  dem_timers times = {0};
+  dem_timers timers = {0};
   bool good = d != NULL;
   if (!good)
     fprintf(stderr, "%s: %s\n", err.path, err.message);
   if (good) {
-    d->times = &times;
+    d->timers = &timers;
     d->nrebuild = 0;
   }
-  times.mark = tdm_clock();
+  timers.mark = tdm_clock();
   for (long k = 0; good && k < steps; k++)
     good = dem_step(d, NULL, 0, 1, false, d->model->dt);
   if (good)

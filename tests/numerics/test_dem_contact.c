@@ -44,7 +44,7 @@ START_TEST(test_hertz_impact) {
   /* 2.5 elastic impact: maximum overlap and force, duration */
   const double dt = 1e-6, v = 0.5, R = 0.01, m = 2500 * 4.0 / 3 * M_PI * R * R * R;
   rig *r = drop("mindlin", "keep", 1, 0.3, dt, "'velocity':[0,0,-0.5]");
-  double deepest, strongest, Es = r->model->pair[1].young;
+  double deepest, strongest, Es = r->model->pair[1].effective_young;
   long k = bounce(r, &deepest, &strongest);
   double expected = pow(15 * m * v * v / (16 * Es * sqrt(R)), 0.4);
   ck_relative(Es, 1e7 / (1 - 0.09), 1e-9);

@@ -25,7 +25,7 @@ static rig *drop_make(drop c, double dt) {
 }
 
 static double contact_time(const rig *r, double speed) {
-  return dem_contact_time(r->data->mass[0], r->data->sphere[0].radius, r->model->pair[0].young, speed);
+  return dem_contact_time(r->data->mass[0], r->data->sphere[0].radius, r->model->pair[0].effective_young, speed);
 }
 
 /* Speed after the impact over the speed before, in 200 steps a contact or more; -1: it never left. */

@@ -155,7 +155,7 @@ START_TEST(test_energy) {
                1, 0, NULL);
   dem_data *d = r->data;
   /* the shortest contact: of the smallest sphere with a wall, at the highest speed there can be */
-  double tc = 2.868 * pow(d->mass[1] * d->mass[1] / (0.015 * pow(r->model->pair[0].young, 2) * 1.5), 0.2);
+  double tc = 2.868 * pow(d->mass[1] * d->mass[1] / (0.015 * pow(r->model->pair[0].effective_young, 2) * 1.5), 0.2);
   double dt = tc / 500, energy0 = 0, worst = 0;
   long hits = 0, before = 0, instants = 0;
   for (int i = 0; i < 3; i++)
@@ -253,7 +253,7 @@ START_TEST(test_newcomer) {
   for (int k = 0; k < NAMES; k++) {
     rig *r = gas(k, 0.5, "");
     rig_steps(r, 10);
-    dem_newcomer one = {.position = {0, 0, 10}, .velocity = {1, 2, 3}, .radius = 0.01, .mass = 0.1, .kind = 0};
+    dem_newcomer one = {.position = {0, 0, 10}, .velocity = {1, 2, 3}, .radius = 0.01, .mass = 0.1, .material = 0};
     ck_assert(dem_data_add(r->data, &one));
     rig_steps(r, 100);
     int i = r->data->nparticle - 1;

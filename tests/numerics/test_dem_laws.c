@@ -424,7 +424,7 @@ START_TEST(test_jkr) {
   const double w = 5, R = 0.01;
   rig *r = on_floor("'tangential':'none','cohesion':'jkr'", "'restitution':1,'adhesion_energy':5", 0, 0,
                     "'velocity':[0,0,0]", 1e-6);
-  double young = r->model->pair[0].young, unit = M_PI * w * R, length = cbrt(M_PI * w * R * R / young);
+  double young = r->model->pair[0].effective_young, unit = M_PI * w * R, length = cbrt(M_PI * w * R * R / young);
   double depth = length * length / R, reach = dem_jkr_reach(R, young, w);
   ck_relative(reach, 0.75 * depth, 1e-12);
   ck_relative(r->model->reach, reach, 1e-12);
@@ -482,7 +482,7 @@ START_TEST(test_dmt) {
   const double w = 5, R = 0.01;
   rig *r = on_floor("'tangential':'coulomb','cohesion':'dmt'", "'restitution':1,'friction':0.5,'adhesion_energy':5", 0,
                     1e-4, "'velocity':[0.1,0,0]", 1e-6);
-  double hertz = 4.0 / 3 * r->model->pair[0].young * sqrt(R) * pow(1e-4, 1.5), pull = 2 * M_PI * w * R;
+  double hertz = 4.0 / 3 * r->model->pair[0].effective_young * sqrt(R) * pow(1e-4, 1.5), pull = 2 * M_PI * w * R;
   ck_relative(r->data->push[0].force.z, hertz - pull, 1e-9);
   ck_relative(r->data->push[0].force.x, -0.5 * hertz, 1e-9);
   ck_relative(lift(r, 1e-12), -pull, 1e-6);

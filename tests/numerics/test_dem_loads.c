@@ -290,7 +290,7 @@ START_TEST(test_one_triangle) {
   for (int t = 0; t < 256; t++) {
     tdm_vec3 f = r->data->traction.force[t];
     touched += tdm_norm(f) > 0;
-    double e = r->model->pair[0].young, overlap = t < 128 ? off : off * sqrt(0.5);
+    double e = r->model->pair[0].effective_young, overlap = t < 128 ? off : off * sqrt(0.5);
     if (tdm_norm(f) > 0)
       ck_relative(tdm_norm(f), 4.0 / 3 * e * sqrt(0.05 * overlap) * overlap, 1e-3);
   }
