@@ -17,8 +17,9 @@ dem_drive dem_drive_read(tdm_object *body, const tdm_pose *pose) {
   if (oscillates) {
     tdm_object swing = tdm_get_object(&o, "oscillation", true);
     d.amplitude = tdm_get_vec3(&swing, "amplitude", NULL);
-    d.frequency = tdm_get_number(&swing, "frequency", TDM_REQUIRED, TDM_POSITIVE);
-    d.phase = tdm_get_number(&swing, "phase", 0, TDM_ANY);
+    d.swing.amplitude = 1;
+    d.swing.omega = 2 * M_PI * tdm_get_number(&swing, "frequency", TDM_REQUIRED, TDM_POSITIVE);
+    d.swing.phase = tdm_get_number(&swing, "phase", 0, TDM_ANY);
     tdm_object_close(&swing);
   }
   if (d.given && !tdm_has(&o, "velocity") && !tdm_has(&o, "angular_velocity") && !oscillates)
@@ -35,20 +36,20 @@ tdm_state dem_driven_state(const dem_drive *d, const tdm_state *at_start, double
     return now;
   bool moves = t < d->end;
   double tau = (moves ? t : d->end) - d->start;
-  double rate = 2 * M_PI * d->frequency, at = rate * tau + d->phase;
+  tdm_motion_value swing = tdm_harmonic_at(&d->swing, tau);
   tdm_vec3 center = tdm_axpy(tau, d->velocity, d->center);
-  center = tdm_axpy(sin(at) - sin(d->phase), d->amplitude, center);
+  center = tdm_axpy(swing.value - tdm_harmonic_at(&d->swing, 0).value, d->amplitude, center);
   tdm_quat turn = tdm_quat_from_rotvec(tdm_scale(tau, d->angular));
   tdm_vec3 arm = tdm_quat_rotate(turn, tdm_sub(at_start->pose.position, d->center));
   now.pose.position = tdm_add(center, arm);
   now.pose.orientation = tdm_quat_mul(turn, at_start->pose.orientation);
   if (moves) {
-    now.twist.velocity = tdm_axpy(rate * cos(at), d->amplitude, tdm_add(d->velocity, tdm_cross(d->angular, arm)));
+    now.twist.velocity = tdm_axpy(swing.rate, d->amplitude, tdm_add(d->velocity, tdm_cross(d->angular, arm)));
     now.twist.angular = d->angular;
   }
   return now;
 }
 
 double dem_drive_speed(const dem_drive *d, double reach) {
-  return tdm_norm(d->velocity) + 2 * M_PI * d->frequency * tdm_norm(d->amplitude) + tdm_norm(d->angular) * reach;
+  return tdm_norm(d->velocity) + d->swing.omega * tdm_norm(d->amplitude) + tdm_norm(d->angular) * reach;
 }

@@ -9,7 +9,7 @@
 #ifndef DEM_BODIES_DRIVEN_H
 #define DEM_BODIES_DRIVEN_H
 
-#include "protocol/base/scene.h"
+#include "protocol/motion/harmonic.h"
 
 typedef struct {
   bool given;         /* the body is driven */
@@ -17,8 +17,7 @@ typedef struct {
   tdm_vec3 angular;   /* world [rad/s] */
   tdm_vec3 center;    /* c0: of the rotation, world, at the start [m] */
   tdm_vec3 amplitude; /* world [m] */
-  double frequency;   /* [Hz] */
-  double phase;       /* [rad] */
+  tdm_harmonic swing; /* of `amplitude` [1]: sin(2 pi f tau + phase) */
   double start, end;  /* [s]; inf: no end */
 } dem_drive;
 

@@ -105,17 +105,17 @@ typedef struct {
   double range, parabola, cubics;
 } bend;
 
-static bend bend_of(const mbd_motion *law, double t1, double t2, int n) {
-  const mbd_motion_value first = mbd_motion_at(law, t1);
+static bend bend_of(const tdm_motion *law, double t1, double t2, int n) {
+  const tdm_motion_value first = tdm_motion_at(law, t1);
   const double h = (t2 - t1) / n;
   double least = first.value, most = first.value;
   bend b = {0};
-  mbd_motion_value from = first;
+  tdm_motion_value from = first;
   for (int k = 0; k < n; k++) {
-    const mbd_motion_value to = mbd_motion_at(law, t1 + (k + 1) * h);
+    const tdm_motion_value to = tdm_motion_at(law, t1 + (k + 1) * h);
     for (int i = 0; i <= NLOOK; i++) {
       const double s = i < NLOOK ? looks[i] : 1, r = 1 - s, tau = (k + s) * h;
-      const double x = i < NLOOK ? mbd_motion_at(law, t1 + tau).value : to.value;
+      const double x = i < NLOOK ? tdm_motion_at(law, t1 + tau).value : to.value;
       const double cubic =
           r * r * (1 + 2 * s) * from.value + s * s * (3 - 2 * s) * to.value + s * r * h * (r * from.rate - s * to.rate);
       b.parabola = fmax(b.parabola, fabs(x - first.value - tau * (first.rate + 0.5 * tau * first.acceleration)));
@@ -149,7 +149,7 @@ static int nodes_for(const mbd_ahead *a, const double *y, double t1, double t2) 
   while (n <= TDM_NODES_MAX && turn > node_turn * n)
     n *= 2;
   for (int i = 0; i < m->ndriver; i++) {
-    const mbd_motion *law = &m->driver[i].motion;
+    const tdm_motion *law = &m->driver[i].motion;
     bend b = bend_of(law, t1, t2, n);
     if (b.parabola <= parabola_is_enough * b.range)
       continue;

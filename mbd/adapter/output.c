@@ -158,7 +158,7 @@ static void drive(const mbd_model *model, mbd_data *data, int index, const doubl
   const mbd_driver *d = &model->driver[index];
   const mbd_rows *rows = mbd_part_at(model, data, model->njointpart + index, false);
   out[0] = -lambda[d->row];
-  out[1] = mbd_motion_at(&d->motion, data->now).value + rows->g[0];
+  out[1] = tdm_motion_at(&d->motion, data->now).value + rows->g[0];
   out[2] = row_rate(data, rows);
 }
 

@@ -44,7 +44,7 @@ static double prescribed_way(const mbd_model *model, double t, bool *any) {
   double way = 0;
   *any = false;
   for (int i = 0; i < model->ndriver; i++) {
-    double x = fabs(mbd_motion_at(&model->driver[i].motion, t).value);
+    double x = fabs(tdm_motion_at(&model->driver[i].motion, t).value);
     *any = *any || x > 1e-9;
     if (model->driver[i].ops->coordinate == MBD_TRANSLATION)
       way = fmax(way, x);

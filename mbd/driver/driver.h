@@ -8,8 +8,8 @@
 #ifndef MBD_DRIVER_H
 #define MBD_DRIVER_H
 
-#include "mbd/driver/motion.h"
 #include "mbd/joint/joint.h"
+#include "protocol/motion/motion.h"
 
 typedef struct mbd_driver mbd_driver;
 
@@ -26,7 +26,7 @@ struct mbd_driver {
   const mbd_joint *joint; /* whose coordinate it drives: one of the model's (borrowed), or `frame` */
   mbd_joint frame;        /* bodies, point and axis of a driver without a joint; it has no rows */
   int row;                /* its row among those of all joints and drivers */
-  mbd_motion motion;
+  tdm_motion motion;
 };
 
 enum { MBD_DRIVER_TYPES_MAX = 32 };

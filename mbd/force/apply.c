@@ -91,7 +91,7 @@ double mbd_force_read_points(mbd_force *f, tdm_object *o, const mbd_model *model
 /* Heat only: the table has the sign of the rate, and goes through zero. */
 static void check_damper(const mbd_force *force, tdm_object *o) {
   const double *x, *y;
-  int n = mbd_curve_points(force->damper, &x, &y);
+  int n = tdm_spline_points(force->damper, &x, &y);
   bool zero = false;
   for (int i = 0; i < n; i++) {
     zero = zero || (x[i] == 0 && y[i] == 0);
@@ -106,11 +106,11 @@ static void check_damper(const mbd_force *force, tdm_object *o) {
 void mbd_spring_read(mbd_force *f, tdm_object *o) {
   static const char *const between[] = {"cspline", "steffen"};
   if (tdm_has(o, "stiffness_table"))
-    mbd_curve_read_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 1) == 1);
+    tdm_spline_read_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 1) == 1);
   else
     f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_NOT_NEGATIVE);
   if (tdm_has(o, "damping_table"))
-    mbd_curve_read_table(&f->damper, o, "damping_table", true);
+    tdm_spline_read_table(&f->damper, o, "damping_table", true);
   else
     f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
   f->preload = tdm_get_number(o, "preload", 0, TDM_ANY);
@@ -120,14 +120,14 @@ void mbd_spring_read(mbd_force *f, tdm_object *o) {
 
 mbd_scalar mbd_spring_law(const mbd_force *f, double x, double rate) {
   double stretch = x - f->free;
-  mbd_curve_value spring = {f->stiffness * stretch, f->stiffness, 0}, damper = {f->damping * rate, f->damping, 0};
+  tdm_spline_value spring = {f->stiffness * stretch, f->stiffness, 0}, damper = {f->damping * rate, f->damping, 0};
   double potential = 0.5 * f->stiffness * stretch * stretch;
   if (f->spring) {
-    spring = mbd_curve_at(f->spring, stretch);
-    potential = mbd_curve_integral(f->spring, stretch);
+    spring = tdm_spline_at(f->spring, stretch);
+    potential = tdm_spline_integral(f->spring, stretch);
   }
   if (f->damper)
-    damper = mbd_curve_at(f->damper, rate);
+    damper = tdm_spline_at(f->damper, rate);
   return (mbd_scalar){.f = spring.y + damper.y + f->preload,
                       .by_x = spring.slope,
                       .by_rate = damper.slope,

@@ -32,7 +32,7 @@ static void load_matrix(tdm_object *o, const char *key, bool required, double ma
   }
   for (int i = 0; i < N && json_is_array(first); i++) {
     int n = 0;
-    double *row = mbd_numbers(json_array_get(array, (size_t)i), tdm_path(path, o, key, i), &n, o->err);
+    double *row = tdm_numbers_from_json(json_array_get(array, (size_t)i), tdm_path(path, o, key, i), &n, o->err);
     if (row && n != N)
       tdm_fail(o->err, TDM_ERR_SCENE, path, "has %d numbers; give 6", n);
     else if (row)

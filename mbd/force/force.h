@@ -11,8 +11,9 @@
 #ifndef MBD_FORCE_H
 #define MBD_FORCE_H
 
-#include "mbd/driver/motion.h"
 #include "mbd/joint/joint.h"
+#include "protocol/motion/motion.h"
+#include "protocol/motion/spline.h"
 
 typedef struct mbd_force mbd_force;
 
@@ -67,22 +68,22 @@ struct mbd_force {
   mbd_joint frame;           /* points and axes of a force without a joint */
   mbd_coordinate coordinate; /* of the joint */
 
-  double stiffness;           /* [N/m], [N m/rad], contacts [N/m^exponent] */
-  double damping;             /* [N s/m], [N m s/rad], contacts [s/m] or [s/rad] */
-  double free;                /* length [m] or angle [rad] without spring force */
-  double preload;             /* tension [N] or torque [N m] at the free length or angle */
-  mbd_curve *spring, *damper; /* tables that stand for stiffness and damping, NULL: none; owned */
-  double smoothing;           /* cable: length over which its stiffness sets in [m] */
-  mbd_rubbing rubbing;        /* friction */
-  double range[2];            /* stop: lower and upper limit of the coordinate */
-  double exponent;            /* contacts: of the penetration */
-  double radius;              /* bump: distance of the points, or of point and plane, at contact [m] */
-  bool plane;                 /* bump: a plane of the first body */
-  double matrix[2][6][6];     /* bushing: stiffness and damping */
-  double preloads[6];         /* bushing [N, N m] */
-  tdm_vec3 force, moment;     /* wrench at factor 1 [N, N m] */
-  bool follows;               /* wrench: it turns with the body */
-  mbd_motion factor;          /* wrench: over time; no law: 1 */
+  double stiffness;            /* [N/m], [N m/rad], contacts [N/m^exponent] */
+  double damping;              /* [N s/m], [N m s/rad], contacts [s/m] or [s/rad] */
+  double free;                 /* length [m] or angle [rad] without spring force */
+  double preload;              /* tension [N] or torque [N m] at the free length or angle */
+  tdm_spline *spring, *damper; /* tables that stand for stiffness and damping, NULL: none; owned */
+  double smoothing;            /* cable: length over which its stiffness sets in [m] */
+  mbd_rubbing rubbing;         /* friction */
+  double range[2];             /* stop: lower and upper limit of the coordinate */
+  double exponent;             /* contacts: of the penetration */
+  double radius;               /* bump: distance of the points, or of point and plane, at contact [m] */
+  bool plane;                  /* bump: a plane of the first body */
+  double matrix[2][6][6];      /* bushing: stiffness and damping */
+  double preloads[6];          /* bushing [N, N m] */
+  tdm_vec3 force, moment;      /* wrench at factor 1 [N, N m] */
+  bool follows;                /* wrench: it turns with the body */
+  tdm_motion factor;           /* wrench: over time; no law: 1 */
 };
 
 /* a force along one coordinate x; a positive one pulls x down */

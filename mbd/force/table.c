@@ -14,7 +14,7 @@ const mbd_force_ops *const mbd_force_table[] = {&mbd_force_spring_damper, &mbd_f
 const int mbd_force_ntype = sizeof mbd_force_table / sizeof mbd_force_table[0];
 
 void mbd_force_clear(mbd_force *force) {
-  mbd_curve_destroy(&force->spring);
-  mbd_curve_destroy(&force->damper);
-  mbd_motion_clear(&force->factor);
+  tdm_spline_destroy(&force->spring);
+  tdm_spline_destroy(&force->damper);
+  tdm_motion_clear(&force->factor);
 }

@@ -15,14 +15,14 @@ static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
   f->moment = tdm_get_vec3(o, "moment", &zero);
   f->follows = tdm_get_choice(o, "axes", axes, 2, 0) == 1;
   if (tdm_has(o, "factor"))
-    mbd_motion_read(&f->factor, o, "factor");
+    tdm_motion_read(&f->factor, o, "factor");
   if (!o->err->status && !(tdm_norm(f->force) + tdm_norm(f->moment) > 0))
     tdm_object_fail(o, "force", "and \"moment\" are zero; give one of them");
 }
 
 static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
   (void)a;
-  double factor = f->factor.ops ? mbd_motion_at(&f->factor, out->now).value : 1;
+  double factor = f->factor.ops ? tdm_motion_at(&f->factor, out->now).value : 1;
   tdm_vec3 arm = mbd_joint_arm(&f->frame, 1, b), force = tdm_scale(factor, f->force);
   tdm_vec3 moment = tdm_scale(factor, f->moment);
   if (f->follows) {

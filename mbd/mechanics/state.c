@@ -210,7 +210,7 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
     p->joint->ops->eval(p->joint, a, b, rows);
     return rows;
   }
-  mbd_motion_value x = mbd_motion_at(&p->driver->motion, data->now);
+  tdm_motion_value x = tdm_motion_at(&p->driver->motion, data->now);
   mbd_driver_row(p->driver, x.value, a, b, rows);
   rows->g_t[0] = -x.rate;
   rows->g_tt[0] = -x.acceleration;

@@ -132,7 +132,7 @@ static void load_driver(mbd_model *model, json_t *json, const char *path, tdm_er
   d->ops = mbd_driver_table[type];
   d->row = model->nrow;
   d->ops->load(d, &o, model);
-  mbd_motion_read(&d->motion, &o, "motion");
+  tdm_motion_read(&d->motion, &o, "motion");
   tdm_object_close(&o);
   for (int i = 0; i < model->ndriver - 1 && !err->status; i++) {
     const mbd_driver *other = &model->driver[i];
@@ -321,12 +321,12 @@ tdm_status mbd_model_check_times(const mbd_model *model, double t0, double t1, t
   char path[TDM_PATH_MAX];
   for (int i = 0; i < model->ndriver; i++) {
     snprintf(path, sizeof path, "mbd.drivers[%d].motion", i);
-    if (mbd_motion_check(&model->driver[i].motion, t0, t1, path, model->driver[i].name, err))
+    if (tdm_motion_check(&model->driver[i].motion, t0, t1, path, model->driver[i].name, err))
       return err->status;
   }
   for (int i = 0; i < model->nforce; i++) {
     snprintf(path, sizeof path, "mbd.forces[%d].factor", i);
-    if (mbd_motion_check(&model->force[i].factor, t0, t1, path, model->force[i].name, err))
+    if (tdm_motion_check(&model->force[i].factor, t0, t1, path, model->force[i].name, err))
       return err->status;
   }
   return TDM_OK;
@@ -340,7 +340,7 @@ void mbd_model_destroy(mbd_model **model) {
   free((*model)->body);
   free((*model)->joint);
   for (int i = 0; i < (*model)->ndriver; i++)
-    mbd_motion_clear(&(*model)->driver[i].motion);
+    tdm_motion_clear(&(*model)->driver[i].motion);
   free((*model)->driver);
   free((*model)->part);
   free((*model)->friction);

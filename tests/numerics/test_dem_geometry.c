@@ -154,8 +154,7 @@ START_TEST(test_driven) {
                  .angular = {0.5, 2, -1},
                  .center = {1, 0, 2},
                  .amplitude = {0, 0.02, 0.05},
-                 .frequency = 3,
-                 .phase = 0.7,
+                 .swing = {.amplitude = 1, .omega = 2 * M_PI * 3, .phase = 0.7},
                  .start = 0.5,
                  .end = 4};
   tdm_state at = state_at(2, 3, 4);
@@ -171,7 +170,7 @@ START_TEST(test_driven) {
     ck_vector(now.twist.angular, tdm_scale(0.5 / h, turn), 1e-9);
     /* the centre goes with velocity and oscillation, the body stays as far from it as it was */
     tdm_vec3 center = tdm_axpy(t - d.start, d.velocity, d.center);
-    center = tdm_axpy(sin(2 * M_PI * d.frequency * (t - d.start) + d.phase) - sin(d.phase), d.amplitude, center);
+    center = tdm_axpy(sin(d.swing.omega * (t - d.start) + d.swing.phase) - sin(d.swing.phase), d.amplitude, center);
     ck_near(tdm_norm(tdm_sub(now.pose.position, center)), tdm_norm(tdm_sub(at.pose.position, d.center)), 1e-12);
     ck_assert_double_le(tdm_norm(now.twist.velocity),
                         dem_drive_speed(&d, tdm_norm(tdm_sub(at.pose.position, d.center))));

@@ -2,21 +2,30 @@
  * fixed body, the motor's work, velocities at the start.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/driver/motion.h"
+#include "protocol/motion/motion.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
 /* ---- the law by itself ---- */
 
-static mbd_motion motion_of(const char *text) {
-  mbd_motion motion = {0};
+static tdm_motion motion_of(const char *text) {
+  tdm_motion motion = {0};
   tdm_error err = {0};
   json_t *json = scene_json(text);
   tdm_object o = tdm_object_open(json, "", &err);
-  mbd_motion_read(&motion, &o, "motion");
+  tdm_motion_read(&motion, &o, "motion");
   ck_assert_msg(!err.status, "%s: %s", err.path, err.message);
   json_decref(json);
   return motion;
+}
+
+/* constant rate w, reached within `rise` [s]; 0: at once */
+static tdm_motion rate_law(double w, double rise) {
+  char text[160], smooth[48];
+  snprintf(smooth, sizeof smooth, "'smooth','rise':%.17g", rise);
+  snprintf(text, sizeof text, "{'motion':{'type':'constant_rate','rate':%.17g,'start':%s}}", w,
+           rise > 0 ? smooth : "'step'");
+  return motion_of(text);
 }
 
 /* value, rate and acceleration of every law at 0, and the rates against differences of the values over [-0.2, 2] */
@@ -41,8 +50,8 @@ START_TEST(test_laws) {
        NAN, 0},
   };
   for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
-    mbd_motion m = motion_of(laws[i].text);
-    mbd_motion_value x = mbd_motion_at(&m, 0);
+    tdm_motion m = motion_of(laws[i].text);
+    tdm_motion_value x = tdm_motion_at(&m, 0);
     CLOSE(x.value, laws[i].value, 1e-13);
     if (!isnan(laws[i].rate))
       CLOSE(x.rate, laws[i].rate, 1e-13);
@@ -50,11 +59,11 @@ START_TEST(test_laws) {
       CLOSE(x.acceleration, laws[i].acceleration, 1e-12);
     const double h = 1e-6;
     for (double t = -0.2013; t < 2; t += 0.0373) {
-      mbd_motion_value lo = mbd_motion_at(&m, t - h), at = mbd_motion_at(&m, t), hi = mbd_motion_at(&m, t + h);
+      tdm_motion_value lo = tdm_motion_at(&m, t - h), at = tdm_motion_at(&m, t), hi = tdm_motion_at(&m, t + h);
       CLOSE(at.rate, (hi.value - lo.value) / (2 * h), 1e-7);
       CLOSE(at.acceleration, (hi.rate - lo.rate) / (2 * h), 1e-5);
     }
-    mbd_motion_clear(&m);
+    tdm_motion_clear(&m);
   }
 }
 END_TEST
@@ -66,25 +75,25 @@ START_TEST(test_law_file) {
   ck_assert_ptr_nonnull(f);
   fputs("time,angle\n# measured\n0, 0\n0.5;1e-1\n\n1 0.3\r\n2\t-0.2\n", f);
   fclose(f);
-  mbd_motion a = motion_of("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
-  mbd_motion b = motion_of("{'motion':{'type':'table','times':[0,0.5,1,2],'values':[0,0.1,0.3,-0.2]}}");
+  tdm_motion a = motion_of("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
+  tdm_motion b = motion_of("{'motion':{'type':'table','times':[0,0.5,1,2],'values':[0,0.1,0.3,-0.2]}}");
   for (double t = 0; t <= 2; t += 0.1)
-    CLOSE(mbd_motion_at(&a, t).value, mbd_motion_at(&b, t).value, 0);
-  CLOSE(mbd_motion_at(&a, 1).value, 0.3, 1e-15);
-  mbd_motion_clear(&a);
-  mbd_motion_clear(&b);
+    CLOSE(tdm_motion_at(&a, t).value, tdm_motion_at(&b, t).value, 0);
+  CLOSE(tdm_motion_at(&a, 1).value, 0.3, 1e-15);
+  tdm_motion_clear(&a);
+  tdm_motion_clear(&b);
 
   f = fopen(file, "w");
   fputs("time,angle\n0,0\n0.5\n1,2\n", f);
   fclose(f);
-  mbd_motion bad = {0};
+  tdm_motion bad = {0};
   tdm_error err = {0};
   json_t *json = scene_json("{'motion':{'type':'table','file':'" TANDEM_TEST_DIR "/test_mbd_law.csv'}}");
   tdm_object o = tdm_object_open(json, "", &err);
-  mbd_motion_read(&bad, &o, "motion");
+  tdm_motion_read(&bad, &o, "motion");
   ck_assert_int_eq(err.status, TDM_ERR_FILE);
   ck_assert_msg(strstr(err.message, "line 3") != NULL, "%s", err.message);
-  mbd_motion_clear(&bad);
+  tdm_motion_clear(&bad);
   json_decref(json);
 }
 END_TEST
@@ -95,11 +104,11 @@ START_TEST(test_law_between) {
   for (int k = 0; k < 2; k++) {
     char text[256];
     snprintf(text, sizeof text, "{'motion':{'type':'table','times':[0,1,2,3,4,5],'values':[0,0,0,1,1,1]%s}}", more[k]);
-    mbd_motion m = motion_of(text);
+    tdm_motion m = motion_of(text);
     double least = 0, most = 1;
     for (double t = 0; t <= 5; t += 0.01) {
-      least = fmin(least, mbd_motion_at(&m, t).value);
-      most = fmax(most, mbd_motion_at(&m, t).value);
+      least = fmin(least, tdm_motion_at(&m, t).value);
+      most = fmax(most, tdm_motion_at(&m, t).value);
     }
     if (k == 0) {
       CLOSE(least, 0, 1e-15);
@@ -108,72 +117,72 @@ START_TEST(test_law_between) {
       ck_assert_double_gt(most, 1.1);
       ck_assert_double_lt(least, -0.1);
     }
-    mbd_motion_clear(&m);
+    tdm_motion_clear(&m);
   }
 }
 END_TEST
 
 /* the end of a smooth step, a table that repeats, one that holds */
 START_TEST(test_law_ends) {
-  mbd_motion m = motion_of("{'motion':{'type':'step','from':1,'to':3,'start':0.3,'rise':1}}");
-  CLOSE(mbd_motion_at(&m, 0.8).value, 2, 1e-15);
-  CLOSE(mbd_motion_at(&m, 5).value, 3, 0);
-  CLOSE(mbd_motion_at(&m, 5).rate, 0, 0);
+  tdm_motion m = motion_of("{'motion':{'type':'step','from':1,'to':3,'start':0.3,'rise':1}}");
+  CLOSE(tdm_motion_at(&m, 0.8).value, 2, 1e-15);
+  CLOSE(tdm_motion_at(&m, 5).value, 3, 0);
+  CLOSE(tdm_motion_at(&m, 5).rate, 0, 0);
   tdm_error err = {0};
   m = motion_of("{'motion':{'type':'table','times':[0,1,2,3],'values':[0,2,2,0],'interpolation':'periodic'}}");
   for (int k = -2; k <= 2; k++)
-    CLOSE(mbd_motion_at(&m, 0.37 + 3 * k).value, mbd_motion_at(&m, 0.37).value, 1e-14);
-  ck_assert_int_eq(mbd_motion_check(&m, -100, 100, "p", "m", &err), TDM_OK);
-  mbd_motion_clear(&m);
+    CLOSE(tdm_motion_at(&m, 0.37 + 3 * k).value, tdm_motion_at(&m, 0.37).value, 1e-14);
+  ck_assert_int_eq(tdm_motion_check(&m, -100, 100, "p", "m", &err), TDM_OK);
+  tdm_motion_clear(&m);
   m = motion_of("{'motion':{'type':'table','times':[0,1,2,3],'values':[0,2,3,3],'interpolation':'steffen','after':"
                 "'hold'}}");
-  ck_assert_int_eq(mbd_motion_check(&m, 0, 100, "p", "m", &err), TDM_OK);
-  CLOSE(mbd_motion_at(&m, 50).value, 3, 0);
-  CLOSE(mbd_motion_at(&m, 50).rate, 0, 0);
-  mbd_motion_clear(&m);
+  ck_assert_int_eq(tdm_motion_check(&m, 0, 100, "p", "m", &err), TDM_OK);
+  CLOSE(tdm_motion_at(&m, 50).value, 3, 0);
+  CLOSE(tdm_motion_at(&m, 50).rate, 0, 0);
+  tdm_motion_clear(&m);
   m = motion_of("{'motion':{'type':'table','times':[0,2],'values':[1,5]}}");
-  CLOSE(mbd_motion_at(&m, 0.5).value, 2, 1e-15);
-  CLOSE(mbd_motion_at(&m, 0.5).rate, 2, 1e-15);
-  CLOSE(mbd_motion_at(&m, 0.5).acceleration, 0, 0);
-  mbd_motion_clear(&m);
+  CLOSE(tdm_motion_at(&m, 0.5).value, 2, 1e-15);
+  CLOSE(tdm_motion_at(&m, 0.5).rate, 2, 1e-15);
+  CLOSE(tdm_motion_at(&m, 0.5).acceleration, 0, 0);
+  tdm_motion_clear(&m);
   m = motion_of("{'motion':{'type':'table','times':[0,1,2],'values':[0,2,3]}}");
-  ck_assert_int_eq(mbd_motion_check(&m, 0, 2, "p", "m", &err), TDM_OK);
-  ck_assert_int_eq(mbd_motion_check(&m, 0, 2.001, "p", "m", &err), TDM_ERR_SCENE);
+  ck_assert_int_eq(tdm_motion_check(&m, 0, 2, "p", "m", &err), TDM_OK);
+  ck_assert_int_eq(tdm_motion_check(&m, 0, 2.001, "p", "m", &err), TDM_ERR_SCENE);
   ck_assert_ptr_nonnull(strstr(err.message, "ends at t = 2 s"));
   err.status = TDM_OK;
-  ck_assert_int_eq(mbd_motion_check(&m, -1, 2, "p", "m", &err), TDM_ERR_SCENE);
+  ck_assert_int_eq(tdm_motion_check(&m, -1, 2, "p", "m", &err), TDM_ERR_SCENE);
   ck_assert_ptr_nonnull(strstr(err.message, "begins"));
-  mbd_motion_clear(&m);
+  tdm_motion_clear(&m);
 }
 END_TEST
 
 /* rate and acceleration are the derivatives of the value; the acceleration and its derivative have no jump */
 START_TEST(test_law) {
   const double T = 0.4, w = -3, h = 1e-6;
-  mbd_motion m = motion_of("{'motion':{'type':'constant_rate','rate':-3,'start':'smooth','rise':0.4}}");
+  tdm_motion m = motion_of("{'motion':{'type':'constant_rate','rate':-3,'start':'smooth','rise':0.4}}");
   double most = 0;
   for (double t = h; t < 0.6; t += 0.0037) {
-    mbd_motion_value lo = mbd_motion_at(&m, t - h), x = mbd_motion_at(&m, t), hi = mbd_motion_at(&m, t + h);
+    tdm_motion_value lo = tdm_motion_at(&m, t - h), x = tdm_motion_at(&m, t), hi = tdm_motion_at(&m, t + h);
     CLOSE(x.rate, (hi.value - lo.value) / (2 * h), 1e-8);
     CLOSE(x.acceleration, (hi.rate - lo.rate) / (2 * h), 1e-7);
     most = fmax(most, fabs(x.acceleration));
   }
   CLOSE(most, 1.875 * fabs(w) / T, 1e-3);
-  CLOSE(mbd_motion_at(&m, 0).value, 0, 0);
-  CLOSE(mbd_motion_at(&m, 0).rate, 0, 0);
+  CLOSE(tdm_motion_at(&m, 0).value, 0, 0);
+  CLOSE(tdm_motion_at(&m, 0).rate, 0, 0);
   for (int end = 0; end < 2; end++) { /* |acceleration| grows with the square of the distance from either end */
-    mbd_motion_value x = mbd_motion_at(&m, end ? T - 1e-4 * T : 1e-4 * T);
+    tdm_motion_value x = tdm_motion_at(&m, end ? T - 1e-4 * T : 1e-4 * T);
     CLOSE(x.acceleration, 30 * w / T * 1e-8, 1e-9);
   }
-  CLOSE(mbd_motion_at(&m, T - 1e-12).value, w * T / 2, 1e-11);
-  CLOSE(mbd_motion_at(&m, T).value, w * T / 2, 1e-15);
-  CLOSE(mbd_motion_at(&m, 10).value, w * (10 - T / 2), 1e-13);
-  CLOSE(mbd_motion_at(&m, 10).rate, w, 0);
+  CLOSE(tdm_motion_at(&m, T - 1e-12).value, w * T / 2, 1e-11);
+  CLOSE(tdm_motion_at(&m, T).value, w * T / 2, 1e-15);
+  CLOSE(tdm_motion_at(&m, 10).value, w * (10 - T / 2), 1e-13);
+  CLOSE(tdm_motion_at(&m, 10).rate, w, 0);
 
   m = motion_of("{'motion':{'type':'constant_rate','rate':2,'start':'step'}}");
-  CLOSE(mbd_motion_at(&m, 0).rate, 2, 0);
-  CLOSE(mbd_motion_at(&m, 1.5).value, 3, 0);
-  CLOSE(mbd_motion_at(&m, 1.5).acceleration, 0, 0);
+  CLOSE(tdm_motion_at(&m, 0).rate, 2, 0);
+  CLOSE(tdm_motion_at(&m, 1.5).value, 3, 0);
+  CLOSE(tdm_motion_at(&m, 1.5).acceleration, 0, 0);
 }
 END_TEST
 
@@ -212,11 +221,11 @@ static void turn(const char *scene, double end, double rise, double limit) {
   const long n = lround(end / H);
   double worst = 0, angle = 0, rate = 0, place = 0, drift = 0;
   run_open_good(&r, scene, "box");
-  mbd_motion law = {.ops = mbd_motion_table[0], .rate = w, .rise = rise};
+  tdm_motion law = rate_law(w, rise);
   for (long i = 1; i <= n; i++) {
     double t = (double)i * H;
     run_to(&r, t);
-    mbd_motion_value x = mbd_motion_at(&law, t);
+    tdm_motion_value x = tdm_motion_at(&law, t);
     worst = fmax(worst, deviation(&r, x.value, x.rate, x.acceleration));
     angle = fmax(angle, fabs(run_value(&r, "driver.motor.angle") - x.value));
     rate = fmax(rate, fabs(run_value(&r, "driver.motor.rate") - x.rate));
@@ -270,7 +279,7 @@ START_TEST(test_long_windows) {
   for (int i = 0; i < 2; i++) {
     run r;
     double worst = 0, at[40];
-    mbd_motion law = {.ops = mbd_motion_table[0], .rate = w, .rise = 0.25 * i};
+    tdm_motion law = rate_law(w, 0.25 * i);
     run_open_good(&r, scenes[i], "box");
     for (int k = 0; k < 10; k++) {
       for (int s = 0; s < 40; s++)
@@ -278,7 +287,7 @@ START_TEST(test_long_windows) {
       run_window(&r, at[39], NULL, 0, 40, at);
       for (int s = 0; s < 40; s++) {
         const double *c = r.channel + s * r.ready.nchannel;
-        mbd_motion_value x = mbd_motion_at(&law, at[s]);
+        tdm_motion_value x = tdm_motion_at(&law, at[s]);
         double torque = (I * x.acceleration + m * g * r0 * cos(x.value)) / (m * g * r0);
         worst = fmax(worst, fabs(c[run_channel(&r, "driver.motor.torque")] / (m * g * r0) - torque));
         worst = fmax(worst, fabs(c[run_channel(&r, "driver.motor.angle")] - x.value));
@@ -334,11 +343,11 @@ START_TEST(test_rotors) {
                 "'forces':[{'name':'spring','type':'torsional_spring_damper','joint':'shaft','stiffness':0.7}]}",
                 "a b");
   ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 6);
-  mbd_motion law = {.ops = mbd_motion_table[0], .rate = rate, .rise = rise};
+  tdm_motion law = rate_law(rate, rise);
   for (int i = 1; i <= 400; i++) {
     double t = 0.01 * i;
     run_to(&r, t);
-    mbd_motion_value x = mbd_motion_at(&law, t);
+    tdm_motion_value x = tdm_motion_at(&law, t);
     CLOSE(r.state[0].twist.angular.x, -J2 / (J1 + J2) * x.rate, 1e-6);
     CLOSE(r.state[1].twist.angular.x, J1 / (J1 + J2) * x.rate, 1e-6);
     CLOSE(run_value(&r, "driver.motor.torque"), J * x.acceleration + k * x.value, 1e-5);

@@ -4,44 +4,44 @@
  * periodic one repeats.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MBD_MODEL_CURVE_H
-#define MBD_MODEL_CURVE_H
+#ifndef TDM_MOTION_SPLINE_H
+#define TDM_MOTION_SPLINE_H
 
 #include "protocol/base/scene.h"
 
-typedef struct mbd_curve mbd_curve;
+typedef struct tdm_spline tdm_spline;
 
 /* value, first and second derivative */
 typedef struct {
   double y, slope, second;
-} mbd_curve_value;
+} tdm_spline_value;
 
 /* Read "interpolation" and make the curve through (x, y) (n); errors are at `path`. "steffen" (default) keeps
  * between its points (continuous first derivative), "cspline" is a natural cubic spline with continuous second
  * derivative, which overshoots, and "periodic" a cubic spline whose ends fit. The caller destroys *curve. */
-void mbd_curve_read(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path);
+void tdm_spline_read(tdm_spline **curve, tdm_object *o, const double *x, const double *y, int n, const char *path);
 
 /* Read a table `key`: [[x...], [y...]], with "cspline" or "steffen" between its points. */
-void mbd_curve_read_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen);
+void tdm_spline_read_table(tdm_spline **curve, tdm_object *o, const char *key, bool steffen);
 
-mbd_curve_value mbd_curve_at(const mbd_curve *curve, double x);
+tdm_spline_value tdm_spline_at(const tdm_spline *curve, double x);
 
 /* Integral from 0 to x. */
-double mbd_curve_integral(const mbd_curve *curve, double x);
+double tdm_spline_integral(const tdm_spline *curve, double x);
 
 /* First and last point; an infinite range when it is periodic. */
-void mbd_curve_range(const mbd_curve *curve, double range[2]);
+void tdm_spline_range(const tdm_spline *curve, double *first, double *last);
 
 /* Its points (n), borrowed. */
-int mbd_curve_points(const mbd_curve *curve, const double **x, const double **y);
+int tdm_spline_points(const tdm_spline *curve, const double **x, const double **y);
 
 /* NULL does nothing. */
-void mbd_curve_destroy(mbd_curve **curve);
+void tdm_spline_destroy(tdm_spline **curve);
 
 /* All numbers of the array `key` into a new array (NULL after an error) that the caller frees. */
-double *mbd_read_numbers(tdm_object *o, const char *key, int *n);
+double *tdm_get_all_numbers(tdm_object *o, const char *key, int *n);
 
 /* The numbers of a JSON array, as above; errors are at `path`. */
-double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err);
+double *tdm_numbers_from_json(json_t *array, const char *path, int *n, tdm_error *err);
 
 #endif

@@ -1,20 +1,20 @@
-/* A function of one variable through given points: see curve.h. */
+/* A function of one variable through given points: see spline.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/model/curve.h"
+#include "protocol/motion/spline.h"
 
 #include <gsl/gsl_spline.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct mbd_curve {
+struct tdm_spline {
   gsl_spline *spline;
   int n;
   bool periodic;
-  mbd_curve_value end[2]; /* at the first and the last point */
-  double to_zero;         /* integral from the first point to 0 */
+  tdm_spline_value end[2]; /* at the first and the last point */
+  double to_zero;          /* integral from the first point to 0 */
 };
 
-double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err) {
+double *tdm_numbers_from_json(json_t *array, const char *path, int *n, tdm_error *err) {
   *n = (int)json_array_size(array);
   double *out = calloc((size_t)*n + 1, sizeof *out);
   if (!out)
@@ -31,11 +31,11 @@ double *mbd_numbers(json_t *array, const char *path, int *n, tdm_error *err) {
   return out;
 }
 
-double *mbd_read_numbers(tdm_object *o, const char *key, int *n) {
+double *tdm_get_all_numbers(tdm_object *o, const char *key, int *n) {
   json_t *array = tdm_get_array(o, key, true);
   char path[TDM_PATH_MAX];
   *n = 0;
-  return o->err->status ? NULL : mbd_numbers(array, tdm_path(path, o, key, -1), n, o->err);
+  return o->err->status ? NULL : tdm_numbers_from_json(array, tdm_path(path, o, key, -1), n, o->err);
 }
 
 static bool check(const double *x, const double *y, int n, bool periodic, const char *path, tdm_error *err) {
@@ -52,17 +52,17 @@ static bool check(const double *x, const double *y, int n, bool periodic, const 
   return !err->status;
 }
 
-static mbd_curve_value inside(const mbd_curve *c, double x) {
-  return (mbd_curve_value){gsl_spline_eval(c->spline, x, NULL), gsl_spline_eval_deriv(c->spline, x, NULL),
-                           gsl_spline_eval_deriv2(c->spline, x, NULL)};
+static tdm_spline_value inside(const tdm_spline *c, double x) {
+  return (tdm_spline_value){gsl_spline_eval(c->spline, x, NULL), gsl_spline_eval_deriv(c->spline, x, NULL),
+                            gsl_spline_eval_deriv2(c->spline, x, NULL)};
 }
 
-static void make(mbd_curve **curve, const gsl_interp_type *type, const double *x, const double *y, int n,
+static void make(tdm_spline **curve, const gsl_interp_type *type, const double *x, const double *y, int n,
                  const char *path, tdm_error *err) {
   bool periodic = type == gsl_interp_cspline_periodic;
   if (err->status || !check(x, y, n, periodic, path, err))
     return;
-  mbd_curve *c = *curve = calloc(1, sizeof *c);
+  tdm_spline *c = *curve = calloc(1, sizeof *c);
   if (c)
     c->spline = gsl_spline_alloc(n == 2 ? gsl_interp_linear : type, (size_t)n);
   if (!c || !c->spline) {
@@ -74,10 +74,10 @@ static void make(mbd_curve **curve, const gsl_interp_type *type, const double *x
   c->periodic = periodic;
   c->end[0] = inside(c, x[0]);
   c->end[1] = inside(c, x[n - 1]);
-  c->to_zero = mbd_curve_integral(c, 0);
+  c->to_zero = tdm_spline_integral(c, 0);
 }
 
-void mbd_curve_read(mbd_curve **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
+void tdm_spline_read(tdm_spline **curve, tdm_object *o, const double *x, const double *y, int n, const char *path) {
   static const char *const names[] = {"cspline", "steffen", "periodic"};
   const gsl_interp_type *const types[] = {gsl_interp_cspline, gsl_interp_steffen, gsl_interp_cspline_periodic};
   int kind = tdm_get_choice(o, "interpolation", names, 3, 1);
@@ -85,7 +85,7 @@ void mbd_curve_read(mbd_curve **curve, tdm_object *o, const double *x, const dou
     make(curve, types[kind], x, y, n, path, o->err);
 }
 
-void mbd_curve_read_table(mbd_curve **curve, tdm_object *o, const char *key, bool steffen) {
+void tdm_spline_read_table(tdm_spline **curve, tdm_object *o, const char *key, bool steffen) {
   json_t *array = tdm_get_array(o, key, true);
   char path[TDM_PATH_MAX];
   if (o->err->status)
@@ -97,7 +97,7 @@ void mbd_curve_read_table(mbd_curve **curve, tdm_object *o, const char *key, boo
     return;
   }
   int n;
-  double *xs = mbd_numbers(x, path, &n, o->err), *ys = xs ? mbd_numbers(y, path, &n, o->err) : NULL;
+  double *xs = tdm_numbers_from_json(x, path, &n, o->err), *ys = xs ? tdm_numbers_from_json(y, path, &n, o->err) : NULL;
   if (ys)
     make(curve, steffen ? gsl_interp_steffen : gsl_interp_cspline, xs, ys, n, path, o->err);
   free(xs);
@@ -105,30 +105,30 @@ void mbd_curve_read_table(mbd_curve **curve, tdm_object *o, const char *key, boo
 }
 
 /* x within the points of a periodic curve, and how many periods it is away */
-static double wrap(const mbd_curve *c, double x, double *periods) {
+static double wrap(const tdm_spline *c, double x, double *periods) {
   double first = c->spline->x[0], last = c->spline->x[c->n - 1], length = last - first;
   *periods = floor((x - first) / length);
   return fmin(last, fmax(first, x - *periods * length));
 }
 
-mbd_curve_value mbd_curve_at(const mbd_curve *c, double x) {
+tdm_spline_value tdm_spline_at(const tdm_spline *c, double x) {
   double first = c->spline->x[0], last = c->spline->x[c->n - 1], periods;
   if (c->periodic)
     return inside(c, wrap(c, x, &periods));
   if (x >= first && x <= last)
     return inside(c, x);
-  const mbd_curve_value *end = &c->end[x > last];
-  return (mbd_curve_value){end->y + end->slope * (x - (x > last ? last : first)), end->slope, 0};
+  const tdm_spline_value *end = &c->end[x > last];
+  return (tdm_spline_value){end->y + end->slope * (x - (x > last ? last : first)), end->slope, 0};
 }
 
-double mbd_curve_integral(const mbd_curve *c, double x) {
+double tdm_spline_integral(const tdm_spline *c, double x) {
   double first = c->spline->x[0], last = c->spline->x[c->n - 1], sum = -c->to_zero;
   if (c->periodic) {
     double periods;
     x = wrap(c, x, &periods);
     sum += periods * gsl_spline_eval_integ(c->spline, first, last, NULL);
   } else if (x < first || x > last) {
-    const mbd_curve_value *end = &c->end[x > last];
+    const tdm_spline_value *end = &c->end[x > last];
     double from = x > last ? last : first, beyond = x - from;
     sum += beyond * (end->y + 0.5 * end->slope * beyond);
     x = from;
@@ -136,18 +136,18 @@ double mbd_curve_integral(const mbd_curve *c, double x) {
   return sum + gsl_spline_eval_integ(c->spline, first, x, NULL);
 }
 
-void mbd_curve_range(const mbd_curve *c, double range[2]) {
-  range[0] = c->periodic ? -INFINITY : c->spline->x[0];
-  range[1] = c->periodic ? INFINITY : c->spline->x[c->n - 1];
+void tdm_spline_range(const tdm_spline *c, double *first, double *last) {
+  *first = c->periodic ? -INFINITY : c->spline->x[0];
+  *last = c->periodic ? INFINITY : c->spline->x[c->n - 1];
 }
 
-int mbd_curve_points(const mbd_curve *c, const double **x, const double **y) {
+int tdm_spline_points(const tdm_spline *c, const double **x, const double **y) {
   *x = c->spline->x;
   *y = c->spline->y;
   return c->n;
 }
 
-void mbd_curve_destroy(mbd_curve **curve) {
+void tdm_spline_destroy(tdm_spline **curve) {
   if (!*curve)
     return;
   if ((*curve)->spline)

@@ -4,9 +4,9 @@
  * table has no end.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/driver/motion.h"
-#include "mbd/model/curve.h"
 #include "protocol/base/input.h"
+#include "protocol/motion/motion.h"
+#include "protocol/motion/spline.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -72,22 +72,27 @@ static void read_csv(points *p, const char *file, const char *path, tdm_error *e
   fclose(f);
 }
 
-static void hold(mbd_motion *motion, tdm_object *o) {
+/* "hold": the table must end at rest. */
+static void check_rest(const tdm_spline *curve, tdm_object *o) {
   const double *t, *x;
-  int n = mbd_curve_points(motion->curve, &t, &x);
+  int n = tdm_spline_points(curve, &t, &x);
   double fastest = 0;
   for (int i = 1; i < n; i++)
     fastest = fmax(fastest, fabs((x[i] - x[i - 1]) / (t[i] - t[i - 1])));
-  double rate = mbd_curve_at(motion->curve, t[n - 1]).slope;
+  double rate = tdm_spline_at(curve, t[n - 1]).slope;
   if (fabs(rate) > 1e-9 * fastest)
     tdm_object_fail(o, "after",
                     "is \"hold\", but the table ends with the rate %.6g; let it end at rest (with \"interpolation\": "
                     "\"steffen\" two equal values at the end do)",
                     rate);
-  motion->range[1] = INFINITY;
 }
 
-static void load(mbd_motion *motion, tdm_object *o) {
+typedef struct {
+  tdm_spline *curve; /* owned */
+} law;
+
+static void read(void *own, tdm_object *o, tdm_motion_range *range) {
+  law *l = own;
   static const char *const after[] = {"error", "hold"};
   points p = {0};
   int n = 0;
@@ -96,28 +101,40 @@ static void load(mbd_motion *motion, tdm_object *o) {
     read_csv(&p, tdm_get_string(o, "file", NULL), tdm_path(path, o, "file", -1), o->err);
     n = p.n;
   } else {
-    p.t = mbd_read_numbers(o, "times", &p.n);
-    p.x = mbd_read_numbers(o, "values", &n);
+    p.t = tdm_get_all_numbers(o, "times", &p.n);
+    p.x = tdm_get_all_numbers(o, "values", &n);
     if (!o->err->status && n != p.n)
       tdm_object_fail(o, "values", "has %d numbers, \"times\" has %d; give one for each time", n, p.n);
     tdm_path(path, o, "times", -1);
   }
   if (!o->err->status)
-    mbd_curve_read(&motion->curve, o, p.t, p.x, n, path);
+    tdm_spline_read(&l->curve, o, p.t, p.x, n, path);
   free(p.t);
   free(p.x);
   if (o->err->status)
     return;
-  mbd_curve_range(motion->curve, motion->range);
-  motion->limited = true;
-  if (isfinite(motion->range[1]) && tdm_get_choice(o, "after", after, 2, 0) == 1)
-    hold(motion, o);
+  tdm_spline_range(l->curve, &range->first, &range->last);
+  if (isfinite(range->last) && tdm_get_choice(o, "after", after, 2, 0) == 1) {
+    check_rest(l->curve, o);
+    range->last = INFINITY;
+  }
 }
 
-static mbd_motion_value eval(const mbd_motion *motion, double t) {
-  mbd_curve_value c = mbd_curve_at(motion->curve, t);
-  return (mbd_motion_value){c.y, c.slope, c.second};
+static void clear(void *own) {
+  tdm_spline_destroy(&((law *)own)->curve);
 }
 
-extern const mbd_motion_ops mbd_motion_table_law;
-const mbd_motion_ops mbd_motion_table_law = {"table", load, eval};
+static tdm_motion_value at(const void *own, double t) {
+  const law *l = own;
+  tdm_spline_value c = tdm_spline_at(l->curve, t);
+  return (tdm_motion_value){c.y, c.slope, c.second};
+}
+
+extern const tdm_motion_ops tdm_motion_of_table;
+const tdm_motion_ops tdm_motion_of_table = {
+    .name = "table",
+    .size = sizeof(law),
+    .read = read,
+    .at = at,
+    .clear = clear,
+};

@@ -8,31 +8,44 @@
  *         and x = w (t - T/2) after it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/driver/motion.h"
+#include "protocol/motion/motion.h"
 
-static void load(mbd_motion *motion, tdm_object *o) {
+typedef struct {
+  double rate; /* w [rad/s] or [m/s] */
+  double rise; /* T [s]; 0: a step */
+} law;
+
+static void read(void *own, tdm_object *o, tdm_motion_range *range) {
+  law *l = own;
+  (void)range;
   static const char *const start[] = {"smooth", "step"};
-  motion->rate = tdm_get_number(o, "rate", TDM_REQUIRED, TDM_ANY);
+  l->rate = tdm_get_number(o, "rate", TDM_REQUIRED, TDM_ANY);
   bool smooth = tdm_get_choice(o, "start", start, 2, -1) == 0;
   if (o->err->status)
     return;
   if (smooth)
-    motion->rise = tdm_get_number(o, "rise", TDM_REQUIRED, TDM_POSITIVE);
+    l->rise = tdm_get_number(o, "rise", TDM_REQUIRED, TDM_POSITIVE);
   else if (tdm_has(o, "rise"))
     tdm_object_fail(o, "rise", "a step start has no rise; remove it, or set \"start\" to \"smooth\"");
 }
 
-static mbd_motion_value eval(const mbd_motion *motion, double t) {
-  const double w = motion->rate, T = motion->rise;
+static tdm_motion_value at(const void *own, double t) {
+  const law *l = own;
+  const double w = l->rate, T = l->rise;
   if (!(T > 0))
-    return (mbd_motion_value){w * t, w, 0};
+    return (tdm_motion_value){w * t, w, 0};
   if (t >= T)
-    return (mbd_motion_value){w * (t - 0.5 * T), w, 0};
+    return (tdm_motion_value){w * (t - 0.5 * T), w, 0};
   double s = t > 0 ? t / T : 0, s2 = s * s, s3 = s2 * s;
-  return (mbd_motion_value){.value = w * T * s2 * s2 * (2.5 - 3 * s + s2),
+  return (tdm_motion_value){.value = w * T * s2 * s2 * (2.5 - 3 * s + s2),
                             .rate = w * s3 * (10 - 15 * s + 6 * s2),
                             .acceleration = 30 * w / T * s2 * (1 - s) * (1 - s)};
 }
 
-extern const mbd_motion_ops mbd_motion_constant_rate;
-const mbd_motion_ops mbd_motion_constant_rate = {"constant_rate", load, eval};
+extern const tdm_motion_ops tdm_motion_constant_rate;
+const tdm_motion_ops tdm_motion_constant_rate = {
+    .name = "constant_rate",
+    .size = sizeof(law),
+    .read = read,
+    .at = at,
+};

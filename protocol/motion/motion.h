@@ -1,0 +1,61 @@
+/* Motion laws: a coordinate as a function of the simulation time, for both engines: what drivers of mbd/ prescribe,
+ * what scales their applied forces, and the oscillations of driven bodies in dem/.
+ *
+ * A law must be continuous with its rate (a jump of the rate is only possible before the run starts), and its
+ * acceleration should be. To add one: a file with its parameters, their reader and its ops (constant_rate.c is short),
+ * its name in the table of motion.c, a line in ../CMakeLists.txt and in mbd/README.md.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef TDM_MOTION_MOTION_H
+#define TDM_MOTION_MOTION_H
+
+#include "protocol/base/scene.h"
+
+/* a prescribed coordinate at one instant; [rad] and its rates, or [m] */
+typedef struct {
+  double value, rate, acceleration;
+} tdm_motion_value;
+
+typedef struct {
+  double first, last; /* [s]; -INFINITY, INFINITY: no limit */
+} tdm_motion_range;
+
+typedef struct {
+  const char *name;
+  size_t size; /* of the law's own parameters [bytes] */
+  /* Read the keys behind "type" into the parameters, which are zero; narrow the range of times that it has values for,
+   * which is all times. */
+  void (*read)(void *own, tdm_object *o, tdm_motion_range *range);
+  tdm_motion_value (*at)(const void *own, double t);
+  void (*clear)(void *own); /* free what the parameters own; NULL: nothing */
+} tdm_motion_ops;
+
+typedef struct {
+  const tdm_motion_ops *ops; /* NULL: no law */
+  void *own;                 /* (ops->size) the law's parameters, owned */
+  tdm_motion_range range;
+} tdm_motion;
+
+enum { TDM_MOTION_TYPES_MAX = 32 };
+extern const tdm_motion_ops *tdm_motion_table[TDM_MOTION_TYPES_MAX]; /* (tdm_motion_ntype) */
+extern int tdm_motion_ntype;
+
+/* Add a law that stands outside of this folder; before any scene is read, and from one thread. The ops must live on.
+ * false: the table is full, or has the name already. */
+bool tdm_motion_register(const tdm_motion_ops *ops);
+
+/* Read the object `key`, which is there; the caller clears the motion (also after an error). */
+void tdm_motion_read(tdm_motion *motion, tdm_object *o, const char *key);
+
+/* Free what it owns; no law is left. */
+void tdm_motion_clear(tdm_motion *motion);
+
+/* Refuse a law that has no value at some time of [t0, t1]; `path` and `name` are of what follows it. */
+tdm_status tdm_motion_check(const tdm_motion *motion, double t0, double t1, const char *path, const char *name,
+                            tdm_error *err);
+
+static inline tdm_motion_value tdm_motion_at(const tdm_motion *motion, double t) {
+  return motion->ops->at(motion->own, t);
+}
+
+#endif
