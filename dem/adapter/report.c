@@ -4,6 +4,7 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/geometry/wall/mesh_wall.h"
+#include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
 
 #include <stdarg.h>
@@ -88,10 +89,10 @@ static bool behind(const dem_data *d, tdm_pose frame, tdm_vec3 low, tdm_vec3 hig
   for (int w = 0; w < m->nwall; w++) {
     int out = 0;
     for (int k = 0; k < 9 && m->wall[w].endless; k++) {
-      tdm_vec3 n, x = tdm_v3(k & 1 ? low.x : high.x, k & 2 ? low.y : high.y, k & 4 ? low.z : high.z);
+      tdm_vec3 x = tdm_v3(k & 1 ? low.x : high.x, k & 2 ? low.y : high.y, k & 4 ? low.z : high.z);
       if (k == 8)
         x = tdm_scale(0.5, tdm_add(low, high));
-      out += dem_wall_gap(&m->wall[w], &d->wall[w], tdm_pose_point(frame, x), &n) <= -radius;
+      out += dem_gap_at(d, w, tdm_pose_point(frame, x), NULL) <= -radius;
     }
     if (out == 9)
       return true;

@@ -3,6 +3,7 @@
 #include "dem/bodies/wall_stiffness.h"
 
 #include "dem/contact/theory.h"
+#include "dem/state/wall_gap.h"
 
 #include <gsl/gsl_eigen.h>
 #include <stdlib.h>
@@ -47,7 +48,7 @@ static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) 
     return;
   if (!wall->shape->touches) {
     tdm_vec3 n;
-    double gap = dem_wall_gap(wall, place, s->position, &n);
+    double gap = dem_gap(d, i, w, &n);
     if (dem_wall_touches(wall, gap, s->radius))
       add_contact(d, K, i, wall->body, gap, n);
     return;

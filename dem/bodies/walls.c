@@ -3,6 +3,7 @@
 #include "dem/bodies/walls.h"
 
 #include "dem/contact/theory.h"
+#include "dem/state/wall_gap.h"
 
 /* where wall w is now */
 static void put(dem_data *d, int w) {
@@ -51,9 +52,7 @@ void dem_bodies_drive(dem_data *d, double t) {
 }
 
 bool dem_behind(const dem_data *d, int i, int w) {
-  const dem_wall *wall = &d->model->wall[w];
-  tdm_vec3 n;
-  return wall->endless && dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n) <= -d->sphere[i].radius;
+  return d->model->wall[w].endless && dem_gap(d, i, w, NULL) <= -d->sphere[i].radius;
 }
 
 void dem_mark_front(dem_data *d, int first) {
@@ -171,11 +170,8 @@ bool dem_lids_place(dem_data *d) {
 
 double dem_deepest(const dem_data *d, int w) {
   double deepest = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 n;
-    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], d->sphere[i].position, &n);
-    deepest = fmax(deepest, 1 - gap / d->sphere[i].radius);
-  }
+  for (int i = 0; i < d->nparticle; i++)
+    deepest = fmax(deepest, 1 - dem_gap(d, i, w, NULL) / d->sphere[i].radius);
   return deepest;
 }
 
@@ -193,8 +189,7 @@ double dem_lid_force(const dem_data *d, const dem_box *box) {
     int w = list->entry[k].wall, i = list->entry[k].particle;
     if (w != box->lid)
       continue;
-    tdm_vec3 n;
-    double radius = d->sphere[i].radius, gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
+    double radius = d->sphere[i].radius, gap = dem_gap(d, i, w, NULL);
     const dem_pair *pair = &m->settle_pair[d->material[i] * m->nmaterial + m->body[box->body].material];
     dem_impact at = {.mass = d->mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
     if (gap < radius && gap > -radius)

@@ -5,6 +5,7 @@
 #include "dem/bodies/walls.h"
 #include "dem/flow/free_space.h"
 #include "dem/model/group_options.h"
+#include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
 #include "protocol/base/random.h"
 #include "protocol/base/remark.h"
@@ -161,10 +162,7 @@ static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, 
 /* ---- sinks ---- */
 
 static bool touches(const dem_data *d, int i, int w) {
-  const dem_wall *wall = &d->model->wall[w];
-  tdm_vec3 n;
-  double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
-  return dem_wall_touches(wall, gap, d->sphere[i].radius);
+  return dem_touches_at(d, w, d->sphere[i].position, d->sphere[i].radius);
 }
 
 /* is particle i inside sink s by its place alone? */

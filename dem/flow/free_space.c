@@ -3,6 +3,7 @@
 #include "dem/flow/free_space.h"
 
 #include "dem/model/group_options.h"
+#include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -133,13 +134,9 @@ bool dem_free_space_add(dem_free_space *r, const dem_data *d, int i) {
 /* ---- asking ---- */
 
 static bool overlaps_wall(const dem_data *d, tdm_vec3 x, double radius) {
-  const dem_model *m = d->model;
-  for (int w = 0; w < m->nwall; w++) {
-    tdm_vec3 n;
-    double gap = dem_wall_gap(&m->wall[w], &d->wall[w], x, &n);
-    if (dem_wall_touches(&m->wall[w], gap, radius))
+  for (int w = 0; w < d->model->nwall; w++)
+    if (dem_touches_at(d, w, x, radius))
       return true;
-  }
   return false;
 }
 

@@ -3,6 +3,7 @@
 #include "dem/search/pairs.h"
 
 #include "dem/search/order.h"
+#include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -317,8 +318,7 @@ static bool list_wall(dem_data *d, int i, int w) {
   const dem_sphere *s = &d->sphere[i];
   if (wall->shape->near)
     return list_parts(d, i, w);
-  tdm_vec3 n;
-  double gap = dem_wall_gap(wall, &d->wall[w], s->position, &n);
+  double gap = dem_gap(d, i, w, NULL);
   /* distance from where a contact acts; a plane ends one radius behind its surface */
   double away = gap - s->radius - m->reach;
   if (wall->endless)

@@ -3,6 +3,7 @@
 #include "dem/watch/check.h"
 
 #include "dem/state/domain.h"
+#include "dem/state/wall_gap.h"
 #include "dem/watch/limits.h"
 
 #include <stdio.h>
@@ -79,8 +80,7 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
     check_inside(d, i, err);
     bool behind = false;
     for (int w = 0; w < m->nwall; w++) {
-      tdm_vec3 n;
-      double gap = dem_wall_gap(&m->wall[w], &d->wall[w], d->sphere[i].position, &n);
+      double gap = dem_gap(d, i, w, NULL);
       bool through = m->wall[w].endless && gap <= -d->sphere[i].radius;
       behind = behind || through;
       if (!through && d->sphere[i].radius - gap > overlap_max * d->sphere[i].radius)

@@ -6,6 +6,7 @@
 #include "dem/contact/theory.h"
 #include "dem/model/group_options.h"
 #include "dem/state/domain.h"
+#include "dem/state/wall_gap.h"
 
 /* ---- stored ---- */
 
@@ -102,7 +103,7 @@ static double elastic_of_wall(const dem_data *d, size_t k) {
   const dem_sphere *s = &d->sphere[e->particle];
   const bool first = k == 0 || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].shape->parts;
   tdm_vec3 n;
-  double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), overlap = s->radius - gap;
+  double gap = dem_gap(d, e->particle, e->wall, &n), overlap = s->radius - gap;
   if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
     return 0;
   contact c = {.pair = &m->pair[d->material[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],

@@ -4,6 +4,7 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/state/domain.h"
+#include "dem/state/wall_gap.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/limits.h"
@@ -87,8 +88,7 @@ static deepest find_deepest(const dem_data *d) {
   for (size_t k = 0; k < d->walls.count; k++) {
     const dem_wall_entry *e = &d->walls.entry[k];
     const dem_sphere *s = &d->sphere[e->particle];
-    tdm_vec3 n;
-    double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n), share = 1 - gap / s->radius;
+    double share = 1 - dem_gap(d, e->particle, e->wall, NULL) / s->radius;
     if (share > worst.share && !(m->wall[e->wall].shape->half_space && share >= 2))
       worst = (deepest){share, e->particle, -1, e->wall};
   }

@@ -3,6 +3,7 @@
 #include "dem/watch/limits.h"
 
 #include "dem/state/domain.h"
+#include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
 
@@ -17,7 +18,7 @@ static double fall_of(const dem_data *d, tdm_vec3 up, tdm_vec3 x) {
     if (!d->model->wall[w].shape->half_space)
       continue;
     tdm_vec3 n;
-    double gap = dem_wall_gap(&d->model->wall[w], &d->wall[w], x, &n), slope = tdm_dot(n, up);
+    double gap = dem_gap_at(d, w, x, &n), slope = tdm_dot(n, up);
     if (slope > 0.1 && gap > 0)
       deepest = fmax(deepest, gap / slope);
   }
@@ -125,7 +126,7 @@ static double driven_speed(const dem_data *d) {
     fastest = fmax(fastest, ends ? dem_wall_belt_speed(wall) : tdm_norm(wall->surface.velocity));
     for (int i = 0; i < d->nparticle && !ends; i++) {
       tdm_vec3 n;
-      double gap = dem_wall_gap(wall, &d->wall[w], d->sphere[i].position, &n);
+      double gap = dem_gap(d, i, w, &n);
       tdm_vec3 below = tdm_axpy(-gap, n, d->sphere[i].position); /* on the surface */
       fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, dem_wall_own(&d->wall[w], below))));
     }
@@ -206,9 +207,7 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
 static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
   const dem_model *m = d->model;
   int i = e->particle;
-  tdm_vec3 n;
-  double radius = d->sphere[i].radius;
-  double gap = dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], d->sphere[i].position, &n);
+  double radius = d->sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
   const dem_pair *pair = &m->pair[d->material[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
   if (gap < radius && gap > -radius)
     sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/rim.h"
 
+#include "dem/state/wall_gap.h"
 #include "protocol/base/remark.h"
 
 #include <math.h>
@@ -26,9 +27,7 @@ void dem_rim_look(const dem_data *d, double t) {
     const dem_wall_entry *e = &d->walls.entry[k];
     const dem_box *box = open_box_of(m, e->wall);
     const dem_sphere *s = &d->sphere[e->particle];
-    tdm_vec3 n;
-    double gap = box ? dem_wall_gap(&m->wall[e->wall], &d->wall[e->wall], s->position, &n) : INFINITY;
-    if (!(gap < s->radius && gap > -s->radius))
+    if (!box || !dem_touches_at(d, e->wall, s->position, s->radius))
       continue;
     const tdm_pose *pose = &d->pose[box->body];
     tdm_vec3 body = tdm_quat_rotate(tdm_quat_conj(pose->orientation), tdm_sub(s->position, pose->position));

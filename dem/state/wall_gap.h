@@ -1,0 +1,25 @@
+/* The gap between particles and walls, where they are now. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_STATE_WALL_GAP_H
+#define DEM_STATE_WALL_GAP_H
+
+#include "dem/state/data.h"
+
+/* Signed distance of the point x (world) from the surface of wall w [m], and the unit normal there (world, towards x;
+ * NULL: not wanted): see dem_wall_gap. */
+static inline double dem_gap_at(const dem_data *d, int w, tdm_vec3 x, tdm_vec3 *normal) {
+  tdm_vec3 n;
+  return dem_wall_gap(&d->model->wall[w], &d->wall[w], x, normal ? normal : &n);
+}
+
+/* The same of the centre of particle i. */
+static inline double dem_gap(const dem_data *d, int i, int w, tdm_vec3 *normal) {
+  return dem_gap_at(d, w, d->sphere[i].position, normal);
+}
+
+/* Does a sphere of this radius at x touch wall w? One that is altogether behind a plane does not. */
+static inline bool dem_touches_at(const dem_data *d, int w, tdm_vec3 x, double radius) {
+  return dem_wall_touches(&d->model->wall[w], dem_gap_at(d, w, x, NULL), radius);
+}
+
+#endif
