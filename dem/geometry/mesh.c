@@ -1,7 +1,9 @@
 /* Meshes: from loose triangles to vertices, edges and their neighbours; the report. See mesh.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/mesh_data.h"
+#include "dem/geometry/mesh.h"
 
+#include "dem/geometry/mesh_data.h"
+#include "dem/geometry/mesh_tree.h"
 #include "protocol/base/surface.h"
 
 #include <stdint.h>

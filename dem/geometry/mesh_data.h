@@ -3,7 +3,9 @@
 #ifndef DEM_GEOMETRY_MESH_DATA_H
 #define DEM_GEOMETRY_MESH_DATA_H
 
-#include "dem/geometry/mesh.h"
+#include "dem/geometry/mesh_report.h"
+
+typedef enum { DEM_EDGE_OPEN, DEM_EDGE_FLAT, DEM_EDGE_CONVEX, DEM_EDGE_CONCAVE, DEM_EDGE_MANY } dem_edge_kind;
 
 typedef struct {
   int vertex[3];
@@ -46,24 +48,6 @@ struct dem_mesh {
   double crack;        /* width of what counts as a crack of the surface [m] */
   dem_mesh_report report;
 };
-
-/* Where on a triangle the point nearest to x lies. */
-typedef enum { DEM_ON_FACE, DEM_ON_EDGE, DEM_ON_VERTEX } dem_on;
-
-typedef struct {
-  dem_on on;
-  int feature; /* triangle, edge or vertex */
-  tdm_vec3 point;
-  double distance2; /* of x from it [m2] */
-} dem_nearest;
-
-dem_nearest dem_mesh_nearest(const dem_mesh *mesh, int face, tdm_vec3 x);
-
-/* Gap and normal of that point of `face` as seen from x. */
-double dem_mesh_normal(const dem_mesh *mesh, int face, const dem_nearest *nearest, tdm_vec3 x, tdm_vec3 *normal);
-
-/* Build the tree. False: no memory. */
-bool dem_mesh_plant(dem_mesh *mesh);
 
 static inline tdm_vec3 dem_corner(const dem_mesh *mesh, int face, int k) {
   return mesh->vertex[mesh->face[face].vertex[k]];

@@ -1,6 +1,8 @@
-/* Finding the triangles near a point: a tree of boxes in body axes, split at the median. See mesh.h. */
+/* Finding the triangles near a point: a tree of boxes in body axes, split at the median. See mesh_tree.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/mesh_data.h"
+#include "dem/geometry/mesh_tree.h"
+
+#include "dem/geometry/mesh_nearest.h"
 
 #include <assert.h>
 #include <stdlib.h>

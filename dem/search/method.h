@@ -8,7 +8,9 @@
 #ifndef DEM_SEARCH_METHOD_H
 #define DEM_SEARCH_METHOD_H
 
-#include "dem/search/search.h"
+#include "dem/search/input.h"
+
+#include <stddef.h>
 
 /* of every kernel: specialised by its constant arguments */
 #define DEM_SEARCH_KERNEL static inline __attribute__((always_inline))

@@ -76,32 +76,6 @@ double dem_search_skin(const dem_search *search, double asked, double largest_ra
   return own > 0 ? own : asked;
 }
 
-bool dem_found_grow(dem_found *pairs, size_t more) {
-  size_t capacity = (pairs->count + more) + (pairs->count + more) / 4 + 64;
-  dem_found_pair *pair = realloc(pairs->own, capacity * sizeof *pair);
-  if (!pair) {
-    pairs->failed = true;
-    return false;
-  }
-  if (!pairs->own && pairs->count > 0)
-    memcpy(pair, pairs->pair, pairs->count * sizeof *pair);
-  pairs->pair = pairs->own = pair;
-  pairs->capacity = capacity;
-  return true;
-}
-
-void dem_search_parallel(int nthread, void (*work)(void *context, int t), void *context) {
-  if (nthread == 1) {
-    work(context, 0);
-    return;
-  }
-#ifdef _OPENMP
-#pragma omp parallel for num_threads(nthread) schedule(static, 1)
-#endif
-  for (int t = 0; t < nthread; t++)
-    work(context, t);
-}
-
 typedef struct {
   const dem_found *found;
   dem_rows *rows;
@@ -226,10 +200,6 @@ bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows 
   if (good && in.n > 0)
     search->expected = (double)rows->count / in.n;
   return good;
-}
-
-bool dem_cells_fit(int n, double largest, double cubes, double worth) {
-  return n * largest * largest * largest <= worth * cubes;
 }
 
 const char *dem_search_choose(const dem_search_input *input) {

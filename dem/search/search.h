@@ -10,27 +10,10 @@
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
 
-#include "dem/state/scratch.h"
-#include "dem/state/sphere.h"
+#include "dem/search/input.h"
 
 #include <stdbool.h>
 #include <stddef.h>
-
-/* The box that repeats. One image of a neighbour is enough: a length is at least 2 (2 r_max + skin), which whoever
- * makes the domain sees to. */
-typedef struct {
-  bool periodic[3];
-  double low[3], length[3]; /* [m]; positions are kept in [low, low + length) in a periodic direction */
-} dem_domain;
-
-typedef struct {
-  const dem_sphere *sphere; /* (n) */
-  int n;
-  double skin; /* [m] */
-  dem_domain domain;
-  int nthread;          /* threads that may be used; the result does not depend on it */
-  dem_scratch *scratch; /* for the rows and what it takes to find them; NULL: the search has its own */
-} dem_search_input;
 
 /* Pairs in CSR form: the partners of i are other[first[i]] ... other[first[i+1] - 1], ascending, all greater than i. */
 typedef struct {

@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/data.h"
 
+#include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
-#include "dem/geometry/traction.h"
 #include "dem/model/group_options.h"
 #include "dem/search/pairs.h"
 #include "dem/state/domain.h"

@@ -216,7 +216,7 @@ typedef struct dem_data {
   dem_rows rows;                 /* likewise: what the search found */
   dem_search *search;            /* owned; NULL until the first list */
   tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
-  dem_traction traction;         /* forces on the triangles of meshes (geometry/traction.h) */
+  dem_traction traction;         /* forces on the triangles of meshes (bodies/traction.h) */
   int *number;                   /* (nparticle) scratch, where particles can leave; else none */
   dem_timers *timers;            /* borrowed; NULL: not measured */
   int push_capacity, nthread;

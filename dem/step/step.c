@@ -2,9 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/step.h"
 
+#include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
 #include "dem/flow/flow.h"
-#include "dem/geometry/traction.h"
 #include "dem/search/pairs.h"
 #include "dem/state/domain.h"
 #include "dem/step/integrate.h"

@@ -2,6 +2,8 @@
  * test. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/mesh.h"
+#include "dem/geometry/mesh_contact.h"
+#include "dem/geometry/mesh_tree.h"
 #include "protocol/base/log.h"
 
 #include <stdint.h>

@@ -4,6 +4,7 @@
 #include "dem/bodies/driven.h"
 #include "dem/bodies/walls.h"
 #include "dem/geometry/frustum.h"
+#include "dem/geometry/mesh_contact.h"
 #include "dem/geometry/wall/mesh_wall.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"

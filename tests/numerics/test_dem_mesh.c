@@ -1,6 +1,8 @@
 /* Meshes: STL files, topology, search, and the contacts of a sphere with surfaces whose analytic contact is known. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/mesh.h"
+#include "dem/geometry/mesh_contact.h"
+#include "dem/geometry/mesh_tree.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
 

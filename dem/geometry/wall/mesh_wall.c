@@ -1,6 +1,9 @@
-/* Meshes, thin shells: see mesh.h. Their parts are the triangles. */
+/* Meshes, thin shells: see geometry/mesh.h. Their parts are the triangles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/wall/mesh_wall.h"
+
+#include "dem/geometry/mesh_contact.h"
+#include "dem/geometry/mesh_tree.h"
 
 static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
   const char *file = tdm_get_string(o, "file", NULL);

@@ -3,8 +3,8 @@
  * vertex counts for the lowest of its triangles.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_GEOMETRY_TRACTION_H
-#define DEM_GEOMETRY_TRACTION_H
+#ifndef DEM_BODIES_TRACTION_H
+#define DEM_BODIES_TRACTION_H
 
 #include "dem/state/data.h"
 

@@ -1,6 +1,6 @@
 /* Forces on the triangles of meshes: see traction.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/traction.h"
+#include "dem/bodies/traction.h"
 
 #include <assert.h>
 #include <stdlib.h>
