@@ -3,6 +3,7 @@
 #include "dem/adapter/report.h"
 
 #include "dem/bodies/walls.h"
+#include "dem/contact/table.h"
 #include "dem/geometry/wall/mesh_wall.h"
 #include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
@@ -388,11 +389,8 @@ tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *
   json_object_set_new(r->json, "sources", json_integer(m->nsource));
   json_object_set_new(r->json, "sinks", json_integer(m->nsink));
   json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
-  json_object_set_new(r->json, "normal", json_string(dem_normals[m->law->normal].name));
-  json_object_set_new(r->json, "tangential", json_string(dem_tangentials[m->law->tangential].name));
-  json_object_set_new(r->json, "rolling", json_string(dem_rollings[m->rolling].name));
-  json_object_set_new(r->json, "twisting", json_string(dem_twistings[m->twisting].name));
-  json_object_set_new(r->json, "cohesion", json_string(dem_cohesions[m->cohesion].name));
+  for (dem_family f = 0; f < DEM_FAMILIES; f++)
+    json_object_set_new(r->json, dem_family_names[f], json_string(dem_law_of(m, f)->name));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
   json_object_set_new(r->json, "integrator", json_string(m->integrator->name));
   json_object_set_new(r->json, "simd", json_string(m->simd));

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/bench.h"
 
+#include "dem/contact/law.h"
 #include "dem/search/pairs.h"
 #include "dem/state/data.h"
 #include "dem/state/state_file.h"
@@ -507,9 +508,8 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
       listed += d->pairs.other[k] < d->nparticle;
     double n = d->nparticle, energy = kinetic_energy(d);
     char law[128];
-    snprintf(law, sizeof law, "%s/%s/%s/%s", dem_normals[e.model->law->normal].name,
-             dem_tangentials[e.model->law->tangential].name, dem_rollings[e.model->rolling].name,
-             dem_cohesions[e.model->cohesion].name);
+    snprintf(law, sizeof law, "%s/%s/%s/%s", e.model->normal->head.name, e.model->tangential->head.name,
+             e.model->rolling->head.name, e.model->cohesion->head.name);
     *out = json_pack("{s:i, s:I, s:i, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f}", "particles", d->nparticle,
                      "steps", (json_int_t)o->steps, "threads", d->nthread, "law", law, "simd", e.model->simd, "cpu_s",
                      cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",

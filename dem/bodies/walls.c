@@ -1,4 +1,4 @@
-/* The walls of moving bodies: see walls.h. The contacts with them are in contact/loop.c. */
+/* The walls of moving bodies: see walls.h. The contacts with them are in contact/loop/. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 
@@ -177,7 +177,7 @@ double dem_deepest(const dem_data *d, int w) {
 
 double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
   const dem_wall_contacts *list = &d->walls;
-  bool keeps = d->model->law->normal == DEM_NORMAL_hysteretic;
+  bool keeps = d->model->normal->keeps_deepest;
   return keeps ? list->history[(size_t)d->model->columns.normal * list->capacity + k] : 0;
 }
 

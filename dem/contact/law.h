@@ -1,165 +1,127 @@
-/* One row of laws on DEM_W contacts: the part of the loops that pairs and walls share. Only loop.c includes it. */
+/* What a contact law is: a file with its kernel and its row.
+ *
+ * A scene chooses one law of each family. A row says what readers, limits, energies and reports ask of a law; its
+ * kernel, in the same file, is compiled into the loops (loop/). Rows know the model alone.
+ *
+ * To add a normal law: a file normal/NAME.c like normal/hooke.c and its name in the list of table.c. The build finds
+ * the file and compiles its loops, with each tangential law, once for each instruction set.
+ * To add a law of another family: a file tangential/NAME.h and so on, like tangential/coulomb.h, and its name beside
+ * its #include in families.h.
+ * What a law reads from a scene is described in README.md and in scenarios/scene.schema.json.
+ */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LAW_H
 #define DEM_CONTACT_LAW_H
 
-#include "dem/contact/cohesion.h"
-#include "dem/contact/loop.h"
-#include "dem/contact/normal.h"
-#include "dem/contact/rolling.h"
-#include "dem/contact/tangential.h"
-#include "dem/state/data.h"
+#include "dem/contact/loop/task.h"
+#include "dem/contact/simd/simd_set.h"
+#include "dem/model/model.h"
+#include "protocol/base/scene.h"
 
-typedef void normal_law(dem_contact *, vd *history);
-typedef dem_tangential tangential_law(dem_contact *, vd *history);
+typedef enum {
+  DEM_FAMILY_NORMAL,
+  DEM_FAMILY_TANGENTIAL,
+  DEM_FAMILY_ROLLING,
+  DEM_FAMILY_TWISTING,
+  DEM_FAMILY_COHESION,
+  DEM_FAMILIES
+} dem_family;
 
-typedef struct batch batch;
+enum { DEM_KEYS_MAX = 8 };
 
-/* one row: all of it constant in a loop, but `ncolumn` and `column` with `all_terms` */
+/* What every row begins with. */
 typedef struct {
-  normal_law *normal;
-  tangential_law *tangential;
-  int ncolumn, column; /* of history; first of the normal law */
-  bool all_terms;
-  bool rubs;                               /* there are tangential forces or more: spins matter */
-  void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
-} row;
+  const char *name; /* in a scene */
+  bool none;        /* stands for no law of the family */
+  bool needs_young; /* needs the elastic constants of the materials */
+  int ncolumn;      /* of history that a contact keeps for it */
+  unsigned vectors; /* bit q: column q is one of a vector's, which changes sign when the two of a pair change places */
+  const char *keys[DEM_KEYS_MAX]; /* of a pair that it reads, besides restitution and friction */
+} dem_law_head;
 
-/* what comes out of a law */
+/* Two bodies that collide centrally. */
 typedef struct {
-  vd3 force, twist; /* twist: normal x force */
-  vd3 couple;       /* with all_terms: rolling and twisting [N m] */
-} outcome;
+  double mass, radius; /* effective [kg], [m] */
+  double speed;        /* of approach [m/s] */
+  double deepest;      /* of a law that keeps it: largest overlap so far, 0: the present one [m] */
+} dem_impact;
 
-/* ---- what `all_terms` adds ---- */
+typedef double dem_of_impact(const dem_model *model, const dem_pair *pair, dem_impact impact);
+typedef double dem_of_overlap(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
-DEM_KERNEL dem_tangential tangential_of_scene(dem_contact *c, vd *history) {
-  switch (c->model->law->tangential) {
-#define X(law, name, ncolumn, vectors, keys) \
-  case DEM_TANGENTIAL_##law:                 \
-    return dem_tangential_##law(c, history);
-    DEM_TANGENTIAL_LIST(X)
-#undef X
-  default:
-    return dem_tangential_none(c, history);
-  }
-}
+/* Optional functions may be NULL. */
+typedef struct dem_normal_law {
+  dem_law_head head;
+  bool circle;              /* fills the contact's circle, which tangential laws may need */
+  bool plastic;             /* dissipates without damping: its energy is another mechanism's */
+  bool keeps_deepest;       /* its first column is the largest overlap so far */
+  bool settles_as_it_is;    /* keeps its coefficients while settling unless dem.settle names a restitution */
+  const char *tangential;   /* name of the tangential law of a scene that names none */
+  const char *why_not_clip; /* why "tail": "clip" has no meaning, after "which"; NULL: it has one */
+  const char *setting_keys[DEM_KEYS_MAX]; /* of dem.contact that it reads into model.normal_setting */
 
-DEM_KERNEL void cohesion_of_scene(dem_contact *c, vd *history) {
-  switch (c->model->cohesion) {
-#define X(law, name, ncolumn, vectors, keys) \
-  case DEM_COHESION_##law:                   \
-    dem_cohesion_##law(c, history);          \
-    break;
-    DEM_COHESION_LIST(X)
-#undef X
-  default:
-    break;
-  }
-}
+  /* Optional: its settings. The tangential law is known. */
+  void (*read_settings)(dem_model *model, tdm_object *contact);
 
-DEM_KERNEL dem_couple rolling_of_scene(const dem_contact *c, vd3 roll, vd *history) {
-  switch (c->model->rolling) {
-#define X(law, name, ncolumn, vectors, keys) \
-  case DEM_ROLLING_##law:                    \
-    return dem_rolling_##law(c, roll, history);
-    DEM_ROLLING_LIST(X)
-#undef X
-  default:
-    return dem_rolling_none(c, roll, history);
-  }
-}
+  /* The coefficients of a pair, whose elastic constants are there. */
+  void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair);
 
-DEM_KERNEL dem_couple twisting_of_scene(const dem_contact *c, vd3 twist) {
-  switch (c->model->twisting) {
-#define X(law, name, ncolumn, vectors, keys) \
-  case DEM_TWISTING_##law:                   \
-    return dem_twisting_##law(c, twist);
-    DEM_TWISTING_LIST(X)
-#undef X
-  default:
-    return dem_twisting_none(c, twist);
-  }
-}
+  /* The coefficients that follow from pair.restitution; false: it is too small for "tail": "clip". */
+  bool (*damp)(const dem_model *model, dem_pair *pair);
 
-/* add the lanes that touch to a mechanism's power and store */
-DEM_INLINE void add_flux(dem_flux *flux, int mechanism, const dem_contact *c, vd power, vd elastic) {
-  double p[DEM_W], e[DEM_W];
-  vd_store(p, vd_only(c->touching, power));
-  vd_store(e, vd_only(c->touching, elastic));
-  for (int l = 0; l < DEM_W; l++) {
-    flux->power[mechanism] += p[l];
-    flux->elastic[mechanism] += e[l];
-  }
-}
+  /* Optional: this pair has terms that only the loops with all terms have. */
+  bool (*needs_all_terms)(const dem_pair *pair);
 
-DEM_KERNEL void energy_of_scene(dem_flux *flux, int walls, const dem_contact *c, const dem_tangential *t,
-                                const dem_couple *couple) {
-  int normal = c->model->law->normal == DEM_NORMAL_hysteretic ? DEM_ENERGY_PLASTIC : DEM_ENERGY_NORMAL;
-  add_flux(flux, walls + normal, c, (c->force + c->pull) * c->rate, c->elastic);
-  add_flux(flux, walls + DEM_ENERGY_TANGENTIAL, c, -vd3_dot(t->force, c->slip), t->elastic);
-  add_flux(flux, walls + DEM_ENERGY_ROLLING, c, -vd3_dot(couple->couple, c->spin), couple->elastic);
-}
+  /* Closed forms; what they mean is in theory.h. step_time is optional. */
+  dem_of_impact *time, *step_time, *overlap, *restitution;
+  dem_of_overlap *force, *stiffness, *elastic;
 
-/* rolling and twisting, energies; `walls`: 0, or DEM_ENERGY_WALL_NORMAL for contacts with walls */
-DEM_KERNEL vd3 law_more(dem_loop_task *task, dem_contact *c, const dem_tangential *t, vd *h, int walls) {
-  const dem_columns *columns = &c->model->columns;
-  vd along = vd3_dot(c->spin, c->normal);
-  vd3 twist = vd3_scale(along, c->normal);
-  dem_couple couple = rolling_of_scene(c, vd3_sub(c->spin, twist), h + (columns->rolling < 0 ? 0 : columns->rolling));
-  dem_couple twisting = twisting_of_scene(c, twist);
-  couple.couple = vd3_add(couple.couple, twisting.couple);
-  if (columns->sliding >= 0)
-    h[columns->sliding] = c->sliding;
-  if (c->model->energy)
-    energy_of_scene(&task->flux, walls, c, t, &couple);
-  return vd3_only(c->touching, couple.couple);
-}
+  const dem_loop_set *loops[DEM_SIMD_SETS]; /* NULL: the plain ones */
+} dem_normal_law;
 
-/* ---- the laws ---- */
+typedef struct dem_tangential_law {
+  dem_law_head head;
+  bool friction;     /* reads the friction of a pair */
+  bool sticks;       /* a static friction other than the dynamic one has a meaning */
+  bool needs_circle; /* goes with normal laws that have a contact circle */
 
-/* The laws on DEM_W contacts; `velocity` is the relative velocity at the contact, `history` their slots at stride. */
-DEM_KERNEL outcome law(dem_loop_task *task, dem_contact *c, vd3 velocity, double *history, size_t stride, const row r,
-                       int walls) {
-  vd away = vd3_dot(velocity, c->normal);
-  c->rate = -away;
-  c->slip = vd3_axpy(-away, c->normal, velocity);
-  vd h[DEM_HISTORY_MAX];
-  for (int q = 0; q < r.ncolumn; q++)
-    h[q] = vd_load(history + (size_t)q * stride);
-  r.normal(c, h + r.column);
-  if (r.all_terms) {
-    const dem_columns *columns = &c->model->columns;
-    c->pull = vd_set(0);
-    cohesion_of_scene(c, h + (columns->cohesion < 0 ? 0 : columns->cohesion));
-    c->sliding = columns->sliding < 0 ? vd_set(0) : h[columns->sliding];
-  }
-  dem_tangential t = r.tangential(c, h);
-  outcome out = {0};
-  if (r.all_terms)
-    out.couple = law_more(task, c, &t, h, walls);
-  for (int q = 0; q < r.ncolumn; q++)
-    vd_store(history + (size_t)q * stride, vd_only(c->touching, h[q]));
-  vd along = c->force;
-  if (r.all_terms)
-    along = along + c->pull;
-  out.force = vd3_only(c->touching, vd3_axpy(along, c->normal, t.force));
-  out.twist = vd3_only(c->touching, vd3_cross(c->normal, t.force));
-  return out;
-}
+  /* Optional: the coefficients of a pair, when the normal law's are there. */
+  void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair);
 
-/* the row as it is: with `all_terms` the columns are the scene's */
-DEM_INLINE row row_of(const dem_model *m, row r) {
-  if (r.all_terms) {
-    r.ncolumn = m->columns.ncolumn;
-    r.column = m->columns.normal < 0 ? 0 : m->columns.normal;
-  }
-  return r;
-}
+  /* Optional: those that follow from pair.restitution. */
+  void (*damp)(const dem_model *model, dem_pair *pair);
 
-DEM_INLINE void close_history(double *history, size_t stride, const int ncolumn) {
-  for (int q = 0; q < ncolumn; q++)
-    vd_store(history + (size_t)q * stride, vd_set(0));
-}
+  /* Of its spring, whose force is in its first three columns [N/m]; NULL: it has none. */
+  dem_of_overlap *stiffness;
+} dem_tangential_law;
+
+typedef struct dem_rolling_law {
+  dem_law_head head;
+  void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair); /* optional */
+  dem_of_overlap *stiffness; /* of its spring, whose couple is in its first three columns [N m]; NULL: it has none */
+} dem_rolling_law;
+
+typedef struct dem_twisting_law {
+  dem_law_head head;
+  void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair); /* optional */
+} dem_twisting_law;
+
+typedef struct dem_cohesion_law {
+  dem_law_head head;
+  void (*check)(const dem_model *model, tdm_object *contact);                      /* optional: goes with the others? */
+  void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair); /* optional */
+  double (*reach)(const dem_pair *pair, double radius); /* optional: gap over which a contact holds [m] */
+} dem_cohesion_law;
+
+/* ---- reading, for the laws' own readers ---- */
+
+/* A number that the law needs; the message says so when it is missing. */
+double dem_need(tdm_object *pair_of_scene, const char *key, const char *family, const char *law, tdm_range range);
+
+/* Exactly one of two keys, of a normal law. True: the first. */
+bool dem_one_of(tdm_object *pair_of_scene, const char *first, const char *second, const char *law);
+
+/* The key "restitution" and all that follows from it. */
+void dem_read_restitution(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair);
 
 #endif

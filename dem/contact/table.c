@@ -1,78 +1,99 @@
-/* The tables of contact laws. The loops themselves are in loop.c. */
+/* The tables of contact laws: see table.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#define DEM_LAW_ROWS /* compile the rows of families.h here */
 #include "dem/contact/table.h"
 
-#include "dem/contact/loop.h"
+#include "dem/contact/families.h"
 
 #include <stddef.h>
 #include <string.h>
 
-#define X(law, name, ncolumn, vectors, keys) {name, ncolumn, vectors, keys},
-const dem_law_row dem_normals[] = {DEM_NORMAL_LIST(X){0}};
-const dem_law_row dem_tangentials[] = {DEM_TANGENTIAL_LIST(X){0}};
-const dem_law_row dem_rollings[] = {DEM_ROLLING_LIST(X){0}};
-const dem_law_row dem_twistings[] = {DEM_TWISTING_LIST(X){0}};
-const dem_law_row dem_cohesions[] = {DEM_COHESION_LIST(X){0}};
+/* The normal laws: files in normal/. */
+#define NORMALS(X) X(hooke) X(hertz) X(hunt_crossley) X(hysteretic)
+
+#define X(law) extern const dem_normal_law dem_normal_##law;
+NORMALS(X)
 #undef X
 
-const char *const dem_tail_names[] = {"keep", "clip", NULL};
-const char *const dem_simd_names[] = {"avx512", "avx2", "plain", NULL};
+enum { LAWS_MAX = 16 };
 
-/* by instruction set as above, then by normal law */
-#define X(law, name, ncolumn, vectors, keys) dem_laws_##law##_avx512,
-#define Y(law, name, ncolumn, vectors, keys) dem_laws_##law##_avx2,
-#define Z(law, name, ncolumn, vectors, keys) dem_laws_##law##_plain,
-static const dem_law *const laws[][DEM_NORMALS] = {{DEM_NORMAL_LIST(X)}, {DEM_NORMAL_LIST(Y)}, {DEM_NORMAL_LIST(Z)}};
-#undef X
-#undef Y
-#undef Z
+#define N(law) &dem_normal_##law.head,
+#define T(law) &dem_tangential_row_##law.head,
+#define R(law) &dem_rolling_row_##law.head,
+#define W(law) &dem_twisting_row_##law.head,
+#define C(law) &dem_cohesion_row_##law.head,
+static const dem_law_head *table[DEM_FAMILIES][LAWS_MAX + 1] = {
+    [DEM_FAMILY_NORMAL] = {NORMALS(N)},         [DEM_FAMILY_TANGENTIAL] = {DEM_TANGENTIALS(T)},
+    [DEM_FAMILY_ROLLING] = {DEM_ROLLINGS(R)},   [DEM_FAMILY_TWISTING] = {DEM_TWISTINGS(W)},
+    [DEM_FAMILY_COHESION] = {DEM_COHESIONS(C)},
+};
 
-static bool has_avx512(void) {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
+const char *const dem_family_names[DEM_FAMILIES] = {
+    [DEM_FAMILY_NORMAL] = "normal",     [DEM_FAMILY_TANGENTIAL] = "tangential", [DEM_FAMILY_ROLLING] = "rolling",
+    [DEM_FAMILY_TWISTING] = "twisting", [DEM_FAMILY_COHESION] = "cohesion",
+};
+
+const dem_law_head *dem_law_at(dem_family family, int place) {
+  return table[family][place];
 }
 
-/* index of an instruction set that this machine has, -1: it has not */
-static int simd_index(const char *simd) {
-  const bool here[] = {has_avx512(), __builtin_cpu_supports("avx2"), true};
-  for (int i = 0; dem_simd_names[i]; i++)
-    if (!strcmp(simd, dem_simd_names[i]))
-      return here[i] ? i : -1;
+int dem_law_place(dem_family family, const char *name) {
+  for (int k = 0; table[family][k]; k++)
+    if (strcmp(table[family][k]->name, name) == 0)
+      return k;
   return -1;
 }
 
-bool dem_simd_here(const char *simd) {
-  return simd_index(simd) >= 0;
+bool dem_normal_add(const dem_normal_law *law) {
+  int n = 0;
+  while (table[DEM_FAMILY_NORMAL][n])
+    n++;
+  if (n == LAWS_MAX || dem_law_place(DEM_FAMILY_NORMAL, law->head.name) >= 0)
+    return false;
+  table[DEM_FAMILY_NORMAL][n] = &law->head;
+  return true;
 }
 
-const char *dem_simd_best(void) {
-  int i = 0;
-  while (!dem_simd_here(dem_simd_names[i]))
-    i++;
-  return dem_simd_names[i];
+const dem_law_head *dem_law_of(const dem_model *m, dem_family family) {
+  const dem_law_head *const of[] = {
+      [DEM_FAMILY_NORMAL] = &m->normal->head,     [DEM_FAMILY_TANGENTIAL] = &m->tangential->head,
+      [DEM_FAMILY_ROLLING] = &m->rolling->head,   [DEM_FAMILY_TWISTING] = &m->twisting->head,
+      [DEM_FAMILY_COHESION] = &m->cohesion->head,
+  };
+  return of[family];
 }
 
-const dem_law *dem_law_find(const char *simd, dem_normal normal, dem_tangential_law tangential, bool all_terms) {
-  int s = simd_index(simd);
-  for (const dem_law *law = s < 0 ? NULL : laws[s][normal]; law && law->pairs; law++)
-    if (law->tangential == tangential && law->all_terms == all_terms)
-      return law;
-  return NULL;
+static int place_of(const dem_model *m, dem_family family) {
+  return dem_law_place(family, dem_law_of(m, family)->name);
+}
+
+bool dem_loops_choose(dem_model *m) {
+  m->place.tangential = place_of(m, DEM_FAMILY_TANGENTIAL);
+  m->place.rolling = place_of(m, DEM_FAMILY_ROLLING);
+  m->place.twisting = place_of(m, DEM_FAMILY_TWISTING);
+  m->place.cohesion = place_of(m, DEM_FAMILY_COHESION);
+  const dem_loop_set *set = m->normal->loops[dem_simd_find(m->simd)];
+  if (!set)
+    set = m->normal->loops[DEM_PLAIN];
+  const dem_loops *with = &set->with[m->place.tangential];
+  m->loops = m->all_terms ? &set->all_terms : with;
+  return with->pairs != NULL;
 }
 
 /* append the columns of a row; the first of them, -1: it has none */
-static int append(dem_columns *c, const dem_law_row *row) {
+static int append(dem_columns *c, const dem_law_head *row) {
   int first = c->ncolumn;
   c->vectors |= row->vectors << first;
   c->ncolumn += row->ncolumn;
   return row->ncolumn > 0 ? first : -1;
 }
 
-dem_columns dem_columns_of(const dem_law *law, dem_rolling rolling, dem_cohesion cohesion, bool sliding) {
+void dem_columns_choose(dem_model *m, bool sliding) {
   dem_columns c = {0};
-  append(&c, &dem_tangentials[law->tangential]);
-  c.normal = append(&c, &dem_normals[law->normal]);
-  c.rolling = append(&c, &dem_rollings[rolling]);
-  c.cohesion = append(&c, &dem_cohesions[cohesion]);
-  c.sliding = append(&c, &(dem_law_row){.ncolumn = sliding});
-  return c;
+  append(&c, &m->tangential->head);
+  c.normal = append(&c, &m->normal->head);
+  c.rolling = append(&c, &m->rolling->head);
+  c.cohesion = append(&c, &m->cohesion->head);
+  c.sliding = append(&c, &(dem_law_head){.ncolumn = sliding});
+  m->columns = c;
 }

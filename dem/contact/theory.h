@@ -1,4 +1,4 @@
-/* Closed forms of normal impacts: what the laws of normal.h give for two bodies that collide centrally.
+/* Closed forms of impacts: what the scene's laws give for two bodies that collide centrally.
  *
  * With the coefficients of a pair; effective mass [kg] and radius [m], approach speed [m/s]. For hertz, duration and
  * overlap are those without damping; NaN where there is no closed form.
@@ -7,16 +7,13 @@
 #ifndef DEM_CONTACT_THEORY_H
 #define DEM_CONTACT_THEORY_H
 
-#include "dem/model/model.h"
-
-typedef struct {
-  double mass, radius; /* effective [kg], [m] */
-  double speed;        /* [m/s] */
-  double deepest;      /* hysteretic: largest overlap so far, 0: the present one [m] */
-} dem_impact;
+#include "dem/contact/law.h"
 
 /* Duration [s]; inf when the bodies stay together. */
 double dem_normal_contact_time(const dem_model *model, const dem_pair *pair, dem_impact impact);
+
+/* The same, but a finite time that a step must resolve where damping keeps the bodies together [s]. */
+double dem_normal_step_time(const dem_model *model, const dem_pair *pair, dem_impact impact);
 
 /* Largest overlap [m]. */
 double dem_normal_overlap(const dem_model *model, const dem_pair *pair, dem_impact impact);
@@ -29,6 +26,9 @@ double dem_normal_stiffness(const dem_model *model, const dem_pair *pair, dem_im
 
 /* The same of the tangential force where the law has a spring, else 0 [N/m]. */
 double dem_tangential_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
+
+/* Of the rolling law's spring, else 0 [N m]. */
+double dem_rolling_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
 /* The force there at rest, without cohesion, and the energy that is stored [N], [J]; impact.speed does not matter. */
 double dem_normal_force(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);

@@ -7,7 +7,6 @@
 #define DEM_MODEL_MODEL_H
 
 #include "dem/bodies/driven.h"
-#include "dem/contact/table.h"
 #include "dem/geometry/wall/wall.h"
 #include "dem/model/sizes.h"
 #include "protocol/wire/participant.h"
@@ -24,6 +23,7 @@ typedef struct {
 
 /* What a contact of two materials needs, worked out at load time; 0 where no law of the scene asks for it. All doubles
  * after `given`: contacts gather them by their place. */
+enum { DEM_COEFFICIENTS_MAX = 5 };
 typedef struct {
   bool given;         /* the scene has this pair */
   double restitution; /* 0: the damping is given otherwise */
@@ -32,31 +32,27 @@ typedef struct {
   double effective_young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
   double effective_shear; /* G*: 1/G* = (2-nu1)/G1 + (2-nu2)/G2 [Pa] */
 
-  /* normal; normal_damping: hooke 2 zeta: c_n = this * sqrt(m* k); hertz 2 sqrt(5/6) beta: c_n = this * sqrt(m* S_n);
-   * hunt-crossley X = lambda v_0 */
-  double stiffness;          /* hooke, hysteretic k_l [N/m]; hunt-crossley [N/m^p] */
-  double stiffness_per_mass; /* hooke with a contact time: k = this * m* [1/s2] */
-  double hertzian;           /* hunt-crossley after Hertz: k = this * sqrt(R*), 4/3 E* [Pa] */
-  double normal_damping;
-  double viscosity;      /* hooke: c_p [kg/s]; hertz: eta of [G21] Eq. 3 [Pa s] */
-  double speed_floor;    /* hunt-crossley: least v_0 [m/s] */
-  double unloading;      /* hysteretic k_un [N/m] */
-  double plastic;        /* hysteretic: delta_0/delta_max = 1 - k_l/k_un */
-  double adhesion_slope; /* hysteretic k_ad [N/m] */
+  /* of the normal law, which others may read */
+  double stiffness;      /* of a linear law, else 0 [N/m] */
+  double beta;           /* damping ratio of the restitution on Hertz's contact, 0 without one */
+  double normal_damping; /* of the restitution; its meaning is the law's */
+  double viscosity;      /* given instead of a restitution; likewise */
 
-  /* tangential; tangential_damping: mindlin 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n); spring
-   * 2 zeta sqrt(k_t): c_t = this * sqrt(m*) */
-  double tangential_stiffness; /* spring [N/m] */
-  double tangential_damping;
-  double tangential_viscosity; /* spring, viscous [kg/s] */
-  double damps_as_normal;      /* spring: 1 when zeta is that of the restitution */
-
-  double rolling_friction, rolling_damping; /* mu_r; eta_r, share of the critical */
-  double twisting_friction;
-  double cohesion_density; /* sjkr [J/m3] */
-  double adhesion_energy;  /* jkr, dmt: work of adhesion w [J/m2] */
-  double adhesion_length;  /* jkr: (pi w/E*)^(1/3) [m^(1/3)] */
+  /* each law's own, named in its file */
+  double normal[DEM_COEFFICIENTS_MAX], tangential[DEM_COEFFICIENTS_MAX], rolling[DEM_COEFFICIENTS_MAX],
+      twisting[DEM_COEFFICIENTS_MAX], cohesion[DEM_COEFFICIENTS_MAX];
 } dem_pair;
+
+/* The history of a contact: the tangential law's columns first, then the normal law's, then these where the scene has
+ * them. */
+typedef struct {
+  int ncolumn;
+  unsigned vectors;                       /* bit q: column q is one of a vector's */
+  int normal, rolling, cohesion, sliding; /* the first of each; sliding: 1 while a contact slides, for a static
+                                             friction of its own; -1: there is none */
+} dem_columns;
+
+enum { DEM_HISTORY_MAX = 10, DEM_SETTINGS_MAX = 4 };
 
 /* A geometry: walls that move as one rigid body. */
 typedef struct {
@@ -171,17 +167,22 @@ typedef struct dem_model {
   tdm_interpolation interpolation;
   tdm_vec3 gravity; /* [m/s2] */
 
-  const char *simd;   /* instruction set, of dem_simd_names */
-  const dem_law *law; /* the combination of contact laws */
-  dem_rolling rolling;
-  dem_twisting twisting;
-  dem_cohesion cohesion;
+  const char *simd;                    /* instruction set, of dem_simd_names */
+  const struct dem_normal_law *normal; /* the contact laws (contact/law.h) */
+  const struct dem_tangential_law *tangential;
+  const struct dem_rolling_law *rolling;
+  const struct dem_twisting_law *twisting;
+  const struct dem_cohesion_law *cohesion;
+  double normal_setting[DEM_SETTINGS_MAX]; /* of dem.contact, named in the normal law's file */
+  const struct dem_loops *loops;           /* over contacts with these laws */
+  bool all_terms;                          /* of the loops: those with all families and energies */
+  struct {
+    int tangential, rolling, twisting, cohesion;
+  } place;              /* of the laws in their tables */
   bool couples;         /* contacts give couples: rolling or twisting */
   bool energy;          /* energies of the contacts are wanted */
   bool geometry_loads;  /* loads of the geometries of bodies that have several are wanted */
   bool triangle_forces; /* so are forces on the triangles of meshes */
-  double exponent;      /* hunt-crossley: p */
-  bool printed;         /* hunt-crossley: lambda as printed */
   dem_columns columns;  /* of the contacts' history */
   double reach;         /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;

@@ -11,6 +11,7 @@
 #define DEM_STATE_DATA_H
 
 #include "dem/bodies/mobility.h"
+#include "dem/contact/energy.h"
 #include "dem/model/model.h"
 #include "dem/search/search.h"
 #include "dem/state/exact_sum.h"

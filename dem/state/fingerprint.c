@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/fingerprint.h"
 
+#include "dem/contact/table.h"
 #include "dem/step/integrate.h"
 
 #include <stddef.h>
@@ -51,14 +52,15 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
   return h;
 }
 
+static uint64_t hash_name(uint64_t h, const char *name) {
+  return hash_bytes(h, name, strlen(name) + 1);
+}
+
 static uint64_t hash_laws(uint64_t h, const dem_model *m) {
-  const char *const laws[] = {dem_normals[m->law->normal].name, dem_tangentials[m->law->tangential].name,
-                              dem_rollings[m->rolling].name,    dem_twistings[m->twisting].name,
-                              dem_cohesions[m->cohesion].name,  m->clip ? "clip" : "keep"};
-  for (int k = 0; k < 6; k++)
-    h = hash_bytes(h, laws[k], strlen(laws[k]) + 1);
-  h = hash_numbers(h, &m->exponent, 1);
-  return h;
+  for (dem_family f = 0; f < DEM_FAMILIES; f++)
+    h = hash_name(h, dem_law_of(m, f)->name);
+  h = hash_name(h, m->clip ? "clip" : "keep");
+  return hash_numbers(h, m->normal_setting, DEM_SETTINGS_MAX);
 }
 
 /* dimension and domain; as ever when the scene has neither */
@@ -195,7 +197,7 @@ uint64_t dem_fingerprint_whole(const dem_model *m) {
   const double counts[] = {m->nsource,        m->nsink, m->ncoupled, m->nload, (double)m->multi_step.substeps,
                            m->multi_step.mass};
   uint64_t h = hash_numbers(dem_fingerprint_bed(m), counts, 6);
-  h = hash_bytes(h, m->integrator->name, strlen(m->integrator->name) + 1);
+  h = hash_name(h, m->integrator->name);
   h = hash_numbers(h, m->domain.rate, 3);
   h = hash_surfaces(hash_pairs(h, m, m->pair), m);
   for (int s = 0; s < m->nsource; s++) {

@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/integrate.h"
 
+#include "dem/contact/simd/simd_set.h"
+
 #include <string.h>
 
 const char *const dem_integrator_names[] = {
@@ -10,10 +12,16 @@ const char *const dem_integrator_names[] = {
 #undef X
         NULL};
 
+static const dem_integrator *const sets[DEM_SIMD_SETS] = {
+#ifndef DEM_SIMD_ONLY_PLAIN
+    [DEM_AVX512] = dem_integrators_avx512,
+    [DEM_AVX2] = dem_integrators_avx2,
+#endif
+    [DEM_PLAIN] = dem_integrators_plain,
+};
+
 const dem_integrator *dem_integrator_find(const char *simd, const char *name, bool driven) {
-  const dem_integrator *all = !strcmp(simd, "avx512") ? dem_integrators_avx512
-                              : !strcmp(simd, "avx2") ? dem_integrators_avx2
-                                                      : dem_integrators_plain;
+  const dem_integrator *all = sets[dem_simd_find(simd)];
   for (; all->name; all++)
     if (!strcmp(all->name, name) && all->driven == driven)
       return all;

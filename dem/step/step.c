@@ -4,6 +4,7 @@
 
 #include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
+#include "dem/contact/loop/task.h"
 #include "dem/flow/flow.h"
 #include "dem/search/pairs.h"
 #include "dem/state/domain.h"
@@ -57,7 +58,7 @@ static void geometry_loads(dem_loop_task *task) {
     for (task->wall_end = k + 1; task->wall_end < last && m->wall[entry[task->wall_end].wall].geometry == g;)
       task->wall_end++;
     tdm_wrench before = task->load[b], *grown = &task->load[m->nbody + g];
-    m->law->walls(task);
+    m->loops->walls(task);
     grown->force = tdm_sub(task->load[b].force, before.force);
     grown->moment = tdm_sub(task->load[b].moment, before.moment);
   }
@@ -77,11 +78,11 @@ static void evaluate(dem_data *d, dem_share share, bool settling, double dt, con
     task.load = &d->chunk_load[(size_t)c * (size_t)m->nload];
     task.entry_force = entry_force;
     memset(task.load, 0, (size_t)m->nload * sizeof *task.load);
-    m->law->pairs(&task);
+    m->loops->pairs(&task);
     if (m->geometry_loads)
       geometry_loads(&task);
     else
-      m->law->walls(&task);
+      m->loops->walls(&task);
     touching += task.touching;
     d->chunk_flux[c] = task.flux;
     if (integrator && d->nthread == 1) {

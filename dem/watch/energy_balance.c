@@ -31,13 +31,10 @@ static double spring(const contact *c, int first, double k, tdm_vec3 rate) {
 /* of the tangential and the rolling law; the twisting laws have no spring */
 static double springs_of(const dem_model *m, const contact *c) {
   double e = 0;
-  if (dem_tangentials[m->law->tangential].vectors)
+  if (m->tangential->stiffness)
     e += spring(c, 0, dem_tangential_stiffness(m, c->pair, c->at, c->overlap), c->slip);
-  if (m->columns.rolling >= 0) {
-    double arm = c->pair->rolling_friction * c->at.radius;
-    double k = 2.25 * dem_normal_stiffness(m, c->pair, c->at, c->overlap) * arm * arm;
-    e += spring(c, m->columns.rolling, k, c->roll);
-  }
+  if (m->rolling->stiffness)
+    e += spring(c, m->columns.rolling, dem_rolling_stiffness(m, c->pair, c->at, c->overlap), c->roll);
   return e;
 }
 
@@ -68,7 +65,7 @@ static double elastic_of_pair(const dem_data *d, int i, int k) {
                .history = d->pairs.history ? &d->pairs.history[k] : NULL,
                .stride = d->pairs.capacity,
                .dt = step_ahead(d)};
-  if (m->law->normal == DEM_NORMAL_hysteretic)
+  if (m->normal->keeps_deepest)
     c.at.deepest = c.history[(size_t)m->columns.normal * c.stride];
   tdm_vec3 n = tdm_scale(1 / fmax(r, 1e-100), x), surface = tdm_add(d->rotor[i].surface, d->rotor[j].surface);
   tdm_vec3 v = tdm_axpy(-r / sum, tdm_cross(surface, n), tdm_sub(a->velocity, b->velocity));
@@ -152,7 +149,7 @@ dem_stored_energy dem_stored_energy_now(const dem_data *d) {
 /* ---- supplied ---- */
 
 bool dem_energy_balance_known(const dem_model *m) {
-  if (m->cohesion != DEM_COHESION_none || m->domain.strained || (m->domain.repeats && m->driven))
+  if (!m->cohesion->head.none || m->domain.strained || (m->domain.repeats && m->driven))
     return false;
   for (int a = 0; a < 3; a++)
     if (m->domain.periodic[a] && (&m->gravity.x)[a] != 0)

@@ -159,14 +159,6 @@ static double takes(const dem_model *m, double mass) {
   return m->multi_step.substeps > 0 && mass < m->multi_step.mass ? (double)m->multi_step.substeps : 1;
 }
 
-/* Duration of an impact; where damping keeps the two together half an undamped period: what a step must resolve. */
-static double time_of(const dem_model *m, const dem_pair *pair, dem_impact at) {
-  double time = dem_normal_contact_time(m, pair, at);
-  if (m->law->normal == DEM_NORMAL_hooke && !isfinite(time))
-    return M_PI * sqrt(at.mass / dem_normal_stiffness(m, pair, at, at.radius));
-  return time;
-}
-
 /* Rayleigh step and shortest contact (with its like or with a wall) of one kind of particle */
 static void add_particle(dem_limits *l, const dem_model *m, int kind, double radius, double mass) {
   double density = mass / (4.0 / 3 * M_PI * radius * radius * radius);
@@ -176,9 +168,9 @@ static void add_particle(dem_limits *l, const dem_model *m, int kind, double rad
   const dem_pair *row = &m->pair[kind * m->nmaterial];
   for (int k = 0; k < m->nmaterial; k++)
     if (row[k].given)
-      l->contact =
-          fmin(l->contact,
-               often * time_of(m, &row[k], (dem_impact){.mass = mass / 2, .radius = radius / 2, .speed = l->speed}));
+      l->contact = fmin(
+          l->contact, often * dem_normal_step_time(
+                                  m, &row[k], (dem_impact){.mass = mass / 2, .radius = radius / 2, .speed = l->speed}));
 }
 
 /* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */

@@ -3,6 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
+#include "dem/contact/table.h"
 #include "dem/model/group_options.h"
 #include "dem/search/search.h"
 #include "dem/state/state_file.h"
@@ -11,33 +12,60 @@
 
 /* ---- every set of laws ---- */
 
+enum { HOOKE, HERTZ, HUNT_CROSSLEY, HYSTERETIC, NORMALS };
+enum { SLIPPERY, COULOMB, VISCOUS, SPRING, MINDLIN, TANGENTIALS };
+enum { FREE, CONSTANT_TORQUE, SPRING_DASHPOT, ROLLINGS };
+enum { TWISTINGS = 2 };
+enum { DRY, SJKR, JKR, DMT, COHESIONS };
+
+/* as in the tables */
+static const char *const names[DEM_FAMILIES][8] = {
+    [DEM_FAMILY_NORMAL] = {"hooke", "hertz", "hunt-crossley", "hysteretic"},
+    [DEM_FAMILY_TANGENTIAL] = {"none", "coulomb", "viscous", "spring", "mindlin"},
+    [DEM_FAMILY_ROLLING] = {"none", "constant-torque", "spring-dashpot"},
+    [DEM_FAMILY_TWISTING] = {"none", "constant-torque"},
+    [DEM_FAMILY_COHESION] = {"none", "sjkr", "jkr", "dmt"}};
+
+/* A new law is to be tried here, too. */
+START_TEST(test_all_laws_are_here) {
+  for (dem_family f = 0; f < DEM_FAMILIES; f++)
+    for (int k = 0; names[f][k] || dem_law_at(f, k); k++)
+      ck_assert_str_eq(names[f][k] ? names[f][k] : "(missing)", dem_law_at(f, k) ? dem_law_at(f, k)->name : "(gone)");
+}
+END_TEST
+
 typedef struct {
-  dem_normal normal;
-  dem_tangential_law tangential;
-  dem_rolling rolling;
-  dem_twisting twisting;
-  dem_cohesion cohesion;
+  int normal, tangential, rolling, twisting, cohesion;
 } laws;
 
-#define X(n, t) {DEM_NORMAL_##n, DEM_TANGENTIAL_##t, 0, 0, 0},
-static const laws rows[] = {DEM_LAW_LIST(X)};
-#undef X
-enum { NROW = sizeof rows / sizeof rows[0], NMORE = DEM_ROLLINGS * DEM_TWISTINGS * DEM_COHESIONS };
+static const laws rows[] = {
+#define WITH_ALL(n)                                              \
+  {.normal = n}, {n, COULOMB, 0, 0, 0}, {n, VISCOUS, 0, 0, 0}, { \
+    n, SPRING, 0, 0, 0                                           \
+  }
+    WITH_ALL(HOOKE),
+    WITH_ALL(HERTZ),
+    {HERTZ, MINDLIN, 0, 0, 0},
+    WITH_ALL(HUNT_CROSSLEY),
+    {HUNT_CROSSLEY, MINDLIN, 0, 0, 0},
+    WITH_ALL(HYSTERETIC)};
+enum { NROW = sizeof rows / sizeof rows[0], NMORE = ROLLINGS * TWISTINGS * COHESIONS };
 
 /* number k < NROW * NMORE; false: jkr or dmt without hertz */
 static bool pick(laws *l, int k) {
   *l = rows[k / NMORE];
   int rest = k % NMORE;
-  l->rolling = rest % DEM_ROLLINGS;
-  l->twisting = rest / DEM_ROLLINGS % DEM_TWISTINGS;
-  l->cohesion = rest / DEM_ROLLINGS / DEM_TWISTINGS;
-  return l->cohesion < DEM_COHESION_jkr || l->normal == DEM_NORMAL_hertz;
+  l->rolling = rest % ROLLINGS;
+  l->twisting = rest / ROLLINGS % TWISTINGS;
+  l->cohesion = rest / ROLLINGS / TWISTINGS;
+  return l->cohesion < JKR || l->normal == HERTZ;
 }
 
 static const char *name_of(const laws *l) {
   static char name[128];
-  snprintf(name, sizeof name, "%s/%s/%s/%s/%s", dem_normals[l->normal].name, dem_tangentials[l->tangential].name,
-           dem_rollings[l->rolling].name, dem_twistings[l->twisting].name, dem_cohesions[l->cohesion].name);
+  snprintf(name, sizeof name, "%s/%s/%s/%s/%s", names[DEM_FAMILY_NORMAL][l->normal],
+           names[DEM_FAMILY_TANGENTIAL][l->tangential], names[DEM_FAMILY_ROLLING][l->rolling],
+           names[DEM_FAMILY_TWISTING][l->twisting], names[DEM_FAMILY_COHESION][l->cohesion]);
   return name;
 }
 
@@ -72,9 +100,9 @@ static rig *scene_of(const laws *l, bool walls, bool energy, const char *simd, d
           " 'velocity':[-0.3,0.05,-0.2],'spin':[-5,8,-12]},"
           "{'type':'list','material':'a','radius':0.005,'positions':[[0.005,0.0125,-0.0128]],"
           " 'velocity':[0.1,-0.4,0],'spin':[0,0,40]}]}",
-          walls ? -9.81 : 0.0, energy ? "true" : "false", simd, pair_of(l), dem_normals[l->normal].name,
-          dem_tangentials[l->tangential].name, dem_rollings[l->rolling].name, dem_twistings[l->twisting].name,
-          dem_cohesions[l->cohesion].name,
+          walls ? -9.81 : 0.0, energy ? "true" : "false", simd, pair_of(l), names[DEM_FAMILY_NORMAL][l->normal],
+          names[DEM_FAMILY_TANGENTIAL][l->tangential], names[DEM_FAMILY_ROLLING][l->rolling],
+          names[DEM_FAMILY_TWISTING][l->twisting], names[DEM_FAMILY_COHESION][l->cohesion],
           walls ? "{'name':'box','material':'a','shapes':[{'type':'box','size':[0.06,0.06,0.06],'side':'inside'}]}"
                 : ""),
       dt, 0, NULL);
@@ -120,11 +148,11 @@ START_TEST(test_energy) {
   static const int more[][3] = {{0, 0, 0}, {1, 1, 1}, {2, 0, 2}};
   for (int k = 0; k < 3; k++) {
     l.rolling = more[k][0], l.twisting = more[k][1], l.cohesion = more[k][2];
-    if (l.cohesion == DEM_COHESION_jkr && l.normal != DEM_NORMAL_hertz)
-      l.cohesion = DEM_COHESION_none;
+    if (l.cohesion == JKR && l.normal != HERTZ)
+      l.cohesion = DRY;
     /* second order; nearly first where a contact without a spring stops: coulomb, constant torque */
     double coarse = imbalance(&l, 4e-6), fine = imbalance(&l, 1e-6);
-    bool stops = l.tangential == DEM_TANGENTIAL_coulomb || l.rolling == DEM_ROLLING_constant_torque;
+    bool stops = l.tangential == COULOMB || l.rolling == CONSTANT_TORQUE;
     double falls = stops ? 2.5 : 12;
     ck_assert_msg(coarse < 1e-3, "%s: %g", name_of(&l), coarse);
     ck_assert_msg(fine < coarse / falls, "%s: %g, %g", name_of(&l), coarse, fine);
@@ -137,7 +165,7 @@ END_TEST
 START_TEST(test_stored_from_the_state) {
   laws l = rows[_i];
   double most = 0;
-  for (l.rolling = 0; l.rolling < DEM_ROLLINGS; l.rolling++) {
+  for (l.rolling = 0; l.rolling < ROLLINGS; l.rolling++) {
     rig *r = scene_of(&l, true, true, "plain", 2e-6);
     for (int k = 0; k < 30; k++) {
       rig_steps(r, 250);
@@ -322,7 +350,7 @@ static rig *heap(int set, const char *more) {
                  "'particles':[{'type':'block','material':'a','radius':[0.0047,0.005],'count':[5,5,5],"
                  "'corner':[0,0,0],'spacing':0.01}]%s}",
                  set / 2 ? ",'rolling_friction':0.1" : "", set % 2 ? ",'twisting_friction':0.05" : "",
-                 dem_rollings[set / 2].name, dem_twistings[set % 2].name, more),
+                 names[DEM_FAMILY_ROLLING][set / 2], names[DEM_FAMILY_TWISTING][set % 2], more),
       2e-5, 0, NULL);
   for (int i = 0; i < r->data->nparticle; i++) {
     double a = (double)(i * 7919 % 101) / 50 - 1, b = (double)(i * 6007 % 97) / 48 - 1;
@@ -338,9 +366,9 @@ static void ck_same(const dem_data *a, const dem_data *b, int set, const char *w
                     memcmp(a->pace, b->pace, n * sizeof *a->pace) == 0 &&
                     memcmp(a->push, b->push, n * sizeof *a->push) == 0 &&
                     memcmp(a->body_load, b->body_load, sizeof *a->body_load) == 0,
-                "%s/%s: %s", dem_rollings[set / 2].name, dem_twistings[set % 2].name, what);
+                "%s/%s: %s", names[DEM_FAMILY_ROLLING][set / 2], names[DEM_FAMILY_TWISTING][set % 2], what);
   ck_assert_msg(memcmp(&a->energy, &b->energy, sizeof a->energy) == 0, "%s/%s: energies, %s",
-                dem_rollings[set / 2].name, dem_twistings[set % 2].name, what);
+                names[DEM_FAMILY_ROLLING][set / 2], names[DEM_FAMILY_TWISTING][set % 2], what);
 }
 
 /* Pairs share a batch as the lists have them: neither skin, search nor instruction set may be seen in the results. */
@@ -426,6 +454,6 @@ START_TEST(test_histories_turn) {
 }
 END_TEST
 
-TEST_MAIN_ROWS("dem energy", {test_energy, NROW}, {test_stored_from_the_state, NROW}, {test_energy_of_substeps, 1},
-               {test_energy_from_outside, 4}, {test_momentum, NROW}, {test_same_bits, NROW},
-               {test_lists_do_not_matter, DEM_ROLLINGS *DEM_TWISTINGS}, {test_histories_turn, 1})
+TEST_MAIN_ROWS("dem energy", {test_all_laws_are_here, 1}, {test_energy, NROW}, {test_stored_from_the_state, NROW},
+               {test_energy_of_substeps, 1}, {test_energy_from_outside, 4}, {test_momentum, NROW},
+               {test_same_bits, NROW}, {test_lists_do_not_matter, ROLLINGS *TWISTINGS}, {test_histories_turn, 1})

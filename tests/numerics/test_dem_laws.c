@@ -4,6 +4,7 @@
 #include "test_dem_support.h"
 
 #include "dem/contact/restitution.h"
+#include "dem/contact/tangential/spring.h"
 #include "dem/contact/theory.h"
 #include "tests/test_main.h"
 
@@ -106,7 +107,7 @@ START_TEST(test_impacts) {
   double e = dem_normal_restitution(r->model, p, impact);
   if (c->restitution > 0)
     ck_near(e, c->restitution, 1e-9);
-  bool plastic = r->model->law->normal == DEM_NORMAL_hysteretic;
+  bool plastic = r->model->normal->plastic;
   const dem_data *d = r->data;
   double deepest = 0, v0 = usual.speed, time = 0;
   do { /* the plastic contact ends where its force does */
@@ -619,8 +620,8 @@ START_TEST(test_no_elastic_constants) {
                             "'pairs':[{'materials':['a','a'],'stiffness':100,'restitution':0.5,'friction':0.1}],"
                             "'particles':[{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0]]}]}");
   rig *r = rig_make(json, 1e-4, 0, NULL);
-  ck_assert_int_eq(r->model->law->tangential, DEM_TANGENTIAL_spring);
-  ck_relative(r->model->pair[0].tangential_stiffness, 200.0 / 7, 1e-12);
+  ck_assert_str_eq(r->model->tangential->head.name, "spring");
+  ck_relative(r->model->pair[0].tangential[DEM_SPRING_STIFFNESS], 200.0 / 7, 1e-12);
   rig_free(r);
 }
 END_TEST

@@ -5,7 +5,7 @@
 #include "tests/test_main.h"
 
 #include "dem/bodies/wall_stiffness.h"
-#include "dem/contact/table.h"
+#include "dem/contact/simd/simd_set.h"
 
 #include <unistd.h>
 

@@ -1,10 +1,10 @@
 /* The loop over particles and walls: planes DEM_W particles at a time, what touches other walls gathered until
- * there are DEM_W contacts. Only loop.c includes it. */
+ * there are DEM_W contacts. Only loops.h includes it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_CONTACT_WALL_LOOP_H
-#define DEM_CONTACT_WALL_LOOP_H
+#ifndef DEM_CONTACT_LOOP_WALL_LOOP_H
+#define DEM_CONTACT_LOOP_WALL_LOOP_H
 
-#include "dem/contact/law.h"
+#include "dem/contact/loop/apply.h"
 
 enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM, SX, SY, SZ, PER_INERTIA, WALL_NUMBERS };
 
@@ -19,7 +19,7 @@ struct batch {
 };
 
 /* couples of wall contacts, on the particle and on the body, and the power of the wall */
-DEM_KERNEL void push_wall_more(dem_loop_task *task, const batch *b, int l, tdm_vec3 force, tdm_vec3 couple) {
+DEM_KERNEL void push_wall_couples(dem_loop_task *task, const batch *b, int l, tdm_vec3 force, tdm_vec3 couple) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
   dem_push *push = &d->push[d->walls.entry[b->entry[l]].particle];
@@ -72,7 +72,7 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
     load->force = tdm_sub(load->force, force);
     load->moment = tdm_sub(load->moment, tdm_cross(b->lever[l], force));
     if (r.all_terms)
-      push_wall_more(task, b, l, force, (tdm_vec3){couple[0][l], couple[1][l], couple[2][l]});
+      push_wall_couples(task, b, l, force, (tdm_vec3){couple[0][l], couple[1][l], couple[2][l]});
   }
   task->touching += __builtin_popcount(vm_bits(c.touching));
   b->count = 0;

@@ -1,9 +1,9 @@
-/* The loop over pairs of particles. Only loop.c includes it. */
+/* The loop over pairs of particles. Only loops.h includes it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_CONTACT_PAIR_LOOP_H
-#define DEM_CONTACT_PAIR_LOOP_H
+#ifndef DEM_CONTACT_LOOP_PAIR_LOOP_H
+#define DEM_CONTACT_LOOP_PAIR_LOOP_H
 
-#include "dem/contact/law.h"
+#include "dem/contact/loop/apply.h"
 
 /* relative spins and the rolling inertia of pairs; couples count with both of a pair only if one of them is asked for
  */

@@ -1,12 +1,4 @@
-/* Cohesion: attraction besides, or in place of, the normal law's force; in the loops with `all_terms` only.
- *
- * sjkr: -k A with the contact area A = 2 pi R* delta (of the circle in which two spheres of equal overlap cross).
- * Friction is limited by the normal law's force alone.
- *
- * dmt: Derjaguin, Muller & Toporov (1975): Hertz's force less 2 pi w R*, as long as they touch. For stiff and small
- * spheres, jkr for soft and large ones. Friction is limited by the normal law's force alone, F + 2 pi w R*.
- *
- * jkr: Johnson, Kendall & Roberts (1971) in place of Hertz's force, work of adhesion w:
+/* Cohesion jkr: Johnson, Kendall & Roberts (1971) in place of Hertz's force, work of adhesion w:
  *   F = 4 E* a^3/(3 R*) - sqrt(8 pi w E* a^3),   delta = a^2/R* - sqrt(2 pi w a/E*)
  * The contact begins at delta = 0 and then holds, with its circle, over a gap until d(delta)/da = 0, which is
  * delta = -3/4 (pi w/E*)^(2/3) R*^(1/3). The largest pull is 3/2 pi w R*. Friction is limited by F plus twice that
@@ -16,27 +8,14 @@
  * delta R* / L^2 + 3/4.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_CONTACT_COHESION_H
-#define DEM_CONTACT_COHESION_H
+#ifndef DEM_CONTACT_COHESION_JKR_H
+#define DEM_CONTACT_COHESION_JKR_H
 
-#include "dem/contact/contact.h"
+/* coefficients of a pair */
+enum { DEM_JKR_ENERGY, DEM_JKR_LENGTH }; /* w [J/m2]; (pi w/E*)^(1/3) [m^(1/3)] */
 
-DEM_KERNEL void dem_cohesion_none(dem_contact *c, vd *history) {
-  (void)c, (void)history;
-}
-
-DEM_KERNEL void dem_cohesion_sjkr(dem_contact *c, vd *history) {
-  (void)history;
-  vd slope = vd_set(2 * M_PI) * DEM_OF(c, cohesion_density) * c->radius;
-  c->pull = -(slope * c->overlap);
-  c->elastic = c->elastic + vd_set(0.5) * c->pull * c->overlap;
-}
-
-DEM_KERNEL void dem_cohesion_dmt(dem_contact *c, vd *history) {
-  (void)history;
-  c->pull = -(vd_set(2 * M_PI) * DEM_OF(c, adhesion_energy) * c->radius);
-  c->elastic = c->elastic + c->pull * c->overlap;
-}
+#ifdef DEM_SIMD
+#include "dem/contact/loop/contact.h"
 
 /* e of the head of this file, from above: Newton's steps then never pass it */
 DEM_KERNEL vd dem_jkr_root(vd sum) {
@@ -59,7 +38,7 @@ DEM_KERNEL vd dem_cube_root(vd x) {
 }
 
 DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
-  vd root = dem_cube_root(c->radius), length = DEM_OF(c, adhesion_length) * root * root; /* L */
+  vd root = dem_cube_root(c->radius), length = DEM_OF(c, cohesion[DEM_JKR_LENGTH]) * root * root; /* L */
   vd depth = length * length / c->radius, young = DEM_OF(c, effective_young);
   vd sum = c->overlap / depth + vd_set(0.75);
   vm holds = vm_and(vm_less(vd_set(0), history[0]), vm_less(vd_set(0), sum));
@@ -67,7 +46,7 @@ DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
   history[0] = vd_set(1);
 
   vd s = vd_set(M_SQRT1_2) + dem_jkr_root(vd_max(sum, vd_set(0))), s3 = s * s * s, s4 = s3 * s;
-  vd unit = vd_set(M_PI) * DEM_OF(c, adhesion_energy) * c->radius;
+  vd unit = vd_set(M_PI) * DEM_OF(c, cohesion[DEM_JKR_ENERGY]) * c->radius;
   c->circle = length * s * s;
   c->stiffness = (young + young) * c->circle;
   c->damping = vd_sqrt(c->stiffness / c->inverse_mass);
@@ -76,5 +55,49 @@ DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
   c->force = unit * s3 * (vd_set(4.0 / 3) * s3 - vd_set(2 * M_SQRT2)) + damped - c->pull;
   c->elastic = unit * depth * s4 * (vd_set(8.0 / 15) * s3 * s3 - vd_set(4 * M_SQRT2 / 3) * s3 + vd_set(1));
 }
+#endif
+
+#ifdef DEM_LAW_ROWS
+#include "dem/contact/law.h"
+#include "dem/contact/theory.h"
+
+#include <string.h>
+
+static void check_jkr(const dem_model *m, tdm_object *o) {
+  if (strcmp(m->normal->head.name, "hertz") != 0)
+    tdm_object_fail(o, "cohesion", "\"jkr\" changes the contact circle of normal \"hertz\", not \"%s\"; use \"sjkr\"",
+                    m->normal->head.name);
+  if (m->clip)
+    tdm_object_fail(o, "tail", "\"clip\" cuts the attraction that cohesion \"jkr\" is there for; use \"keep\"");
+}
+
+/* an energy of 0 would have no length of its own: so little that no contact feels it */
+static void read_jkr(const dem_model *m, tdm_object *o, dem_pair *p) {
+  (void)m;
+  double energy = fmax(dem_need(o, "adhesion_energy", "cohesion", "jkr", TDM_NOT_NEGATIVE), 1e-18);
+  p->cohesion[DEM_JKR_ENERGY] = energy;
+  p->cohesion[DEM_JKR_LENGTH] = cbrt(M_PI * energy / p->effective_young);
+}
+
+double dem_jkr_reach(double radius, double young, double adhesion) {
+  double share = M_PI * adhesion / young;
+  return 0.75 * cbrt(share * share * radius);
+}
+
+double dem_jkr_pull(double radius, double adhesion) {
+  return 1.5 * M_PI * adhesion * radius;
+}
+
+static double reach_of_pair(const dem_pair *p, double radius) {
+  return dem_jkr_reach(radius, p->effective_young, p->cohesion[DEM_JKR_ENERGY]);
+}
+
+static const dem_cohesion_law dem_cohesion_row_jkr = {
+    .head = {.name = "jkr", .ncolumn = 1, .keys = {"adhesion_energy"}},
+    .check = check_jkr,
+    .read = read_jkr,
+    .reach = reach_of_pair,
+};
+#endif
 
 #endif

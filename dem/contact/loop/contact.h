@@ -4,8 +4,8 @@
  * contact is open hold anything but traps: their results are thrown away.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_CONTACT_CONTACT_H
-#define DEM_CONTACT_CONTACT_H
+#ifndef DEM_CONTACT_LOOP_CONTACT_H
+#define DEM_CONTACT_LOOP_CONTACT_H
 
 #include "dem/contact/simd/simd.h"
 #include "dem/model/model.h"
@@ -50,7 +50,19 @@ typedef struct {
   vd pull;      /* by cohesion: along the normal, besides `force` [N] */
 } dem_contact;
 
-/* coefficient `field` of dem_pair in each lane */
+/* What a tangential law gives. */
+typedef struct {
+  vd3 force;  /* on the particle; the partner gets the opposite [N] */
+  vd elastic; /* energy stored [J] */
+} dem_tangential;
+
+/* What a rolling or twisting law gives. */
+typedef struct {
+  vd3 couple; /* on the particle; the partner gets the opposite [N m] */
+  vd elastic; /* [J] */
+} dem_couple;
+
+/* coefficient `field` of dem_pair in each lane, e.g. friction or normal[0] */
 #define DEM_OF(contact, field) dem_coefficient(&(contact)->pair, offsetof(dem_pair, field))
 
 DEM_INLINE vd dem_coefficient(const dem_coefficients *c, size_t offset) {

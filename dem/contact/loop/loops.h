@@ -1,0 +1,90 @@
+/* The contact loops of a normal law, over pairs of particles and over particles and walls.
+ *
+ * The file of a normal law includes this after its kernel:
+ *   #define DEM_LAW hooke            its name in C
+ *   #define DEM_LAW_KERNEL kernel    void kernel(dem_contact *, vd *history)
+ *   #define DEM_LAW_COLUMNS 0        of history, unless none
+ *   #define DEM_LAW_CIRCLE true      if the kernel fills contact.circle
+ *   #include "dem/contact/loop/loops.h"
+ * It makes dem_loops_hooke_avx512, or what else the file is compiled for; DEM_LAW_LOOPS are those of all instruction
+ * sets, for the law's row.
+ *
+ * In the loops the kernels are constants of an always-inlined function, so no call and no branch on a law is left.
+ * Besides a pair of loops with each tangential law there is one with all terms, in which the scene's other laws are
+ * switches. DEM_W contacts go at a time, one a lane, whether they touch or not; what does not touch adds nothing.
+ * Forces are added lane after lane, in the order of the list, so the sums are those of a loop over one contact at a
+ * time.
+ *
+ * apply.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_CONTACT_LOOP_LOOPS_H
+#define DEM_CONTACT_LOOP_LOOPS_H
+
+#include "dem/contact/loop/pair_loop.h"
+#include "dem/contact/loop/wall_loop.h"
+
+#ifndef DEM_LAW_COLUMNS
+#define DEM_LAW_COLUMNS 0
+#endif
+#ifndef DEM_LAW_CIRCLE
+#define DEM_LAW_CIRCLE false
+#endif
+
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+
+/* ---- with each tangential law ---- */
+
+#define ROW(t)                                                                                                         \
+  ((row){DEM_LAW_KERNEL, dem_tangential_##t, DEM_LAW_COLUMNS + dem_tangential_columns_##t, dem_tangential_columns_##t, \
+         false, TANGENTIAL_##t != TANGENTIAL_none, batch_##t})
+#define X(t)                                                                       \
+  static __attribute__((noinline)) void batch_##t(dem_loop_task *task, batch *b) { \
+    wall_batch(task, b, ROW(t));                                                   \
+  }                                                                                \
+  static void pairs_##t(dem_loop_task *task) {                                     \
+    pair_loop(task, ROW(t));                                                       \
+  }                                                                                \
+  static void walls_##t(dem_loop_task *task) {                                     \
+    wall_loop(task, ROW(t));                                                       \
+  }
+DEM_TANGENTIALS(X)
+#undef X
+
+#define GOES_WITH(t) (DEM_LAW_CIRCLE || !dem_tangential_circle_##t)
+#define X(t) {GOES_WITH(t) ? pairs_##t : NULL, GOES_WITH(t) ? walls_##t : NULL},
+static const dem_loops with[] = {DEM_TANGENTIALS(X)};
+#undef X
+
+/* ---- with all terms ---- */
+
+#define ROW_ALL_TERMS ((row){DEM_LAW_KERNEL, tangential_of_scene, 0, 0, true, true, batch_all_terms})
+
+static __attribute__((noinline)) void batch_all_terms(dem_loop_task *task, batch *b) {
+  wall_batch(task, b, row_of(task->model, ROW_ALL_TERMS));
+}
+
+static void pairs_all_terms(dem_loop_task *task) {
+  pair_loop(task, ROW_ALL_TERMS);
+}
+
+static void walls_all_terms(dem_loop_task *task) {
+  wall_loop(task, ROW_ALL_TERMS);
+}
+
+/* ---- for the row ---- */
+
+#define DEM_LAW_LOOPS_FOR(set) JOIN(JOIN(dem_loops_, DEM_LAW), set)
+#ifdef DEM_SIMD_ONLY_PLAIN
+#define DEM_LAW_LOOPS \
+  { [DEM_PLAIN] = &DEM_LAW_LOOPS_FOR(_plain) }
+#else
+#define DEM_LAW_LOOPS \
+  { &DEM_LAW_LOOPS_FOR(_avx512), &DEM_LAW_LOOPS_FOR(_avx2), &DEM_LAW_LOOPS_FOR(_plain) }
+#endif
+extern const dem_loop_set DEM_LAW_LOOPS_FOR(_avx512), DEM_LAW_LOOPS_FOR(_avx2), DEM_LAW_LOOPS_FOR(_plain);
+
+const dem_loop_set DEM_ISA(JOIN(dem_loops_, DEM_LAW)) = {with, {pairs_all_terms, walls_all_terms}};
+
+#endif

@@ -1,0 +1,98 @@
+/* Normal law hertz: with the damping of Tsuji et al. (1992) as in EDEM, [L18] Section 2.1:
+ *   F = 4/3 E* sqrt(R*) delta^1.5 + c_n delta',   c_n = 2 sqrt(5/6) beta sqrt(m* S_n),   S_n = 2 E* sqrt(R* delta),
+ * or with the constant viscosity of [G21] Eq. 3: c_n = eta sqrt(R* delta).
+ *
+ * The attractive end of a damped contact is kept, or cut at 0 (pair.floor is -inf or 0): see restitution.h.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/contact/law.h"
+#include "dem/contact/loop/contact.h"
+#include "dem/contact/restitution.h"
+#include "dem/contact/theory.h"
+
+/* pair.viscosity is eta [Pa s], pair.normal_damping 2 sqrt(5/6) beta; cohesion jkr reads them, too */
+
+DEM_KERNEL void kernel(dem_contact *c, vd *history) {
+  (void)history;
+  vd young = DEM_OF(c, effective_young);
+  c->circle = vd_sqrt(c->radius * c->overlap);
+  c->stiffness = (young + young) * c->circle; /* S_n */
+  c->damping = vd_sqrt(c->stiffness * c->mass);
+  vd elastic = vd_set(2.0 / 3.0) * c->stiffness * c->overlap;
+  vd damped = DEM_OF(c, normal_damping) * c->damping * c->rate;
+  if (c->all_terms)
+    damped = damped + DEM_OF(c, viscosity) * c->circle * c->rate;
+  c->force = vd_max(elastic + damped, DEM_OF(c, floor));
+  c->elastic = vd_set(0.4) * elastic * c->overlap;
+}
+
+#define DEM_LAW hertz
+#define DEM_LAW_KERNEL kernel
+#define DEM_LAW_CIRCLE true
+#include "dem/contact/loop/loops.h"
+
+#if DEM_SIMD == 0
+
+static bool damp(const dem_model *m, dem_pair *p) {
+  bool good = !m->clip || dem_beta_clip(p->restitution, &p->beta);
+  p->normal_damping = 2 * sqrt(5.0 / 6) * p->beta;
+  return good;
+}
+
+static void read(const dem_model *m, tdm_object *o, dem_pair *p) {
+  if (dem_one_of(o, "restitution", "viscosity", "hertz"))
+    dem_read_restitution(m, o, p);
+  else
+    p->viscosity = tdm_get_number(o, "viscosity", TDM_REQUIRED, TDM_NOT_NEGATIVE);
+}
+
+static bool is_viscous(const dem_pair *p) {
+  return p->viscosity > 0;
+}
+
+/* ---- closed forms ---- */
+
+static double time_of(const dem_model *m, const dem_pair *p, dem_impact i) {
+  (void)m;
+  return dem_contact_time(i.mass, i.radius, p->effective_young, i.speed);
+}
+
+static double overlap_of(const dem_model *m, const dem_pair *p, dem_impact i) {
+  (void)m;
+  return pow(15 * i.mass * i.speed * i.speed / (16 * p->effective_young * sqrt(i.radius)), 0.4);
+}
+
+static double restitution_of(const dem_model *m, const dem_pair *p, dem_impact i) {
+  (void)m, (void)i;
+  return p->viscosity > 0 ? NAN : p->restitution;
+}
+
+static double force_of(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  (void)m;
+  return 4.0 / 3 * p->effective_young * sqrt(i.radius * overlap) * overlap;
+}
+
+static double stiffness_of(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return 1.5 * force_of(m, p, i, overlap) / overlap;
+}
+
+static double elastic_of(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return force_of(m, p, i, overlap) * overlap / 2.5;
+}
+
+const dem_normal_law dem_normal_hertz = {
+    .head = {.name = "hertz", .needs_young = true, .keys = {"viscosity"}},
+    .circle = true,
+    .tangential = "mindlin",
+    .read = read,
+    .damp = damp,
+    .needs_all_terms = is_viscous,
+    .time = time_of,
+    .overlap = overlap_of,
+    .restitution = restitution_of,
+    .force = force_of,
+    .stiffness = stiffness_of,
+    .elastic = elastic_of,
+    .loops = DEM_LAW_LOOPS,
+};
+#endif
