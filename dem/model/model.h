@@ -21,9 +21,10 @@ typedef struct {
   double shear; /* young / (2 (1 + poisson)) [Pa] */
 } dem_material;
 
+enum { DEM_COEFFICIENTS_MAX = 5 }; /* of one law */
+
 /* What a contact of two materials needs, worked out at load time; 0 where no law of the scene asks for it. All doubles
  * after `given`: contacts gather them by their place. */
-enum { DEM_COEFFICIENTS_MAX = 5 };
 typedef struct {
   bool given;         /* the scene has this pair */
   double restitution; /* 0: the damping is given otherwise */
