@@ -11,6 +11,10 @@
 
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum { TDM_LOG_DEBUG, TDM_LOG_INFO, TDM_LOG_WARNING, TDM_LOG_ERROR } tdm_log_level;
 
 /* Send this thread's log to `sink` (borrowed, line-buffered by the caller's choice; NULL: no log) as `part`
@@ -26,5 +30,9 @@ const char *tdm_log_quote(char *out, size_t size, const char *text);
 
 /* Monotonic wall clock [s], origin arbitrary. */
 double tdm_clock(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

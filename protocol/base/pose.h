@@ -10,6 +10,12 @@
 
 #include "protocol/base/vec3.h"
 
+#include <assert.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
   double w, x, y, z;
 } tdm_quat;
@@ -36,8 +42,8 @@ typedef struct {
 } tdm_state;
 
 enum { TDM_STATE_DOUBLES = 13, TDM_WRENCH_DOUBLES = 6 };
-_Static_assert(sizeof(tdm_state) == TDM_STATE_DOUBLES * sizeof(double), "tdm_state is 13 doubles on the wire");
-_Static_assert(sizeof(tdm_wrench) == TDM_WRENCH_DOUBLES * sizeof(double), "tdm_wrench is 6 doubles on the wire");
+static_assert(sizeof(tdm_state) == TDM_STATE_DOUBLES * sizeof(double), "tdm_state is 13 doubles on the wire");
+static_assert(sizeof(tdm_wrench) == TDM_WRENCH_DOUBLES * sizeof(double), "tdm_wrench is 6 doubles on the wire");
 
 /* Euler angles of the 3-1-3 body sequence, O = Rz(phi) Rx(theta) Rz(psi) ([L18] Eq. 16 with its bottom row mended):
  * phi is the first body rotation (precession), psi the last (spin) [rad]. */
@@ -89,5 +95,9 @@ int tdm_quat_is_unit(tdm_quat q);
 
 /* true if a matrix can be an inertia: finite, symmetric, not negative about any axis (zero is a rod's own) */
 int tdm_is_inertia(const tdm_mat3 *inertia);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -14,6 +14,10 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum { TDM_NOTICE, TDM_WARNING } tdm_remark_level;
 
 typedef struct {
@@ -72,5 +76,9 @@ void tdm_remarks_tell(tdm_teller *teller, const json_t *remarks, const char *bef
 void tdm_remarks_tell_counts(const tdm_teller *teller, const json_t *remarks);
 
 void tdm_teller_free(tdm_teller *teller);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

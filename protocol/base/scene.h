@@ -23,6 +23,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* ---- the file ---- */
 
 typedef struct {
@@ -125,5 +129,9 @@ const char *tdm_path(char *out, const tdm_object *o, const char *key, int i);
 /* An error at this object's key (key NULL: the object itself). */
 tdm_status tdm_object_fail(tdm_object *o, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

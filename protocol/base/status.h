@@ -7,6 +7,10 @@
 #ifndef TDM_BASE_STATUS_H
 #define TDM_BASE_STATUS_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* one row a status: name, what it means to a user. The order is part of the protocol: append only. */
 #define TDM_STATUS_LIST(X)                              \
   X(TDM_OK, "no error")                                 \
@@ -57,5 +61,9 @@ void tdm_utf8_clean(char *text);
 /* The candidate nearest to `word` by edit distance, or NULL when none is near (more than 1/3 of its letters differ,
  * at least 2). Candidates may contain NULL entries, which are skipped. */
 const char *tdm_nearest(const char *word, const char *const *candidates, int ncandidate);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

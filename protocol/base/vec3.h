@@ -15,7 +15,8 @@ typedef struct {
 } tdm_mat3;
 
 static inline tdm_vec3 tdm_v3(double x, double y, double z) {
-  return (tdm_vec3){x, y, z};
+  tdm_vec3 v = {x, y, z}; /* no compound literal: C++ has none */
+  return v;
 }
 static inline tdm_vec3 tdm_add(tdm_vec3 a, tdm_vec3 b) {
   return tdm_v3(a.x + b.x, a.y + b.y, a.z + b.z);
@@ -46,7 +47,8 @@ static inline tdm_vec3 tdm_unit(tdm_vec3 a) {
 }
 
 static inline tdm_mat3 tdm_m3_identity(void) {
-  return (tdm_mat3){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  tdm_mat3 a = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  return a;
 }
 static inline tdm_vec3 tdm_m3_mul(tdm_mat3 a, tdm_vec3 v) {
   return tdm_v3(a.m[0][0] * v.x + a.m[0][1] * v.y + a.m[0][2] * v.z,
@@ -81,12 +83,14 @@ static inline tdm_mat3 tdm_m3_inverse(tdm_mat3 a) {
   double det = tdm_dot(r0, tdm_cross(r1, r2));
   tdm_vec3 c0 = tdm_scale(1 / det, tdm_cross(r1, r2)), c1 = tdm_scale(1 / det, tdm_cross(r2, r0));
   tdm_vec3 c2 = tdm_scale(1 / det, tdm_cross(r0, r1));
-  return (tdm_mat3){{{c0.x, c1.x, c2.x}, {c0.y, c1.y, c2.y}, {c0.z, c1.z, c2.z}}};
+  tdm_mat3 inverse = {{{c0.x, c1.x, c2.x}, {c0.y, c1.y, c2.y}, {c0.z, c1.z, c2.z}}};
+  return inverse;
 }
 
 /* the matrix [v]x with [v]x w = v x w */
 static inline tdm_mat3 tdm_m3_skew(tdm_vec3 v) {
-  return (tdm_mat3){{{0, -v.z, v.y}, {v.z, 0, -v.x}, {-v.y, v.x, 0}}};
+  tdm_mat3 a = {{{0, -v.z, v.y}, {v.z, 0, -v.x}, {-v.y, v.x, 0}}};
+  return a;
 }
 
 #endif

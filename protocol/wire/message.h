@@ -17,6 +17,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* one row a message: name, number, who sends it */
 #define TDM_MESSAGE_LIST(X)  \
   X(HELLO, 1, "solver")      \
@@ -199,5 +203,9 @@ tdm_status tdm_result_read(tdm_result *result, const tdm_header *header, tdm_fra
 
 /* Point the arrays of a result, whose counts are set, into `store` (zeroed). */
 tdm_status tdm_result_layout(tdm_result *result, tdm_frame *store, tdm_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -14,6 +14,10 @@
 
 #include "protocol/base/pose.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { TDM_NODES_MAX = 64 }; /* of a window */
 
 typedef struct {
@@ -29,5 +33,9 @@ tdm_state tdm_state_between(const tdm_state *a, const tdm_state *b, double h, do
 /* The state of a body at time t [s] of a path, with at least one node, that begins with `start` at t0; its ends before
  * and behind. */
 tdm_state tdm_nodes_at(const tdm_nodes *path, int body, const tdm_state *start, double t0, double t);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

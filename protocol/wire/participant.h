@@ -24,6 +24,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct tdm_participant tdm_participant;
 
 typedef struct {
@@ -173,5 +177,9 @@ tdm_status tdm_participant_run(const tdm_solver_ops *ops, const tdm_participant_
 /* main() of a solver process: --connect ENDPOINT [--name NAME] [--timeout S] | --help | --version. Logs to standard
  * error. Returns the exit status. */
 int tdm_solver_main(const tdm_solver_ops *ops, int argc, char **argv);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

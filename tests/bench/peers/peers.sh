@@ -8,6 +8,7 @@
 # it tandem-dem settles one. rho = 2500 kg/m3, E = 1e7 Pa, nu = 0.3, e = 0.5, mu = 0.5; floor and four walls, open top.
 # LAMMPS runs twice: "granular" with Mindlin's force and gran/hertz/history, the fastest equivalent. STEPS and SKIN in
 # the environment override the number of steps and the skin [m] of the others (tandem chooses its own).
+# SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 here=$(dirname "$(readlink -f "$0")")
 tandem=$(readlink -f "$1"); kind=${2:-mono}; n=${3:-10000}; repeats=${4:-3}; bed=${5:-}
