@@ -14,7 +14,7 @@
 #ifndef MBD_ADAPTER_AHEAD_H
 #define MBD_ADAPTER_AHEAD_H
 
-#include "mbd/assembly/assemble.h"
+#include "mbd/assembly/consistent.h"
 #include "mbd/integrate/integrator.h"
 #include "protocol/wire/nodes.h"
 

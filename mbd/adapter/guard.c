@@ -10,14 +10,6 @@
 static const double told = 0.1;   /* of what stops */
 static const double least = 1e-6; /* [J/kg] */
 
-void mbd_guard_read(mbd_guard_settings *guard, tdm_object *section) {
-  static const char *const actions[] = {"stop", "warn", "off"};
-  tdm_object o = tdm_get_object(section, "guard", false);
-  guard->energy = tdm_get_number(&o, "energy", 0.1, TDM_POSITIVE);
-  guard->action = (mbd_guard_action)tdm_get_choice(&o, "action", actions, 3, MBD_GUARD_STOP);
-  tdm_object_close(&o);
-}
-
 tdm_status mbd_guard_look(const mbd_model *model, mbd_data *data, double t, mbd_energies e, tdm_error *err) {
   const mbd_guard_settings *s = &model->solver.guard;
   mbd_guard_state *g = &data->guard;

@@ -14,9 +14,6 @@
 
 #include "mbd/mechanics/energy.h"
 
-/* Read the section's "guard". */
-void mbd_guard_read(mbd_guard_settings *guard, tdm_object *section);
-
 /* The state is that of time t, with the energies e. TDM_ERR_NUMERIC: stop. */
 tdm_status mbd_guard_look(const mbd_model *model, mbd_data *data, double t, mbd_energies e, tdm_error *err);
 

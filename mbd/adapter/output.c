@@ -4,6 +4,8 @@
 
 #include "mbd/assembly/balance.h"
 #include "mbd/assembly/stick.h"
+#include "mbd/joint/frame.h"
+#include "mbd/mechanics/energy.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -37,7 +39,7 @@ static int coordinate_channels(const mbd_model *model) {
 static int further_channels(const mbd_model *model) {
   int n = 0;
   for (int i = 0; i < model->nforce; i++)
-    n += (model->force[i].ops->turns ? 1 + COMPONENT_CHANNELS : 0) + model->force[i].ops->sticks;
+    n += (model->force[i].ops->turns ? 1 + COMPONENT_CHANNELS : 0) + (model->force[i].rubbing != NULL);
   return n;
 }
 
@@ -89,7 +91,7 @@ void mbd_output_names(const mbd_model *model, tdm_channel *c) {
       c = name(c, "force", f->name, "rotation", "rad");
     for (int k = 0; k < COMPONENT_CHANNELS && f->ops->turns; k++)
       c = name(c, "force", f->name, component[k][0], component[k][1]);
-    if (f->ops->sticks)
+    if (f->rubbing)
       c = name(c, "force", f->name, "sliding", "1");
     for (int k = 0; k < JOINT_CHANNELS; k++)
       c = name(c, "force", f->name, wrench[k][0], wrench[k][1]);
@@ -168,10 +170,10 @@ static void force_wrench(const mbd_model *model, mbd_data *data, const mbd_force
   const mbd_joint *frame = f->joint ? f->joint : &f->frame;
   double at_centre[6];
   memcpy(at_centre, Q + MBD_RB, sizeof at_centre);
-  if (f->ops->sticks) {
-    const mbd_rows *rows = mbd_part_at(model, data, model->njointpart + model->ndriver + f->rubbing.stick, false);
+  if (f->rubbing) {
+    const mbd_rows *rows = mbd_part_at(model, data, model->njointpart + model->ndriver + f->rubbing->stick, false);
     for (int k = 0; k < 6; k++)
-      at_centre[k] -= rows->G[0][MBD_RB + k] * data->lambda[f->rubbing.row];
+      at_centre[k] -= rows->G[0][MBD_RB + k] * data->lambda[f->rubbing->row];
   }
   tdm_vec3 force = mbd_get3(at_centre), arm = mbd_joint_arm(frame, 1, &data->kin[f->body[1] + 1]);
   mbd_set3(out, force);
@@ -184,13 +186,13 @@ static double *force_values(const mbd_model *model, mbd_data *data, int index, d
   const mbd_force_value *value = mbd_force_at(model, data, index, false);
   double Q[MBD_PAIR];
   memcpy(Q, value->Q, sizeof Q);
-  *out++ = f->ops->sticks ? mbd_stick_force(model, data, f->rubbing.stick, value) : value->value;
+  *out++ = f->rubbing ? mbd_stick_force(model, data, f->rubbing->stick, value) : value->value;
   *out++ = value->coordinate;
   if (f->ops->turns)
     *out++ = value->rotation;
   for (int k = 0; k < COMPONENT_CHANNELS && f->ops->turns; k++)
     *out++ = value->rows.g[k];
-  if (f->ops->sticks)
+  if (f->rubbing)
     *out++ = value->way;
   force_wrench(model, data, f, Q, out);
   return out + JOINT_CHANNELS;

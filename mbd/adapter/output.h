@@ -7,7 +7,7 @@
 #ifndef MBD_ADAPTER_OUTPUT_H
 #define MBD_ADAPTER_OUTPUT_H
 
-#include "mbd/assembly/assemble.h"
+#include "mbd/assembly/consistent.h"
 
 int mbd_output_count(const mbd_model *model);
 

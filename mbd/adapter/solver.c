@@ -5,10 +5,13 @@
 #include "mbd/adapter/ahead.h"
 #include "mbd/adapter/guard.h"
 #include "mbd/adapter/output.h"
+#include "mbd/assembly/assemble.h"
 #include "mbd/integrate/integrator.h"
+#include "mbd/joint/frame.h"
 #include "mbd/mechanics/energy.h"
 #include "mbd/mechanics/free.h"
 #include "mbd/reduced/reduced.h"
+#include "mbd/scene/scene.h"
 #include "protocol/base/log.h"
 #include "protocol/version.h"
 
@@ -296,12 +299,10 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   if (!s)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = p;
-  if (mbd_model_read(&s->model, assignment->scene, err) ||
+  if (mbd_model_read(&s->model, assignment->scene, assignment->restores, err) ||
       mbd_model_check_times(s->model, assignment->time_start, assignment->time_end, err) ||
       mbd_model_couple(s->model, assignment->body, assignment->nbody, err))
     return err->status;
-  if (assignment->restores)
-    mbd_model_prefer_one_step(s->model);
   s->integrator = mbd_formulation_table[s->model->solver.formulation].integrator;
   s->data = mbd_data_create(s->model);
   s->kkt = mbd_kkt_create(s->model);

@@ -1,106 +1,18 @@
-/* Consistent states: see assemble.h. */
+/* Assembly: see assemble.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/assemble.h"
 
-#include "mbd/assembly/normal.h"
 #include "mbd/assembly/rank.h"
+#include "mbd/assembly/rubbing.h"
 #include "mbd/assembly/stick.h"
+#include "mbd/joint/frame.h"
+#include "mbd/linear/largest.h"
 #include "mbd/mechanics/energy.h"
-#include "mbd/mechanics/residual.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { ITERATIONS_MAX = 50 };
-
-/* ---- positions and velocities ---- */
-
-static double largest(const double *x, int n) {
-  double most = 0;
-  for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= most)) /* not a number counts, too */
-      most = fabs(x[i]);
-  return most;
-}
-
-/* Move the pose of a body in y by `scale` times the twist x (6). */
-static void move_body(double *y, int body, const double *x, double scale) {
-  tdm_state s = mbd_body_state(y, body);
-  s.pose.position = tdm_axpy(scale, mbd_get3(x), s.pose.position);
-  tdm_quat turn = tdm_quat_from_rotvec(tdm_scale(scale, mbd_get3(x + 3)));
-  s.pose.orientation = tdm_quat_unit(tdm_quat_mul(turn, s.pose.orientation));
-  mbd_set_body_state(y, body, &s);
-}
-
-static void move(const mbd_model *model, double *y, const double *x, double scale) {
-  for (int b = 0; b < model->nbody; b++)
-    move_body(y, b, x + 6 * b, scale);
-}
-
-/* The largest way that a driver's law prescribes at time t [m], and whether one prescribes anything but zero. */
-static double prescribed_way(const mbd_model *model, double t, bool *any) {
-  double way = 0;
-  *any = false;
-  for (int i = 0; i < model->ndriver; i++) {
-    double x = fabs(tdm_motion_at(&model->driver[i].motion, t).value);
-    *any = *any || x > 1e-9;
-    if (model->driver[i].ops->coordinate == MBD_TRANSLATION)
-      way = fmax(way, x);
-  }
-  return way;
-}
-
-/* The share of the move x (6 nbody) that Newton's linear model bears: half a radian, half the mechanism's size. */
-static double bearable(const mbd_model *model, const double *x, double size) {
-  double share = 1;
-  for (int b = 0; b < model->nbody; b++) {
-    share = fmin(share, 0.5 * size / fmax(0.5 * size, largest(x + 6 * b, 3)));
-    share = fmin(share, 0.5 / fmax(0.5, largest(x + 6 * b + 3, 3)));
-  }
-  return share;
-}
-
-/* Newton on g(q) = 0, all rows. Stops at 1e-14 or, near it, where rounding ends the progress. Returns the last |g|. */
-static double project_positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y) {
-  bool any;
-  double last = INFINITY, size = fmax(1e-9, mbd_model_extent(model) + prescribed_way(model, t, &any));
-  for (int i = 0; i < ITERATIONS_MAX; i++) {
-    mbd_kinematics(model, data, t, y);
-    if (!mbd_kkt_fill_all(kkt, model, data, MBD_POSITION))
-      return INFINITY;
-    double g = largest(mbd_kkt_b(kkt), model->nrow);
-    size = i == 0 ? fmax(size, g) : size; /* what is open has to be bridged */
-    if (g < 1e-14 || (g < 1e-11 && g >= 0.5 * last))
-      return g;
-    last = g;
-    const double *x = mbd_kkt_solve(kkt, NULL);
-    if (!x)
-      return INFINITY;
-    move(model, y, x, bearable(model, x, size));
-  }
-  return last;
-}
-
-/* Velocities onto the joints' rows; the coordinates of drivers keep their rates, or take the prescribed ones. */
-static bool project_velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, bool drive) {
-  mbd_kinematics(model, data, t, y);
-  if (!mbd_kkt_fill(kkt, model, data, MBD_VELOCITY))
-    return false;
-  double *b = mbd_kkt_b(kkt);
-  for (int i = model->njointrow; i < model->njointrow + model->ndriver && !drive; i++)
-    b[i] = 0;
-  const double *x = mbd_kkt_solve(kkt, NULL);
-  for (int i = 0; i < model->nbody && x; i++)
-    for (int k = 0; k < 6; k++)
-      y[MBD_BODY_UNKNOWNS * i + MBD_V + k] += x[6 * i + k];
-  return x != NULL;
-}
-
-bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y) {
-  return project_positions(model, data, kkt, t, y) < 1e-9 && project_velocities(model, data, kkt, t, y, true);
-}
 
 mbd_origin mbd_origin_of(const mbd_model *model, int row) {
   mbd_origin o;
@@ -128,7 +40,7 @@ mbd_origin mbd_origin_of(const mbd_model *model, int row) {
  * first that is open; then the one with the largest |g|. Those of the origins `named` (n) are done. -1: none is left.
  */
 static int next_open(const mbd_model *model, const double *g, const bool *dependent, const char *const *named, int n) {
-  double most = largest(g, model->nrow);
+  double most = mbd_largest(g, model->nrow);
   int worst = -1;
   for (int i = 0; i < model->nrow; i++) {
     bool done = false;
@@ -178,7 +90,7 @@ static tdm_status refuse_far(const mbd_model *model, const mbd_data *data, tdm_e
   double size = mbd_model_extent(model), most = 1, moved, turned;
   int far = -1;
   bool asked;
-  prescribed_way(model, data->t, &asked);
+  mbd_prescribed_way(model, data->t, &asked);
   for (int b = 0; b < model->nbody && !asked; b++) {
     moved_by(model, data->y, b, &moved, &turned);
     double share = fmax(turned, moved / fmax(size, 1e-9));
@@ -204,7 +116,7 @@ static tdm_status positions(const mbd_model *model, mbd_data *data, mbd_kkt *kkt
   mbd_kinematics(model, data, data->t, data->y);
   if (!dependent || !mbd_rank(model, data, dependent, &number, &near))
     tdm_fail(err, TDM_ERR_MEMORY, "mbd.joints", "no memory for %d constraint rows", model->nrow);
-  else if (project_positions(model, data, kkt, data->t, data->y) < 1e-9)
+  else if (mbd_project_positions(model, data, kkt, data->t, data->y) < 1e-9)
     refuse_far(model, data, err);
   else {
     char open[400];
@@ -253,7 +165,7 @@ static bool wiggle(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double 
   for (int b = 0; b < model->nbody; b++) {
     double twist[6];
     memcpy(twist, y + MBD_BODY_UNKNOWNS * b + MBD_V, sizeof twist);
-    move_body(y, b, twist, step);
+    mbd_move_body(y, b, twist, step);
   }
   return true;
 }
@@ -266,7 +178,7 @@ static int singular_row(const mbd_model *model, mbd_data *data, mbd_kkt *kkt) {
   int number = data->ndependent, row = -1, near;
   if (y && beside) {
     memcpy(y, data->y, n * sizeof *y);
-    if (wiggle(model, data, kkt, y) && project_positions(model, data, kkt, data->t, y) < 1e-9) {
+    if (wiggle(model, data, kkt, y) && mbd_project_positions(model, data, kkt, data->t, y) < 1e-9) {
       mbd_kinematics(model, data, data->t, y);
       if (!mbd_rank(model, data, beside, &number, &near))
         number = data->ndependent;
@@ -363,16 +275,16 @@ static bool rates_contradict(const mbd_model *model, mbd_data *data, mbd_kkt *kk
   mbd_kinematics(model, data, data->t, y);
   if (!mbd_kkt_fill_all(kkt, model, data, MBD_VELOCITY))
     return true;
-  return largest(mbd_kkt_b(kkt), model->nrow) > 1e-8 * (1 + largest(y, mbd_nunknown(model)));
+  return mbd_largest(mbd_kkt_b(kkt), model->nrow) > 1e-8 * (1 + mbd_largest(y, mbd_nunknown(model)));
 }
 
 static tdm_status velocities(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly,
                              tdm_error *err) {
-  bool good = project_velocities(model, data, kkt, data->t, data->y, false);
+  bool good = mbd_project_velocities(model, data, kkt, data->t, data->y, false);
   compare(model, data->y, assembly);
   if (model->ndriver > 0) {
     compare_drivers(model, data, data->y, assembly);
-    good = good && project_velocities(model, data, kkt, data->t, data->y, true);
+    good = good && mbd_project_velocities(model, data, kkt, data->t, data->y, true);
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_SCENE, "mbd.joints",
@@ -412,7 +324,7 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
       find_dependent(model, data, kkt, &assembly->near_row, err) || velocities(model, data, kkt, assembly, err))
     return err->status;
   assembly->freedom = 6 * model->nbody - (model->nrow - model->nfriction) + data->ndependent;
-  if (mbd_normal_check(model, data, kkt, err))
+  if (mbd_rubbing_check(model, data, kkt, err))
     return err->status;
   mbd_accept(model, data, data->t, data->y);
   mbd_energies e = mbd_energies_at(model, data);
@@ -421,39 +333,4 @@ tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mb
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no consistent accelerations at the start; check joints, masses and coefficients of friction");
   return TDM_OK;
-}
-
-/* ---- accelerations ---- */
-
-bool mbd_accelerations(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y) {
-  mbd_kinematics(model, data, t, y);
-  mbd_normals(model, data, NULL);
-  mbd_generalised_forces(model, data, t, data->wrench);
-  const double *x = mbd_kkt_fill(kkt, model, data, MBD_ACCELERATION) ? mbd_kkt_solve(kkt, data->wrench) : NULL;
-  if (!x)
-    return false;
-  memcpy(data->acceleration, x, 6 * (size_t)model->nbody * sizeof(double));
-  memcpy(data->lambda, x + 6 * model->nbody, (size_t)model->nrow * sizeof(double));
-  return mbd_normal_respond(model, data, kkt, t);
-}
-
-bool mbd_consistent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, double *yp) {
-  if (!mbd_accelerations(model, data, kkt, t, y))
-    return false;
-  memset(yp, 0, (size_t)mbd_nunknown(model) * sizeof(double));
-  for (int b = 0; b < model->nbody; b++) {
-    double *u = yp + MBD_BODY_UNKNOWNS * b;
-    const mbd_kin *k = &data->kin[b + 1];
-    tdm_quat turn = tdm_quat_mul((tdm_quat){0, k->w.x, k->w.y, k->w.z}, mbd_quat_of(y, b));
-    mbd_set3(u + MBD_R, k->v);
-    u[MBD_P] = 0.5 * turn.w;
-    u[MBD_P + 1] = 0.5 * turn.x;
-    u[MBD_P + 2] = 0.5 * turn.y;
-    u[MBD_P + 3] = 0.5 * turn.z;
-    memcpy(u + MBD_V, data->acceleration + 6 * b, 6 * sizeof(double));
-    y[mbd_index_eta(model, b)] = 0;
-  }
-  memcpy(y + mbd_index_lambda(model, 0), data->lambda, (size_t)model->nrow * sizeof(double));
-  memset(y + mbd_index_mu(model, 0), 0, (size_t)model->nrow * sizeof(double));
-  return true;
 }

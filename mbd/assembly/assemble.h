@@ -1,9 +1,9 @@
-/* Consistent states: positions and velocities on the constraints, accelerations and reactions that fit. */
+/* Assembly: the start state onto the constraints, and which rows depend on others. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_ASSEMBLY_ASSEMBLE_H
 #define MBD_ASSEMBLY_ASSEMBLE_H
 
-#include "mbd/assembly/kkt.h"
+#include "mbd/assembly/consistent.h"
 
 /* how far the start was moved to satisfy the joints; velocities that a driver gives to bodies are not counted */
 typedef struct {
@@ -33,16 +33,5 @@ mbd_origin mbd_origin_of(const mbd_model *model, int row);
  * contradicts itself, a start that is too far from an assembled position, a redundant driver, a start in a singular
  * position. */
 tdm_status mbd_assemble(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_assembly *assembly, tdm_error *err);
-
-/* Put a state that is nearly consistent at time t onto the constraints, positions and velocities; no messages. false:
- * failed. */
-bool mbd_project(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y);
-
-/* Accelerations and lambda (zero for dependent rows: see mbd_kkt_share) at the state y and time t, into
- * data->acceleration and data->lambda; data->kin is the kinematics of y then. false: the system is singular. */
-bool mbd_accelerations(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, const double *y);
-
-/* Multipliers and derivatives that make (t, y, yp) consistent; positions and velocities of y must be. */
-bool mbd_consistent(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t, double *y, double *yp);
 
 #endif

@@ -2,7 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/stick.h"
 
-#include "mbd/assembly/normal.h"
+#include "mbd/assembly/consistent.h"
+#include "mbd/joint/frame.h"
+#include "mbd/mechanics/normal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,12 +52,12 @@ static double rate_of(const mbd_model *model, mbd_data *data, int k, double *zer
 /* The largest force that friction k holds, at the last accelerations. */
 static double limit_of(const mbd_model *model, mbd_data *data, int k) {
   const mbd_force *f = friction_of(model, k);
-  return f->rubbing.hold * mbd_normal_at(model, data, f, data->lambda, false).normal;
+  return f->rubbing->hold * mbd_normal_at(model, data, f, data->lambda, false).normal;
 }
 
 /* By how much of its limit the multiplier of what sticks stays below it; negative: it exceeds it. */
 static double reserve(const mbd_model *model, mbd_data *data, int k) {
-  double limit = limit_of(model, data, k), force = fabs(data->lambda[friction_of(model, k)->rubbing.row]);
+  double limit = limit_of(model, data, k), force = fabs(data->lambda[friction_of(model, k)->rubbing->row]);
   double size = limit + force;
   return size > 0 ? ((1 + excess) * limit - force) / size : 1;
 }
@@ -159,7 +161,7 @@ static bool hold(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, int k, bo
   if (give > share * mbd_row_mobility(model, data, &rows, 0)) {
     s->stuck = *held = true;
     s->hold = x;
-    data->dependent[friction_of(model, k)->rubbing.row] = false;
+    data->dependent[friction_of(model, k)->rubbing->row] = false;
   }
   return response != NULL;
 }
@@ -167,7 +169,7 @@ static bool hold(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, int k, bo
 static void let_go(const mbd_model *model, mbd_data *data, int k, int way) {
   data->stick[k].stuck = false;
   data->stick[k].way = way;
-  data->dependent[friction_of(model, k)->rubbing.row] = true;
+  data->dependent[friction_of(model, k)->rubbing->row] = true;
 }
 
 /* Modes to begin with: what moves slides, what rests sticks; what has stuck before comes first and keeps its place. */
@@ -183,7 +185,7 @@ static bool begin(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t
       data->stick[k].way = 0;
   }
   for (int k = 0; k < model->nfriction && good; k++)
-    if (c[k].resting && !data->stick[k].stuck && friction_of(model, k)->rubbing.hold > 0)
+    if (c[k].resting && !data->stick[k].stuck && friction_of(model, k)->rubbing->hold > 0)
       good = hold(model, data, kkt, k, &held);
   return good;
 }
@@ -202,9 +204,9 @@ static bool let_go_worst(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, c
   if (worst < 0)
     return true;
   c[worst].released = true;
-  let_go(model, data, worst, data->lambda[friction_of(model, worst)->rubbing.row] > 0 ? 1 : -1);
+  let_go(model, data, worst, data->lambda[friction_of(model, worst)->rubbing->row] > 0 ? 1 : -1);
   for (int k = 0; k < model->nfriction && good; k++)
-    if (c[k].resting && !c[k].released && !data->stick[k].stuck && friction_of(model, k)->rubbing.hold > 0)
+    if (c[k].resting && !c[k].released && !data->stick[k].stuck && friction_of(model, k)->rubbing->hold > 0)
       good = hold(model, data, kkt, k, &held);
   return good;
 }
@@ -236,7 +238,7 @@ static bool turn_one(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, choic
     bool held = false;
     if (!c[k].resting || s->stuck || s->way == way || !(fabs(a) > 1e-7 * scale))
       continue;
-    if (c[k].turns++ < TURNS_MAX && friction_of(model, k)->rubbing.hold > 0 && !hold(model, data, kkt, k, &held))
+    if (c[k].turns++ < TURNS_MAX && friction_of(model, k)->rubbing->hold > 0 && !hold(model, data, kkt, k, &held))
       return false;
     if (held)
       c[k].released = false;
@@ -283,5 +285,5 @@ bool mbd_stick_settle(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, doub
 }
 
 double mbd_stick_force(const mbd_model *model, const mbd_data *data, int k, const mbd_force_value *value) {
-  return data->stick[k].stuck ? data->lambda[friction_of(model, k)->rubbing.row] : value->value;
+  return data->stick[k].stuck ? data->lambda[friction_of(model, k)->rubbing->row] : value->value;
 }

@@ -13,7 +13,7 @@
 #ifndef MBD_ASSEMBLY_STICK_H
 #define MBD_ASSEMBLY_STICK_H
 
-#include "mbd/mechanics/energy.h"
+#include "mbd/assembly/work.h"
 
 /* How far all frictions are from the end of their modes at (t, y): negative once one is past it. Reactions to the load
  * of the moment. Changes data->kin and what mbd_accelerations does. -1 when these fail; infinite without frictions. */

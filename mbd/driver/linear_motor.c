@@ -2,11 +2,10 @@
  * force that this takes is its output; a positive one pushes the second body forward and the first back. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
-#include "mbd/model/read.h"
 
-static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
+static void read(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = mbd_read_joint(o, "joint", model, MBD_HAS_TRANSLATION, "");
 }
 
 extern const mbd_driver_ops mbd_driver_linear_motor;
-const mbd_driver_ops mbd_driver_linear_motor = {"linear_motor", MBD_TRANSLATION, load};
+const mbd_driver_ops mbd_driver_linear_motor = {.name = "linear_motor", .coordinate = MBD_TRANSLATION, .read = read};

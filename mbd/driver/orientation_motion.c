@@ -6,13 +6,13 @@
  * within half a turn. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
-#include "mbd/model/read.h"
 
-static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
+static void read(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = &driver->frame;
   mbd_read_bodies(o, model, driver->frame.body);
   mbd_joint_set_frame(&driver->frame, model, tdm_v3(0, 0, 0), mbd_read_direction(o, model, "axis"));
 }
 
 extern const mbd_driver_ops mbd_driver_orientation_motion;
-const mbd_driver_ops mbd_driver_orientation_motion = {"orientation_motion", MBD_ANGLE, load};
+const mbd_driver_ops mbd_driver_orientation_motion = {
+    .name = "orientation_motion", .coordinate = MBD_ANGLE, .read = read};

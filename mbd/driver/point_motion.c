@@ -2,9 +2,8 @@
  * its place in the start configuration; across the direction it is free. Three of them prescribe its path. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
-#include "mbd/model/read.h"
 
-static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
+static void read(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = &driver->frame;
   mbd_read_bodies(o, model, driver->frame.body);
   mbd_joint_set_frame(&driver->frame, model, mbd_read_point(o, model, "point"),
@@ -12,4 +11,4 @@ static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
 }
 
 extern const mbd_driver_ops mbd_driver_point_motion;
-const mbd_driver_ops mbd_driver_point_motion = {"point_motion", MBD_TRANSLATION, load};
+const mbd_driver_ops mbd_driver_point_motion = {.name = "point_motion", .coordinate = MBD_TRANSLATION, .read = read};

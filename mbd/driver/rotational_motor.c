@@ -5,11 +5,10 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/driver.h"
-#include "mbd/model/read.h"
 
-static void load(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
+static void read(mbd_driver *driver, tdm_object *o, const mbd_model *model) {
   driver->joint = mbd_read_joint(o, "joint", model, MBD_HAS_ANGLE, "");
 }
 
 extern const mbd_driver_ops mbd_driver_rotational_motor;
-const mbd_driver_ops mbd_driver_rotational_motor = {"rotational_motor", MBD_ANGLE, load};
+const mbd_driver_ops mbd_driver_rotational_motor = {.name = "rotational_motor", .coordinate = MBD_ANGLE, .read = read};

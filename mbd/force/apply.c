@@ -1,7 +1,6 @@
 /* Forces along coordinates of a pair: see force.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
-#include "mbd/model/read.h"
 
 #include <string.h>
 
@@ -84,79 +83,4 @@ double mbd_force_read_points(mbd_force *f, tdm_object *o, const mbd_model *model
   for (int side = 0; side < 2; side++)
     f->frame.arm[side] = mbd_model_arm(model, f->body[side], point[side]);
   return length;
-}
-
-/* ---- laws ---- */
-
-/* Heat only: the table has the sign of the rate, and goes through zero. */
-static void check_damper(const mbd_force *force, tdm_object *o) {
-  const double *x, *y;
-  int n = tdm_spline_points(force->damper, &x, &y);
-  bool zero = false;
-  for (int i = 0; i < n; i++) {
-    zero = zero || (x[i] == 0 && y[i] == 0);
-    if (x[i] * y[i] < 0)
-      tdm_object_fail(o, "damping_table", "drives the motion at the rate %g; give forces with the sign of the rate",
-                      x[i]);
-  }
-  if (!zero)
-    tdm_object_fail(o, "damping_table", "must contain the point (0, 0): a damper at rest has no force");
-}
-
-void mbd_spring_read(mbd_force *f, tdm_object *o) {
-  static const char *const between[] = {"cspline", "steffen"};
-  if (tdm_has(o, "stiffness_table"))
-    tdm_spline_read_table(&f->spring, o, "stiffness_table", tdm_get_choice(o, "interpolation", between, 2, 1) == 1);
-  else
-    f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_NOT_NEGATIVE);
-  if (tdm_has(o, "damping_table"))
-    tdm_spline_read_table(&f->damper, o, "damping_table", true);
-  else
-    f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
-  f->preload = tdm_get_number(o, "preload", 0, TDM_ANY);
-  if (f->damper && !o->err->status)
-    check_damper(f, o);
-}
-
-mbd_scalar mbd_spring_law(const mbd_force *f, double x, double rate) {
-  double stretch = x - f->free;
-  tdm_spline_value spring = {f->stiffness * stretch, f->stiffness, 0}, damper = {f->damping * rate, f->damping, 0};
-  double potential = 0.5 * f->stiffness * stretch * stretch;
-  if (f->spring) {
-    spring = tdm_spline_at(f->spring, stretch);
-    potential = tdm_spline_integral(f->spring, stretch);
-  }
-  if (f->damper)
-    damper = tdm_spline_at(f->damper, rate);
-  return (mbd_scalar){.f = spring.y + damper.y + f->preload,
-                      .by_x = spring.slope,
-                      .by_rate = damper.slope,
-                      .potential = potential + f->preload * stretch,
-                      .dissipated = damper.y * rate};
-}
-
-void mbd_contact_read(mbd_force *f, tdm_object *o) {
-  f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
-  f->exponent = tdm_get_number(o, "exponent", 1, TDM_POSITIVE);
-  f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
-  if (!o->err->status && f->exponent < 1)
-    tdm_object_fail(o, "exponent",
-                    "is %g; give 1 (a spring), 1.5 (Hertz) or more: below 1 the contact would begin "
-                    "with an infinite stiffness",
-                    f->exponent);
-}
-
-mbd_scalar mbd_contact_law(const mbd_force *f, double penetration, double rate) {
-  if (!(penetration > 0))
-    return (mbd_scalar){0, 0, 0, 0, 0};
-  double slope = f->stiffness * (f->exponent == 1 ? 1 : f->exponent * pow(penetration, f->exponent - 1));
-  double elastic = slope * penetration / f->exponent, grip = 1 + f->damping * rate;
-  mbd_scalar law = {.potential = elastic * penetration / (f->exponent + 1)};
-  if (grip > 0) {
-    law.f = elastic * grip;
-    law.by_x = slope * grip;
-    law.by_rate = elastic * f->damping;
-  }
-  law.dissipated = (law.f - elastic) * rate;
-  return law;
 }

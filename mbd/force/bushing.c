@@ -6,7 +6,7 @@
  * transpose of d(phi)/d(theta) times that of phi, the same at small angles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
-#include "mbd/model/read.h"
+#include "protocol/motion/spline.h"
 
 #include <gsl/gsl_eigen.h>
 #include <stdlib.h>
@@ -14,8 +14,13 @@
 
 enum { N = 6 };
 
+typedef struct {
+  double matrix[2][N][N]; /* stiffness and damping */
+  double preload[N];      /* [N, N m] */
+} bushing;
+
 /* A symmetric 6 x 6 matrix without negative eigenvalues, in full or its diagonal. */
-static void load_matrix(tdm_object *o, const char *key, bool required, double matrix[N][N]) {
+static void read_matrix(tdm_object *o, const char *key, bool required, double matrix[N][N]) {
   json_t *array = tdm_get_array(o, key, required), *first = json_array_get(array, 0);
   char path[TDM_PATH_MAX];
   if (!array || o->err->status)
@@ -52,6 +57,10 @@ static void check_matrix(tdm_object *o, const char *key, double matrix[N][N]) {
   gsl_matrix_view view = gsl_matrix_view_array(copy, N, N);
   gsl_vector_view values = gsl_vector_view_array(value, N);
   gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(N);
+  if (!work) {
+    tdm_fail(o->err, TDM_ERR_MEMORY, o->path, "no memory to check \"%s\"", key);
+    return;
+  }
   gsl_eigen_symm(&view.matrix, &values.vector, work);
   gsl_eigen_symm_free(work);
   for (int i = 0; i < N; i++)
@@ -62,18 +71,19 @@ static void check_matrix(tdm_object *o, const char *key, double matrix[N][N]) {
                       value[i]);
 }
 
-static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
+static void read(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  bushing *u = f->own;
   tdm_vec3 point[2];
   mbd_read_bodies(o, model, f->body);
   mbd_read_points(o, model, "point", "points", point);
   tdm_mat3 axes = tdm_quat_to_matrix(tdm_get_orientation(o, "orientation"));
-  load_matrix(o, "stiffness", true, f->matrix[0]);
-  load_matrix(o, "damping", false, f->matrix[1]);
-  tdm_get_numbers(o, "preload", f->preloads, N, false);
+  read_matrix(o, "stiffness", true, u->matrix[0]);
+  read_matrix(o, "damping", false, u->matrix[1]);
+  tdm_get_numbers(o, "preload", u->preload, N, false);
   if (o->err->status)
     return;
-  check_matrix(o, "stiffness", f->matrix[0]);
-  check_matrix(o, "damping", f->matrix[1]);
+  check_matrix(o, "stiffness", u->matrix[0]);
+  check_matrix(o, "damping", u->matrix[1]);
   for (int side = 0; side < 2; side++) {
     tdm_mat3 A = tdm_quat_to_matrix(mbd_model_pose(model, f->body[side]).orientation);
     f->frame.arm[side] = mbd_model_arm(model, f->body[side], point[side]);
@@ -82,6 +92,7 @@ static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
 }
 
 static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
+  const bushing *u = f->own;
   tdm_vec3 arm_a = mbd_joint_arm(&f->frame, 0, a), arm_b = mbd_joint_arm(&f->frame, 1, b);
   for (int k = 0; k < 3; k++)
     mbd_rows_plane(&out->rows, a, b, mbd_joint_axis(&f->frame, 0, k, a), arm_a, arm_b);
@@ -92,18 +103,27 @@ static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_for
   for (int i = 0; i < N; i++) {
     double elastic = 0, damping = 0;
     for (int j = 0; j < N; j++) {
-      elastic += f->matrix[0][i][j] * x[j];
-      damping += f->matrix[1][i][j] * rate[j];
+      elastic += u->matrix[0][i][j] * x[j];
+      damping += u->matrix[1][i][j] * rate[j];
     }
-    force[i] = elastic + damping + f->preloads[i];
-    out->potential += (0.5 * elastic + f->preloads[i]) * x[i];
+    force[i] = elastic + damping + u->preload[i];
+    out->potential += (0.5 * elastic + u->preload[i]) * x[i];
     out->dissipated += damping * rate[i];
   }
-  mbd_force_apply(out, a, b, force, f->matrix[0][0], f->matrix[1][0]);
+  mbd_force_apply(out, a, b, force, u->matrix[0][0], u->matrix[1][0]);
   out->value = tdm_norm(mbd_get3(force));
   out->coordinate = tdm_norm(mbd_get3(x));
   out->rotation = tdm_norm(mbd_get3(x + 3));
 }
 
 extern const mbd_force_ops mbd_force_bushing;
-const mbd_force_ops mbd_force_bushing = {"bushing", "N", "deflection", "m", load, eval, true, false};
+const mbd_force_ops mbd_force_bushing = {
+    .name = "bushing",
+    .size = sizeof(bushing),
+    .value_unit = "N",
+    .coordinate_name = "deflection",
+    .coordinate_unit = "m",
+    .read = read,
+    .eval = eval,
+    .turns = true,
+};

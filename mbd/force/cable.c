@@ -5,27 +5,33 @@
  * continuous; it is cut off at zero. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
-#include "mbd/model/read.h"
 
-static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
+typedef struct {
+  double stiffness, damping; /* [N/m], [N s/m] */
+  double free;               /* length without tension [m] */
+  double smoothing;          /* length over which the stiffness sets in [m] */
+} cable;
+
+static void read(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  cable *c = f->own;
   double length = mbd_force_read_points(f, o, model, true);
-  f->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
-  f->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
-  f->free = tdm_get_number(o, "free_length", length, TDM_POSITIVE);
-  f->smoothing = tdm_get_number(o, "smoothing", 1e-3 * f->free, TDM_POSITIVE);
+  c->stiffness = tdm_get_number(o, "stiffness", TDM_REQUIRED, TDM_POSITIVE);
+  c->damping = tdm_get_number(o, "damping", 0, TDM_NOT_NEGATIVE);
+  c->free = tdm_get_number(o, "free_length", length, TDM_POSITIVE);
+  c->smoothing = tdm_get_number(o, "smoothing", 1e-3 * c->free, TDM_POSITIVE);
 }
 
-static mbd_scalar tension(const mbd_force *f, double stretch, double rate) {
-  const double e = f->smoothing, k = f->stiffness;
+static mbd_scalar tension(const cable *c, double stretch, double rate) {
+  const double e = c->smoothing, k = c->stiffness;
   mbd_scalar law = {0, 0, 0, 0, 0};
   if (!(stretch > 0))
     return law;
   double part = fmin(1, stretch / e), beyond = stretch - 0.5 * e;
-  double elastic = stretch < e ? 0.5 * k * stretch * part : k * beyond, damping = f->damping * part;
+  double elastic = stretch < e ? 0.5 * k * stretch * part : k * beyond, damping = c->damping * part;
   law.potential = stretch < e ? k * stretch * stretch * part / 6 : 0.5 * k * (beyond * beyond + e * e / 12);
   if (elastic + damping * rate > 0) {
     law.f = elastic + damping * rate;
-    law.by_x = k * part + (stretch < e ? f->damping * rate / e : 0);
+    law.by_x = k * part + (stretch < e ? c->damping * rate / e : 0);
     law.by_rate = damping;
   }
   law.dissipated = (law.f - elastic) * rate;
@@ -33,10 +39,19 @@ static mbd_scalar tension(const mbd_force *f, double stretch, double rate) {
 }
 
 static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
+  const cable *c = f->own;
   double rate, length = mbd_force_distance(f, a, b, out, &rate);
-  mbd_scalar law = tension(f, length - f->free, rate);
+  mbd_scalar law = tension(c, length - c->free, rate);
   mbd_force_apply_scalar(out, a, b, length, rate, &law);
 }
 
 extern const mbd_force_ops mbd_force_cable;
-const mbd_force_ops mbd_force_cable = {"cable", "N", "length", "m", load, eval, false, false};
+const mbd_force_ops mbd_force_cable = {
+    .name = "cable",
+    .size = sizeof(cable),
+    .value_unit = "N",
+    .coordinate_name = "length",
+    .coordinate_unit = "m",
+    .read = read,
+    .eval = eval,
+};

@@ -4,27 +4,33 @@
  * (Armstrong-Helouvry, Dupont & Canudas de Wit 1994, Automatica 30, 1083-1138, Eq. 3). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/force.h"
-#include "mbd/model/read.h"
 
 #include <string.h>
 
+typedef struct {
+  mbd_rubbing rubbing;
+  double slide;   /* coefficient of friction in motion [1]; or the limit itself [N, N m] */
+  double scale;   /* Stribeck velocity [m/s, rad/s], 0: the coefficient at rest counts there alone */
+  double viscous; /* [N s/m, N m s/rad] */
+} friction;
+
 /* `key`: one number, or {"static", "dynamic"} */
-static void load_levels(mbd_rubbing *r, tdm_object *o, const char *key) {
+static void read_levels(friction *own, tdm_object *o, const char *key) {
   if (!json_is_object(json_object_get(o->json, key))) {
-    r->hold = r->slide = tdm_get_number(o, key, TDM_REQUIRED, TDM_NOT_NEGATIVE);
+    own->rubbing.hold = own->slide = tdm_get_number(o, key, TDM_REQUIRED, TDM_NOT_NEGATIVE);
     return;
   }
   tdm_object both = tdm_get_object(o, key, true);
-  r->hold = tdm_get_number(&both, "static", TDM_REQUIRED, TDM_NOT_NEGATIVE);
-  r->slide = tdm_get_number(&both, "dynamic", TDM_REQUIRED, TDM_NOT_NEGATIVE);
-  if (!o->err->status && r->hold < r->slide)
-    tdm_object_fail(&both, "static", "is %g but must be at least the dynamic one, %g", r->hold, r->slide);
+  own->rubbing.hold = tdm_get_number(&both, "static", TDM_REQUIRED, TDM_NOT_NEGATIVE);
+  own->slide = tdm_get_number(&both, "dynamic", TDM_REQUIRED, TDM_NOT_NEGATIVE);
+  if (!o->err->status && own->rubbing.hold < own->slide)
+    tdm_object_fail(&both, "static", "is %g but must be at least the dynamic one, %g", own->rubbing.hold, own->slide);
   tdm_object_close(&both);
 }
 
 /* What the coefficient multiplies: a preload, and the joint's own reaction. */
-static void load_normal(mbd_force *f, tdm_object *o) {
-  mbd_rubbing *r = &f->rubbing;
+static void read_normal(mbd_force *f, tdm_object *o) {
+  mbd_rubbing *r = f->rubbing;
   const bool torque = f->coordinate == MBD_ANGLE;
   r->reacts = tdm_get_bool(o, "reaction", true);
   r->base = tdm_get_number(o, "preload", r->reacts ? 0 : TDM_REQUIRED, TDM_NOT_NEGATIVE);
@@ -38,39 +44,48 @@ static void load_normal(mbd_force *f, tdm_object *o) {
   r->length = tdm_has(o, "length") ? tdm_get_number(o, "length", TDM_REQUIRED, TDM_POSITIVE) : 0;
 }
 
-static void load(mbd_force *f, tdm_object *o, const mbd_model *model) {
-  mbd_rubbing *r = &f->rubbing;
+static void read(mbd_force *f, tdm_object *o, const mbd_model *model) {
+  friction *own = f->own;
+  mbd_rubbing *r = f->rubbing = &own->rubbing;
   f->joint = mbd_read_joint_coordinate(o, model, &f->coordinate);
   if (!f->joint)
     return;
   memcpy(f->body, f->joint->body, sizeof f->body);
   r->base = 1;
   if (!tdm_has(o, "coefficient")) {
-    load_levels(r, o, "limit");
+    read_levels(own, o, "limit");
   } else if (tdm_has(o, "limit")) {
     tdm_object_fail(o, "limit", "stands beside \"coefficient\"; keep one of the two");
   } else {
-    load_levels(r, o, "coefficient");
-    load_normal(f, o);
+    read_levels(own, o, "coefficient");
+    read_normal(f, o);
   }
-  r->scale = tdm_has(o, "velocity_scale") ? tdm_get_number(o, "velocity_scale", TDM_REQUIRED, TDM_POSITIVE) : 0;
-  f->damping = tdm_get_number(o, "viscous", 0, TDM_NOT_NEGATIVE);
+  own->scale = tdm_has(o, "velocity_scale") ? tdm_get_number(o, "velocity_scale", TDM_REQUIRED, TDM_POSITIVE) : 0;
+  own->viscous = tdm_get_number(o, "viscous", 0, TDM_NOT_NEGATIVE);
 }
 
-double mbd_friction_level(const mbd_force *f, double rate, double *slope) {
-  const mbd_rubbing *r = &f->rubbing;
-  double x = r->scale > 0 ? rate / r->scale : 0, more = r->scale > 0 ? (r->hold - r->slide) * exp(-x * x) : 0;
-  *slope = r->scale > 0 ? -2 * x / r->scale * more : 0;
-  return r->slide + more;
+static double level(const mbd_force *f, double rate, double *slope) {
+  const friction *own = f->own;
+  double x = own->scale > 0 ? rate / own->scale : 0,
+         more = own->scale > 0 ? (own->rubbing.hold - own->slide) * exp(-x * x) : 0;
+  *slope = own->scale > 0 ? -2 * x / own->scale * more : 0;
+  return own->slide + more;
 }
 
 static void eval(const mbd_force *f, const mbd_kin *a, const mbd_kin *b, mbd_force_value *out) {
+  const friction *own = f->own;
   double rate, slope, x = mbd_force_coordinate(f, a, b, out, &rate), size = out->way * out->normal;
-  mbd_scalar law = {.f = size * mbd_friction_level(f, rate, &slope) + f->damping * rate};
-  law.by_rate = size * slope + f->damping;
+  mbd_scalar law = {.f = size * level(f, rate, &slope) + own->viscous * rate};
+  law.by_rate = size * slope + own->viscous;
   law.dissipated = law.f * rate;
   mbd_force_apply_scalar(out, a, b, x, rate, &law);
 }
 
 extern const mbd_force_ops mbd_force_friction;
-const mbd_force_ops mbd_force_friction = {.name = "friction", .load = load, .eval = eval, .sticks = true};
+const mbd_force_ops mbd_force_friction = {
+    .name = "friction",
+    .size = sizeof(friction),
+    .read = read,
+    .eval = eval,
+    .level = level,
+};

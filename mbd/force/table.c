@@ -2,19 +2,27 @@
  * ../README.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene there.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/force/force.h"
+#include "mbd/force/table.h"
+
+#include <string.h>
 
 extern const mbd_force_ops mbd_force_spring_damper, mbd_force_torsional_spring_damper, mbd_force_bushing,
     mbd_force_cable, mbd_force_friction, mbd_force_stop, mbd_force_bump, mbd_force_wrench;
 
-const mbd_force_ops *const mbd_force_table[] = {&mbd_force_spring_damper, &mbd_force_torsional_spring_damper,
-                                                &mbd_force_bushing,       &mbd_force_cable,
-                                                &mbd_force_friction,      &mbd_force_stop,
-                                                &mbd_force_bump,          &mbd_force_wrench};
-const int mbd_force_ntype = sizeof mbd_force_table / sizeof mbd_force_table[0];
+const mbd_force_ops *mbd_force_table[MBD_FORCE_TYPES_MAX] = {
+    &mbd_force_spring_damper, &mbd_force_torsional_spring_damper,
+    &mbd_force_bushing,       &mbd_force_cable,
+    &mbd_force_friction,      &mbd_force_stop,
+    &mbd_force_bump,          &mbd_force_wrench,
+};
+int mbd_force_ntype = 8;
 
-void mbd_force_clear(mbd_force *force) {
-  tdm_spline_destroy(&force->spring);
-  tdm_spline_destroy(&force->damper);
-  tdm_motion_clear(&force->factor);
+bool mbd_force_register(const mbd_force_ops *ops) {
+  for (int i = 0; i < mbd_force_ntype; i++)
+    if (strcmp(mbd_force_table[i]->name, ops->name) == 0)
+      return false;
+  if (mbd_force_ntype == MBD_FORCE_TYPES_MAX)
+    return false;
+  mbd_force_table[mbd_force_ntype++] = ops;
+  return true;
 }

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/integrate/alpha.h"
 
+#include "mbd/linear/largest.h"
 #include "mbd/mechanics/residual.h"
 #include "mbd/mechanics/tangent.h"
 
@@ -86,14 +87,6 @@ static void add_rows(mbd_alpha *s, mbd_lu *to, mbd_entry_fn add, void *context) 
       mbd_lu_add(to, s->nv + i, s->nv + i, 1);
 }
 
-static double largest(const double *x, int n) {
-  double most = 0;
-  for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= most))
-      most = fabs(x[i]);
-  return most;
-}
-
 static bool make_mass(mbd_alpha *s) {
   mbd_lu_clear(s->now.mass);
   mbd_tangent(s->model, s->data, s->vdot1, s->lambda1, (mbd_weights){.mass = 1}, mbd_lu_add, s->now.mass);
@@ -116,7 +109,7 @@ static bool solve_mass(mbd_alpha *s, const double *r) {
       mbd_lu_solve(s->now.mass, s->dx);
       for (int k = 0; k < s->n; k++)
         s->x[k] += s->dx[k];
-      double change = largest(s->dx, s->nv), size = largest(s->x, s->nv);
+      double change = mbd_largest(s->dx, s->nv), size = mbd_largest(s->x, s->nv);
       if (change <= 1e-11 * size) {
         if (i > 3)
           s->now.mass_made = false; /* worn: the next solution makes its own */
@@ -146,7 +139,7 @@ bool mbd_alpha_respond(mbd_alpha *s, double t) {
     memset(s->r, 0, (size_t)s->n * sizeof(double));
     for (int c = 0; c < m->ncoupled; c++)
       memcpy(s->r + 6 * m->coupled[c], &d->load[c * d->nload + j], sizeof(tdm_wrench));
-    if (largest(s->r, s->nv) == 0)
+    if (mbd_largest(s->r, s->nv) == 0)
       continue;
     if (!solve_mass(s, s->r))
       return false;
@@ -269,11 +262,11 @@ static void find_rounding(mbd_alpha *s) {
   const mbd_model *m = s->model;
   double reach = 0, turn = 1;
   for (int b = 0; b < m->nbody; b++)
-    reach = fmax(reach, largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
+    reach = fmax(reach, mbd_largest(s->y0 + MBD_BODY_UNKNOWNS * b + MBD_R, 3));
   for (int i = 0; i < m->npart; i++) {
     const mbd_part *part = &m->part[i];
     const mbd_alpha_rows *p = &s->rows[i];
-    if (part->turn >= 0 && (part->driver || part->joint->ratio != 0))
+    if (part->turn >= 0 && (part->driver || part->joint->ops->counts))
       turn = fmax(turn, fabs(s->data->turn[part->turn]));
     for (int side = 0; side < 2; side++)
       for (int k = 0; k < p->n && p->body[side] != MBD_GROUND; k++)
@@ -286,6 +279,10 @@ static void find_rounding(mbd_alpha *s) {
 double mbd_alpha_by_mass(const mbd_alpha *s, int b, const double *x) {
   tdm_vec3 along = mbd_get3(x), about = mbd_get3(x + 3);
   return s->model->body[b].mass * tdm_dot(along, along) + tdm_dot(about, tdm_m3_mul(s->inertia[b], about));
+}
+
+double mbd_alpha_speed(const mbd_alpha *s, int b, const double *y) {
+  return sqrt(mbd_alpha_by_mass(s, b, y + MBD_BODY_UNKNOWNS * b + MBD_V) / s->model->body[b].mass);
 }
 
 /* sqrt(x M x) of x (nv) */
@@ -328,7 +325,7 @@ static correction correct(mbd_alpha *s, double h, bool closed) {
   place_end(s, h);
   double size = 0;
   for (int k = 0; k < s->nv; k += 3)
-    size = fmax(size, largest(s->dx + k, 3) / s->rounding[k % 6 / 3]);
+    size = fmax(size, mbd_largest(s->dx + k, 3) / s->rounding[k % 6 / 3]);
   return (correction){by_position * size, size_of(s, s->dx)};
 }
 
@@ -408,7 +405,7 @@ static bool project(mbd_alpha *s) {
   memset(s->r, 0, (size_t)s->nv * sizeof(double));
   for (int k = s->nv; k < s->n; k++)
     s->r[k] = -s->r[k] - s->g_t[k - s->nv];
-  if (largest(s->r + s->nv, s->model->nrow) == 0)
+  if (mbd_largest(s->r + s->nv, s->model->nrow) == 0)
     return true;
   if (!solve_mass(s, s->r))
     return false;

@@ -5,10 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-double mbd_alpha_speed(const mbd_alpha *s, int b, const double *y) {
-  return sqrt(mbd_alpha_by_mass(s, b, y + MBD_BODY_UNKNOWNS * b + MBD_V) / s->model->body[b].mass);
-}
-
 /* What Newton's matrix lets the accelerations in s->x (nv) be, into s->dx. */
 static void let_be(mbd_alpha *s) {
   memset(s->x + s->nv, 0, (size_t)s->model->nrow * sizeof(double));

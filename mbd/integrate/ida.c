@@ -5,13 +5,13 @@
  * out (impulse.h): loads jump between windows, and a BDF would mix what they were with what they are. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/stick.h"
+#include "mbd/assembly/work.h"
 #include "mbd/integrate/impulse.h"
 #include "mbd/integrate/integrator.h"
 #include "mbd/integrate/pace.h"
 #include "mbd/integrate/past.h"
 #include "mbd/linear/linear_solver.h"
 #include "mbd/linear/vector.h"
-#include "mbd/mechanics/energy.h"
 #include "mbd/mechanics/jacobian.h"
 #include "mbd/mechanics/residual.h"
 #include "protocol/base/log.h"

@@ -2,9 +2,9 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/stick.h"
+#include "mbd/assembly/work.h"
 #include "mbd/integrate/alpha.h"
 #include "mbd/integrate/integrator.h"
-#include "mbd/mechanics/energy.h"
 #include "protocol/base/log.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 
 static const char *const equation[] = {"offset 1", "offset 2", "tilt 1", "tilt 2"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
 }
 
@@ -19,4 +19,11 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 
 extern const mbd_joint_ops mbd_joint_cylindrical;
 const mbd_joint_ops mbd_joint_cylindrical = {
-    "cylindrical", 4, equation, load, eval, MBD_HAS_ANGLE | MBD_HAS_TRANSLATION, false};
+    .name = "cylindrical",
+    .nrow = 4,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+    .coordinates = MBD_HAS_ANGLE | MBD_HAS_TRANSLATION,
+    .guides = true,
+};

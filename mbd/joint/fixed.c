@@ -4,7 +4,7 @@
 
 static const char *const equation[] = {"point x", "point y", "point z", "rotation 3", "rotation 1", "rotation 2"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, false);
 }
 
@@ -16,4 +16,10 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_fixed;
-const mbd_joint_ops mbd_joint_fixed = {"fixed", 6, equation, load, eval, 0, false};
+const mbd_joint_ops mbd_joint_fixed = {
+    .name = "fixed",
+    .nrow = 6,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+};

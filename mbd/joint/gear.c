@@ -5,27 +5,41 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
-#include "mbd/model/read.h"
+
+typedef struct {
+  double ratio; /* teeth of the second wheel over teeth of the first */
+} gear;
 
 static const char *const equation[] = {"mesh"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+  gear *own = joint->own;
   const unsigned coordinates[2] = {MBD_HAS_ANGLE, MBD_HAS_ANGLE};
   mbd_read_joints(o, model, coordinates, joint->of);
-  joint->ratio = tdm_get_number(o, "ratio", TDM_REQUIRED, TDM_ANY);
+  own->ratio = tdm_get_number(o, "ratio", TDM_REQUIRED, TDM_ANY);
   if (o->err->status)
     return;
-  if (joint->ratio == 0)
+  if (own->ratio == 0)
     tdm_object_fail(o, "ratio", "is zero; give teeth of the second wheel over teeth of the first");
   mbd_joint_between(joint);
 }
 
 static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {
+  const gear *own = j->own;
   mbd_joint_coordinate(j->of[rows->part], MBD_ANGLE, a, b, rows->turn, rows);
   rows->g[0] += rows->turn;
   if (rows->part == 1)
-    mbd_rows_scale(rows, j->ratio);
+    mbd_rows_scale(rows, own->ratio);
 }
 
 extern const mbd_joint_ops mbd_joint_gear;
-const mbd_joint_ops mbd_joint_gear = {"gear", 1, equation, load, eval, 0, true};
+const mbd_joint_ops mbd_joint_gear = {
+    .name = "gear",
+    .size = sizeof(gear),
+    .nrow = 1,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+    .couples = true,
+    .counts = true,
+};

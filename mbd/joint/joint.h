@@ -1,93 +1,11 @@
-/* Joints: constraint equations between two bodies.
- *
- * A joint gives, row by row, its violation g, its Jacobian G with respect to the pair's twist coordinates (gdot = G V)
- * and the derivative H of each row of G (dG_i = (H_i dq)^T). Everything else follows from these in one place: reactions
- * G^T lambda and their derivative sum lambda_i H_i, the derivative of G V, which is V^T H_i, and the acceleration term
- * Gdot V = V^T H_i V. So a new joint is one file that composes rows (rows.h) and one row in table.c.
- */
+/* What a joint's file includes: its shape (model/joint.h), frames, rows and readers. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MBD_JOINT_H
-#define MBD_JOINT_H
+#ifndef MBD_JOINT_JOINT_H
+#define MBD_JOINT_JOINT_H
 
+#include "mbd/joint/frame.h"
 #include "mbd/joint/rows.h"
-#include "protocol/base/scene.h"
-
-typedef struct mbd_joint mbd_joint;
-
-/* Coordinates of the second body against the first that a joint may leave free, zero in the start configuration: the
- * angle about its axis [rad], counted over turns, and the way of its point along the axis [m]. */
-typedef enum { MBD_ANGLE, MBD_TRANSLATION } mbd_coordinate;
-/* what outputs and messages call them, with the effort on the second body that belongs to each */
-typedef struct {
-  const char *effort, *effort_unit; /* "torque", "N m" */
-  const char *name, *unit;          /* "angle", "rad" */
-  const char *rate, *rate_unit;     /* "rate", "rad/s" */
-} mbd_coordinate_words;
-
-extern const mbd_coordinate_words mbd_coordinate_table[]; /* indexed by mbd_coordinate */
-
-enum { MBD_HAS_ANGLE = 1 << MBD_ANGLE, MBD_HAS_TRANSLATION = 1 << MBD_TRANSLATION };
-
-typedef struct {
-  const char *name;
-  int nrow;                    /* at most MBD_ROWS_MAX */
-  const char *const *equation; /* (nrow) what each row holds, for messages */
-  /* Read the joint's own keys (after name, type and bodies, which are set) and fill the geometry. One that couples two
-   * others reads these, and names the bodies that it stands between. */
-  void (*load)(mbd_joint *joint, tdm_object *o, const mbd_model *model);
-  /* Append nrow rows; a and b are the joint's first and second body. A joint that couples two others is asked once for
-   * each of them (rows->part), with that one's bodies; the rows add up. */
-  void (*eval)(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows);
-  unsigned coordinates; /* set of MBD_HAS_... that outputs, drivers and forces may name */
-  bool couples;         /* stands between two other joints and has no bodies of its own */
-} mbd_joint_ops;
-
-struct mbd_joint {
-  char name[40];
-  const mbd_joint_ops *ops;
-  int body[2];            /* MBD_GROUND: the fixed world */
-  int row;                /* its first row among those of all joints */
-  const mbd_joint *of[2]; /* the joints whose coordinates it couples, borrowed from the model; NULL: its own bodies */
-  tdm_vec3 arm[2];        /* joint point from each centre of mass, body axes [m] */
-  tdm_mat3 axes[2];       /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
-  double length;          /* rod, link [m] */
-  double offset;          /* link: of its points along the axis [m] */
-  double ratio;           /* screw: [m/rad]; gear: [1]; rack and pinion: [m/rad] */
-};
-
-enum { MBD_JOINT_TYPES_MAX = 32 };
-extern const mbd_joint_ops *const mbd_joint_table[];
-extern const int mbd_joint_ntype;
-
-/* Read "point" (or "points") and, if asked, "axis" (or "axes") into arm and axes. */
-void mbd_joint_read_frame(mbd_joint *joint, tdm_object *o, const mbd_model *model, bool with_axis);
-
-/* Bodies' arms and axes of a frame at one point with its axis along a unit vector. */
-void mbd_joint_set_frame(mbd_joint *joint, const mbd_model *model, tdm_vec3 point, tdm_vec3 axis);
-
-/* A joint that couples joint->of stands between their second bodies; its reaction counts at the second joint's point.
- */
-void mbd_joint_between(mbd_joint *joint);
-
-/* Angle of the second body against the first about the joint axis since the start configuration, within half a turn of
- * `near` [rad]. */
-double mbd_joint_angle(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, double near);
-
-/* Append the row g = coordinate - from; the angle is the one within half a turn of `from`. */
-void mbd_joint_coordinate(const mbd_joint *joint, mbd_coordinate which, const mbd_kin *a, const mbd_kin *b, double from,
-                          mbd_rows *rows);
-
-/* A right-handed triad whose e3 is along `axis` (unit); columns e1, e2, e3. */
-tdm_mat3 mbd_triad(tdm_vec3 axis);
-
-/* e1, e2 or e3 (k = 0, 1, 2) of side 0 or 1 in world axes, and the joint point's arm. */
-static inline tdm_vec3 mbd_joint_axis(const mbd_joint *joint, int side, int k, const mbd_kin *body) {
-  const tdm_mat3 *e = &joint->axes[side];
-  return tdm_m3_mul(body->A, tdm_v3(e->m[0][k], e->m[1][k], e->m[2][k]));
-}
-static inline tdm_vec3 mbd_joint_arm(const mbd_joint *joint, int side, const mbd_kin *body) {
-  return tdm_m3_mul(body->A, joint->arm[side]);
-}
+#include "mbd/model/read.h"
 
 /* shared by the joints that it is a part of */
 extern const mbd_joint_ops mbd_joint_cylindrical;

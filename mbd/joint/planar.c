@@ -5,7 +5,7 @@
 
 static const char *const equation[] = {"offset", "tilt 1", "tilt 2"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
 }
 
@@ -17,4 +17,10 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_planar;
-const mbd_joint_ops mbd_joint_planar = {"planar", 3, equation, load, eval, 0, false};
+const mbd_joint_ops mbd_joint_planar = {
+    .name = "planar",
+    .nrow = 3,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+};

@@ -5,7 +5,7 @@
 
 static const char *const equation[] = {"offset"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
 }
 
@@ -14,4 +14,10 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_point_in_plane;
-const mbd_joint_ops mbd_joint_point_in_plane = {"point_in_plane", 1, equation, load, eval, 0, false};
+const mbd_joint_ops mbd_joint_point_in_plane = {
+    .name = "point_in_plane",
+    .nrow = 1,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+};

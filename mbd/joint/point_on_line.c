@@ -4,7 +4,7 @@
 
 static const char *const equation[] = {"offset 1", "offset 2"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
 }
 
@@ -15,4 +15,11 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_point_on_line;
-const mbd_joint_ops mbd_joint_point_on_line = {"point_on_line", 2, equation, load, eval, MBD_HAS_TRANSLATION, false};
+const mbd_joint_ops mbd_joint_point_on_line = {
+    .name = "point_on_line",
+    .nrow = 2,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+    .coordinates = MBD_HAS_TRANSLATION,
+};

@@ -4,7 +4,7 @@
 
 static const char *const equation[] = {"offset 1", "offset 2", "rotation 3", "rotation 1", "rotation 2"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
 }
 
@@ -18,4 +18,12 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_prismatic;
-const mbd_joint_ops mbd_joint_prismatic = {"prismatic", 5, equation, load, eval, MBD_HAS_TRANSLATION, false};
+const mbd_joint_ops mbd_joint_prismatic = {
+    .name = "prismatic",
+    .nrow = 5,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+    .coordinates = MBD_HAS_TRANSLATION,
+    .guides = true,
+};

@@ -4,7 +4,7 @@
 
 static const char *const equation[] = {"point x", "point y", "point z", "tilt 1", "tilt 2"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
 }
 
@@ -16,4 +16,11 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_revolute;
-const mbd_joint_ops mbd_joint_revolute = {"revolute", 5, equation, load, eval, MBD_HAS_ANGLE, false};
+const mbd_joint_ops mbd_joint_revolute = {
+    .name = "revolute",
+    .nrow = 5,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+    .coordinates = MBD_HAS_ANGLE,
+};

@@ -4,7 +4,7 @@
 
 static const char *const equation[] = {"point x", "point y", "point z"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, false);
 }
 
@@ -13,4 +13,10 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_spherical;
-const mbd_joint_ops mbd_joint_spherical = {"spherical", 3, equation, load, eval, 0, false};
+const mbd_joint_ops mbd_joint_spherical = {
+    .name = "spherical",
+    .nrow = 3,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+};

@@ -2,11 +2,10 @@
  * second. Four rows. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/joint.h"
-#include "mbd/model/read.h"
 
 static const char *const equation[] = {"point x", "point y", "point z", "cross"};
 
-static void load(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
+static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   mbd_joint_read_frame(joint, o, model, true);
   if (o->err->status)
     return;
@@ -29,4 +28,10 @@ static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_row
 }
 
 extern const mbd_joint_ops mbd_joint_universal;
-const mbd_joint_ops mbd_joint_universal = {"universal", 4, equation, load, eval, 0, false};
+const mbd_joint_ops mbd_joint_universal = {
+    .name = "universal",
+    .nrow = 4,
+    .equation = equation,
+    .read = read,
+    .eval = eval,
+};

@@ -2,13 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/free.h"
 
-#include <string.h>
-
-/* Its axis is fixed in the world where it holds a body to the ground, and free to move along. */
-static bool leaves_axis(const mbd_joint *joint) {
-  return strcmp(joint->ops->name, "prismatic") == 0 || strcmp(joint->ops->name, "cylindrical") == 0;
-}
-
 int mbd_free_directions(const mbd_model *model, const mbd_data *data, int body, tdm_vec3 out[3]) {
   const mbd_part *holds = NULL;
   for (int i = 0; i < model->nforce; i++)
@@ -18,7 +11,7 @@ int mbd_free_directions(const mbd_model *model, const mbd_data *data, int body, 
     const mbd_part *p = &model->part[i];
     if (p->body[0] != body && p->body[1] != body)
       continue;
-    if (holds || p->driver || !leaves_axis(p->joint))
+    if (holds || p->driver || !p->joint->ops->guides)
       return 0;
     holds = p;
   }

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/jacobian.h"
 
-#include "mbd/assembly/normal.h"
+#include "mbd/mechanics/normal.h"
 #include "mbd/mechanics/tangent.h"
 
 #include <string.h>
@@ -186,14 +186,14 @@ static void force_rows(const mbd_model *model, mbd_data *data, int index, mbd_sp
 /* What the joint's own reaction and the pose change in the normal force of a friction that slides. */
 static void normal_rows(const mbd_model *model, mbd_data *data, int index, const double *y, mbd_sparse *matrix) {
   const mbd_force *f = &model->force[index];
-  const mbd_stick *stick = &data->stick[f->rubbing.stick];
-  if (!f->rubbing.reacts || stick->stuck || stick->way == 0)
+  const mbd_stick *stick = &data->stick[f->rubbing->stick];
+  if (!f->rubbing->reacts || stick->stuck || stick->way == 0)
     return;
   double slope;
   mbd_normal n = mbd_normal_at(model, data, f, y + mbd_index_lambda(model, 0), true);
   const mbd_force_value *value = mbd_force_at(model, data, index, false);
-  const double factor = stick->way * mbd_friction_level(f, value->rate, &slope);
-  const int first = model->part[f->rubbing.part].row;
+  const double factor = stick->way * f->ops->level(f, value->rate, &slope);
+  const int first = model->part[f->rubbing->part].row;
   for (int i = 0; i < MBD_PAIR; i++) {
     const double by_normal = factor * value->rows.G[0][i];
     double by_q[MBD_PAIR];

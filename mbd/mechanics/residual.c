@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/residual.h"
 
-#include "mbd/assembly/normal.h"
+#include "mbd/mechanics/normal.h"
 
 #include <string.h>
 

@@ -2,6 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/mechanics/state.h"
 
+#include "mbd/driver/driver.h"
+#include "mbd/joint/rows.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,7 +42,7 @@ mbd_data *mbd_data_create(const mbd_model *model) {
   for (int b = 0; b < model->nbody; b++)
     mbd_set_body_state(d->y, b, &model->body[b].start);
   for (int k = 0; k < model->nfriction; k++) {
-    const mbd_rubbing *r = &model->force[model->friction[k]].rubbing;
+    const mbd_rubbing *r = model->force[model->friction[k]].rubbing;
     d->stick[k].normal = r->base;
     d->dependent[r->row] = true;
   }
@@ -175,8 +178,8 @@ const mbd_force_value *mbd_force_at(const mbd_model *model, mbd_data *data, int 
   value->second = second;
   value->near = data->angle[i];
   value->now = data->now;
-  if (f->ops->sticks) {
-    const mbd_stick *stick = &data->stick[f->rubbing.stick];
+  if (f->rubbing) {
+    const mbd_stick *stick = &data->stick[f->rubbing->stick];
     value->way = stick->stuck ? 0 : stick->way;
     value->normal = stick->normal;
   }
@@ -199,7 +202,7 @@ const mbd_rows *mbd_part_at(const mbd_model *model, mbd_data *data, int i, bool 
   memcpy(rows->body, p->body, sizeof rows->body);
   rows->first = p->row;
   if (p->friction) {
-    const mbd_stick *stick = &data->stick[p->friction->rubbing.stick];
+    const mbd_stick *stick = &data->stick[p->friction->rubbing->stick];
     if (stick->stuck)
       mbd_joint_coordinate(p->joint, p->friction->coordinate, a, b, stick->hold, rows);
     else

@@ -159,8 +159,3 @@ void mbd_body_read(mbd_model *model, json_t *json, const char *path, tdm_error *
   load_markers(b, &o);
   tdm_object_close(&o);
 }
-
-void mbd_body_clear(mbd_body *body) {
-  free(body->marker);
-  free(body->mesh);
-}

@@ -8,7 +8,4 @@
 /* Read one element of mbd.bodies and append it to the model, which has room. */
 void mbd_body_read(mbd_model *model, json_t *json, const char *path, tdm_error *err);
 
-/* Free what a body owns. */
-void mbd_body_clear(mbd_body *body);
-
 #endif

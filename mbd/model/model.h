@@ -1,4 +1,5 @@
-/* The multibody model: what a scene fixes. Immutable after mbd_model_read; the run's own state is an mbd_data.
+/* The multibody model: what a scene fixes. Immutable after mbd_model_read (scene/scene.h) and mbd_model_couple; the
+ * run's own state is an mbd_data.
  *
  * Bodies are numbered from 0, the fixed world ("ground") is body -1. World axes unless a comment says body axes.
  */
@@ -6,9 +7,8 @@
 #ifndef MBD_MODEL_MODEL_H
 #define MBD_MODEL_MODEL_H
 
-#include "mbd/driver/driver.h"
-#include "mbd/force/force.h"
-#include "mbd/joint/joint.h"
+#include "mbd/model/driver.h"
+#include "mbd/model/force.h"
 #include "protocol/wire/participant.h"
 
 enum { MBD_GROUND = -1, MBD_NAME_MAX = 40 };
@@ -53,7 +53,6 @@ typedef struct {
 /* settings of the integrator, scene keys "formulation" ... and "solver" */
 typedef struct {
   mbd_formulation_id formulation;
-  bool named;                /* the scene has "formulation" or "corrector" */
   bool modified;             /* corrector: velocities are out of the error test and weigh little in Newton's */
   bool restart_each_window;  /* forget the history at the start of each window */
   double relative_tolerance; /* of positions, Euler parameters and velocities */
@@ -76,8 +75,10 @@ typedef struct {
 } mbd_part;
 
 struct mbd_model {
-  const json_t *section; /* borrowed while it is read, NULL afterwards */
-  tdm_vec3 gravity;      /* [m/s2] */
+  const json_t *section;                  /* borrowed while it is read, NULL afterwards */
+  const mbd_joint_ops *const *joint_type; /* (njoint_type) that a scene may name; as the section */
+  int njoint_type;
+  tdm_vec3 gravity; /* [m/s2] */
   int nbody;
   mbd_body *body; /* (nbody) */
   int njoint;
@@ -98,13 +99,6 @@ struct mbd_model {
   int *coupled; /* (ncoupled) body index of each coupled body, in the order of the assignment */
   mbd_settings solver;
 };
-
-/* Read the scene section `json` (borrowed, JSON path "mbd"). The model belongs to the caller, also after an error:
- * destroy it. */
-tdm_status mbd_model_read(mbd_model **model, json_t *json, tdm_error *err);
-
-/* For a run that saves and restores states: one_step, unless the scene has named a formulation or a corrector. */
-void mbd_model_prefer_one_step(mbd_model *model);
 
 /* Name the bodies that take a load from outside; errors are at "coupling.bodies[i].mbd". */
 tdm_status mbd_model_couple(mbd_model *model, const tdm_assigned_body *body, int nbody, tdm_error *err);

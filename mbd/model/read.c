@@ -73,17 +73,21 @@ int mbd_read_body(tdm_object *o, const mbd_model *model) {
 /* ---- joints ---- */
 
 /* "revolute, cylindrical or screw": the types that have one of the coordinates. Returns out. */
-static const char *types_with(unsigned coordinates, char *out, size_t size) {
+static const char *types_with(const mbd_model *model, unsigned coordinates, char *out, size_t size) {
   int count = 0, left = 0;
-  for (int i = 0; i < mbd_joint_ntype; i++)
-    count += (mbd_joint_table[i]->coordinates & coordinates) != 0;
+  for (int i = 0; i < model->njoint_type; i++)
+    count += (model->joint_type[i]->coordinates & coordinates) != 0;
   left = count;
   out[0] = 0;
-  for (int i = 0; i < mbd_joint_ntype; i++) {
-    if (!(mbd_joint_table[i]->coordinates & coordinates))
+  for (int i = 0; i < model->njoint_type; i++) {
+    if (!(model->joint_type[i]->coordinates & coordinates))
       continue;
     size_t used = strlen(out);
-    snprintf(out + used, size - used, "%s%s", left == count ? "" : left == 1 ? " or " : ", ", mbd_joint_table[i]->name);
+    snprintf(out + used, size - used, "%s%s",
+             left == count ? ""
+             : left == 1   ? " or "
+                           : ", ",
+             model->joint_type[i]->name);
     left--;
   }
   return out;
@@ -103,7 +107,7 @@ static bool stands_later(const mbd_model *model, const char *name) {
 static const mbd_joint *joint_of(const mbd_model *model, const char *name, unsigned coordinates, const char *otherwise,
                                  const char *path, tdm_error *err) {
   char types[256];
-  types_with(coordinates, types, sizeof types);
+  types_with(model, coordinates, types, sizeof types);
   for (int i = 0; i < model->njoint; i++) {
     const mbd_joint *j = &model->joint[i];
     if (strcmp(j->name, name) != 0)

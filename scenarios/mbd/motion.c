@@ -1,6 +1,8 @@
 /* A mechanism's motion: see motion.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/mbd/motion.h"
+#include "mbd/assembly/assemble.h"
+#include "mbd/scene/scene.h"
 
 #include "mbd/adapter/output.h"
 #include "mbd/integrate/integrator.h"
@@ -63,7 +65,7 @@ static tdm_status take_sample(void *context, int i, double t, const double *y, t
 
 static tdm_status load(engine *e, json_t *mbd, tdm_error *err) {
   mbd_assembly assembly;
-  if (mbd_model_read(&e->model, mbd, err) != TDM_OK || mbd_model_couple(e->model, NULL, 0, err) != TDM_OK)
+  if (mbd_model_read(&e->model, mbd, false, err) != TDM_OK || mbd_model_couple(e->model, NULL, 0, err) != TDM_OK)
     return err->status;
   e->data = mbd_data_create(e->model);
   e->kkt = mbd_kkt_create(e->model);

@@ -1,7 +1,9 @@
 /* The path ahead: what drivers prescribe, exactly; what moves on springs beside them; when no nodes are needed. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/ahead.h"
+#include "mbd/assembly/assemble.h"
 #include "mbd/assembly/kkt.h"
+#include "mbd/scene/scene.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -44,7 +46,7 @@ static void rig_open(rig *r, const char *text, const char *body, const char *sec
   mbd_assembly assembly;
   memset(r, 0, sizeof *r);
   r->scene = scene_json(text);
-  ck_assert_msg(mbd_model_read(&r->model, r->scene, &r->err) == TDM_OK, "%s", r->err.message);
+  ck_assert_msg(mbd_model_read(&r->model, r->scene, false, &r->err) == TDM_OK, "%s", r->err.message);
   ck_assert_int_eq(mbd_model_couple(r->model, coupled, second ? 2 : 1, &r->err), TDM_OK);
   r->data = mbd_data_create(r->model);
   r->kkt = mbd_kkt_create(r->model);

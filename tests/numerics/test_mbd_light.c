@@ -3,6 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/assemble.h"
 #include "mbd/assembly/balance.h"
+#include "mbd/scene/scene.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -168,7 +169,7 @@ START_TEST(forces_that_do_not_add_up_are_found) {
   mbd_model *model = NULL;
   tdm_error err = {0};
   mbd_assembly assembly;
-  ck_assert_int_eq(mbd_model_read(&model, json, &err), TDM_OK);
+  ck_assert_int_eq(mbd_model_read(&model, json, false, &err), TDM_OK);
   mbd_data *data = mbd_data_create(model);
   mbd_kkt *kkt = mbd_kkt_create(model);
   ck_assert_int_eq(mbd_assemble(model, data, kkt, &assembly, &err), TDM_OK);

@@ -1,7 +1,7 @@
 /* The one-step formulation: order, constraints, energy, loads that jump from window to window, samples inside a step.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/mechanics/kin.h"
+#include "mbd/model/kin.h"
 #include "test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,8 @@
 /* The reduced model: against finite differences of the full model, and against closed forms. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "mbd/assembly/assemble.h"
 #include "mbd/reduced/reduced.h"
+#include "mbd/scene/scene.h"
 #include "test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -23,7 +25,7 @@ static void open_mechanism(mechanism *q, const char *scene, int ncoupled, const 
   for (int i = 0; i < ncoupled; i++)
     body[i].name = names[i];
   q->json = scene_json(scene);
-  ck_assert_msg(!mbd_model_read(&q->model, q->json, &err), "%s: %s", err.path, err.message);
+  ck_assert_msg(!mbd_model_read(&q->model, q->json, false, &err), "%s: %s", err.path, err.message);
   ck_assert_msg(!mbd_model_couple(q->model, body, ncoupled, &err), "%s: %s", err.path, err.message);
   q->data = mbd_data_create(q->model);
   q->kkt = mbd_kkt_create(q->model);

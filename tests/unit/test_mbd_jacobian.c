@@ -2,9 +2,13 @@
  * unit sphere), for every joint, driver and force, between two bodies and against the ground.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "mbd/driver/table.h"
+#include "mbd/force/table.h"
+#include "mbd/joint/table.h"
 #include "mbd/mechanics/jacobian.h"
 #include "mbd/mechanics/residual.h"
 #include "mbd/mechanics/tangent.h"
+#include "mbd/scene/scene.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -166,7 +170,7 @@ START_TEST(test_jacobian) {
   json_t *json = scene_json(scenes[_i]);
   mbd_model *m = NULL;
   tdm_error err = {0};
-  ck_assert_msg(mbd_model_read(&m, json, &err) == TDM_OK, "%s: %s", err.path, err.message);
+  ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);
   mbd_data *d = mbd_data_create(m);
   for (unsigned seed = 1; seed <= 20; seed++) {
     d->index3 = seed % 2 == 0;
@@ -211,7 +215,7 @@ START_TEST(test_power) {
   json_t *json = scene_json(scenes[_i]);
   mbd_model *m = NULL;
   tdm_error err = {0};
-  ck_assert_msg(mbd_model_read(&m, json, &err) == TDM_OK, "%s: %s", err.path, err.message);
+  ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);
   mbd_data *d = mbd_data_create(m);
   double *y = calloc((size_t)mbd_nunknown(m), 8), before[4], now[4], after[4];
   for (unsigned s = 1; s <= 20; s++) {
@@ -285,7 +289,7 @@ START_TEST(test_tangent) {
   json_t *json = scene_json(scenes[_i]);
   mbd_model *m = NULL;
   tdm_error err = {0};
-  ck_assert_msg(mbd_model_read(&m, json, &err) == TDM_OK, "%s: %s", err.path, err.message);
+  ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);
   mbd_data *d = mbd_data_create(m);
   unsigned seed = 5;
   const double eps = 1e-6;

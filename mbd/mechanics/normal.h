@@ -4,13 +4,13 @@
  * body). The bearing takes it at its two ends, half its length L on either side of the point: they press with
  *   P = F'/2 +- (a x M)/L,   F' = F - a (a.F),
  * and rub by |P| each; a bearing without a length takes F' alone. Beside these the force along the axis and the moment
- * about it rub at their radii (force/force.h, `along` and `about`), and a preload whatever the reaction is.
+ * about it rub at their radii (model/force.h, `along` and `about`), and a preload whatever the reaction is.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MBD_ASSEMBLY_NORMAL_H
-#define MBD_ASSEMBLY_NORMAL_H
+#ifndef MBD_MECHANICS_NORMAL_H
+#define MBD_MECHANICS_NORMAL_H
 
-#include "mbd/assembly/kkt.h"
+#include "mbd/mechanics/state.h"
 
 typedef struct {
   double normal;                                  /* [N], of a torque times the radius [N m] */
@@ -24,14 +24,5 @@ mbd_normal mbd_normal_at(const mbd_model *model, mbd_data *data, const mbd_force
 
 /* data->stick[].normal at data->kin under lambda (nrow); NULL: without any reaction. */
 void mbd_normals(const mbd_model *model, mbd_data *data, const double *lambda);
-
-/* After a solution for the accelerations without any reaction in the normal forces, with kkt's factors at time t: what
- * the reactions make of friction, which changes the reactions, and so on, into data's acceleration, lambda, wrench and
- * normal forces. Newton's method on the normal forces of what slides. false: it finds none, as where friction jams a
- * joint that moves (Painleve's paradox). */
-bool mbd_normal_respond(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double t);
-
-/* Refuse friction by a reaction that redundant rows leave undetermined, at data's assembled state. */
-tdm_status mbd_normal_check(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, tdm_error *err);
 
 #endif

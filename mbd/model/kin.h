@@ -4,8 +4,8 @@
  * Rotations are the infinitesimal rotation vector in world axes: a body-fixed vector a changes by dtheta x a.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MBD_MECHANICS_KIN_H
-#define MBD_MECHANICS_KIN_H
+#ifndef MBD_MODEL_KIN_H
+#define MBD_MODEL_KIN_H
 
 #include "protocol/base/pose.h"
 
