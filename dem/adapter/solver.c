@@ -439,47 +439,11 @@ static double window_dt(const dem_model *m, const tdm_step *step) {
   return fabs(own - m->dt) <= 1e-6 * m->dt ? m->dt : own;
 }
 
-/* The time at which a step ended, from the number of steps since the start, so that sources do not depend on how the
- * run is cut into windows; from the window when that is not cut into the scene's steps. */
+/* The time at which step k, the next one, ends, from the number of steps since the start, so that sources do not depend
+ * on how the run is cut into windows; from the window when that is not cut into the scene's steps. */
 static double step_time(const dem_data *d, const tdm_step *step, uint64_t k, double dt) {
-  double t = step->t0 + (double)k * dt, own = d->model->time_start + (double)d->nstep * d->model->dt;
+  double t = step->t0 + (double)k * dt, own = d->model->time_start + (double)(d->nstep + 1) * d->model->dt;
   return fabs(t - own) < 1e-3 * dt ? own : t;
-}
-
-/* The load on coupled body c as a kick at s in [0, 1], with the share `weight` of the window, into its moments. */
-static void add_moments(tdm_interface *body, double weight, double s, const tdm_wrench *load) {
-  const double x = 2 * s - 1, legendre[] = {1, x, 1.5 * x * x - 0.5};
-  for (int j = 0; j < 3; j++) {
-    body->moment[j].force = tdm_axpy(weight * legendre[j], load->force, body->moment[j].force);
-    body->moment[j].moment = tdm_axpy(weight * legendre[j], load->moment, body->moment[j].moment);
-  }
-}
-
-/* Step k of n is done (0: the window begins): what the loads on the coupled bodies did as kicks. */
-static void add_kicks(dem_solver *s, const tdm_step *step, uint64_t k, tdm_result *result) {
-  const uint64_t n = step->nstep;
-  const double at = (double)k / (double)n, weight = (k == 0 || k == n ? 0.5 : 1) / (double)n;
-  for (int c = 0; c < result->ninterface; c++) {
-    tdm_interface *body = &result->body[c];
-    const tdm_wrench *load = &s->data->body_load[s->model->coupled_body[c]];
-    add_moments(body, weight, at, load);
-    if (step->has_proxy)
-      continue; /* it knows */
-    tdm_twist twist = dem_path_twist(&s->motion[c], at);
-    body->work +=
-        weight * (step->t1 - step->t0) * (tdm_dot(load->force, twist.velocity) + tdm_dot(load->moment, twist.angular));
-    body->end = step->end[c];
-  }
-}
-
-/* step k of the window */
-static bool advance(dem_solver *s, const tdm_step *step, uint64_t k, double dt) {
-  if (!step->has_proxy)
-    return dem_step(s->data, s->motion, k, step->nstep, false, dt);
-  dem_proxy_drift(s->proxy, s->data);
-  bool good = dem_step(s->data, NULL, k, step->nstep, false, dt);
-  dem_proxy_kick(s->proxy, s->data);
-  return good;
 }
 
 static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, tdm_error *err) {
@@ -490,35 +454,26 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
   if (make_paths(s, step, dt, err))
     return err->status;
   memset(s->load, 0, (size_t)m->ncoupled * sizeof *s->load);
-  add_kicks(s, step, 0, result);
+  dem_window_sums sums = {
+      .duration = step->t1 - step->t0, .load = s->load, .body = result->ninterface > 0 ? result->body : NULL};
+  dem_step_task task = {.dt = dt, .flow = true, .guard = true, .n = step->nstep, .sums = &sums};
+  task.path = step->has_proxy ? NULL : s->motion;
+  task.proxy = step->has_proxy ? s->proxy : NULL;
   int sample = 0;
 
-  for (uint64_t k = 1; k <= step->nstep; k++) {
-    const double end = step_time(d, step, k - 1, dt) + dt;
-    if (sample < step->nsample && dem_share_of_step(step->sample_time[sample], end, dt) < 1)
+  for (task.k = 1; task.k <= step->nstep; task.k++) {
+    task.time = step_time(d, step, task.k, dt);
+    if (sample < step->nsample && dem_share_of_step(step->sample_time[sample], task.time, dt) < 1)
       channel_values(d, s->before);
-    d->traction.wanted = m->triangle_forces && k == step->nstep; /* runs end windows where they write files */
-    if (!advance(s, step, k, dt))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-    add_kicks(s, step, k, result);
-
-    /* [L18] Eq. 2: the mean of the n samples after each step */
-    for (int c = 0; c < m->ncoupled; c++)
-      add_load(&s->load[c], 1, &d->body_load[m->coupled_body[c]]);
-    const tdm_vec3 fixed = dem_fixed_force(d);
-
-    double t = step_time(d, step, k, dt);
-    if (dem_guard(d, t, dt, err))
+    d->traction.wanted = m->triangle_forces && task.k == step->nstep; /* runs end windows where they write files */
+    if (dem_step(d, &task, err))
       return err->status;
-    if (step->has_proxy && dem_guard_proxy(d, s->proxy, t, dt, err))
-      return err->status;
-    if (!dem_flow(d, t, dt))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
-
-    sample_step(s, step, k == step->nstep, t, dt, fixed, &sample, result);
+    sample_step(s, step, task.k == step->nstep, task.time, dt, sums.fixed, &sample, result);
     if (tdm_participant_alive(s->participant))
-      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", t);
+      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", task.time);
   }
+  for (int c = 0; c < result->ninterface && !step->has_proxy; c++)
+    result->body[c].end = step->end[c];
   if (step->has_proxy)
     dem_proxy_end(s->proxy, d, result->ninterface > 0 ? result->body : NULL,
                   result->nfurther > 0 ? result->further : NULL);

@@ -343,8 +343,8 @@ static tdm_status settle(engine *e, const options *o, tdm_error *err) {
   double quiet = 1e-7 * mass * 9.81 * d->sphere[0].radius;
   long most = (long)((1 + 8 * sqrt(2 * height / 9.81)) / o->dt);
   for (long k = 1; k <= most; k++) {
-    if (!dem_step(d, NULL, 0, 1, false, o->dt))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    if (dem_step(d, &(dem_step_task){.dt = o->dt}, err))
+      return err->status;
     for (int i = 0; i < d->nparticle; i++) {
       d->pace[i].velocity = tdm_scale(drag, d->pace[i].velocity);
       d->pace[i].spin = tdm_scale(drag, d->pace[i].spin);
@@ -420,8 +420,8 @@ static tdm_status run_steps(dem_data *d, const options *o, long n, tdm_error *er
   for (long k = 0; k < n; k++) {
     if (o->frozen)
       dem_forces_frozen(d, o->dt);
-    else if (!dem_step(d, NULL, 0, 1, false, o->dt))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    else if (dem_step(d, &(dem_step_task){.dt = o->dt}, err))
+      return err->status;
   }
   return TDM_OK;
 }
@@ -438,8 +438,8 @@ static tdm_status make_referee(engine *referee, dem_data *d, const options *o, t
   referee->data = dem_data_create(referee->model);
   if (!referee->data || !dem_state_save(d, &bytes, &size))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", d->nparticle);
-  if (dem_state_load(referee->data, bytes, size, err) == TDM_OK && !dem_forces_now(referee->data, false))
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  if (dem_state_load(referee->data, bytes, size, err) == TDM_OK)
+    dem_forces_again(referee->data, false, 0);
   free(bytes);
   return err->status;
 }

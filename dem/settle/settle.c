@@ -24,6 +24,16 @@ static void drag(dem_data *d, double share) {
   }
 }
 
+/* step k of the settling, which is at `what` */
+static tdm_status step(dem_data *d, uint64_t k, double dt, tdm_participant *p, const char *what, tdm_error *err) {
+  if (dem_step(d, &(dem_step_task){.dt = dt, .settling = true}, err))
+    return err->status;
+  drag(d, d->model->settle.drag * dt);
+  if (tdm_participant_alive(p))
+    return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while %s", what);
+  return k % 1024 == 0 ? dem_check_finite(d, (double)k * dt, err) : TDM_OK;
+}
+
 /* what a user who waits is told */
 static void say(const dem_data *d, tdm_participant *p, const dem_settled *out) {
   const dem_settling *settle = &d->model->settle;
@@ -46,12 +56,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
       return err->status;
     bool poured = dem_pour_over(d);
     left -= poured;
-    if (!dem_step(d, NULL, 0, 1, true, out->dt))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while settling");
-    drag(d, settle->drag * out->dt);
-    if (tdm_participant_alive(p))
-      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while settling");
-    if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
+    if (step(d, k, out->dt, p, "settling", err))
       return err->status;
     out->time = (double)k * out->dt;
     out->speed = fastest(d);
@@ -142,12 +147,7 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
       moved = 0;
       d->list_stale = true;
     }
-    if (!dem_step(d, NULL, 0, 1, true, out->dt))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists while pressing a lid");
-    drag(d, settle->drag * out->dt);
-    if (tdm_participant_alive(p))
-      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while pressing a lid");
-    if (k % 1024 == 0 && dem_check_finite(d, (double)k * out->dt, err))
+    if (step(d, k, out->dt, p, "pressing a lid", err))
       return err->status;
     still = pressed && fastest(d) < settle->speed ? still + 1 : 0;
     tdm_participant_progress(p, "pressing a lid: %.3g of %.3g s at most", (double)k * out->dt, settle->max_time);

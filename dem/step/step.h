@@ -1,23 +1,31 @@
-/* One DEM step, the table of contents of the engine. */
+/* One DEM step, the table of contents of the engine.
+ *
+ * Whatever steps particles calls dem_step: a window of a co-simulation, a run of particles alone, settling, benchmarks.
+ * The step stands above sources, sinks and the guard, because it ends with them.
+ */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STEP_STEP_H
 #define DEM_STEP_STEP_H
 
-#include "dem/bodies/path.h"
-#include "dem/state/data.h"
+#include "dem/bodies/proxy.h"
+#include "dem/step/forces.h"
+#include "dem/step/window_sums.h"
 
-/* From step k - 1 to step k (1 … n) of a window: coupled bodies follow `motion` (ncoupled); NULL: they stay where they
- * are. `settling`: with the restitution and friction of the settle phase. False: no memory. */
-bool dem_step(dem_data *data, const dem_path *motion, uint64_t k, uint64_t n, bool settling, double dt);
+/* What a step is to do. All zero but for dt: particles under contacts and gravity, coupled bodies where they are, and
+ * nobody looks. Pointers are borrowed for the step. */
+typedef struct {
+  double dt;            /* [s] */
+  double time;          /* at its end, for sources, sinks and the guard [s] */
+  bool settling;        /* with the contacts of the settle phase; driven bodies and the box stay as they are */
+  bool flow;            /* sources and sinks act at its end */
+  bool guard;           /* the guard looks at its end */
+  const dem_path *path; /* (ncoupled) of the coupled bodies over the window; NULL: they stay where they are */
+  dem_proxy *proxy; /* carries the coupled bodies instead of a path; NULL: none. Not with the multi-step integrator */
+  uint64_t k, n;    /* with one of these or sums: the step leads from k - 1 to k (1 ... n) of the window's n */
+  dem_window_sums *sums; /* what the loads of the window come to; NULL: not wanted */
+} dem_step_task;
 
-/* Evaluate the forces at the present positions and velocities without advancing anything. False: no memory. */
-bool dem_forces_now(dem_data *data, bool settling);
-
-/* For benchmarks: the contact loops alone, on the lists as they are, histories advanced by dt. Sums over chunks stay
- * unfinished: dem_forces_again is to follow. */
-void dem_forces_frozen(dem_data *data, double dt);
-
-/* The same on the lists as they are, histories advanced by dt [s] (0: only evaluate). Particles stay where they are. */
-void dem_forces_again(dem_data *data, bool settling, double dt);
+/* Errors: TDM_ERR_MEMORY; TDM_ERR_NUMERIC when the guard stops the run. The data is then at no step boundary. */
+tdm_status dem_step(dem_data *data, const dem_step_task *task, tdm_error *err);
 
 #endif

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE /* vasprintf */
 #include "scenarios/dem_physics/rig.h"
 
-#include "dem/flow/flow.h"
 #include "dem/settle/settle.h"
 #include "dem/step/step.h"
 #include "protocol/app/command_line.h"
@@ -55,10 +54,10 @@ tdm_status scn_rig_open(scn_rig *rig, cpl_verify *v, double dt, tdm_error *err, 
 
 tdm_status scn_rig_steps(scn_rig *rig, long n, tdm_error *err) {
   dem_data *d = rig->data;
-  bool flows = rig->model->nsource + rig->model->nsink > 0;
   for (long k = 0; k < n; k++) {
-    if (!dem_step(d, NULL, 0, 1, false, rig->dt) || (flows && !dem_flow(d, (double)d->nstep * rig->dt, rig->dt)))
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+    const dem_step_task task = {.dt = rig->dt, .time = (double)(d->nstep + 1) * rig->dt, .flow = true};
+    if (dem_step(d, &task, err))
+      return err->status;
     rig->time += rig->dt;
     if (tdm_interrupted)
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted");

@@ -78,7 +78,7 @@ static bool run(const char *name, int group, long steps) {
   }
   timers.mark = tdm_clock();
   for (long k = 0; good && k < steps; k++)
-    good = dem_step(d, NULL, 0, 1, false, d->model->dt);
+    good = dem_step(d, &(dem_step_task){.dt = d->model->dt}, &err) == TDM_OK;
   if (good)
     print(name, d, (double)steps);
   dem_data_destroy(&d);

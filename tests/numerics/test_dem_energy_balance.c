@@ -15,7 +15,7 @@
 static void steps(rig *r, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
-    ck_assert(dem_step(d, NULL, 1, 1, false, r->model->dt));
+    one_step(d, NULL, r->model->dt);
     ck_assert(dem_flow(d, (double)d->nstep * r->model->dt, r->model->dt));
   }
 }

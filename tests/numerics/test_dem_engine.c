@@ -37,7 +37,7 @@ static void shake(rig *r, long k0, long n) {
       ends[i].pose.orientation = tdm_quat_from_rotvec(tdm_v3(0.5 * sin(5 * t), 0.2 * t, 0.1 * sin(3 * t)));
     }
     dem_path path = dem_path_make(&ends[0], &ends[1], r->model->dt, TDM_LINEAR);
-    ck_assert(dem_step(r->data, &path, 1, 1, false, r->model->dt));
+    one_step(r->data, &path, r->model->dt);
   }
 }
 
@@ -99,7 +99,7 @@ START_TEST(test_common_motion) {
     next = now;
     next.pose.position.x += 1e-4;
     dem_path path = dem_path_make(&now, &next, 1e-4, TDM_LINEAR);
-    ck_assert(dem_step(full->data, &path, 1, 1, false, 1e-4));
+    one_step(full->data, &path, 1e-4);
     now = next;
   }
   ck_near(full->data->pose[0].position.x, 0.1, 1e-12);

@@ -37,7 +37,7 @@ static void balanced(const dem_data *d) {
 static void steps(rig *r, const dem_path *path, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
-    ck_assert(dem_step(d, path, 1, 1, false, r->model->dt));
+    one_step(d, path, r->model->dt);
     ck_assert(dem_flow(d, r->model->time_start + (double)d->nstep * r->model->dt, r->model->dt));
     balanced(d);
   }
@@ -47,7 +47,7 @@ static void steps(rig *r, const dem_path *path, long n) {
 static void many_steps(rig *r, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
-    ck_assert(dem_step(d, NULL, 1, 1, false, r->model->dt));
+    one_step(d, NULL, r->model->dt);
     ck_assert(dem_flow(d, r->model->time_start + (double)d->nstep * r->model->dt, r->model->dt));
   }
   balanced(d);
@@ -589,7 +589,7 @@ START_TEST(test_many_with_substeps) {
     dem_data *d = both[k]->data;
     at[k] = calloc(4000, sizeof *at[k]);
     for (int s = 0; s < 200; s++) {
-      ck_assert(dem_step(d, NULL, 0, 1, false, 5e-5));
+      one_step(d, NULL, 5e-5);
       ck_assert(dem_flow(d, (double)d->nstep * 5e-5, 5e-5));
     }
     for (int i = 0; i < d->nparticle; i++)
