@@ -4,6 +4,7 @@
 
 #include "dem/adapter/solver.h"
 #include "dem/bodies/walls.h"
+#include "dem/dem.h"
 #include "dem/output/repose.h"
 #include "dem/output/vtp.h"
 #include "dem/watch/check.h"
@@ -18,6 +19,7 @@
 /* What a run holds, so that one place can let go of it whatever happened. */
 typedef struct {
   tdm_standalone alone;
+  dem_engine *engine;
   dem_run_settings settings;
 
   int ndue;      /* rows of the time histories that the last window made */
@@ -57,30 +59,43 @@ static tdm_status open_results(run_state *run, tdm_error *err) {
   return tdm_standalone_open(&run->alone, err);
 }
 
-static tdm_status start_solver(run_state *run, tdm_error *err) {
-  return tdm_standalone_start(&run->alone, run->settings.time.end, run->settings.time.dt, err);
+static tdm_status start_engine(run_state *run, tdm_error *err) {
+  const tdm_assignment assignment = {.scene = tdm_standalone_section(&run->alone),
+                                     .time_end = run->settings.time.end,
+                                     .dt = run->settings.time.dt,
+                                     .n = 1};
+  if (dem_engine_create(&run->engine, &assignment, NULL, err) != TDM_OK)
+    return err->status;
+  const dem_start *start = dem_engine_start(run->engine);
+  const tdm_standalone_figures figures = {.nchannel = start->nchannel,
+                                          .channel = start->channel,
+                                          .initial = start->initial,
+                                          .nwarning = start->nwarning,
+                                          .warning = start->warning,
+                                          .report = start->report};
+  return tdm_standalone_loaded(&run->alone, &figures, err);
 }
 
 /* ---- outputs ---- */
 
 static tdm_status take_snapshot(run_state *run, tdm_error *err) {
-  return dem_snapshot_take(&run->snapshot, dem_solver_data(run->alone.solver), err);
+  return dem_snapshot_take(&run->snapshot, dem_engine_data(run->engine), err);
 }
 
 static tdm_status make_polygons(run_state *run, tdm_error *err) {
-  return dem_polygons_make(&run->polygons, dem_solver_data(run->alone.solver), &run->bounds, err);
+  return dem_polygons_make(&run->polygons, dem_engine_data(run->engine), &run->bounds, err);
 }
 
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
-  const size_t n = (size_t)run->alone.ready.nchannel;
+  const size_t n = (size_t)run->alone.figures.nchannel;
   run->rows = calloc(2 * n + 1, sizeof *run->rows);
   if (!run->rows)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  memcpy(run->rows, run->alone.ready.initial, n * sizeof *run->rows);
+  memcpy(run->rows, run->alone.figures.initial, n * sizeof *run->rows);
   run->ndue = 1;
   if (tdm_standalone_begin(&run->alone, err) != TDM_OK || take_snapshot(run, err) != TDM_OK)
     return err->status;
-  run->bounds = dem_scene_bounds(dem_solver_data(run->alone.solver), &run->snapshot);
+  run->bounds = dem_scene_bounds(dem_engine_data(run->engine), &run->snapshot);
   dem_pictures_begin(&run->pictures, &run->settings.pictures, &run->alone.results, &run->bounds);
   return TDM_OK;
 }
@@ -153,7 +168,7 @@ static uint64_t picture_step(const run_state *run) {
 
 static tdm_status write_due(run_state *run, tdm_error *err) {
   for (int k = 0; k < run->ndue; k++)
-    if (tdm_standalone_row(&run->alone, run->due[k], run->rows + k * run->alone.ready.nchannel, err) != TDM_OK)
+    if (tdm_standalone_row(&run->alone, run->due[k], run->rows + k * run->alone.figures.nchannel, err) != TDM_OK)
       return err->status;
   bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
   if (frame || picture || run->settings.pictures.ntime > 0)
@@ -180,16 +195,15 @@ static void find_due(run_state *run, uint64_t end) {
 
 /* from the step reached to step `end`; the time histories are sampled there if they are due */
 static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
-  const dem_data *d = dem_solver_data(run->alone.solver);
+  const dem_data *d = dem_engine_data(run->engine);
   double dt = run->settings.time.dt, begin = tdm_clock();
   find_due(run, end);
-  const tdm_step step = {
+  const dem_window window = {
       .t0 = now(run), .t1 = (double)end * dt, .nstep = end - run->nstep, .nsample = run->ndue, .sample_time = run->due};
-  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->rows};
   double nparticle = d->nparticle;
-  if (dem_solver_ops.step(run->alone.solver, &step, &result, err) != TDM_OK)
+  if (dem_engine_advance(run->engine, &window, &(dem_outcome){.channel = run->rows}, err) != TDM_OK)
     return err->status;
-  run->particle_steps += 0.5 * (nparticle + d->nparticle) * (double)step.nstep;
+  run->particle_steps += 0.5 * (nparticle + d->nparticle) * (double)window.nstep;
   run->step += tdm_clock() - begin;
   run->nstep = end;
   return TDM_OK;
@@ -224,7 +238,7 @@ static json_t *repose(const run_state *run) {
 
 static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
-  const dem_data *d = run->alone.solver ? dem_solver_data(run->alone.solver) : NULL;
+  const dem_data *d = run->engine ? dem_engine_data(run->engine) : NULL;
   json_t *json = tdm_standalone_summary(&run->alone, err);
   json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings",
                           "time.end", s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps",
@@ -244,7 +258,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   tdm_error late = {0};
   if (run->alone.channels) {
     tdm_standalone_close(&run->alone, err);
-    if (run->alone.solver && take_snapshot(run, &late) == TDM_OK)
+    if (run->engine && take_snapshot(run, &late) == TDM_OK)
       tdm_standalone_plot(&run->alone, "channels", NULL, &run->picture_notice);
   }
   if (run->pictures.drawn > 1)
@@ -274,12 +288,13 @@ static void let_go(run_state *run) {
   free(run->frame_time);
   free(run->rows);
   tdm_standalone_free(&run->alone);
+  dem_engine_destroy(&run->engine);
 }
 
 tdm_status dem_run(const tdm_standalone_options *options, tdm_error *err) {
   double begin = tdm_clock();
   run_state run = {.alone = {.program = &dem_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK) {
+  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK) {
     run.setup = tdm_clock() - begin;
     solve(&run, err);
   }
@@ -304,13 +319,13 @@ static void print_scene(const run_state *run) {
   if (s->pictures.ntime > 0)
     printf("  %-28s %d\n", "pictures", s->pictures.ntime);
   printf("dem: %s\n", dem_solver_ops.software);
-  tdm_print_json(run->alone.ready.report);
-  printf("%d warning%s\n", run->alone.ready.nwarning, run->alone.ready.nwarning == 1 ? "" : "s");
+  tdm_print_json(run->alone.figures.report);
+  printf("%d warning%s\n", run->alone.figures.nwarning, run->alone.figures.nwarning == 1 ? "" : "s");
 }
 
 tdm_status dem_run_check(const tdm_standalone_options *options, tdm_error *err) {
   run_state run = {.alone = {.program = &dem_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK)
+  if (load_scene(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK)
     print_scene(&run);
   tdm_scene_locate(&run.alone.scene, err);
   let_go(&run);

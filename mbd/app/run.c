@@ -107,7 +107,7 @@ static double row_time(const run_state *run, uint64_t row) {
 }
 
 static tdm_status write_row(run_state *run, const double *values, tdm_error *err) {
-  for (int c = 0; c < run->alone.ready.nchannel; c++) {
+  for (int c = 0; c < run->alone.figures.nchannel; c++) {
     course *k = &run->course[c];
     if (run->alone.nrow == 0)
       *k = (course){values[c], values[c], values[c], values[c]};
@@ -119,7 +119,7 @@ static tdm_status write_row(run_state *run, const double *values, tdm_error *err
 }
 
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
-  size_t nchannel = (size_t)run->alone.ready.nchannel;
+  size_t nchannel = (size_t)run->alone.figures.nchannel;
   run->sample_time = calloc((size_t)run->room, sizeof *run->sample_time);
   run->sample = calloc((size_t)run->room * nchannel, sizeof *run->sample);
   run->course = calloc(nchannel, sizeof *run->course);
@@ -139,14 +139,14 @@ static tdm_status advance(run_state *run, tdm_error *err) {
     step.t1 = run->settings.end;
   for (uint64_t row = run->alone.nrow; row < run->total_rows && row_time(run, row) <= step.t1; row++)
     run->sample_time[step.nsample++] = row_time(run, row);
-  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.ready.nchannel, .channel = run->sample};
+  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.figures.nchannel, .channel = run->sample};
   if (mbd_solver_ops.step(run->alone.solver, &step, &result, err) != TDM_OK)
     return err->status;
   run->step += tdm_clock() - begin;
   run->t = step.t1;
   run->windows++;
   for (int i = 0; i < step.nsample && err->status == TDM_OK; i++)
-    write_row(run, run->sample + i * run->alone.ready.nchannel, err);
+    write_row(run, run->sample + i * run->alone.figures.nchannel, err);
   return err->status;
 }
 
@@ -170,8 +170,8 @@ static tdm_status solve(run_state *run, tdm_error *err) {
 /* course of every channel whose name begins so */
 static json_t *courses(const run_state *run, const char *of) {
   json_t *json = json_object();
-  for (int c = 0; run->alone.nrow > 0 && c < run->alone.ready.nchannel; c++) {
-    const char *name = run->alone.ready.channel[c].name;
+  for (int c = 0; run->alone.nrow > 0 && c < run->alone.figures.nchannel; c++) {
+    const char *name = run->alone.figures.channel[c].name;
     const course *k = &run->course[c];
     if (strncmp(name, of, strlen(of)) == 0)
       json_object_set_new(json, name,
@@ -183,8 +183,8 @@ static json_t *courses(const run_state *run, const char *of) {
 }
 
 static double largest_drift(const run_state *run) {
-  for (int c = 0; run->alone.nrow > 0 && c < run->alone.ready.nchannel; c++)
-    if (strcmp(run->alone.ready.channel[c].name, "constraint.drift") == 0)
+  for (int c = 0; run->alone.nrow > 0 && c < run->alone.figures.nchannel; c++)
+    if (strcmp(run->alone.figures.channel[c].name, "constraint.drift") == 0)
       return run->course[c].greatest;
   return 0;
 }
@@ -271,14 +271,14 @@ static void print_scene(const run_state *run) {
   const mbd_run_settings *s = &run->settings;
   printf("run\n  %-28s %g s\n", "time", s->end);
   printf("  %-28s every %g s: %llu rows of %d channels\n", "time histories", s->interval,
-         (unsigned long long)run->total_rows, run->alone.ready.nchannel);
+         (unsigned long long)run->total_rows, run->alone.figures.nchannel);
   printf("mbd: %s\n", mbd_solver_ops.software);
   json_t *solver = solver_settings(mbd_solver_model(run->alone.solver));
   json_object_del(solver, "formulation"); /* the report has it */
   tdm_print_json(solver);
   json_decref(solver);
-  tdm_print_json(run->alone.ready.report);
-  printf("%d warning%s\n", run->alone.ready.nwarning, run->alone.ready.nwarning == 1 ? "" : "s");
+  tdm_print_json(run->alone.figures.report);
+  printf("%d warning%s\n", run->alone.figures.nwarning, run->alone.figures.nwarning == 1 ? "" : "s");
 }
 
 tdm_status mbd_run_check(const tdm_standalone_options *options, tdm_error *err) {

@@ -79,23 +79,40 @@ static tdm_status heed(tdm_standalone *run, const tdm_warning *w, tdm_error *err
 static tdm_status heed_warnings(tdm_standalone *run, tdm_error *err) {
   for (int k = 0; k < run->ndoubt && err->status == TDM_OK; k++)
     heed(run, &run->doubt[k], err);
-  for (int k = 0; k < run->ready.nwarning && err->status == TDM_OK; k++)
-    heed(run, &run->ready.warning[k], err);
+  for (int k = 0; k < run->figures.nwarning && err->status == TDM_OK; k++)
+    heed(run, &run->figures.warning[k], err);
   return err->status;
 }
 
-tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err) {
-  const tdm_solver_ops *ops = run->program->ops;
-  run->section = tdm_scene_section(run->scene.root, ops->role);
-  const tdm_assignment assignment = {.scene = run->section, .time_end = end, .dt = dt, .n = 1};
+json_t *tdm_standalone_section(tdm_standalone *run) {
+  if (!run->section)
+    run->section = tdm_scene_section(run->scene.root, run->program->ops->role);
+  return run->section;
+}
+
+tdm_status tdm_standalone_loaded(tdm_standalone *run, const tdm_standalone_figures *figures, tdm_error *err) {
+  const size_t n = (size_t)figures->nchannel;
+  run->figures = *figures;
   run->warnings = json_array();
-  if (ops->create(&run->solver, &assignment, &run->ready, NULL, err) != TDM_OK)
-    return err->status;
-  run->values = calloc((size_t)run->ready.nchannel + 1, sizeof *run->values);
+  run->values = calloc(n + 1, sizeof *run->values);
   if (!run->values || !run->warnings)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  memcpy(run->values, run->ready.initial, (size_t)run->ready.nchannel * sizeof *run->values);
+  memcpy(run->values, figures->initial, n * sizeof *run->values);
   return heed_warnings(run, err);
+}
+
+tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err) {
+  const tdm_assignment assignment = {.scene = tdm_standalone_section(run), .time_end = end, .dt = dt, .n = 1};
+  tdm_ready ready = {0};
+  if (run->program->ops->create(&run->solver, &assignment, &ready, NULL, err) != TDM_OK)
+    return err->status;
+  const tdm_standalone_figures figures = {.nchannel = ready.nchannel,
+                                          .channel = ready.channel,
+                                          .initial = ready.initial,
+                                          .nwarning = ready.nwarning,
+                                          .warning = ready.warning,
+                                          .report = ready.report};
+  return tdm_standalone_loaded(run, &figures, err);
 }
 
 /* ---- remarks ---- */
@@ -118,20 +135,20 @@ tdm_status tdm_standalone_begin(tdm_standalone *run, tdm_error *err) {
   if (!run->channels)
     return err->status;
   fputs("time [s]", run->channels);
-  for (int c = 0; c < run->ready.nchannel; c++)
-    fprintf(run->channels, ",%s [%s]", run->ready.channel[c].name, run->ready.channel[c].unit);
+  for (int c = 0; c < run->figures.nchannel; c++)
+    fprintf(run->channels, ",%s [%s]", run->figures.channel[c].name, run->figures.channel[c].unit);
   fputc('\n', run->channels);
-  run->moved = calloc((size_t)run->ready.nchannel + 1, sizeof *run->moved);
-  run->plots = !run->options->no_plots && tdm_thin_begin(&run->thin, run->ready.nchannel);
+  run->moved = calloc((size_t)run->figures.nchannel + 1, sizeof *run->moved);
+  run->plots = !run->options->no_plots && tdm_thin_begin(&run->thin, run->figures.nchannel);
   return TDM_OK;
 }
 
 tdm_status tdm_standalone_row(tdm_standalone *run, double t, const double *values, tdm_error *err) {
-  tdm_write_row(run->channels, t, values, run->ready.nchannel);
+  tdm_write_row(run->channels, t, values, run->figures.nchannel);
   run->nrow++;
   if (run->plots)
     tdm_thin_add(&run->thin, t, values);
-  for (int c = 0; c < run->ready.nchannel && run->moved; c++)
+  for (int c = 0; c < run->figures.nchannel && run->moved; c++)
     run->moved[c] = run->moved[c] || values[c] != 0;
   double now = tdm_clock();
   if (now - run->last_flush > flush_interval) {
@@ -162,8 +179,8 @@ static bool wanted(const char *channel, const char *const *of) {
 /* Some channel of the plot is not zero throughout. */
 static bool any_moved(const tdm_standalone *run, const char *const *of) {
   bool any = false;
-  for (int c = 0; c < run->ready.nchannel && run->moved; c++)
-    any = any || (run->moved[c] && wanted(run->ready.channel[c].name, of));
+  for (int c = 0; c < run->figures.nchannel && run->moved; c++)
+    any = any || (run->moved[c] && wanted(run->figures.channel[c].name, of));
   return any;
 }
 
@@ -179,7 +196,7 @@ typedef struct {
 } panels;
 
 static void add_channel(panels *p, const tdm_standalone *run, int c) {
-  const tdm_channel *channel = &run->ready.channel[c];
+  const tdm_channel *channel = &run->figures.channel[c];
   int k = 0;
   while (k < p->nplot && strcmp(p->plot[k].ylabel, channel->unit) != 0)
     k++;
@@ -213,8 +230,8 @@ tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, cons
   panels *p = run->plots ? calloc(1, sizeof *p) : NULL;
   if (!p)
     return TDM_OK;
-  for (int c = 0; c < run->ready.nchannel; c++)
-    if (wanted(run->ready.channel[c].name, of) && (!some || run->moved[c]))
+  for (int c = 0; c < run->figures.nchannel; c++)
+    if (wanted(run->figures.channel[c].name, of) && (!some || run->moved[c]))
       add_channel(p, run, c);
   add_data(p, run);
   if (p->nplot > 0)
@@ -240,7 +257,7 @@ json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err) {
   json_t *json = json_pack("{s:s, s:s, s:s, s:{s:s, s:s, s:i}}", "tandem", TDM_VERSION, "software",
                            run->program->ops->software, "scene", name, "machine", "system", machine.sysname,
                            "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN));
-  json_object_set(json, "report", run->ready.report ? run->ready.report : json_null());
+  json_object_set(json, "report", run->figures.report ? run->figures.report : json_null());
   json_object_set_new(json, "warnings", run->warnings ? json_copy(run->warnings) : json_array());
   json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
   tdm_remarks_enter(json, remarks);

@@ -47,14 +47,24 @@ int tdm_standalone_main(const tdm_standalone_program *program, int argc, char **
 
 enum { TDM_STANDALONE_DOUBTS = 4 };
 
+/* What a solver says of its start; borrowed while the run lasts. */
+typedef struct {
+  int nchannel;
+  const tdm_channel *channel; /* (nchannel) */
+  const double *initial;      /* (nchannel) values at the start */
+  int nwarning;
+  const tdm_warning *warning; /* (nwarning) doubtful settings, with the cure */
+  json_t *report;             /* the solver's own figures, may be NULL */
+} tdm_standalone_figures;
+
 /* Zero-initialise but for the first two; tdm_standalone_free lets go of it whatever happened. */
 typedef struct {
   const tdm_standalone_program *program;
   const tdm_standalone_options *options;
   tdm_scene scene;
   tdm_results results;
-  void *solver;
-  tdm_ready ready;
+  void *solver; /* that tdm_standalone_start made; else NULL */
+  tdm_standalone_figures figures;
   int ndoubt;
   tdm_warning doubt[TDM_STANDALONE_DOUBTS]; /* about the sections time and output */
   json_t *section;                          /* of the scene, as the solver gets it */
@@ -83,8 +93,15 @@ void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *for
 /* Doubt an interval of the time histories that is longer than the run [s]. */
 void tdm_standalone_doubt_interval(tdm_standalone *run, double interval, double end);
 
-/* Load the solver's section; `end` and `dt` [s] as in a co-simulation with n = 1. Doubts about the settings and the
- * solver's warnings are printed, or refused when strict. */
+/* The solver's section of the scene, as the solver gets it (borrowed). */
+json_t *tdm_standalone_section(tdm_standalone *run);
+
+/* The solver has loaded its section, and says this: doubts about the settings and its warnings are printed, or refused
+ * when strict. */
+tdm_status tdm_standalone_loaded(tdm_standalone *run, const tdm_standalone_figures *figures, tdm_error *err);
+
+/* Load the solver's section with the program's table of operations; `end` and `dt` [s] as in a co-simulation with n
+ * = 1. Then as tdm_standalone_loaded. */
 tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err);
 
 /* Print remarks that are new; `bar`: there is a progress bar. To be called often. */

@@ -1,0 +1,389 @@
+/* The output channels: see channels.h.
+ *
+ * To add a channel: a row, and its value. A * in the name stands for the item's name (of a source, a sink or a body).
+ * Neighbouring rows with the same items make a block: all rows of the first item, then those of the second.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/adapter/channels.h"
+
+#include "dem/bodies/walls.h"
+#include "dem/contact/energy.h"
+#include "dem/flow/flow.h"
+#include "dem/model/group_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What happens to a channel inside a step. */
+typedef enum {
+  HELD,   /* a number that changes at the ends of steps: counts, and sums over what came and went */
+  LINEAR, /* a quantity of first order: velocities, energies */
+  CUBIC,  /* a place; its velocity is the third channel from it */
+  MEAN    /* of the output interval already */
+} course;
+
+/* A state, and sums over its particles. */
+typedef struct {
+  const dem_data *data;
+  double mass, kinetic, potential; /* [kg], [J]; potential: only where the scene asks for energies */
+  tdm_vec3 com, velocity;          /* [m], [m/s] */
+} observation;
+
+typedef struct dem_channel_row {
+  const char *name, *unit;
+  /* The first item after this one (-1: the first of all) that has the channel; -1: there is no further one. */
+  int (*next)(const dem_model *model, int item);
+  double (*value)(const observation *o, int item, int part);
+  int part; /* of a vector, a load or a list */
+  course course;
+  /* What stands for the * in the name; NULL: there is none. */
+  void (*item_name)(const dem_model *model, int item, char out[64]);
+} row;
+
+/* ---- items ---- */
+
+static int one(bool wanted, int item) {
+  return wanted && item < 0 ? 0 : -1;
+}
+
+static int always(const dem_model *m, int item) {
+  (void)m;
+  return one(true, item);
+}
+
+static int with_energy(const dem_model *m, int item) {
+  return one(m->energy, item);
+}
+
+static int with_domain(const dem_model *m, int item) {
+  return one(m->domain.wanted, item);
+}
+
+/* particles can come or go */
+static int with_balance(const dem_model *m, int item) {
+  return one(m->nsource + m->nsink > 0 || m->domain.open, item);
+}
+
+static int with_fixed(const dem_model *m, int item) {
+  return one(m->fixes, item);
+}
+
+static int sources(const dem_model *m, int item) {
+  return item + 1 < m->nsource ? item + 1 : -1;
+}
+
+/* A sink as a whole, part 0 of PARTS, then its size classes. */
+enum { PARTS = DEM_EDGES_MAX + 2 };
+
+static int sinks(const dem_model *m, int item) {
+  if (item < 0)
+    return m->nsink > 0 ? 0 : -1;
+  int s = item / PARTS, part = item % PARTS;
+  if (part < dem_sink_classes(&m->sink[s]))
+    return item + 1;
+  return s + 1 < m->nsink ? (s + 1) * PARTS : -1;
+}
+
+/* Loads of the samples that have channels: bodies that are not coupled and have walls; geometries of bodies that have
+ * several. */
+static bool has_load(const dem_model *m, int l) {
+  int body = l < m->nbody ? l : m->geometry[l - m->nbody].body, many = 0;
+  for (int g = 0; g < m->ngeometry; g++)
+    many += m->geometry[g].body == body && m->geometry[g].nwall > 0;
+  return l < m->nbody ? m->body[l].coupled < 0 && many > 0 : many > 1;
+}
+
+static int loads(const dem_model *m, int item) {
+  for (int l = item + 1; l < m->nload; l++)
+    if (has_load(m, l))
+      return l;
+  return -1;
+}
+
+/* ---- names of items ---- */
+
+static void source_name(const dem_model *m, int item, char out[64]) {
+  snprintf(out, 64, "%s", m->source[item].name);
+}
+
+static void sink_name(const dem_model *m, int item, char out[64]) {
+  const char *name = m->sink[item / PARTS].name;
+  if (item % PARTS == 0)
+    snprintf(out, 64, "%s", name);
+  else
+    snprintf(out, 64, "%s.class%d", name, item % PARTS - 1);
+}
+
+static void load_name(const dem_model *m, int item, char out[64]) {
+  if (item < m->nbody) {
+    snprintf(out, 64, "%s", m->body[item].name);
+    return;
+  }
+  const dem_geometry *g = &m->geometry[item - m->nbody];
+  snprintf(out, 64, "%s.shape%d", m->body[g->body].name, g->number);
+}
+
+/* ---- values ---- */
+
+#define VALUE(what) static double what(const observation *o, int item, int part)
+#define UNUSED (void)item, (void)part
+
+VALUE(particle_count) {
+  UNUSED;
+  return o->data->nparticle;
+}
+
+VALUE(com) {
+  (void)item;
+  return (&o->com.x)[part];
+}
+
+VALUE(velocity) {
+  (void)item;
+  return (&o->velocity.x)[part];
+}
+
+VALUE(kinetic_energy) {
+  UNUSED;
+  return o->kinetic;
+}
+
+VALUE(contacts) {
+  UNUSED;
+  return (double)o->data->ncontact;
+}
+
+VALUE(lost) {
+  UNUSED;
+  return (double)dem_count_lost(o->data);
+}
+
+VALUE(mass) {
+  UNUSED;
+  return o->mass;
+}
+
+VALUE(potential_energy) {
+  UNUSED;
+  return o->potential;
+}
+
+VALUE(elastic_energy) {
+  UNUSED;
+  return dem_energy_elastic(&o->data->energy);
+}
+
+VALUE(wall_work) {
+  UNUSED;
+  return o->data->energy.wall_work;
+}
+
+VALUE(supplied_energy) {
+  UNUSED;
+  return o->data->energy.supplied;
+}
+
+VALUE(dissipated_energy) {
+  (void)item;
+  return o->data->energy.dissipated[part];
+}
+
+VALUE(created) {
+  (void)part;
+  return (double)o->data->source[item].made;
+}
+
+VALUE(waiting) {
+  (void)part;
+  return (double)(o->data->source[item].due - o->data->source[item].made);
+}
+
+VALUE(removed) {
+  (void)part;
+  const dem_sink_state *s = &o->data->sink[item / PARTS];
+  return (double)(item % PARTS == 0 ? s->removed : s->class_removed[item % PARTS - 1]);
+}
+
+VALUE(removed_mass) {
+  (void)part;
+  const dem_sink_state *s = &o->data->sink[item / PARTS];
+  return item % PARTS == 0 ? s->mass : s->class_mass[item % PARTS - 1];
+}
+
+VALUE(left) {
+  UNUSED;
+  return (double)o->data->ledger.left;
+}
+
+VALUE(balance_number) {
+  UNUSED;
+  return dem_balance_number(o->data);
+}
+
+VALUE(balance_mass) {
+  UNUSED;
+  return dem_balance_mass(o->data);
+}
+
+static double component(const tdm_wrench *w, int part) {
+  return part < 3 ? (&w->force.x)[part] : (&w->moment.x)[part - 3];
+}
+
+VALUE(load) {
+  return component(&o->data->sample_mean[item], part);
+}
+
+VALUE(fixed_load) {
+  (void)item;
+  return component(&o->data->sample_mean[o->data->model->nload], part);
+}
+
+/* ---- the table ---- */
+
+static const row rows[] = {
+    {"particles.count", "1", always, particle_count, .course = HELD},
+    {"particles.com.x", "m", always, com, .course = CUBIC},
+    {"particles.com.y", "m", always, com, .part = 1, .course = CUBIC},
+    {"particles.com.z", "m", always, com, .part = 2, .course = CUBIC},
+    {"particles.velocity.x", "m/s", always, velocity, .course = LINEAR},
+    {"particles.velocity.y", "m/s", always, velocity, .part = 1, .course = LINEAR},
+    {"particles.velocity.z", "m/s", always, velocity, .part = 2, .course = LINEAR},
+    {"particles.kinetic_energy", "J", always, kinetic_energy, .course = LINEAR},
+    {"particles.contacts", "1", always, contacts, .course = HELD},
+    {"particles.lost", "1", always, lost, .course = HELD},
+    {"particles.mass", "kg", always, mass, .course = HELD},
+
+    {"energy.potential", "J", with_energy, potential_energy, .course = LINEAR},
+    {"energy.elastic", "J", with_energy, elastic_energy, .course = LINEAR},
+    {"energy.wall_work", "J", with_energy, wall_work, .course = LINEAR},
+    {"energy.supplied", "J", with_energy, supplied_energy, .course = LINEAR},
+#define X(mechanism, name) \
+  {"energy.dissipated." name, "J", with_energy, dissipated_energy, .part = DEM_ENERGY_##mechanism, .course = LINEAR},
+    DEM_ENERGY_LIST(X)
+#undef X
+
+        {"source.*.created", "1", sources, created, .item_name = source_name},
+    {"source.*.waiting", "1", sources, waiting, .item_name = source_name},
+
+    {"sink.*.removed", "1", sinks, removed, .item_name = sink_name},
+    {"sink.*.mass", "kg", sinks, removed_mass, .item_name = sink_name},
+
+    {"particles.left", "1", with_domain, left, .course = HELD},
+    {"balance.number", "1", with_balance, balance_number, .course = HELD},
+    {"balance.mass", "kg", with_balance, balance_mass, .course = HELD},
+
+    {"body.*.fx", "N", loads, load, .course = MEAN, .item_name = load_name},
+    {"body.*.fy", "N", loads, load, .part = 1, .course = MEAN, .item_name = load_name},
+    {"body.*.fz", "N", loads, load, .part = 2, .course = MEAN, .item_name = load_name},
+    {"body.*.mx", "N m", loads, load, .part = 3, .course = MEAN, .item_name = load_name},
+    {"body.*.my", "N m", loads, load, .part = 4, .course = MEAN, .item_name = load_name},
+    {"body.*.mz", "N m", loads, load, .part = 5, .course = MEAN, .item_name = load_name},
+
+    {"fixed.fx", "N", with_fixed, fixed_load, .course = MEAN},
+    {"fixed.fy", "N", with_fixed, fixed_load, .part = 1, .course = MEAN},
+    {"fixed.fz", "N", with_fixed, fixed_load, .part = 2, .course = MEAN},
+};
+enum { NROW = sizeof rows / sizeof rows[0] };
+
+/* ---- the channels of a scene ---- */
+
+static void name_channel(tdm_channel *channel, const row *r, const dem_model *m, int item) {
+  char of[64] = "";
+  if (r->item_name)
+    r->item_name(m, item, of);
+  size_t before = strcspn(r->name, "*");
+  snprintf(channel->name, sizeof channel->name, "%.*s%s%s", (int)before, r->name, of,
+           r->name[before] ? r->name + before + 1 : "");
+  snprintf(channel->unit, sizeof channel->unit, "%s", r->unit);
+}
+
+/* Put the channels of this scene in their places (NULL: only count them); returns how many there are. */
+static int lay_out(const dem_channels *to, const dem_model *m) {
+  int n = 0;
+  for (int first = 0, end; first < NROW; first = end) {
+    for (end = first + 1; end < NROW && rows[end].next == rows[first].next;)
+      end++;
+    for (int item = rows[first].next(m, -1); item >= 0; item = rows[first].next(m, item))
+      for (int r = first; r < end; r++, n++)
+        if (to) {
+          to->place[n] = (struct dem_channel_place){&rows[r], item};
+          name_channel(&to->channel[n], &rows[r], m, item);
+        }
+  }
+  return n;
+}
+
+tdm_status dem_channels_make(dem_channels *c, const dem_model *m, tdm_error *err) {
+  *c = (dem_channels){.count = lay_out(NULL, m)};
+  c->channel = calloc((size_t)c->count, sizeof *c->channel);
+  c->place = calloc((size_t)c->count, sizeof *c->place);
+  if (!c->channel || !c->place)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d output channels", c->count);
+  lay_out(c, m);
+  return TDM_OK;
+}
+
+void dem_channels_free(dem_channels *c) {
+  free(c->channel);
+  free(c->place);
+  *c = (dem_channels){0};
+}
+
+/* ---- values of a state ---- */
+
+static observation observe(const dem_data *d) {
+  observation o = {.data = d};
+  for (int i = 0; i < d->nparticle; i++) {
+    o.mass += d->mass[i];
+    o.com = tdm_axpy(d->mass[i], d->sphere[i].position, o.com);
+    o.velocity = tdm_axpy(d->mass[i], d->pace[i].velocity, o.velocity);
+    double inertia = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius;
+    o.kinetic += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
+    o.kinetic += 0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
+  }
+  for (int i = 0; d->model->energy && i < d->nparticle; i++)
+    o.potential -= d->mass[i] * tdm_dot(dem_field(d, i), d->sphere[i].position);
+  double per_mass = o.mass > 0 ? 1 / o.mass : 0;
+  o.com = tdm_scale(per_mass, o.com);
+  o.velocity = tdm_scale(per_mass, o.velocity);
+  return o;
+}
+
+void dem_channels_sample(const dem_channels *c, const dem_data *d, double *out) {
+  const observation o = observe(d);
+  for (int k = 0; k < c->count; k++)
+    out[k] = c->place[k].row->value(&o, c->place[k].item, c->place[k].row->part);
+}
+
+/* ---- inside a step ---- */
+
+/* The place between two ends, with the velocities there: Hermite's cubic, exact under constant forces. */
+static double cubic(double f, double dt, double x0, double x1, double v0, double v1) {
+  double back = 1 - f;
+  return back * back * (1 + 2 * f) * x0 + f * f * (3 - 2 * f) * x1 + dt * f * back * (back * v0 - f * v1);
+}
+
+void dem_channels_within(const dem_channels *channels, double share, double dt, const double *before, double *now) {
+  const bool same = now[0] == before[0]; /* number of particles */
+  for (int c = 0; c < channels->count; c++)
+    switch (channels->place[c].row->course) {
+    case CUBIC:
+      now[c] = same ? cubic(share, dt, before[c], now[c], before[c + 3], now[c + 3])
+                    : before[c] + share * dt * before[c + 3];
+      break;
+    case LINEAR:
+      now[c] = same ? before[c] + share * (now[c] - before[c]) : before[c];
+      break;
+    case HELD:
+      now[c] = before[c];
+      break;
+    case MEAN:
+      break;
+    }
+}
+
+double dem_share_of_step(double time, double t, double dt) {
+  double share = 1 - (t - time) / dt;
+  return share > 1 - 1e-6 ? 1 : fmax(share, 0);
+}

@@ -1,0 +1,207 @@
+/* The engine's life: create, save and restore, destroy. See dem.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/adapter/engine.h"
+
+#include "dem/bodies/walls.h"
+#include "dem/contact/energy.h"
+#include "dem/flow/flow.h"
+#include "dem/model/group_options.h"
+#include "dem/model/model_read.h"
+#include "dem/settle/settle.h"
+#include "dem/state/state_file.h"
+#include "dem/step/forces.h"
+#include "dem/watch/check.h"
+#include "dem/watch/energy_balance.h"
+#include "dem/watch/guard.h"
+#include "protocol/base/log.h"
+
+#include <assert.h>
+#include <gsl/gsl_errno.h>
+#include <stdlib.h>
+
+/* ---- the start ---- */
+
+/* particles from elsewhere: pairs of materials that nobody gave, radii that the box is too narrow for */
+static tdm_status check_started(const dem_data *d, tdm_error *err) {
+  const dem_model *m = d->model;
+  double largest = 0;
+  for (int i = 0; i < d->nparticle && !err->status; i++) {
+    largest = fmax(largest, d->sphere[i].radius);
+    for (int j = i > 0 && d->material[i] == d->material[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
+      if (!m->pair[d->material[i] * m->nmaterial + j].given) {
+        const char *a = m->material[d->material[i]].name, *b = m->material[j].name;
+        return tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
+                        "\"%s\" and \"%s\" have no entry, but dem.start brings particles of \"%s\"; add one", a, b, a);
+      }
+  }
+  dem_domain_check(m, largest, err);
+  return err->status;
+}
+
+/* the particles of the stored state dem.start; lids stay where it has them unless there is settling to come */
+static tdm_status start_from(dem_data *d, tdm_error *err) {
+  if (dem_state_read(d, DEM_STATE_START, d->model->start, "dem.start", NULL, 0, err))
+    return err->status;
+  if (check_started(d, err))
+    return err->status;
+  if (d->model->settle.wanted)
+    dem_lids_away(d);
+  if (!dem_forces_now(d, false))
+    return tdm_fail(err, TDM_ERR_MEMORY, "dem.start", "no memory for the neighbour lists");
+  return TDM_OK;
+}
+
+/* no memory for the neighbour lists */
+static tdm_status evaluate(dem_data *d, tdm_error *err) {
+  return dem_forces_now(d, false) ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+}
+
+/* Particles in place and at rest. */
+static tdm_status place_particles(dem_engine *e, dem_settled *settled, int *nbehind, tdm_error *err) {
+  const dem_model *m = e->model;
+  dem_data *d = e->data;
+  if (m->start && start_from(d, err))
+    return err->status;
+  if (dem_check_start(d, nbehind, err) || dem_check_step(d, m->dt, "time.dt", err))
+    return err->status;
+  if (m->settle.wanted)
+    return dem_settle(d, e->participant, settled, err);
+  return !m->start && dem_lids_place(d) ? evaluate(d, err) : TDM_OK;
+}
+
+/* The means of the output interval before the first sample are what acts at the start. */
+static void begin_samples(dem_data *d) {
+  const dem_model *m = d->model;
+  for (int l = 0; l < m->nload; l++)
+    d->sample_mean[l] = d->body_load[l];
+  d->sample_mean[m->nload].force = dem_fixed_force(d);
+}
+
+static void tell_start(dem_engine *e) {
+  dem_channels_sample(&e->channels, e->data, e->initial);
+  e->start = (dem_start){.load = e->load,
+                         .nchannel = e->channels.count,
+                         .channel = e->channels.channel,
+                         .initial = e->initial,
+                         .nwarning = e->report.nwarning,
+                         .warning = e->report.warning,
+                         .energy = dem_energy_balance_look(e->data),
+                         .rest = dem_rest_energy(e->data),
+                         .gravity = e->model->gravity,
+                         .report = e->report.json};
+}
+
+static tdm_status start(dem_engine *e, tdm_error *err) {
+  const dem_model *m = e->model;
+  dem_data *d = e->data;
+  int nbehind = 0;
+  dem_settled settled = {.rest = true, .pressed = true};
+  if (place_particles(e, &settled, &nbehind, err))
+    return err->status;
+  dem_energy_begin(&d->energy);
+  dem_guard_begin(d);
+  dem_energy_balance_begin(d);
+  if (dem_report_make(&e->report, d, &settled, nbehind, err))
+    return err->status;
+  e->contact_time = e->report.limits.contact;
+  for (int c = 0; c < m->ncoupled; c++)
+    e->load[c] = d->body_load[m->coupled_body[c]];
+  begin_samples(d);
+  int nparticle = d->nparticle;
+  if (!dem_flow(d, m->time_start, m->dt))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
+  dem_report_flow(&e->report, d);
+  tell_start(e);
+  tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,
+          m->nwall, d->ncontact, settled.time, settled.stored ? "yes" : "no");
+  return TDM_OK;
+}
+
+/* ---- create and destroy ---- */
+
+tdm_status dem_engine_check_proxy(const dem_engine *e, tdm_error *err) {
+  if (!e->model->integrator->kick) /* multi-step's slow kicks would act on the mechanism once a step */
+    return TDM_OK;
+  return tdm_fail(err, TDM_ERR_SCENE, "dem.integrator",
+                  "\"%s\" cannot carry the mechanism of a scheme with a proxy; take \"verlet\", or \"dem-first\" or "
+                  "\"lommen\" as coupling.scheme",
+                  e->model->integrator->name);
+}
+
+static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {
+  if (dem_channels_make(&e->channels, e->model, err))
+    return err->status;
+  const size_t n = (size_t)e->channels.count;
+  e->data = dem_data_create(e->model);
+  e->load = calloc((size_t)assignment->nbody + 1, sizeof *e->load);
+  e->initial = calloc(n, sizeof *e->initial);
+  e->before = calloc(n, sizeof *e->before);
+  e->proxy = dem_proxy_create(e->model, assignment);
+  if (!e->data || !e->load || !e->initial || !e->before || !e->proxy)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", e->model->nparticle);
+  return TDM_OK;
+}
+
+tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignment, tdm_participant *participant,
+                             tdm_error *err) {
+  assert(!*engine);
+  gsl_set_error_handler_off(); /* GSL would abort the process; what its functions return is looked at */
+  dem_engine *e = calloc(1, sizeof *e);
+  if (!e)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM engine");
+  e->participant = participant;
+  if (dem_model_load(&e->model, assignment, err) || (assignment->proxy && dem_engine_check_proxy(e, err)) ||
+      allocate(e, assignment, err) || start(e, err)) {
+    dem_engine_destroy(&e);
+    return err->status;
+  }
+  *engine = e;
+  return TDM_OK;
+}
+
+void dem_engine_destroy(dem_engine **engine) {
+  dem_engine *e = *engine;
+  if (!e)
+    return;
+  for (int k = 0; k < TDM_SLOTS_MAX; k++)
+    dem_data_destroy(&e->slot[k]);
+  json_decref(e->report.json);
+  dem_channels_free(&e->channels);
+  dem_proxy_destroy(&e->proxy);
+  dem_data_destroy(&e->data);
+  dem_model_destroy(&e->model);
+  free(e->initial);
+  free(e->before);
+  free(e->load);
+  free(e);
+  *engine = NULL;
+}
+
+const dem_start *dem_engine_start(const dem_engine *e) {
+  return &e->start;
+}
+
+const dem_data *dem_engine_data(const dem_engine *e) {
+  return e->data;
+}
+
+/* ---- save and restore ---- */
+
+tdm_status dem_engine_save(dem_engine *e, int slot, tdm_error *err) {
+  assert(slot >= 0 && slot < TDM_SLOTS_MAX);
+  dem_data **kept = &e->slot[slot];
+  if (!*kept)
+    *kept = dem_data_create(e->model);
+  if (!*kept || !dem_data_copy(*kept, e->data))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->nparticle);
+  return TDM_OK;
+}
+
+tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
+  assert(slot >= 0 && slot < TDM_SLOTS_MAX);
+  if (!e->slot[slot])
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
+  if (!dem_data_copy(e->data, e->slot[slot]))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->nparticle);
+  return TDM_OK;
+}

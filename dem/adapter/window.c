@@ -1,0 +1,138 @@
+/* A window of the engine: its steps, and the samples of the outputs. See dem.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/adapter/engine.h"
+
+#include "dem/flow/flow.h"
+#include "dem/step/step.h"
+#include "dem/watch/check.h"
+#include "dem/watch/energy_balance.h"
+#include "dem/watch/guard.h"
+
+#include <string.h>
+
+/* ---- samples ---- */
+
+static tdm_wrench mean_load(const tdm_wrench *sum, double n) {
+  return (tdm_wrench){tdm_scale(1 / n, sum->force), tdm_scale(1 / n, sum->moment)};
+}
+
+static void add_load(tdm_wrench *sum, double weight, const tdm_wrench *load) {
+  sum->force = tdm_axpy(weight, load->force, sum->force);
+  sum->moment = tdm_axpy(weight, load->moment, sum->moment);
+}
+
+/* The share `share` of the present step, into the means of the output interval. */
+static void sum_loads(dem_data *d, double share, tdm_vec3 fixed) {
+  const int nload = d->model->nload;
+  for (int l = 0; l < nload; l++)
+    add_load(&d->sample_sum[l], share, &d->body_load[l]);
+  add_load(&d->sample_sum[nload], share, &(tdm_wrench){.force = fixed});
+  d->sample_steps += share;
+}
+
+/* Close the output interval: means since the sample before (which repeats if no time lies between), and channels, at
+ * `share` of the present step. */
+static void close_sample(dem_engine *e, int j, double share, double dt, const dem_outcome *out) {
+  dem_data *d = e->data;
+  const dem_model *m = e->model;
+  for (int l = 0; l <= m->nload; l++) {
+    if (d->sample_steps > 0)
+      d->sample_mean[l] = mean_load(&d->sample_sum[l], d->sample_steps);
+    d->sample_sum[l] = (tdm_wrench){0};
+  }
+  for (int c = 0; c < m->ncoupled && out->sample_load; c++)
+    out->sample_load[j * m->ncoupled + c] = d->sample_mean[m->coupled_body[c]];
+  d->sample_steps = 0;
+  if (!out->channel)
+    return;
+  double *values = &out->channel[j * e->channels.count];
+  dem_channels_sample(&e->channels, d, values);
+  if (share < 1)
+    dem_channels_within(&e->channels, share, dt, e->before, values);
+}
+
+/* The step that ended at t is done: its loads into the means, and the output times up to t. The last step of a window
+ * closes what is left. `fixed`: force on fixed particles before any came or went. */
+static void sample_step(dem_engine *e, const dem_window *w, bool last, double t, double dt, tdm_vec3 fixed, int *sample,
+                        const dem_outcome *out) {
+  double from = 0;
+  for (; *sample < w->nsample && (last || w->sample_time[*sample] <= t + 1e-6 * dt); ++*sample) {
+    double share = dem_share_of_step(w->sample_time[*sample], t, dt);
+    if (share > from)
+      sum_loads(e->data, share - from, fixed);
+    from = fmax(from, share);
+    close_sample(e, *sample, share, dt, out);
+  }
+  if (from < 1)
+    sum_loads(e->data, 1 - from, fixed);
+}
+
+/* ---- steps ---- */
+
+/* the step of this window: the scene's, unless the window is no whole number of them */
+static double step_length(const dem_model *m, const dem_window *w) {
+  double own = (w->t1 - w->t0) / (double)w->nstep;
+  return fabs(own - m->dt) <= 1e-6 * m->dt ? m->dt : own;
+}
+
+/* The time at which step k, the next one, ends: from the number of steps since the start, so that sources do not depend
+ * on how the run is cut into windows; from the window when that is not cut into the scene's steps. */
+static double step_time(const dem_data *d, const dem_window *w, uint64_t k, double dt) {
+  double t = w->t0 + (double)k * dt, own = d->model->time_start + (double)(d->nstep + 1) * d->model->dt;
+  return fabs(t - own) < 1e-3 * dt ? own : t;
+}
+
+static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *task, const dem_outcome *out,
+                            tdm_error *err) {
+  dem_data *d = e->data;
+  const double dt = task->dt;
+  int sample = 0;
+  for (task->k = 1; task->k <= w->nstep; task->k++) {
+    const bool last = task->k == w->nstep;
+    task->time = step_time(d, w, task->k, dt);
+    if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1)
+      dem_channels_sample(&e->channels, d, e->before);
+    d->traction.wanted = e->model->triangle_forces && last; /* runs end windows where they write files */
+    if (dem_step(d, task, err))
+      return err->status;
+    sample_step(e, w, last, task->time, dt, task->sums->fixed, &sample, out);
+    if (tdm_participant_alive(e->participant))
+      return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", task->time);
+  }
+  return TDM_OK;
+}
+
+/* what the window came to, after its last step */
+static void conclude(dem_engine *e, const dem_window *w, const dem_outcome *out) {
+  const dem_model *m = e->model;
+  if (w->mechanism)
+    dem_proxy_end(e->proxy, e->data, out->body, out->further);
+  for (int c = 0; c < m->ncoupled && out->load; c++)
+    out->load[c] = mean_load(&e->load[c], (double)w->nstep);
+  if (out->energy)
+    *out->energy = dem_energy_balance_look(e->data);
+  if (w->t1 >= m->time_end - 1e-3 * m->dt) {
+    dem_guard_end(e->data, w->t1);
+    dem_flow_end(e->data, w->t1);
+  }
+}
+
+tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
+  const double dt = step_length(e->model, w);
+  if (w->mechanism &&
+      (dem_engine_check_proxy(e, err) || dem_proxy_begin(e->proxy, e->data, w->mechanism, dt, e->contact_time, err)))
+    return err->status;
+  memset(e->load, 0, (size_t)e->model->ncoupled * sizeof *e->load);
+  dem_window_sums sums = {.duration = w->t1 - w->t0, .load = e->load, .body = out->body};
+  dem_step_task task = {.dt = dt,
+                        .flow = true,
+                        .guard = true,
+                        .path = w->mechanism ? NULL : w->path,
+                        .proxy = w->mechanism ? e->proxy : NULL,
+                        .n = w->nstep,
+                        .sums = &sums};
+  if (run_steps(e, w, &task, out, err))
+    return err->status;
+  conclude(e, w, out);
+  return dem_check_finite(e->data, w->t1, err);
+}
