@@ -15,12 +15,6 @@
   "0.01," particle "}]}"
 #define SMOOTH "'normal':'hooke','tangential':'none'"
 
-static void ck_vector(tdm_vec3 v, tdm_vec3 e, double tolerance) {
-  ck_near(v.x, e.x, tolerance);
-  ck_near(v.y, e.y, tolerance);
-  ck_near(v.z, e.z, tolerance);
-}
-
 START_TEST(geometry) {
   rig *r = rig_make(
       scene_json(SCENE("[0,0,0]", SMOOTH, "'radius':0.5,'center':[0,0,1],'surface_rotation':{'axis':[0,0,1],'rate':2}",

@@ -8,26 +8,10 @@
 #include "dem/geometry/wall/mesh_wall.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"
+#include "test_random.h"
 #include "tests/test_main.h"
 
-#include <stdint.h>
 #include <unistd.h>
-
-static uint64_t state;
-
-/* uniform in [low, high), the same in every run (splitmix64) */
-static double between(double low, double high) {
-  uint64_t z = state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return low + (high - low) * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53);
-}
-
-static void ck_vector(tdm_vec3 v, tdm_vec3 e, double tolerance) {
-  double off = tdm_norm(tdm_sub(v, e));
-  ck_assert_msg(off <= tolerance, "[%.17g, %.17g, %.17g] is off [%.17g, %.17g, %.17g] by %.3g", v.x, v.y, v.z, e.x, e.y,
-                e.z, off);
-}
 
 /* ---- cylinders and cones ---- */
 
@@ -83,7 +67,7 @@ static const round_shape shapes[] = {{{1, 1}, 2}, {{0.3, 1}, 0.7}, {{1, 0.2}, 3}
 
 START_TEST(test_shell) {
   const round_shape *c = &shapes[_i];
-  state = 1;
+  random_state = 1;
   for (int trial = 0; trial < 200; trial++) {
     tdm_vec3 n, m, x = tdm_v3(between(-1.5, 1.5), between(-1.5, 1.5), between(-1, c->length + 1));
     double gap = dem_shell_gap(c->radius, c->length, x, &n);
@@ -97,7 +81,7 @@ END_TEST
 
 START_TEST(test_solid) {
   const round_shape *c = &shapes[_i];
-  state = 2;
+  random_state = 2;
   int inside = 0;
   for (int trial = 0; trial < 400; trial++) {
     tdm_vec3 n, m, x = tdm_v3(between(-1.2, 1.2), between(-1.2, 1.2), between(-0.3, c->length + 0.3));

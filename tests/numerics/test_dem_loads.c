@@ -14,12 +14,6 @@
 #define MATERIAL "'materials':[{'name':'a','density':2500,'young_modulus':1e7,'poisson_ratio':0.25}]"
 #define PAIR "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}]"
 
-static void ck_vector(tdm_vec3 v, tdm_vec3 e, double tolerance) {
-  double off = tdm_norm(tdm_sub(v, e));
-  ck_assert_msg(off <= tolerance, "[%.17g, %.17g, %.17g] is off [%.17g, %.17g, %.17g] by %.3g", v.x, v.y, v.z, e.x, e.y,
-                e.z, off);
-}
-
 /* ---- channels ---- */
 
 typedef struct {

@@ -23,6 +23,13 @@
   } while (0)
 #define ck_relative(value, expected, tolerance) ck_near(value, expected, (tolerance)*fabs(expected))
 
+/* Is the vector the expected one? The distance between the two counts. */
+static inline void ck_vector(tdm_vec3 v, tdm_vec3 e, double tolerance) {
+  double off = tdm_norm(tdm_sub(v, e));
+  ck_assert_msg(off <= tolerance, "[%.17g, %.17g, %.17g] is off [%.17g, %.17g, %.17g] by %.3g", v.x, v.y, v.z, e.x, e.y,
+                e.z, off);
+}
+
 /* JSON with ' for ", so that scenes read well in C. printf format. */
 static inline json_t *scene_json(const char *format, ...) {
   static char text[65536];
