@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const cpl_solver solvers[CPL_NROLE] = {
     [CPL_MBD] = {"tandem-mbd", &mbd_solver_ops},
@@ -119,6 +120,11 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
   cpl_run(&options, &result, err);
   if (result.windows > 0)
     cpl_run_print(&result, options.out);
+  if (result.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */
+    fprintf(stderr, "tandem: error: %s\n", err->message);
+    fflush(NULL);
+    _exit(EXIT_FAILURE);
+  }
   return err->status;
 }
 

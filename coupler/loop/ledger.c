@@ -2,7 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/ledger.h"
 
-#include "coupler/loop/window.h"
+#include "coupler/loop/loop.h"
+#include "coupler/loop/momentum.h"
+#include "coupler/loop/record.h"
 #include "protocol/app/results.h"
 #include "protocol/base/remark.h"
 
@@ -38,6 +40,43 @@ static const char *const body_columns[BODY_COLUMNS] = {"impulse.x [N s]",
                                                        "blending [J]",
                                                        "drift [m]",
                                                        "drift_angle [rad]"};
+
+/* Sums since the start, of one body. */
+typedef struct {
+  tdm_wrench impulse;               /* [N s], [N m s] */
+  double work[CPL_NROLE], blending; /* [J] */
+  double drift, angle;              /* largest since the row before [m], [rad] */
+  double most_drift, most_angle;    /* largest of the run */
+  cpl_momentum momentum;            /* of the loads that MBD was given */
+} ledger_body;
+
+typedef struct {
+  const cpl_settings *settings;
+  const tdm_assigned_body *of; /* (nbody) as MBD told them, borrowed */
+  FILE *file;                  /* ledger.csv, the record's */
+  int nbody;
+  ledger_body *body; /* (nbody) */
+  double *row;       /* of the file */
+  bool has_energy[CPL_NROLE];
+  tdm_energy energy[CPL_NROLE]; /* as last looked at */
+  uint64_t looks;               /* at both */
+  double size;                  /* of the sums of the last one, for round-off [J] */
+  double start, balance;        /* G at the first look, and its growth since [J] */
+  double lowest;                /* G so far [J] */
+  double own[CPL_NROLE];        /* lowest so far of stored - supplied - work of the coupling load, of each solver [J] */
+  double rest;                  /* of both: less energy than that is no motion to judge by [J] */
+  double kinetic;               /* largest of both so far [J] */
+  double potential[2];          /* least and greatest of what is stored otherwise [J] */
+  double rise;                  /* largest of G over its lowest [J] */
+  double exchange;              /* energy that the exchange has made [J] */
+  double drivers;               /* residuals - blending of the bodies whose motion is prescribed [J] */
+  double exchange_lowest;       /* [J] */
+  double exchange_rise;         /* largest over its lowest [J] */
+  double residual;              /* largest magnitude of the exchange so far [J] */
+  double worked;                /* sum over windows and bodies of |work on DEM's side|, but for prescribed bodies [J] */
+  int rises;                    /* looks in a row with more than the guard allows */
+  double gained_at;             /* when the guard first would have spoken [s]; NaN: never */
+} ledger;
 
 /* ---- one body ---- */
 
@@ -83,7 +122,7 @@ double cpl_work_through(const tdm_nodes *path, int body, const tdm_state *start,
   return work;
 }
 
-static void add_impulse(cpl_ledger_body *b, double h, const tdm_wrench *mean) {
+static void add_impulse(ledger_body *b, double h, const tdm_wrench *mean) {
   b->impulse.force = tdm_axpy(h, mean->force, b->impulse.force);
   b->impulse.moment = tdm_axpy(h, mean->moment, b->impulse.moment);
 }
@@ -96,7 +135,7 @@ static double work_of_mean(const tdm_wrench *mean, const tdm_state *start, const
 }
 
 /* through: MBD's path, with nodes if any were told. Returns the work on DEM's side. */
-static double enter_body(cpl_ledger_body *b, const cpl_loop *loop, const tdm_nodes *through, int i) {
+static double enter_body(ledger_body *b, const cpl_loop *loop, const tdm_nodes *through, int i) {
   const tdm_result *dem = &loop->result[CPL_DEM];
   const tdm_interface *own = dem->ninterface > 0 ? &dem->body[i] : NULL;
   const tdm_state *there = own ? &own->end : &loop->sent_end[i], *here = &loop->state_end[i];
@@ -124,13 +163,13 @@ static double enter_body(cpl_ledger_body *b, const cpl_loop *loop, const tdm_nod
   return work;
 }
 
-static double residual_of(const cpl_ledger_body *b) {
+static double residual_of(const ledger_body *b) {
   return b->work[CPL_MBD] - b->work[CPL_DEM];
 }
 
 /* All bodies: what the exchange has made. MBD's own account is exact; the closed form for a body takes its velocity in
  * the window for a parabola. */
-static void enter_exchange(cpl_ledger *l, const cpl_loop *loop) {
+static void enter_exchange(ledger *l, const cpl_loop *loop) {
   const tdm_result *mbd = &loop->result[CPL_MBD];
   double given = 0, felt = 0;
   l->drivers = 0;
@@ -151,12 +190,12 @@ static void enter_exchange(cpl_ledger *l, const cpl_loop *loop) {
 /* ---- energy ---- */
 
 /* The largest energy so far, without the zero of the potentials, and not less than what all has at rest [J]. */
-static double largest_energy(const cpl_ledger *l) {
+static double largest_energy(const ledger *l) {
   return l->looks > 0 ? fmax(l->kinetic + l->potential[1] - l->potential[0], l->rest) : NAN;
 }
 
 /* What a solver has and was not given, by whatever went through the interface too [J]: only its own errors raise it. */
-static double own_balance(const cpl_ledger *l, int role) {
+static double own_balance(const ledger *l, int role) {
   double work = 0;
   for (int i = 0; i < l->nbody; i++)
     work += role == CPL_MBD ? l->body[i].work[CPL_MBD] : -l->body[i].work[CPL_DEM];
@@ -164,12 +203,12 @@ static double own_balance(const cpl_ledger *l, int role) {
 }
 
 /* Has the exchange made most of this rise of the balance? */
-static bool through_exchange(const cpl_ledger *l, double rise) {
+static bool through_exchange(const ledger *l, double rise) {
   return l->exchange_rise >= 0.5 * rise;
 }
 
 /* Both solvers were looked at: the balance, and by how much it has risen. True: by more than the guard allows. */
-static bool look(cpl_ledger *l) {
+static bool look(ledger *l) {
   double stored = 0, kinetic = 0, supplied = 0;
   l->size = 0;
   for (int r = 0; r < CPL_NROLE; r++) {
@@ -199,10 +238,10 @@ static bool look(cpl_ledger *l) {
 
 /* ---- the file ---- */
 
-static void write_row(cpl_ledger *l, double time) {
+static void write_row(ledger *l, double time) {
   double *at = l->row;
   for (int i = 0; i < l->nbody; i++) {
-    cpl_ledger_body *b = &l->body[i];
+    ledger_body *b = &l->body[i];
     memcpy(at, &b->impulse, sizeof b->impulse);
     at += TDM_WRENCH_DOUBLES;
     *at++ = b->work[CPL_DEM];
@@ -225,7 +264,7 @@ static void write_row(cpl_ledger *l, double time) {
   tdm_write_row(l->file, time, l->row, (int)(at - l->row));
 }
 
-static void write_header(const cpl_ledger *l) {
+static void write_header(const ledger *l) {
   static const char *const energy[ENERGY_COLUMNS] = {"energy", "supplied"};
   fputs("time [s]", l->file);
   for (int i = 0; i < l->nbody; i++)
@@ -241,16 +280,18 @@ static void write_header(const cpl_ledger *l) {
   fputc('\n', l->file);
 }
 
-tdm_status cpl_ledger_begin(cpl_ledger *l, const cpl_settings *settings, const cpl_session *session, FILE *file,
-                            tdm_error *err) {
-  size_t nbody = (size_t)settings->nbody;
-  *l = (cpl_ledger){
-      .settings = settings, .of = session->body, .file = file, .gained_at = NAN, .potential = {INFINITY, -INFINITY}};
+static tdm_status begin(const cpl_loop *loop, void **own, tdm_error *err) {
+  const cpl_session *session = loop->session;
+  const size_t nbody = (size_t)loop->nbody;
+  ledger *l = *own = calloc(1, sizeof *l);
+  if (!l)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  *l = (ledger){.settings = loop->settings, .of = session->body, .gained_at = NAN, .potential = {INFINITY, -INFINITY}};
   l->body = calloc(nbody + 1, sizeof *l->body);
   l->row = calloc(BODY_COLUMNS * nbody + CPL_NROLE * ENERGY_COLUMNS + 2, sizeof *l->row);
   if (!l->body || !l->row)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  l->nbody = settings->nbody;
+  l->nbody = loop->nbody;
   for (int r = 0; r < CPL_NROLE; r++) {
     l->has_energy[r] = cpl_session_asks(session, (cpl_role)r, "energy");
     l->energy[r] = session->partner[r].energy;
@@ -258,21 +299,27 @@ tdm_status cpl_ledger_begin(cpl_ledger *l, const cpl_settings *settings, const c
   }
   if (!isnan(l->energy[CPL_MBD].stored + l->energy[CPL_DEM].stored))
     look(l);
+  l->file = cpl_record_file(loop->record, "ledger.csv", err);
+  if (!l->file)
+    return err->status;
   write_header(l);
   write_row(l, 0);
   return TDM_OK;
 }
 
-void cpl_ledger_free(cpl_ledger *l) {
+static void leave(void *own) {
+  ledger *l = own;
+  if (!l)
+    return;
   free(l->body);
   free(l->row);
-  *l = (cpl_ledger){0};
+  free(l);
 }
 
 /* ---- the guard ---- */
 
 /* the body through which most energy came */
-static int worst_body(const cpl_ledger *l) {
+static int worst_body(const ledger *l) {
   int worst = 0;
   for (int i = 1; i < l->nbody; i++)
     if (residual_of(&l->body[i]) > residual_of(&l->body[worst]))
@@ -280,15 +327,15 @@ static int worst_body(const cpl_ledger *l) {
   return worst;
 }
 
-/* ", NAME as coupling.scheme": a better one, if there is */
-static const char *better_scheme(const cpl_loop *loop) {
-  return strcmp(loop->scheme->name, "iterative") == 0 ? ""
-         : strcmp(loop->scheme->name, "proxy") == 0   ? ", \"iterative\" as coupling.scheme"
-                                                      : ", \"proxy\" as coupling.scheme";
+/* ", NAME as coupling.scheme": a better one, if there is; returns text */
+static const char *better_scheme(const cpl_loop *loop, char *text, size_t size) {
+  const char *better = loop->scheme->better;
+  snprintf(text, size, better ? ", \"%s\" as coupling.scheme" : "", better);
+  return text;
 }
 
 /* where the energy came from, and what helps; returns the place in the scene to look at */
-static const char *find_cause(const cpl_ledger *l, const cpl_loop *loop, char *text, size_t size) {
+static const char *find_cause(const ledger *l, const cpl_loop *loop, char *text, size_t size) {
   const double rise = l->start + l->balance - l->lowest;
   if (!through_exchange(l, rise)) {
     double made[CPL_NROLE];
@@ -303,13 +350,14 @@ static const char *find_cause(const cpl_ledger *l, const cpl_loop *loop, char *t
     return dem ? "dem" : "mbd";
   }
   int worst = worst_body(l);
+  char better[64];
   snprintf(text, size,
            "the exchange made it, most at body \"%.200s\": take a smaller coupling.n%s, or a smaller time.dt",
-           l->settings->body[worst].name[CPL_MBD], better_scheme(loop));
+           l->settings->body[worst].name[CPL_MBD], better_scheme(loop, better, sizeof better));
   return "coupling.n";
 }
 
-static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
+static tdm_status tell(ledger *l, const cpl_loop *loop, tdm_error *err) {
   char text[TDM_MESSAGE_MAX], cause[512];
   const cpl_settings *s = l->settings;
   const double rise = l->start + l->balance - l->lowest, made = l->exchange - l->exchange_lowest;
@@ -326,7 +374,7 @@ static tdm_status tell(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
+static tdm_status judge(ledger *l, const cpl_loop *loop, tdm_error *err) {
   bool both = true;
   for (int r = 0; r < CPL_NROLE; r++) {
     const tdm_energy *e = l->has_energy[r] ? loop->result[r].energy : NULL;
@@ -347,14 +395,14 @@ static tdm_status judge(cpl_ledger *l, const cpl_loop *loop, tdm_error *err) {
 
 /* ---- a window ---- */
 
-tdm_status cpl_ledger_window(cpl_ledger *l, cpl_loop *loop, tdm_error *err) {
+static tdm_status enter_window(const cpl_loop *loop, void *own, tdm_error *err) {
+  ledger *l = own;
   const double end = loop->t1 - 1e-6 * l->settings->dt; /* times are multiples of two steps, which round apart */
   int k = 0;
   for (; k < loop->nsample && loop->sample_time[k] < end; k++)
     write_row(l, loop->row_time[k]);
-  const tdm_nodes *through = cpl_path_through(loop, loop->state_start, loop->state_end);
   for (int i = 0; i < l->nbody; i++) {
-    const double work = enter_body(&l->body[i], loop, through, i);
+    const double work = enter_body(&l->body[i], loop, loop->through, i);
     l->worked += loop->paths.prescribed[i] ? 0 : fabs(work);
     cpl_momentum_window(&l->body[i].momentum, loop, i);
   }
@@ -371,29 +419,35 @@ static json_t *number(double x) {
   return isfinite(x) ? json_real(x) : json_null();
 }
 
-bool cpl_ledger_inexact(const cpl_ledger *l, double *share) {
+/* What the exchange has made is more than coupling.guard.residual of the work that went through it (*share), and no
+ * trifle: more than a tenth of the energy that the guard allows. False where a solver does not tell its energy. */
+static bool inexact(const ledger *l, double *share) {
   const double most = largest_energy(l);
   *share = l->worked > 0 ? l->residual / l->worked : 0;
   return most > round_off * l->size && l->residual > trifle * l->settings->guard.energy * most &&
          *share > l->settings->guard.residual;
 }
 
-void cpl_ledger_end(const cpl_ledger *l, const cpl_loop *loop) {
+static void end(const cpl_loop *loop, void *own) {
+  const ledger *l = own;
   double share;
+  char better[64];
   for (int i = 0; i < l->nbody; i++)
     cpl_momentum_end(&l->body[i].momentum, loop, i);
-  if (cpl_ledger_inexact(l, &share))
+  if (inexact(l, &share))
     tdm_remark(TDM_WARNING, "inexact", "coupling.n", loop->t1,
                "inexact: the works of the coupling loads on both sides differ by up to %.2g of all that went through "
                "the interface (coupling.guard.residual allows %g); velocities may be off by percents; take a smaller "
                "coupling.n%s",
-               share, l->settings->guard.residual, better_scheme(loop));
+               share, l->settings->guard.residual, better_scheme(loop, better, sizeof better));
 }
 
-json_t *cpl_ledger_summary(const cpl_ledger *l) {
+static void enter(const cpl_loop *loop, const void *own, json_t *summary) {
+  const ledger *l = own;
+  (void)loop;
   json_t *bodies = json_object();
   for (int i = 0; i < l->nbody; i++) {
-    const cpl_ledger_body *b = &l->body[i];
+    const ledger_body *b = &l->body[i];
     json_object_set_new(bodies, l->settings->body[i].name[CPL_MBD],
                         json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "impulse_Ns",
                                   tdm_numbers_to_json(&b->impulse.force.x, 3), "angular_impulse_Nms",
@@ -405,15 +459,19 @@ json_t *cpl_ledger_summary(const cpl_ledger *l) {
                                   number(cpl_momentum_share(&b->momentum, &l->of[i]))));
   }
   double share, most = largest_energy(l);
-  const bool inexact = cpl_ledger_inexact(l, &share);
+  const bool is_inexact = inexact(l, &share);
   double scale = most > round_off * l->size ? most : NAN; /* else all of it is round-off */
   double allowed = l->settings->guard.energy * scale;
   bool gained = !isnan(l->gained_at) || l->exchange_rise > lenience * allowed ||
                 l->rise > (through_exchange(l, l->rise) ? allowed : lenience * allowed);
-  return json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "inexact",
-                   (int)inexact, "residual_share", number(share), "energy_residual", number(l->residual / scale),
-                   "energy_rise", number(l->rise / scale), "exchange_rise", number(l->exchange_rise / scale),
-                   "largest_energy_J", number(most), "exchange_J", number(l->exchange), "balance_J",
-                   l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s", number(l->gained_at), "bodies",
-                   bodies);
+  json_t *figures =
+      json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "inexact",
+                (int)is_inexact, "residual_share", number(share), "energy_residual", number(l->residual / scale),
+                "energy_rise", number(l->rise / scale), "exchange_rise", number(l->exchange_rise / scale),
+                "largest_energy_J", number(most), "exchange_J", number(l->exchange), "balance_J",
+                l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s", number(l->gained_at), "bodies", bodies);
+  json_object_set_new(summary, "ledger", figures);
 }
+
+const cpl_observer cpl_observer_ledger = {
+    .name = "ledger", .open = begin, .window = enter_window, .end = end, .enter = enter, .close = leave};

@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/momentum.h"
 
-#include "coupler/loop/window.h"
 #include "protocol/base/remark.h"
 
 #include <math.h>

@@ -10,9 +10,7 @@
 #ifndef CPL_LOOP_MOMENTUM_H
 #define CPL_LOOP_MOMENTUM_H
 
-#include "coupler/session/session.h"
-
-struct cpl_loop;
+#include "coupler/loop/loop.h"
 
 /* of one body */
 typedef struct {
@@ -23,12 +21,12 @@ typedef struct {
 } cpl_momentum;
 
 /* Enter the window that the loop has solved, for body i. */
-void cpl_momentum_window(cpl_momentum *momentum, const struct cpl_loop *loop, int i);
+void cpl_momentum_window(cpl_momentum *momentum, const cpl_loop *loop, int i);
 
 /* off/most; NaN: nothing can be said. */
 double cpl_momentum_share(const cpl_momentum *momentum, const tdm_assigned_body *body);
 
 /* The run has come to its end: warn if a body's share is above 1e-6. */
-void cpl_momentum_end(const cpl_momentum *momentum, const struct cpl_loop *loop, int i);
+void cpl_momentum_end(const cpl_momentum *momentum, const cpl_loop *loop, int i);
 
 #endif

@@ -3,7 +3,6 @@
 #include "coupler/loop/path.h"
 
 #include "coupler/loop/adapt.h"
-#include "coupler/loop/window.h"
 #include "protocol/base/remark.h"
 
 #include <limits.h>

@@ -11,52 +11,41 @@
 #ifndef CPL_LOOP_PATH_H
 #define CPL_LOOP_PATH_H
 
-#include "protocol/wire/participant.h"
-
-struct cpl_loop;
-
-typedef struct {
-  int nbody;
-  bool takes;       /* DEM has the capability "path" */
-  bool *prescribed; /* (nbody) loads leave the motion of the body as it is; false where that is not known */
-  tdm_nodes told;   /* of the window under way; no nodes: none were told */
-  tdm_nodes coming; /* of the time behind it */
-  tdm_nodes made;   /* the last one of cpl_path_through */
-} cpl_paths;
+#include "coupler/loop/loop.h"
 
 /* Begin with what READY told; false: no memory. */
-bool cpl_paths_init(cpl_paths *paths, const struct cpl_loop *loop);
+bool cpl_paths_init(cpl_paths *paths, const cpl_loop *loop);
 void cpl_paths_free(cpl_paths *paths);
 
 /* Where MBD is to tell the path to in this window's RESULT [s]; 0: nowhere. */
-double cpl_path_ahead(const struct cpl_loop *loop);
+double cpl_path_ahead(const cpl_loop *loop);
 
 /* Keep what RESULT told for the next window. */
 void cpl_path_keep(cpl_paths *paths, const tdm_nodes *path);
 
 /* The DEM steps of dt that the told path reaches; LONG_MAX without nodes. */
-long cpl_path_reach(const struct cpl_loop *loop);
+long cpl_path_reach(const cpl_loop *loop);
 
 /* The next window is open: cut what was told of it at its end. An error where the path does not reach that far. */
-tdm_status cpl_path_open(struct cpl_loop *loop, tdm_error *err);
+tdm_status cpl_path_open(cpl_loop *loop, tdm_error *err);
 
 /* The nodes, told for this window, of the path that goes from `start` to `end` (nbody each). Valid until the next
  * call; no nodes if none were told. */
-const tdm_nodes *cpl_path_through(struct cpl_loop *loop, const tdm_state *start, const tdm_state *end);
+const tdm_nodes *cpl_path_through(cpl_loop *loop, const tdm_state *start, const tdm_state *end);
 
 /* Pose and twist after the time h [s] under a constant acceleration (6: linear, angular). */
 tdm_state cpl_predict(const tdm_state *state, const double *acceleration, double h);
 
 /* DEM cannot take nodes: refuse the window if what it does instead, between `start` and `end` or (NULL) by the
  * accelerations that MBD told, is far from what was told. */
-tdm_status cpl_path_check(struct cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err);
+tdm_status cpl_path_check(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err);
 
 /* A multibody solver without the capability "ahead" has solved the window: a warning when it went another way than DEM
  * did, by more than a tenth of the way at its fastest at the window's end, or a fifth at an output time inside. */
-void cpl_path_doubt(const struct cpl_loop *loop);
+void cpl_path_doubt(const cpl_loop *loop);
 
 /* How far a body turns in the window at most, by its nodes [rad]; NaN: no nodes were told, or DEM does not take them.
  */
-double cpl_path_turn(const struct cpl_loop *loop, int body);
+double cpl_path_turn(const cpl_loop *loop, int body);
 
 #endif

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/record.h"
 
+#include "coupler/loop/loop.h"
 #include "protocol/base/log.h"
 
 #include <errno.h>
@@ -27,31 +28,48 @@ static void write_body_row(FILE *f, double time, const tdm_state *state, const t
   tdm_write_row(f, time, row, TDM_STATE_DOUBLES + TDM_WRENCH_DOUBLES);
 }
 
-tdm_status cpl_record_begin(cpl_record *record, const cpl_session *s, tdm_error *err) {
+FILE *cpl_record_file(cpl_record *record, const char *name, tdm_error *err) {
+  if (record->nfile == record->room) {
+    int room = 2 * record->room + 8;
+    FILE **grown = realloc(record->file, (size_t)room * sizeof *grown);
+    if (!grown) {
+      tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+      return NULL;
+    }
+    record->file = grown;
+    record->room = room;
+  }
+  FILE *f = tdm_results_file(&record->results, name, err);
+  if (f)
+    record->file[record->nfile++] = f;
+  return f;
+}
+
+static tdm_status open_bodies(cpl_record *record, const cpl_session *s, tdm_error *err) {
   char name[256];
-  if (tdm_results_start(&record->results, err) != TDM_OK)
-    return err->status;
-  record->body = calloc((size_t)s->settings->nbody + 1, sizeof *record->body);
-  if (!record->body)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  record->nbody = s->settings->nbody;
-  for (int i = 0; i < record->nbody; i++) {
+  for (int i = 0; i < s->settings->nbody; i++) {
     cpl_record_body_file(s->settings->body[i].name[CPL_MBD], name, sizeof name);
-    record->body[i] = tdm_results_file(&record->results, name, err);
-    if (!record->body[i])
+    FILE *f = cpl_record_file(record, name, err);
+    if (!f)
       return err->status;
     fputs("time [s],x [m],y [m],z [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],wy [rad/s],"
           "wz [rad/s],fx [N],fy [N],fz [N],mx [N m],my [N m],mz [N m]\n",
-          record->body[i]);
-    write_body_row(record->body[i], 0, &s->body[i].state, &s->load[i]);
+          f);
+    write_body_row(f, 0, &s->body[i].state, &s->load[i]);
+    record->nbody++;
   }
+  return TDM_OK;
+}
+
+static tdm_status open_channels(cpl_record *record, const cpl_session *s, tdm_error *err) {
+  char name[16];
   for (int r = 0; r < CPL_NROLE; r++) {
     const cpl_partner *p = &s->partner[r];
     record->nchannel[r] = p->nchannel;
     if (p->nchannel == 0)
       continue;
     snprintf(name, sizeof name, "%s.csv", cpl_role_names[r]);
-    FILE *f = record->channel[r] = tdm_results_file(&record->results, name, err);
+    FILE *f = record->channel[r] = cpl_record_file(record, name, err);
     if (!f)
       return err->status;
     fputs("time [s]", f);
@@ -60,33 +78,34 @@ tdm_status cpl_record_begin(cpl_record *record, const cpl_session *s, tdm_error 
     fputc('\n', f);
     tdm_write_row(f, 0, p->initial, p->nchannel);
   }
-  record->ledger = tdm_results_file(&record->results, "ledger.csv", err);
-  return err->status;
+  return TDM_OK;
 }
 
-/* every open file of the record, NULLs among them; index 0 … nbody + CPL_NROLE */
-static FILE **file_at(cpl_record *record, int i) {
-  int channel = i - record->nbody;
-  return channel < 0 ? &record->body[i] : channel < CPL_NROLE ? &record->channel[channel] : &record->ledger;
+/* The run begins (tdm_results_start): open the time histories and write the row of t = 0. */
+static tdm_status begin(const cpl_loop *loop, void **own, tdm_error *err) {
+  cpl_record *record = *own = loop->record;
+  if (tdm_results_start(&record->results, err) != TDM_OK || open_bodies(record, loop->session, err) != TDM_OK)
+    return err->status;
+  return open_channels(record, loop->session, err);
 }
 
 static tdm_status flush_all(cpl_record *record, tdm_error *err) {
-  for (int i = 0; i <= record->nbody + CPL_NROLE; i++) {
-    FILE *f = *file_at(record, i);
-    if (f && (fflush(f) != 0 || ferror(f)))
+  for (int i = 0; i < record->nfile; i++)
+    if (fflush(record->file[i]) != 0 || ferror(record->file[i]))
       return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: a time history cannot be written: %s; what is there stays readable",
                       record->results.dir, strerror(errno));
-  }
   return tdm_results_there(&record->results, err);
 }
 
-tdm_status cpl_record_samples(cpl_record *record, int nsample, const double *row_time, const tdm_result *result,
-                              tdm_error *err) {
-  const tdm_result *mbd = &result[CPL_MBD], *dem = &result[CPL_DEM];
+/* Rows for the output times of the window, from the results of both solvers. */
+static tdm_status write_samples(const cpl_loop *loop, void *own, tdm_error *err) {
+  cpl_record *record = own;
+  const tdm_result *result = loop->result, *mbd = &result[CPL_MBD], *dem = &result[CPL_DEM];
+  const int nsample = loop->nsample;
   for (int k = 0; k < nsample; k++) {
-    const double time = row_time[k];
+    const double time = loop->row_time[k];
     for (int i = 0; i < record->nbody; i++)
-      write_body_row(record->body[i], time, &mbd->sample_state[k * record->nbody + i],
+      write_body_row(record->file[i], time, &mbd->sample_state[k * record->nbody + i],
                      &dem->sample_load[k * record->nbody + i]);
     for (int r = 0; r < CPL_NROLE; r++)
       if (record->channel[r])
@@ -104,14 +123,14 @@ tdm_status cpl_record_samples(cpl_record *record, int nsample, const double *row
 
 tdm_status cpl_record_close(cpl_record *record, tdm_error *err) {
   tdm_error late = {0};
-  if (record->body)
+  if (record->nfile > 0)
     flush_all(record, &late);
-  for (int i = 0; record->body && i <= record->nbody + CPL_NROLE; i++)
-    if (*file_at(record, i)) {
-      fclose(*file_at(record, i));
-      *file_at(record, i) = NULL;
-    }
-  free(record->body);
-  record->body = NULL;
+  for (int i = 0; i < record->nfile; i++)
+    fclose(record->file[i]);
+  free(record->file);
+  record->file = NULL;
+  record->nfile = record->room = 0;
   return late.status == TDM_OK ? TDM_OK : tdm_fail(err, late.status, NULL, "%s", late.message);
 }
+
+const cpl_observer cpl_observer_record = {.name = "record", .open = begin, .window = write_samples};

@@ -4,7 +4,7 @@
 
 #include "coupler/loop/adapt.h"
 #include "coupler/loop/mismatch.h"
-#include "coupler/loop/record.h"
+#include "coupler/loop/path.h"
 #include "protocol/base/legendre.h"
 
 #include <math.h>
@@ -46,13 +46,86 @@ static bool make_proxy(cpl_loop *loop, const cpl_session *session) {
   return loop->proxy_block;
 }
 
+/* All arrays of a loop: X(field, entries). */
+#define LOOP_ARRAYS(X)         \
+  X(sample_time, samples)      \
+  X(row_time, samples)         \
+  X(state_start, nbody)        \
+  X(state_end, nbody)          \
+  X(dem_end, nbody)            \
+  X(radius, nbody)             \
+  X(speed, nbody)              \
+  X(mean, nbody)               \
+  X(history, nbody)            \
+  X(load, nbody *TDM_LOAD_MAX) \
+  X(packed, nbody *TDM_LOAD_MAX)
+
+static tdm_status make_arrays(cpl_loop *loop, size_t samples, tdm_error *err) {
+  const size_t nbody = (size_t)loop->nbody + 1; /* + 1: never an empty allocation */
+  bool made = true;
+#define MAKE(field, entries) made = (loop->field = calloc(entries, sizeof *loop->field)) != NULL && made;
+  LOOP_ARRAYS(MAKE)
+#undef MAKE
+  if (cpl_session_asks(loop->session, CPL_MBD, "mobility"))
+    made = make_proxy(loop, loop->session) && made;
+  made = cpl_paths_init(&loop->paths, loop) && made;
+  return made ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+}
+
+/* ---- observers ---- */
+
+bool cpl_loop_observe(cpl_loop *loop, const cpl_observer *observer, void *own) {
+  if (loop->nobserving == CPL_OBSERVERS_MAX)
+    return false;
+  loop->observing[loop->nobserving++] = (cpl_observing){observer, own};
+  return true;
+}
+
+static tdm_status open_observers(cpl_loop *loop, tdm_error *err) {
+  for (int i = 0; cpl_observers[i]; i++)
+    if (!cpl_loop_observe(loop, cpl_observers[i], NULL))
+      return tdm_fail(err, TDM_ERR_SYSTEM, NULL, "more than %d observers", CPL_OBSERVERS_MAX);
+  for (int i = 0; i < loop->nobserving; i++) {
+    cpl_observing *o = &loop->observing[i];
+    if (o->observer->open && o->observer->open(loop, &o->own, err) != TDM_OK)
+      return err->status;
+  }
+  return TDM_OK;
+}
+
+static tdm_status tell_observers(cpl_loop *loop, tdm_error *err) {
+  loop->through = cpl_path_through(loop, loop->state_start, loop->state_end);
+  for (int i = 0; i < loop->nobserving && err->status == TDM_OK; i++)
+    loop->observing[i].observer->window(loop, loop->observing[i].own, err);
+  return err->status;
+}
+
+void cpl_loop_end(cpl_loop *loop) {
+  for (int i = 0; i < loop->nobserving; i++)
+    if (loop->observing[i].observer->end)
+      loop->observing[i].observer->end(loop, loop->observing[i].own);
+}
+
+void cpl_loop_enter(const cpl_loop *loop, json_t *summary) {
+  if (loop->own && loop->scheme->enter)
+    loop->scheme->enter(loop, summary);
+  for (int i = 0; i < loop->nobserving; i++)
+    if (loop->observing[i].own && loop->observing[i].observer->enter)
+      loop->observing[i].observer->enter(loop, loop->observing[i].own, summary);
+}
+
+/* ---- begin and end ---- */
+
 tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, struct cpl_record *record,
                          tdm_error *err) {
-  size_t nbody = (size_t)settings->nbody + 1;                                  /* + 1: never an empty allocation */
   double steps = fmin((double)settings->n, (double)cpl_total_steps(settings)); /* of the longest window */
   double samples = ceil(steps * settings->dt / settings->output_interval) + 3;
-  *loop = (cpl_loop){
-      .settings = settings, .scheme = session->scheme, .session = session, .record = record, .nbody = settings->nbody};
+  *loop = (cpl_loop){.settings = settings,
+                     .scheme = session->scheme,
+                     .scheme_settings = cpl_scheme_settings(settings, session->scheme),
+                     .session = session,
+                     .record = record,
+                     .nbody = settings->nbody};
   for (int r = 0; r < CPL_NROLE; r++) { /* a window's RESULT must fit into a frame */
     double row = session->partner[r].nchannel + TDM_STATE_DOUBLES * (double)settings->nbody;
     if (samples > TDM_COUNT_MAX || 8 * samples * row > TDM_FRAME_MAX / 2)
@@ -63,30 +136,15 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
   }
   loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
   loop->n = settings->adapt.on ? settings->adapt.n_min : settings->n;
-  loop->sample_time = calloc((size_t)samples, sizeof *loop->sample_time);
-  loop->row_time = calloc((size_t)samples, sizeof *loop->row_time);
-  loop->state_start = calloc(nbody, sizeof *loop->state_start);
-  loop->state_end = calloc(nbody, sizeof *loop->state_end);
-  loop->dem_end = calloc(nbody, sizeof *loop->dem_end);
-  loop->radius = calloc(nbody, sizeof *loop->radius);
-  loop->speed = calloc(nbody, sizeof *loop->speed);
-  loop->mean = calloc(nbody, sizeof *loop->mean);
-  loop->history = calloc(nbody, sizeof *loop->history);
-  loop->load = calloc(nbody * TDM_LOAD_MAX, sizeof *loop->load);
-  loop->packed = calloc(nbody * TDM_LOAD_MAX, sizeof *loop->packed);
-  if ((cpl_session_asks(session, CPL_MBD, "mobility") && !make_proxy(loop, session)) ||
-      !cpl_paths_init(&loop->paths, loop))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  if (!loop->sample_time || !loop->row_time || !loop->state_start || !loop->state_end || !loop->mean ||
-      !loop->history || !loop->load || !loop->packed || !loop->dem_end || !loop->radius || !loop->speed)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  if (make_arrays(loop, (size_t)samples, err) != TDM_OK)
+    return err->status;
   for (int i = 0; i < loop->nbody; i++) {
     loop->state_start[i] = session->body[i].state;
     loop->radius[i] = cpl_body_radius(&session->body[i]);
     loop->speed[i] = cpl_speed(&session->body[i].state, loop->radius[i]);
     cpl_history_push(&loop->history[i], 0, session->load[i]); /* the first load is DEM's at t = 0 */
   }
-  if (cpl_ledger_begin(&loop->ledger, settings, session, record->ledger, err) != TDM_OK)
+  if (open_observers(loop, err) != TDM_OK)
     return err->status;
   return loop->scheme->open ? loop->scheme->open(loop, err) : TDM_OK;
 }
@@ -94,25 +152,15 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
 void cpl_loop_free(cpl_loop *loop) {
   if (loop->own)
     loop->scheme->close(loop);
-  free(loop->dem_end);
-  free(loop->radius);
-  free(loop->speed);
-  free(loop->sample_time);
-  free(loop->row_time);
-  free(loop->state_start);
-  free(loop->state_end);
-  free(loop->mean);
-  free(loop->history);
-  free(loop->load);
-  free(loop->packed);
+  for (int i = 0; i < loop->nobserving; i++)
+    if (loop->observing[i].observer->close)
+      loop->observing[i].observer->close(loop->observing[i].own);
+#define FREE(field, entries) free(loop->field);
+  LOOP_ARRAYS(FREE)
+#undef FREE
   free(loop->proxy_block);
   cpl_paths_free(&loop->paths);
-  cpl_ledger_free(&loop->ledger);
   *loop = (cpl_loop){0};
-}
-
-bool cpl_loop_done(const cpl_loop *loop) {
-  return loop->step1 >= cpl_total_steps(loop->settings);
 }
 
 /* ---- windows ---- */
@@ -125,11 +173,6 @@ static long limit_turn(const cpl_loop *loop, long n) {
     rate = fmax(rate, tdm_norm(loop->state_start[i].twist.angular));
   double limit = most / (rate * loop->settings->dt);
   return (double)n <= limit ? n : limit > 1 ? (long)limit : 1;
-}
-
-double cpl_motion(const cpl_loop *loop, int body) {
-  double speed = cpl_speed(&loop->state_end[body], loop->radius[body]);
-  return (loop->t1 - loop->t0) * fmax(speed, loop->speed[body]);
 }
 
 /* How long the next window is to be, from what both solvers made of this one. */
@@ -193,9 +236,7 @@ tdm_status cpl_loop_advance(cpl_loop *loop, tdm_error *err) {
     adapt(loop);
   for (int i = 0; i < loop->nbody; i++)
     loop->speed[i] = fmax(loop->speed[i], cpl_speed(&loop->state_end[i], loop->radius[i]));
-  status = cpl_record_samples(loop->record, loop->nsample, loop->row_time, loop->result, err);
-  if (status == TDM_OK)
-    status = cpl_ledger_window(&loop->ledger, loop, err);
+  status = tell_observers(loop, err);
   memcpy(loop->state_start, loop->state_end, (size_t)loop->nbody * sizeof *loop->state_end);
   if (loop->proxy_block)
     keep_proxy(loop, loop->result[CPL_MBD].acceleration, &loop->result[CPL_MBD].mobility);

@@ -5,8 +5,8 @@
 #include "coupler/loop/record.h"
 #include "coupler/loop/window.h"
 #include "coupler/run/check.h"
-#include "coupler/scheme/scheme.h"
 #include "coupler/session/private.h"
+#include "coupler/session/scheme.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 #include "protocol/base/remark.h"
@@ -30,7 +30,9 @@ typedef struct {
   uint64_t told;   /* changes of all remarks that were told */
   void *context;   /* ZeroMQ context shared with threads */
   cpl_private own; /* of the ipc socket, and of the logs of a check that leaves none */
-  bool session_open, thread_hangs;
+  bool session_open;
+  tdm_progress progress; /* of the loop */
+  cpl_run_result *result;
 } run_state;
 
 static const double grace = 3; /* time that solvers get to end after FINISH [s] */
@@ -117,7 +119,7 @@ static tdm_status start(run_state *run, tdm_error *err) {
 }
 
 /* Warnings of the solvers: printed, or refused when strict. */
-static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_error *err) {
+static tdm_status heed_warnings(run_state *run, tdm_error *err) {
   size_t i;
   json_t *warning;
   char quoted[TDM_MESSAGE_MAX];
@@ -126,7 +128,7 @@ static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_erro
     const char *path = json_string_value(json_object_get(warning, "path"));
     const char *message = json_string_value(json_object_get(warning, "message"));
     tdm_fail(&place, TDM_ERR_SCENE, path, "%s", message ? message : "a warning without words");
-    result->warnings++;
+    run->result->warnings++;
     tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
             tdm_log_quote(quoted, sizeof quoted, place.message));
     if (run->options->strict)
@@ -164,29 +166,38 @@ static void tell_remarks(run_state *run) {
 
 /* ---- the loop ---- */
 
-static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
-  tdm_progress progress;
-  if (cpl_record_begin(&run->record, &run->session, err) != TDM_OK ||
-      cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
+/* An observer: the result so far, the bar and the remarks on the terminal. */
+static tdm_status follow(const cpl_loop *loop, void *own, tdm_error *err) {
+  run_state *run = own;
+  cpl_run_result *result = run->result;
+  result->simulated = loop->t1;
+  result->windows = loop->window + 1;
+  result->n_least = loop->n_least;
+  result->n_most = loop->n_most;
+  tdm_progress_update(&run->progress, loop->t1, result->windows);
+  tell_remarks(run);
+  return err->status;
+}
+
+static const cpl_observer progress_observer = {.name = "progress", .window = follow};
+
+static tdm_status solve(run_state *run, tdm_error *err) {
+  cpl_run_result *result = run->result;
+  if (cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
     return err->status;
-  tdm_progress_begin(&progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, "windows",
+  if (!cpl_loop_observe(&run->loop, &progress_observer, run))
+    return tdm_fail(err, TDM_ERR_SYSTEM, NULL, "more than %d observers", CPL_OBSERVERS_MAX);
+  tdm_progress_begin(&run->progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, "windows",
                      run->options->quiet);
   double begin = tdm_clock();
-  while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK) {
-    result->simulated = run->loop.t1;
-    result->windows = run->loop.window;
-    result->n_least = run->loop.n_least;
-    result->n_most = run->loop.n_most;
-    result->iterations = run->loop.iterations;
-    result->surprises = run->loop.surprises;
-    result->first_surprise = run->loop.first_surprise;
-    tdm_progress_update(&progress, run->loop.t1, run->loop.window);
-    tell_remarks(run);
-  }
+  while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK)
+    ;
   if (err->status == TDM_OK)
-    cpl_ledger_end(&run->loop.ledger, &run->loop);
-  tdm_progress_end(&progress);
+    cpl_loop_end(&run->loop);
+  tdm_progress_end(&run->progress);
   result->loop = tdm_clock() - begin;
+  if (run->loop.own && run->loop.scheme->tell)
+    run->loop.scheme->tell(&run->loop, result->scheme_line, sizeof result->scheme_line);
   for (int r = 0; r < CPL_NROLE; r++) {
     const cpl_partner *p = &run->session.partner[r];
     result->step[r] = p->step_time;
@@ -197,10 +208,6 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
 
 /* ---- end ---- */
 
-static double mean_iterations(const cpl_iterations *i) {
-  return (double)i->all / (double)i->windows;
-}
-
 double cpl_run_coupling(const cpl_run_result *r) {
   return r->loop - r->step[CPL_MBD] - r->step[CPL_DEM];
 }
@@ -209,9 +216,8 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
   double exchange = 0, own = cpl_run_coupling(r);
   printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
          r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
-  if (r->iterations.windows > 0)
-    printf("  iterations a window: %.2f in the mean, %d at most\n", mean_iterations(&r->iterations),
-           r->iterations.largest);
+  if (*r->scheme_line)
+    printf("  %s\n", r->scheme_line);
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
   for (int role = 0; role < CPL_NROLE; role++) {
     printf("  %-8s %10.3f %10.3f %12.3f\n", cpl_role_names[role], r->step[role],
@@ -241,14 +247,6 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   if (s->adapt.on)
     json_object_set_new(json, "n",
                         json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
-  if (r->surprises > 0)
-    json_object_set_new(json, "mechanism_changed",
-                        json_pack("{s:I, s:f}", "windows", (json_int_t)r->surprises, "first_s", r->first_surprise));
-  if (r->iterations.windows > 0)
-    json_object_set_new(json, "iterations",
-                        json_pack("{s:f, s:i, s:I}", "mean", mean_iterations(&r->iterations), "largest",
-                                  r->iterations.largest, "windows_not_converged",
-                                  (json_int_t)r->iterations.not_converged));
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];
@@ -259,8 +257,7 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   json_object_set_new(json, "solvers", solvers);
   json_object_set_new(json, "warnings", run->session.warnings ? json_copy(run->session.warnings) : json_array());
   tdm_remarks_enter(json, remarks);
-  if (run->loop.ledger.settings)
-    json_object_set_new(json, "ledger", cpl_ledger_summary(&run->loop.ledger));
+  cpl_loop_enter(&run->loop, json);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
   if (err->status != TDM_OK)
     json_object_set_new(json, "error", json_string(err->message));
@@ -276,12 +273,13 @@ static void stop(run_state *run, const tdm_error *err) {
     cpl_session_close(&run->session, err);
   for (int r = 0; r < CPL_NROLE; r++)
     if (!cpl_child_stop(&child[r], grace))
-      run->thread_hangs = true;
-  if (!run->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
+      run->result->thread_hangs = true;
+  if (!run->result->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
     tdm_context_destroy(&run->context);
 }
 
-static void finish(run_state *run, cpl_run_result *result, double begin, tdm_error *err) {
+static void finish(run_state *run, double begin, tdm_error *err) {
+  cpl_run_result *result = run->result;
   char quoted[TDM_MESSAGE_MAX];
   tdm_scene_locate(&run->scene, err);
   cpl_record_close(&run->record, err);
@@ -319,22 +317,19 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
 
 tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {
   double begin = tdm_clock();
-  run_state run = {.options = options, .teller = {.program = "tandem"}};
+  run_state run = {.options = options, .result = result, .teller = {.program = "tandem"}};
   run.teller.scene = &run.scene;
   tdm_remarks_open(&run.remarks);
   *result = (cpl_run_result){0};
-  if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
+  if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, err) == TDM_OK) {
     result->setup = tdm_clock() - begin;
     if (!options->check)
-      solve(&run, result, err);
+      solve(&run, err);
     else if (!options->quiet)
       cpl_check_print(&run.settings, &run.session);
   }
-  finish(&run, result, begin, err);
-  if (run.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */
-    fprintf(stderr, "tandem: error: %s\n", err->status == TDM_OK ? "a solver's thread does not end" : err->message);
-    fflush(NULL);
-    _exit(1);
-  }
+  finish(&run, begin, err);
+  if (result->thread_hangs && err->status == TDM_OK)
+    tdm_fail(err, TDM_ERR_SYSTEM, NULL, "a solver's thread does not end");
   return err->status;
 }

@@ -26,10 +26,9 @@ typedef struct {
   double step[CPL_NROLE];     /* the solvers' own work on windows [s] */
   double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
   long n_least, n_most;       /* DEM steps of the shortest and the longest window */
-  cpl_iterations iterations;  /* of schemes that iterate */
-  uint64_t surprises;         /* windows of proxy in which the mechanism changed: a stop, a slack cable */
-  double first_surprise;      /* start of the first one [s] */
+  char scheme_line[160];      /* what the scheme says of the run; "": nothing */
   int warnings;
+  bool thread_hangs; /* a solver's thread could not be ended: its memory is not freed, and it goes on; leave by _exit */
 } cpl_run_result;
 
 /* What is neither solver's own work in the loop [s]: exchange, extrapolation, records. */

@@ -11,6 +11,7 @@
  * whose load at t = 0 is known, since MBD has no acceleration under a load before.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/loop/path.h"
 #include "coupler/loop/window.h"
 
 #include <stdlib.h>
@@ -58,6 +59,7 @@ static const char *const of_mbd[] = {"acceleration", NULL};
 const cpl_scheme cpl_scheme_dem_first = {
     .name = "dem-first",
     .summary = "DEM first on a predicted path, MBD on the mean load of the same window",
+    .better = "proxy",
     .needs = {[CPL_MBD] = of_mbd},
     .interpolation = TDM_HERMITE, /* exactly the parabola of the prediction */
     .mismatch_order = 3,

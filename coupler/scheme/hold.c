@@ -10,5 +10,6 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
 const cpl_scheme cpl_scheme_hold = {
     .name = "hold",
     .summary = "MBD first, on the last window mean held",
+    .better = "proxy",
     .advance = advance,
 };

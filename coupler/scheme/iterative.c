@@ -13,13 +13,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
 #include "coupler/loop/window.h"
+#include "coupler/scheme/accelerate.h"
 #include "protocol/base/remark.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { SLOT = 0 };
+
+/* coupling.iterative */
+typedef struct {
+  double tolerance; /* largest residual, as a share of cpl_motion */
+  double absolute;  /* and beside that [m] */
+  int most;         /* iterations a window */
+  cpl_accelerator_kind accelerator;
+  int reuse; /* windows whose differences IQN-ILS keeps */
+} iterative_settings;
 
 typedef struct {
   cpl_accelerator *accelerator;
@@ -27,7 +38,30 @@ typedef struct {
   double *best;       /* (nbody x 12) that of the smallest residual */
   double *residual;   /* (nbody x 12) */
   double *correction; /* (nbody x 12) as it is sent */
+
+  /* statistics */
+  uint64_t windows, iterations; /* iterated on; in all of them */
+  uint64_t not_converged;       /* windows */
+  int largest;                  /* iterations in one window */
 } iteration;
+
+/* A number of things, at most `most`. */
+static int read_count(tdm_object *o, const char *key, long absent, long least, long most) {
+  long count = tdm_get_integer(o, key, absent, least);
+  if (count > most)
+    tdm_object_fail(o, key, "is %ld; take at most %ld", count, most);
+  return (int)count;
+}
+
+static void read(void *settings, tdm_object *o) {
+  static const char *const accelerators[] = {[CPL_IQN_ILS] = "iqn-ils", [CPL_AITKEN] = "aitken"};
+  iterative_settings *s = settings;
+  s->tolerance = tdm_get_number(o, "tolerance", 1e-4, TDM_POSITIVE);
+  s->absolute = tdm_get_number(o, "absolute", 1e-10, TDM_NOT_NEGATIVE);
+  s->most = read_count(o, "max", 20, 1, 1000);
+  s->accelerator = (cpl_accelerator_kind)tdm_get_choice(o, "accelerator", accelerators, 2, CPL_IQN_ILS);
+  s->reuse = read_count(o, "reuse", 3, 0, 100);
+}
 
 static void end(cpl_loop *loop) {
   iteration *it = loop->own;
@@ -38,7 +72,7 @@ static void end(cpl_loop *loop) {
 }
 
 static tdm_status begin(cpl_loop *loop, tdm_error *err) {
-  const cpl_iterative *s = &loop->settings->iterative;
+  const iterative_settings *s = loop->scheme_settings;
   const size_t n = CPL_APART * (size_t)loop->nbody;
   iteration *it = loop->own = calloc(1, sizeof *it);
   if (!it)
@@ -71,7 +105,7 @@ static tdm_status restore(cpl_loop *loop, tdm_error *err) {
  * allowed. */
 static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_error *err) {
   iteration *it = loop->own;
-  const cpl_iterative *s = &loop->settings->iterative;
+  const iterative_settings *s = loop->scheme_settings;
   const double H = loop->t1 - loop->t0;
   for (int i = 0; i < CPL_APART * loop->nbody; i++) {
     int part = i % CPL_APART / 3;
@@ -101,12 +135,13 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
 /* The window has come to its last iteration and its residual is too large: go on with the best one. */
 static tdm_status settle_for(cpl_loop *loop, double excess, bool again, tdm_error *err) {
   iteration *it = loop->own;
-  loop->iterations.not_converged++;
+  const int most = ((const iterative_settings *)loop->scheme_settings)->most;
+  it->not_converged++;
   tdm_remark(TDM_NOTICE, "not_converged", "coupling.iterative", loop->t0,
              "the %d iterations of the window from %.6g s on did not converge; the smallest residual, %.3g of the "
              "tolerance, was taken: take a smaller coupling.n, or a larger coupling.iterative.max or tolerance",
-             loop->settings->iterative.most, loop->t0, excess);
-  const uint64_t left = loop->iterations.not_converged, all = loop->iterations.windows;
+             most, loop->t0, excess);
+  const uint64_t left = it->not_converged, all = it->windows;
   if (left >= 10 && 10 * left > all)
     tdm_remark(
         TDM_WARNING, "not_converging", "coupling.iterative", loop->t0,
@@ -122,7 +157,7 @@ static tdm_status settle_for(cpl_loop *loop, double excess, bool again, tdm_erro
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   iteration *it = loop->own;
-  const int most = loop->settings->iterative.most;
+  const int most = ((const iterative_settings *)loop->scheme_settings)->most;
   const size_t size = CPL_APART * (size_t)loop->nbody * sizeof *it->guess;
   double excess = INFINITY, least = INFINITY;
   int count = 0;
@@ -144,10 +179,28 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
     if (restore(loop, err) != TDM_OK)
       return err->status;
   }
-  loop->iterations.windows++;
-  loop->iterations.all += (uint64_t)count;
-  loop->iterations.largest = count > loop->iterations.largest ? count : loop->iterations.largest;
+  it->windows++;
+  it->iterations += (uint64_t)count;
+  it->largest = count > it->largest ? count : it->largest;
   return excess <= 1 ? TDM_OK : settle_for(loop, least, excess > least, err);
+}
+
+static double mean_iterations(const iteration *it) {
+  return (double)it->iterations / (double)it->windows;
+}
+
+static void enter(const cpl_loop *loop, json_t *summary) {
+  const iteration *it = loop->own;
+  if (it->windows > 0)
+    json_object_set_new(summary, "iterations",
+                        json_pack("{s:f, s:i, s:I}", "mean", mean_iterations(it), "largest", it->largest,
+                                  "windows_not_converged", (json_int_t)it->not_converged));
+}
+
+static void tell(const cpl_loop *loop, char *line, size_t size) {
+  const iteration *it = loop->own;
+  if (it->windows > 0)
+    snprintf(line, size, "iterations a window: %.2f in the mean, %d at most", mean_iterations(it), it->largest);
 }
 
 static const char *const of_mbd[] = {"acceleration", "mobility", "restore", NULL};
@@ -158,7 +211,11 @@ const cpl_scheme cpl_scheme_iterative = {
     .summary = "the window of proxy, repeated until both solvers agree on its end",
     .needs = {[CPL_MBD] = of_mbd, [CPL_DEM] = of_dem},
     .mismatch_order = 4,
+    .settings_size = sizeof(iterative_settings),
+    .read = read,
     .open = begin,
     .close = end,
     .advance = advance,
+    .enter = enter,
+    .tell = tell,
 };

@@ -18,5 +18,6 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
 const cpl_scheme cpl_scheme_lommen = {
     .name = "lommen",
     .summary = "MBD first, on the parabola through the last three window means",
+    .better = "proxy",
     .advance = advance,
 };

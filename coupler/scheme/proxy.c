@@ -15,20 +15,37 @@
 #include "coupler/loop/window.h"
 #include "protocol/base/remark.h"
 
-#include <math.h>
+#include <stdlib.h>
 
 /* A mismatch of a tenth of the motion is more than curvature makes: the mechanism has changed within the window. */
-static const double surprise = 0.1, least_surprise = 1e-7; /* of the motion; [m] */
+static const double most_mismatch = 0.1, least_mismatch = 1e-7; /* of the motion; [m] */
 
-static void look_for_surprise(cpl_loop *loop) {
+/* loop->own: windows in which the mechanism changed. */
+typedef struct {
+  uint64_t windows;
+  double first; /* the first one's start [s] */
+} mechanism_changes;
+
+static tdm_status begin(cpl_loop *loop, tdm_error *err) {
+  loop->own = calloc(1, sizeof(mechanism_changes));
+  return loop->own ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+}
+
+static void end(cpl_loop *loop) {
+  free(loop->own);
+  loop->own = NULL;
+}
+
+static void look_for_change(cpl_loop *loop) {
+  mechanism_changes *changes = loop->own;
   double apart[CPL_APART];
   for (int i = 0; i < loop->nbody; i++) {
     cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], loop->t1 - loop->t0, apart);
     double is = cpl_length(CPL_APART, apart);
-    if (!(is > surprise * cpl_motion(loop, i) + least_surprise))
+    if (!(is > most_mismatch * cpl_motion(loop, i) + least_mismatch))
       continue;
-    if (loop->surprises++ == 0)
-      loop->first_surprise = loop->t0;
+    if (changes->windows++ == 0)
+      changes->first = loop->t0;
     tdm_remark(
         TDM_NOTICE, "mechanism_changed", "coupling.n", loop->t0,
         "the mechanism changed inside the window from %.6g s on, at body \"%s\" (a stop, a slack cable, friction "
@@ -45,8 +62,15 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
     return err->status;
   if (cpl_solve_mbd(loop, loop->nload, err) != TDM_OK)
     return err->status;
-  look_for_surprise(loop);
+  look_for_change(loop);
   return TDM_OK;
+}
+
+static void enter(const cpl_loop *loop, json_t *summary) {
+  const mechanism_changes *changes = loop->own;
+  if (changes->windows > 0)
+    json_object_set_new(summary, "mechanism_changed",
+                        json_pack("{s:I, s:f}", "windows", (json_int_t)changes->windows, "first_s", changes->first));
 }
 
 static const char *const of_mbd[] = {"acceleration", "mobility", NULL};
@@ -57,5 +81,9 @@ const cpl_scheme cpl_scheme_proxy = {
     .summary = "DEM carries the mechanism through the window, MBD follows with the same load",
     .needs = {[CPL_MBD] = of_mbd, [CPL_DEM] = of_dem},
     .mismatch_order = 4,
+    .better = "iterative",
+    .open = begin,
+    .close = end,
     .advance = advance,
+    .enter = enter,
 };

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/session.h"
 
-#include "coupler/scheme/scheme.h"
+#include "coupler/session/scheme.h"
 #include "protocol/app/command_line.h"
 #include "protocol/base/log.h"
 #include "protocol/base/remark.h"

@@ -36,7 +36,7 @@ typedef struct {
 typedef struct {
   tdm_transport *transport;
   const cpl_settings *settings;
-  const struct cpl_scheme *scheme; /* of the settings, or their fallback; from the start on */
+  const cpl_scheme *scheme; /* of the settings, or their fallback; from the start on */
   cpl_partner partner[CPL_NROLE];
   tdm_assigned_body *body; /* (nbody) from mbd's READY; names are dem's */
   tdm_wrench *load;        /* (nbody) from dem's READY: at the start */

@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/settings.h"
 
-#include "coupler/scheme/scheme.h"
 #include "protocol/app/time_section.h"
 
 #include <ctype.h>
@@ -127,23 +126,28 @@ static void read_n(cpl_settings *s, tdm_object *coupling) {
   tdm_has(coupling, "n");
 }
 
-/* A number of things, at most `most`. */
-static int read_count(tdm_object *o, const char *key, long absent, long least, long most) {
-  long count = tdm_get_integer(o, key, absent, least);
-  if (count > most)
-    tdm_object_fail(o, key, "is %ld; take at most %ld", count, most);
-  return (int)count;
+/* Every scheme's own object, coupling.<name>. */
+static void read_schemes(cpl_settings *s, tdm_object *coupling) {
+  for (int i = 0; cpl_schemes[i] && !coupling->err->status; i++) {
+    const cpl_scheme *scheme = cpl_schemes[i];
+    if (!scheme->read)
+      continue;
+    s->scheme_settings[i] = calloc(1, scheme->settings_size);
+    if (!s->scheme_settings[i]) {
+      tdm_fail(coupling->err, TDM_ERR_MEMORY, NULL, "out of memory");
+      return;
+    }
+    tdm_object own = tdm_get_object(coupling, scheme->name, false);
+    scheme->read(s->scheme_settings[i], &own);
+    tdm_object_close(&own);
+  }
 }
 
-static void read_iterative(cpl_settings *s, tdm_object *coupling) {
-  static const char *const accelerators[] = {[CPL_IQN_ILS] = "iqn-ils", [CPL_AITKEN] = "aitken"};
-  tdm_object o = tdm_get_object(coupling, "iterative", false);
-  s->iterative.tolerance = tdm_get_number(&o, "tolerance", 1e-4, TDM_POSITIVE);
-  s->iterative.absolute = tdm_get_number(&o, "absolute", 1e-10, TDM_NOT_NEGATIVE);
-  s->iterative.most = read_count(&o, "max", 20, 1, 1000);
-  s->iterative.accelerator = (cpl_accelerator_kind)tdm_get_choice(&o, "accelerator", accelerators, 2, CPL_IQN_ILS);
-  s->iterative.reuse = read_count(&o, "reuse", 3, 0, 100);
-  tdm_object_close(&o);
+const void *cpl_scheme_settings(const cpl_settings *s, const cpl_scheme *scheme) {
+  for (int i = 0; cpl_schemes[i]; i++)
+    if (cpl_schemes[i] == scheme)
+      return s->scheme_settings[i];
+  return NULL;
 }
 
 /* Only schemes that see the error of a window can choose its length by it. */
@@ -169,15 +173,13 @@ static void read_guard(cpl_settings *s, tdm_object *coupling) {
 static void read_coupling(cpl_settings *s, tdm_object *root) {
   static const char *const transports[] = {"ipc", "tcp", "inproc"};
   static const char *const interpolations[] = {"linear", "hermite"};
-  const char *names[16];
+  const char *names[CPL_SCHEMES_MAX];
   int nscheme = 0;
-  while (cpl_schemes[nscheme] && nscheme < 16) {
+  for (; cpl_schemes[nscheme]; nscheme++)
     names[nscheme] = cpl_schemes[nscheme]->name;
-    nscheme++;
-  }
   tdm_object o = tdm_get_object(root, "coupling", true);
   read_n(s, &o);
-  read_iterative(s, &o);
+  read_schemes(s, &o);
   int scheme = tdm_get_choice(&o, "scheme", names, nscheme, 0);
   s->scheme = cpl_schemes[scheme < 0 ? 0 : scheme];
   if (tdm_has(&o, "fallback")) {
@@ -235,4 +237,8 @@ void cpl_settings_free(cpl_settings *s) {
   free(s->body);
   s->body = NULL;
   s->nbody = 0;
+  for (int i = 0; i < CPL_SCHEMES_MAX; i++) {
+    free(s->scheme_settings[i]);
+    s->scheme_settings[i] = NULL;
+  }
 }

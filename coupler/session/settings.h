@@ -3,7 +3,7 @@
 #ifndef CPL_SESSION_SETTINGS_H
 #define CPL_SESSION_SETTINGS_H
 
-#include "coupler/scheme/accelerate.h"
+#include "coupler/session/scheme.h"
 #include "protocol/base/scene.h"
 #include "protocol/wire/participant.h"
 
@@ -36,24 +36,15 @@ typedef struct {
   long n_min, n_max;
 } cpl_auto;
 
-/* Scheme iterative. */
-typedef struct {
-  double tolerance; /* largest residual, as a share of cpl_motion */
-  double absolute;  /* and beside that [m] */
-  int most;         /* iterations a window */
-  cpl_accelerator_kind accelerator;
-  int reuse; /* windows whose differences IQN-ILS keeps */
-} cpl_iterative;
-
 /* Strings are borrowed from the scene's JSON. */
 typedef struct {
   double time_end; /* [s] */
   double dt;       /* DEM step [s] */
   long n;          /* DEM steps a window; of the longest, if it adapts */
   cpl_auto adapt;
-  cpl_iterative iterative;
-  const struct cpl_scheme *scheme;
-  const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
+  const cpl_scheme *scheme;
+  const cpl_scheme *fallback;             /* for solvers that lack what the scheme needs, NULL: none */
+  void *scheme_settings[CPL_SCHEMES_MAX]; /* of each row of cpl_schemes, owned; NULL: it has none */
   cpl_guard guard;
   cpl_transport_kind transport;
   bool interpolates;               /* the scene says how; else the scheme does */
@@ -74,6 +65,9 @@ bool cpl_name_fits_file(const char *name);
 /* Read the server's sections. An error has its JSON path; tdm_scene_locate adds the place. */
 tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, tdm_error *err);
 void cpl_settings_free(cpl_settings *settings);
+
+/* What the scene says to a scheme; NULL: the scheme has no settings. */
+const void *cpl_scheme_settings(const cpl_settings *settings, const cpl_scheme *scheme);
 
 /* DEM steps of the whole run, and windows of n steps; the last window may be shorter. */
 uint64_t cpl_total_steps(const cpl_settings *settings);

@@ -1,6 +1,6 @@
 /* One cell of a sweep: run it, compare it, decide whether it is ok, inexact, unstable or failed. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/scheme/scheme.h"
+#include "coupler/session/scheme.h"
 #include "coupler/tools/sweep.h"
 
 #include "coupler/tools/table.h"

@@ -1,7 +1,7 @@
 /* Extrapolation of window means into the next window ([L18] Eq. 4-12). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_SCHEME_EXTRAPOLATE_H
-#define CPL_SCHEME_EXTRAPOLATE_H
+#ifndef CPL_LOOP_EXTRAPOLATE_H
+#define CPL_LOOP_EXTRAPOLATE_H
 
 #include "protocol/base/pose.h"
 

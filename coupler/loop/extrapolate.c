@@ -1,6 +1,6 @@
 /* Extrapolation of window means into the next window: see extrapolate.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/scheme/extrapolate.h"
+#include "coupler/loop/extrapolate.h"
 
 #include <assert.h>
 #include <string.h>
