@@ -553,7 +553,12 @@ int dem_bench_main(int argc, char **argv) {
     fprintf(stderr, "tandem-dem bench: %s%s%s\n", err.path, err.path[0] ? ": " : "", err.message);
     return EXIT_FAILURE;
   }
-  char *text = json_dumps(out, JSON_INDENT(2) | JSON_REAL_PRECISION(6));
+  char *text = out ? json_dumps(out, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) : NULL;
+  if (!text) {
+    fputs("tandem-dem bench: no memory for the result\n", stderr);
+    json_decref(out);
+    return EXIT_FAILURE;
+  }
   puts(text);
   int status = EXIT_SUCCESS;
   if (o.json && json_dump_file(out, o.json, JSON_INDENT(2)) != 0) {
