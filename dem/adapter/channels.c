@@ -131,7 +131,7 @@ static void load_name(const dem_model *m, int item, char out[64]) {
 
 VALUE(particle_count) {
   UNUSED;
-  return o->data->nparticle;
+  return o->data->state.nparticle;
 }
 
 VALUE(com) {
@@ -151,7 +151,7 @@ VALUE(kinetic_energy) {
 
 VALUE(contacts) {
   UNUSED;
-  return (double)o->data->ncontact;
+  return (double)o->data->state.ncontact;
 }
 
 VALUE(lost) {
@@ -171,49 +171,49 @@ VALUE(potential_energy) {
 
 VALUE(elastic_energy) {
   UNUSED;
-  return dem_energy_elastic(&o->data->energy);
+  return dem_energy_elastic(&o->data->state.energy);
 }
 
 VALUE(wall_work) {
   UNUSED;
-  return o->data->energy.wall_work;
+  return o->data->state.energy.wall_work;
 }
 
 VALUE(supplied_energy) {
   UNUSED;
-  return o->data->energy.supplied;
+  return o->data->state.energy.supplied;
 }
 
 VALUE(dissipated_energy) {
   (void)item;
-  return o->data->energy.dissipated[part];
+  return o->data->state.energy.dissipated[part];
 }
 
 VALUE(created) {
   (void)part;
-  return (double)o->data->source[item].made;
+  return (double)o->data->state.source[item].made;
 }
 
 VALUE(waiting) {
   (void)part;
-  return (double)(o->data->source[item].due - o->data->source[item].made);
+  return (double)(o->data->state.source[item].due - o->data->state.source[item].made);
 }
 
 VALUE(removed) {
   (void)part;
-  const dem_sink_state *s = &o->data->sink[item / PARTS];
+  const dem_sink_state *s = &o->data->state.sink[item / PARTS];
   return (double)(item % PARTS == 0 ? s->removed : s->class_removed[item % PARTS - 1]);
 }
 
 VALUE(removed_mass) {
   (void)part;
-  const dem_sink_state *s = &o->data->sink[item / PARTS];
+  const dem_sink_state *s = &o->data->state.sink[item / PARTS];
   return item % PARTS == 0 ? s->mass : s->class_mass[item % PARTS - 1];
 }
 
 VALUE(left) {
   UNUSED;
-  return (double)o->data->ledger.left;
+  return (double)o->data->state.ledger.left;
 }
 
 VALUE(balance_number) {
@@ -231,12 +231,12 @@ static double component(const tdm_wrench *w, int part) {
 }
 
 VALUE(load) {
-  return component(&o->data->sample_mean[item], part);
+  return component(&o->data->state.sample_mean[item], part);
 }
 
 VALUE(fixed_load) {
   (void)item;
-  return component(&o->data->sample_mean[o->data->model->nload], part);
+  return component(&o->data->state.sample_mean[o->data->model->nload], part);
 }
 
 /* ---- the table ---- */
@@ -334,16 +334,16 @@ void dem_channels_free(dem_channels *c) {
 
 static observation observe(const dem_data *d) {
   observation o = {.data = d};
-  for (int i = 0; i < d->nparticle; i++) {
-    o.mass += d->mass[i];
-    o.com = tdm_axpy(d->mass[i], d->sphere[i].position, o.com);
-    o.velocity = tdm_axpy(d->mass[i], d->pace[i].velocity, o.velocity);
-    double inertia = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius;
-    o.kinetic += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
-    o.kinetic += 0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    o.mass += d->state.mass[i];
+    o.com = tdm_axpy(d->state.mass[i], d->state.sphere[i].position, o.com);
+    o.velocity = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, o.velocity);
+    double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
+    o.kinetic += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity);
+    o.kinetic += 0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin);
   }
-  for (int i = 0; d->model->energy && i < d->nparticle; i++)
-    o.potential -= d->mass[i] * tdm_dot(dem_field(d, i), d->sphere[i].position);
+  for (int i = 0; d->model->energy && i < d->state.nparticle; i++)
+    o.potential -= d->state.mass[i] * tdm_dot(dem_field(d, i), d->state.sphere[i].position);
   double per_mass = o.mass > 0 ? 1 / o.mass : 0;
   o.com = tdm_scale(per_mass, o.com);
   o.velocity = tdm_scale(per_mass, o.velocity);

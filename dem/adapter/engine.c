@@ -25,11 +25,11 @@
 static tdm_status check_started(const dem_data *d, tdm_error *err) {
   const dem_model *m = d->model;
   double largest = 0;
-  for (int i = 0; i < d->nparticle && !err->status; i++) {
-    largest = fmax(largest, d->sphere[i].radius);
-    for (int j = i > 0 && d->material[i] == d->material[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
-      if (!m->pair[d->material[i] * m->nmaterial + j].given) {
-        const char *a = m->material[d->material[i]].name, *b = m->material[j].name;
+  for (int i = 0; i < d->state.nparticle && !err->status; i++) {
+    largest = fmax(largest, d->state.sphere[i].radius);
+    for (int j = i > 0 && d->state.material[i] == d->state.material[i - 1] ? m->nmaterial : 0; j < m->nmaterial; j++)
+      if (!m->pair[d->state.material[i] * m->nmaterial + j].given) {
+        const char *a = m->material[d->state.material[i]].name, *b = m->material[j].name;
         return tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
                         "\"%s\" and \"%s\" have no entry, but dem.start brings particles of \"%s\"; add one", a, b, a);
       }
@@ -73,8 +73,8 @@ static tdm_status place_particles(dem_engine *e, dem_settled *settled, int *nbeh
 static void begin_samples(dem_data *d) {
   const dem_model *m = d->model;
   for (int l = 0; l < m->nload; l++)
-    d->sample_mean[l] = d->body_load[l];
-  d->sample_mean[m->nload].force = dem_fixed_force(d);
+    d->state.sample_mean[l] = d->state.body_load[l];
+  d->state.sample_mean[m->nload].force = dem_fixed_force(d);
 }
 
 static void tell_start(dem_engine *e) {
@@ -98,22 +98,22 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
   dem_settled settled = {.rest = true, .pressed = true};
   if (place_particles(e, &settled, &nbehind, err))
     return err->status;
-  dem_energy_begin(&d->energy);
+  dem_energy_begin(&d->state.energy);
   dem_guard_begin(d);
   dem_energy_balance_begin(d);
   if (dem_report_make(&e->report, d, &settled, nbehind, err))
     return err->status;
   e->contact_time = e->report.limits.contact;
   for (int c = 0; c < m->ncoupled; c++)
-    e->load[c] = d->body_load[m->coupled_body[c]];
+    e->load[c] = d->state.body_load[m->coupled_body[c]];
   begin_samples(d);
-  int nparticle = d->nparticle;
+  int nparticle = d->state.nparticle;
   if (!dem_flow(d, m->time_start, m->dt))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
   dem_report_flow(&e->report, d);
   tell_start(e);
   tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,
-          m->nwall, d->ncontact, settled.time, settled.stored ? "yes" : "no");
+          m->nwall, d->state.ncontact, settled.time, settled.stored ? "yes" : "no");
   return TDM_OK;
 }
 
@@ -193,7 +193,7 @@ tdm_status dem_engine_save(dem_engine *e, int slot, tdm_error *err) {
   if (!*kept)
     *kept = dem_data_create(e->model);
   if (!*kept || !dem_data_copy(*kept, e->data))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->nparticle);
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->state.nparticle);
   return TDM_OK;
 }
 
@@ -202,6 +202,6 @@ tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
   if (!e->slot[slot])
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
   if (!dem_data_copy(e->data, e->slot[slot]))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->nparticle);
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->state.nparticle);
   return TDM_OK;
 }

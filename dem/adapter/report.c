@@ -13,18 +13,18 @@
 
 dem_fill dem_fill_now(const dem_data *d) {
   dem_fill f = {0};
-  for (int i = 0; i < d->nparticle; i++) {
-    f.mass += d->mass[i];
-    f.com = tdm_axpy(d->mass[i], d->sphere[i].position, f.com);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    f.mass += d->state.mass[i];
+    f.com = tdm_axpy(d->state.mass[i], d->state.sphere[i].position, f.com);
   }
   f.com = f.mass > 0 ? tdm_scale(1 / f.mass, f.com) : f.com;
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 r = tdm_sub(d->sphere[i].position, f.com);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    tdm_vec3 r = tdm_sub(d->state.sphere[i].position, f.com);
     const double x[3] = {r.x, r.y, r.z};
-    double own = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius, r2 = tdm_dot(r, r);
+    double own = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius, r2 = tdm_dot(r, r);
     for (int a = 0; a < 3; a++)
       for (int b = 0; b < 3; b++)
-        f.inertia.m[a][b] += (a == b ? own + d->mass[i] * r2 : 0) - d->mass[i] * x[a] * x[b];
+        f.inertia.m[a][b] += (a == b ? own + d->state.mass[i] * r2 : 0) - d->state.mass[i] * x[a] * x[b];
   }
   return f;
 }
@@ -128,8 +128,8 @@ static void warn_repeats(dem_report *r, const dem_data *d) {
     for (int a = 0; a < 3; a++) {
       tdm_vec3 up = {0, 0, 0};
       (&up.x)[a] = 1;
-      double low, high, begin = d->domain.low[a], end = begin + d->domain.length[a];
-      if (!d->domain.periodic[a] || !dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high) ||
+      double low, high, begin = d->state.domain.low[a], end = begin + d->state.domain.length[a];
+      if (!d->state.domain.periodic[a] || !dem_wall_extent(&m->wall[w], &d->state.wall[w], up, &low, &high) ||
           high < begin - radius || low > end + radius || (low >= begin + radius && high <= end - radius) ||
           (low <= begin - radius && high >= end + radius))
         continue;
@@ -189,14 +189,14 @@ static void warn_speed(dem_report *r, const dem_data *d, double speed) {
   double worst = 0, smallest = INFINITY, of = 0;
   if (m->guard.every == 0 || !(speed > 0))
     return;
-  for (int i = 0; i < d->nparticle + m->nsource; i++) {
-    const dem_source *s = i < d->nparticle ? NULL : &m->source[i - d->nparticle];
-    double radius = s ? s->sizes.max : d->sphere[i].radius;
-    int kind = s ? s->material : d->material[i];
+  for (int i = 0; i < d->state.nparticle + m->nsource; i++) {
+    const dem_source *s = i < d->state.nparticle ? NULL : &m->source[i - d->state.nparticle];
+    double radius = s ? s->sizes.max : d->state.sphere[i].radius;
+    int kind = s ? s->material : d->state.material[i];
     double full = m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
-    double mass = !s ? d->mass[i] : s->mass > 0 ? s->mass : full;
+    double mass = !s ? d->state.mass[i] : s->mass > 0 ? s->mass : full;
     smallest = fmin(smallest, s ? s->sizes.min : radius);
-    if (i > 0 && !s && d->mass[i] == d->mass[i - 1] && kind == d->material[i - 1])
+    if (i > 0 && !s && d->state.mass[i] == d->state.mass[i - 1] && kind == d->state.material[i - 1])
       continue;
     double share = deepest_impact(m, kind, radius, mass, speed);
     of = share > worst ? radius : of;
@@ -234,7 +234,7 @@ static json_t *report_fill(const dem_data *d, const dem_fill *fill) {
   json_t *inertia = json_array(), *r = json_object();
   for (int k = 0; k < 9; k++)
     json_array_append_new(inertia, number(fill->inertia.m[k / 3][k % 3]));
-  json_object_set_new(r, "number", json_integer(d->nparticle));
+  json_object_set_new(r, "number", json_integer(d->state.nparticle));
   json_object_set_new(r, "mass", number(fill->mass));
   json_object_set_new(r, "com", vector(fill->com));
   json_object_set_new(r, "inertia", inertia);
@@ -269,8 +269,8 @@ static void report_limits(dem_report *r, const dem_model *m, const dem_limits *l
 static double heaviest_particle(const dem_data *d) {
   const dem_model *m = d->model;
   double heaviest = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    heaviest = fmax(heaviest, d->mass[i]);
+  for (int i = 0; i < d->state.nparticle; i++)
+    heaviest = fmax(heaviest, d->state.mass[i]);
   for (int s = 0; s < m->nsource; s++) {
     double r = m->source[s].sizes.max, full = m->material[m->source[s].material].density * 4.0 / 3 * M_PI * r * r * r;
     heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
@@ -313,12 +313,12 @@ static void report_lids(dem_report *r, const dem_data *d) {
     if (w < 0)
       continue;
     const dem_wall *wall = &m->wall[w];
-    tdm_vec3 at = tdm_axpy(-d->lid[w], wall->normal, wall->point);
+    tdm_vec3 at = tdm_axpy(-d->state.lid[w], wall->normal, wall->point);
     json_t *one = json_object();
     json_object_set_new(one, "body", json_string(m->body[wall->body].name));
     json_object_set_new(one, "point", vector(at));
     json_object_set_new(one, "outward", vector(tdm_scale(-1, wall->normal)));
-    json_object_set_new(one, "over_face", number(d->lid[w]));
+    json_object_set_new(one, "over_face", number(d->state.lid[w]));
     json_array_append_new(all, one);
   }
   json_object_set_new(r->json, "lids", all);
@@ -381,14 +381,14 @@ tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *
   dem_fill fill = dem_fill_now(d);
   if (dem_limits_expected(d, &r->limits, err))
     return err->status;
-  json_object_set_new(r->json, "particles", json_integer(d->nparticle));
+  json_object_set_new(r->json, "particles", json_integer(d->state.nparticle));
   json_object_set_new(r->json, "particle_mass", number(fill.mass));
   json_object_set_new(r->json, "fill", report_fill(d, &fill));
   json_object_set_new(r->json, "bodies", json_integer(m->nbody));
   json_object_set_new(r->json, "walls", json_integer(m->nwall));
   json_object_set_new(r->json, "sources", json_integer(m->nsource));
   json_object_set_new(r->json, "sinks", json_integer(m->nsink));
-  json_object_set_new(r->json, "contacts", json_integer(d->ncontact));
+  json_object_set_new(r->json, "contacts", json_integer(d->state.ncontact));
   for (dem_family f = 0; f < DEM_FAMILIES; f++)
     json_object_set_new(r->json, dem_family_names[f], json_string(dem_law_of(m, f)->name));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
@@ -420,11 +420,11 @@ void dem_report_flow(dem_report *r, const dem_data *d) {
   for (int s = 0; s < d->model->nsource; s++) {
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "dem.sources[%d]", s);
-    if (d->source[s].blocked)
+    if (d->state.source[s].blocked)
       warn(r, path,
            "has no room for its particle %llu at the start: a particle or a wall is there; it waits until there is, "
            "or "
            "move the source",
-           (unsigned long long)d->source[s].made);
+           (unsigned long long)d->state.source[s].made);
   }
 }

@@ -25,9 +25,9 @@ static void add_load(tdm_wrench *sum, double weight, const tdm_wrench *load) {
 static void sum_loads(dem_data *d, double share, tdm_vec3 fixed) {
   const int nload = d->model->nload;
   for (int l = 0; l < nload; l++)
-    add_load(&d->sample_sum[l], share, &d->body_load[l]);
-  add_load(&d->sample_sum[nload], share, &(tdm_wrench){.force = fixed});
-  d->sample_steps += share;
+    add_load(&d->state.sample_sum[l], share, &d->state.body_load[l]);
+  add_load(&d->state.sample_sum[nload], share, &(tdm_wrench){.force = fixed});
+  d->state.sample_steps += share;
 }
 
 /* Close the output interval: means since the sample before (which repeats if no time lies between), and channels, at
@@ -36,13 +36,13 @@ static void close_sample(dem_engine *e, int j, double share, double dt, const de
   dem_data *d = e->data;
   const dem_model *m = e->model;
   for (int l = 0; l <= m->nload; l++) {
-    if (d->sample_steps > 0)
-      d->sample_mean[l] = mean_load(&d->sample_sum[l], d->sample_steps);
-    d->sample_sum[l] = (tdm_wrench){0};
+    if (d->state.sample_steps > 0)
+      d->state.sample_mean[l] = mean_load(&d->state.sample_sum[l], d->state.sample_steps);
+    d->state.sample_sum[l] = (tdm_wrench){0};
   }
   for (int c = 0; c < m->ncoupled && out->sample_load; c++)
-    out->sample_load[j * m->ncoupled + c] = d->sample_mean[m->coupled_body[c]];
-  d->sample_steps = 0;
+    out->sample_load[j * m->ncoupled + c] = d->state.sample_mean[m->coupled_body[c]];
+  d->state.sample_steps = 0;
   if (!out->channel)
     return;
   double *values = &out->channel[j * e->channels.count];
@@ -78,7 +78,7 @@ static double step_length(const dem_model *m, const dem_window *w) {
 /* The time at which step k, the next one, ends: from the number of steps since the start, so that sources do not depend
  * on how the run is cut into windows; from the window when that is not cut into the scene's steps. */
 static double step_time(const dem_data *d, const dem_window *w, uint64_t k, double dt) {
-  double t = w->t0 + (double)k * dt, own = d->model->time_start + (double)(d->nstep + 1) * d->model->dt;
+  double t = w->t0 + (double)k * dt, own = d->model->time_start + (double)(d->state.nstep + 1) * d->model->dt;
   return fabs(t - own) < 1e-3 * dt ? own : t;
 }
 
@@ -92,7 +92,7 @@ static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *t
     task->time = step_time(d, w, task->k, dt);
     if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1)
       dem_channels_sample(&e->channels, d, e->before);
-    d->traction.wanted = e->model->triangle_forces && last; /* runs end windows where they write files */
+    d->work.traction.wanted = e->model->triangle_forces && last; /* runs end windows where they write files */
     if (dem_step(d, task, err))
       return err->status;
     sample_step(e, w, last, task->time, dt, task->sums->fixed, &sample, out);

@@ -275,18 +275,18 @@ static long line_of(bed *b, uint64_t n) {
 
 /* spheres of a file that lie in one another would only fly apart */
 static tdm_status refuse_coincident(const dem_data *d, bed *b, tdm_error *err) {
-  for (size_t k = 0; b->file && k < d->pairs.count; k++) {
-    int i = d->pairs.one[k], j = d->pairs.other[k];
-    if (j >= d->nparticle)
+  for (size_t k = 0; b->file && k < d->lists.pairs.count; k++) {
+    int i = d->lists.pairs.one[k], j = d->lists.pairs.other[k];
+    if (j >= d->state.nparticle)
       continue;
-    double radius = fmin(d->sphere[i].radius, d->sphere[j].radius);
-    double depth =
-        d->sphere[i].radius + d->sphere[j].radius - tdm_norm(tdm_sub(d->sphere[i].position, d->sphere[j].position));
+    double radius = fmin(d->state.sphere[i].radius, d->state.sphere[j].radius);
+    double depth = d->state.sphere[i].radius + d->state.sphere[j].radius -
+                   tdm_norm(tdm_sub(d->state.sphere[i].position, d->state.sphere[j].position));
     if (depth > 0.5 * radius)
       return tdm_fail(err, TDM_ERR_FILE, NULL,
                       "\"%s\", lines %ld and %ld: the spheres overlap by %.3g m, more than half a radius; remove one",
-                      b->name, line_of(b, d->id[i] < d->id[j] ? d->id[i] : d->id[j]),
-                      line_of(b, d->id[i] < d->id[j] ? d->id[j] : d->id[i]), depth);
+                      b->name, line_of(b, d->state.id[i] < d->state.id[j] ? d->state.id[i] : d->state.id[j]),
+                      line_of(b, d->state.id[i] < d->state.id[j] ? d->state.id[j] : d->state.id[i]), depth);
   }
   return TDM_OK;
 }
@@ -316,7 +316,7 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
-  e->data->nthread = o->threads;
+  e->data->work.nthread = o->threads;
   if (!dem_forces_now(e->data, false))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   return refuse_coincident(e->data, b, err);
@@ -324,10 +324,10 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
 
 static double kinetic_energy(const dem_data *d) {
   double sum = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    double inertia = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius;
-    sum += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
-    sum += 0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
+    sum += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity);
+    sum += 0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin);
   }
   return sum;
 }
@@ -336,18 +336,18 @@ static double kinetic_energy(const dem_data *d) {
 static tdm_status settle(engine *e, const options *o, tdm_error *err) {
   dem_data *d = e->data;
   double height = 0, mass = 0, drag = exp(-10 * o->dt);
-  for (int i = 0; i < d->nparticle; i++) {
-    height = fmax(height, d->sphere[i].position.z);
-    mass += d->mass[i];
+  for (int i = 0; i < d->state.nparticle; i++) {
+    height = fmax(height, d->state.sphere[i].position.z);
+    mass += d->state.mass[i];
   }
-  double quiet = 1e-7 * mass * 9.81 * d->sphere[0].radius;
+  double quiet = 1e-7 * mass * 9.81 * d->state.sphere[0].radius;
   long most = (long)((1 + 8 * sqrt(2 * height / 9.81)) / o->dt);
   for (long k = 1; k <= most; k++) {
     if (dem_step(d, &(dem_step_task){.dt = o->dt}, err))
       return err->status;
-    for (int i = 0; i < d->nparticle; i++) {
-      d->pace[i].velocity = tdm_scale(drag, d->pace[i].velocity);
-      d->pace[i].spin = tdm_scale(drag, d->pace[i].spin);
+    for (int i = 0; i < d->state.nparticle; i++) {
+      d->state.pace[i].velocity = tdm_scale(drag, d->state.pace[i].velocity);
+      d->state.pace[i].spin = tdm_scale(drag, d->state.pace[i].spin);
     }
     if (k % 100 == 0 && (double)k * o->dt > 0.1 && kinetic_energy(d) < quiet)
       break;
@@ -376,9 +376,9 @@ static tdm_status keep_bed(const dem_data *d, const char *name, tdm_error *err) 
   FILE *f = fopen(temporary, "w");
   if (f) {
     fprintf(f, "# settled bed: x y z r [m]\n");
-    for (int i = 0; i < d->nparticle; i++) {
-      tdm_vec3 x = d->sphere[i].position;
-      fprintf(f, "%.12g %.12g %.12g %.12g\n", x.x, x.y, x.z, d->sphere[i].radius);
+    for (int i = 0; i < d->state.nparticle; i++) {
+      tdm_vec3 x = d->state.sphere[i].position;
+      fprintf(f, "%.12g %.12g %.12g %.12g\n", x.x, x.y, x.z, d->state.sphere[i].radius);
     }
   }
   if (f && fclose(f) == 0 && rename(temporary, name) == 0)
@@ -437,7 +437,7 @@ static tdm_status make_referee(engine *referee, dem_data *d, const options *o, t
     return err->status;
   referee->data = dem_data_create(referee->model);
   if (!referee->data || !dem_state_save(d, &bytes, &size))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", d->nparticle);
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", d->state.nparticle);
   if (dem_state_load(referee->data, bytes, size, err) == TDM_OK)
     dem_forces_again(referee->data, false, 0);
   free(bytes);
@@ -448,17 +448,17 @@ static tdm_status make_referee(engine *referee, dem_data *d, const options *o, t
  * NAN: too many particles. */
 static tdm_status find_force_error(dem_data *d, const options *o, double *error, tdm_error *err) {
   *error = NAN;
-  if (d->nparticle > 20000)
+  if (d->state.nparticle > 20000)
     return TDM_OK;
   engine referee = {0};
   if (make_referee(&referee, d, o, err) == TDM_OK) {
     double worst = 0, largest = 0;
     dem_forces_again(d, false, 0);
-    for (int i = 0; i < d->nparticle; i++) {
-      const dem_push *all = &referee.data->push[i];
+    for (int i = 0; i < d->state.nparticle; i++) {
+      const dem_push *all = &referee.data->state.push[i];
       largest = fmax(largest, tdm_norm(all->force));
-      worst = fmax(worst, tdm_norm(tdm_sub(all->force, d->push[i].force)));
-      worst = fmax(worst, tdm_norm(tdm_sub(all->twist, d->push[i].twist)));
+      worst = fmax(worst, tdm_norm(tdm_sub(all->force, d->state.push[i].force)));
+      worst = fmax(worst, tdm_norm(tdm_sub(all->twist, d->state.push[i].twist)));
     }
     *error = largest > 0 ? worst / largest : worst;
   }
@@ -482,10 +482,10 @@ static double cpu_clock(void) {
 /* pairs of particles: each counts for two particles, a contact with a wall for one */
 static long touching_pairs(const dem_data *d) {
   long many = 0;
-  for (size_t k = 0; k < d->pairs.count; k++) {
-    if (d->pairs.other[k] >= d->nparticle)
+  for (size_t k = 0; k < d->lists.pairs.count; k++) {
+    if (d->lists.pairs.other[k] >= d->state.nparticle)
       continue;
-    const dem_sphere *a = &d->sphere[d->pairs.one[k]], *b = &d->sphere[d->pairs.other[k]];
+    const dem_sphere *a = &d->state.sphere[d->lists.pairs.one[k]], *b = &d->state.sphere[d->lists.pairs.other[k]];
     many += tdm_norm(tdm_sub(a->position, b->position)) < a->radius + b->radius;
   }
   return many;
@@ -498,23 +498,24 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
     return err->status;
   }
   dem_data *d = e.data;
-  uint64_t rebuilds = d->nrebuild;
+  uint64_t rebuilds = d->lists.nrebuild;
   double cpu = cpu_clock(), wall = tdm_clock();
   if (run_steps(d, o, o->steps, err) == TDM_OK) {
     wall = tdm_clock() - wall;
     cpu = cpu_clock() - cpu;
     long rss = peak_memory(), listed = 0, touching = touching_pairs(d);
-    for (size_t k = 0; k < d->pairs.count; k++)
-      listed += d->pairs.other[k] < d->nparticle;
-    double n = d->nparticle, energy = kinetic_energy(d);
+    for (size_t k = 0; k < d->lists.pairs.count; k++)
+      listed += d->lists.pairs.other[k] < d->state.nparticle;
+    double n = d->state.nparticle, energy = kinetic_energy(d);
     char law[128];
     snprintf(law, sizeof law, "%s/%s/%s/%s", e.model->normal->head.name, e.model->tangential->head.name,
              e.model->rolling->head.name, e.model->cohesion->head.name);
-    *out = json_pack("{s:i, s:I, s:i, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f}", "particles", d->nparticle,
-                     "steps", (json_int_t)o->steps, "threads", d->nthread, "law", law, "simd", e.model->simd, "cpu_s",
-                     cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",
-                     (double)(touching + d->ncontact) / n, "pairs_per_particle", (double)listed / n, "rebuilds",
-                     (json_int_t)(d->nrebuild - rebuilds), "rss_bytes", (json_int_t)rss, "kinetic_energy", energy);
+    *out =
+        json_pack("{s:i, s:I, s:i, s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:f}", "particles", d->state.nparticle,
+                  "steps", (json_int_t)o->steps, "threads", d->work.nthread, "law", law, "simd", e.model->simd, "cpu_s",
+                  cpu, "wall_s", wall, "particle_steps_per_s", n * (double)o->steps / wall, "coordination",
+                  (double)(touching + d->state.ncontact) / n, "pairs_per_particle", (double)listed / n, "rebuilds",
+                  (json_int_t)(d->lists.nrebuild - rebuilds), "rss_bytes", (json_int_t)rss, "kinetic_energy", energy);
     double error;
     if (find_force_error(d, o, &error, err) == TDM_OK)
       json_object_set_new(*out, "force_error", isfinite(error) ? json_real(error) : json_null());

@@ -200,10 +200,10 @@ static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   find_due(run, end);
   const dem_window window = {
       .t0 = now(run), .t1 = (double)end * dt, .nstep = end - run->nstep, .nsample = run->ndue, .sample_time = run->due};
-  double nparticle = d->nparticle;
+  double nparticle = d->state.nparticle;
   if (dem_engine_advance(run->engine, &window, &(dem_outcome){.channel = run->rows}, err) != TDM_OK)
     return err->status;
-  run->particle_steps += 0.5 * (nparticle + d->nparticle) * (double)window.nstep;
+  run->particle_steps += 0.5 * (nparticle + d->state.nparticle) * (double)window.nstep;
   run->step += tdm_clock() - begin;
   run->nstep = end;
   return TDM_OK;
@@ -243,7 +243,7 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings",
                           "time.end", s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps",
                           (json_int_t)run->nstep, "simulated_s", (double)run->nstep * s->time.dt, "particles",
-                          d ? d->nparticle : 0, "particle_steps", run->particle_steps, "particle_steps_per_s",
+                          d ? d->state.nparticle : 0, "particle_steps", run->particle_steps, "particle_steps_per_s",
                           tdm_real_or_null(run->particle_steps / run->step), "wall_s", "all", wall, "setup", run->setup,
                           "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures", run->pictures.drawn);
   json_object_update_new(json, own);

@@ -12,7 +12,7 @@ void dem_set_body_mobility(dem_data *d, int coupled, const double Y[36]) {
   if (m->wall_mass > 0)
     return;
   int b = m->coupled_body[coupled];
-  dem_mobility *y = &d->mobility[b];
+  dem_mobility *y = &d->state.mobility[b];
   y->full = false;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {

@@ -170,7 +170,7 @@ static void cubic_at(const cubic *c, double T, double t, tdm_twist *value, tdm_t
 
 static void gather(const dem_proxy *x, const dem_data *d) {
   for (int c = 0; 6 * c < x->k6; c++)
-    memcpy(x->W + 6 * c, &d->body_load[d->model->coupled_body[c]], 6 * sizeof(double));
+    memcpy(x->W + 6 * c, &d->state.body_load[d->model->coupled_body[c]], 6 * sizeof(double));
 }
 
 /* ---- the window's start ---- */
@@ -285,10 +285,10 @@ static void take_drift(dem_proxy *x, const dem_data *d, const tdm_step *step) {
     const double *correction = step->proxy.correction + 12 * c;
     carried *to = &x->body[c];
     *to = (carried){.start = *start, .now = *start, .path = *start, .mid = start->twist};
-    to->drift.value0.velocity = tdm_sub(d->pose[b].position, start->pose.position);
-    to->drift.value0.angular = tdm_quat_turn(start->pose.orientation, d->pose[b].orientation);
-    to->drift.rate0.velocity = tdm_sub(d->twist[b].velocity, start->twist.velocity);
-    to->drift.rate0.angular = tdm_sub(d->twist[b].angular, start->twist.angular);
+    to->drift.value0.velocity = tdm_sub(d->state.pose[b].position, start->pose.position);
+    to->drift.value0.angular = tdm_quat_turn(start->pose.orientation, d->state.pose[b].orientation);
+    to->drift.rate0.velocity = tdm_sub(d->state.twist[b].velocity, start->twist.velocity);
+    to->drift.rate0.angular = tdm_sub(d->state.twist[b].angular, start->twist.angular);
     to->correct.value1 = twist_of(correction);
     to->correct.rate1 = twist_of(correction + 6);
   }
@@ -418,9 +418,9 @@ static void put(const dem_proxy *x, dem_data *d, int c, tdm_twist twist) {
   cubic_at(&b->drift, x->blend_time, x->tau, &drift, &drift_rate);
   cubic_at(&b->correct, x->H, x->tau, &way, &way_rate);
   way = add_twists(drift, way);
-  d->pose[to].position = tdm_add(b->now.pose.position, way.velocity);
-  d->pose[to].orientation = tdm_quat_turned(b->now.pose.orientation, way.angular);
-  d->twist[to] = add_twists(twist, add_twists(drift_rate, way_rate));
+  d->state.pose[to].position = tdm_add(b->now.pose.position, way.velocity);
+  d->state.pose[to].orientation = tdm_quat_turned(b->now.pose.orientation, way.angular);
+  d->state.twist[to] = add_twists(twist, add_twists(drift_rate, way_rate));
 }
 
 /* The contacts' effective mass: Y = J B of each body. */

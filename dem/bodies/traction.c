@@ -7,37 +7,37 @@
 #include <string.h>
 
 bool dem_traction_reserve(dem_data *d) {
-  dem_traction *t = &d->traction;
+  dem_traction *t = &d->work.traction;
   if (!t->wanted)
     return true;
   if (!t->force)
     t->force = calloc((size_t)d->model->ntriangle, sizeof *t->force);
-  if (!t->entry_force || t->capacity < d->walls.count) {
+  if (!t->entry_force || t->capacity < d->lists.walls.count) {
     free(t->entry_force);
-    t->capacity = d->walls.capacity + 1;
+    t->capacity = d->lists.walls.capacity + 1;
     t->entry_force = malloc(t->capacity * sizeof *t->entry_force);
   }
   return t->force && t->entry_force;
 }
 
 tdm_vec3 *dem_traction_entries(dem_data *d) {
-  dem_traction *t = &d->traction;
+  dem_traction *t = &d->work.traction;
   if (!t->wanted)
     return NULL;
-  assert(t->capacity >= d->walls.count);
-  memset(t->entry_force, 0, d->walls.count * sizeof *t->entry_force);
+  assert(t->capacity >= d->lists.walls.count);
+  memset(t->entry_force, 0, d->lists.walls.count * sizeof *t->entry_force);
   return t->entry_force;
 }
 
 void dem_traction_clear(dem_data *d) {
-  if (d->traction.wanted)
-    memset(d->traction.force, 0, (size_t)d->model->ntriangle * sizeof *d->traction.force);
+  if (d->work.traction.wanted)
+    memset(d->work.traction.force, 0, (size_t)d->model->ntriangle * sizeof *d->work.traction.force);
 }
 
 void dem_traction_add(dem_data *d, double share) {
-  const dem_traction *t = &d->traction;
-  for (size_t k = 0; t->wanted && k < d->walls.count; k++) {
-    const dem_wall_entry *e = &d->walls.entry[k];
+  const dem_traction *t = &d->work.traction;
+  for (size_t k = 0; t->wanted && k < d->lists.walls.count; k++) {
+    const dem_wall_entry *e = &d->lists.walls.entry[k];
     if (!d->model->wall[e->wall].shape->parts)
       continue;
     tdm_vec3 *sum = &t->force[d->model->first_triangle[e->wall] + e->part];
@@ -46,7 +46,7 @@ void dem_traction_add(dem_data *d, double share) {
 }
 
 void dem_traction_free(dem_data *d) {
-  free(d->traction.force);
-  free(d->traction.entry_force);
-  d->traction = (dem_traction){0};
+  free(d->work.traction.force);
+  free(d->work.traction.entry_force);
+  d->work.traction = (dem_traction){0};
 }

@@ -25,10 +25,10 @@ static void add_spring(matrix6 K, double k, tdm_vec3 lever, tdm_vec3 e) {
 /* k_n n n^T + k_t (I - n n^T) at the contact of a particle and a body */
 static void add_contact(const dem_data *d, matrix6 K, int particle, int body, double gap, tdm_vec3 n) {
   const dem_model *m = d->model;
-  const dem_sphere *s = &d->sphere[particle];
-  const dem_pair *pair = &m->pair[d->material[particle] * m->nmaterial + m->body[body].material];
-  tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->pose[body].position);
-  dem_impact at = {.mass = 1 / dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n),
+  const dem_sphere *s = &d->state.sphere[particle];
+  const dem_pair *pair = &m->pair[d->state.material[particle] * m->nmaterial + m->body[body].material];
+  tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->state.pose[body].position);
+  dem_impact at = {.mass = 1 / dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n),
                    .radius = s->radius};
   double normal = dem_normal_stiffness(m, pair, at, s->radius - gap);
   double tangential = dem_tangential_stiffness(m, pair, at, s->radius - gap);
@@ -40,11 +40,11 @@ static void add_contact(const dem_data *d, matrix6 K, int particle, int body, do
 
 /* the contacts of a particle with a wall: entries begin ... end of the list */
 static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) {
-  int i = d->walls.entry[begin].particle, w = d->walls.entry[begin].wall;
+  int i = d->lists.walls.entry[begin].particle, w = d->lists.walls.entry[begin].wall;
   const dem_wall *wall = &d->model->wall[w];
-  const dem_wall_place *place = &d->wall[w];
-  const dem_sphere *s = &d->sphere[i];
-  if (s->inverse_mass == 0 && d->mobility[wall->body].per_mass == 0) /* as the loops leave it out */
+  const dem_wall_place *place = &d->state.wall[w];
+  const dem_sphere *s = &d->state.sphere[i];
+  if (s->inverse_mass == 0 && d->state.mobility[wall->body].per_mass == 0) /* as the loops leave it out */
     return;
   if (!wall->shape->touches) {
     tdm_vec3 n;
@@ -54,14 +54,14 @@ static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) 
     return;
   }
   dem_touch found[DEM_TOUCHES_MAX];
-  int many = wall->shape->touches(wall, &d->walls.entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
+  int many = wall->shape->touches(wall, &d->lists.walls.entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
                                   dem_wall_own(place, s->position), s->radius, found);
   for (int c = 0; c < many; c++)
     add_contact(d, K, i, wall->body, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
 }
 
 static void add_walls(const dem_data *d, matrix6 *K) {
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   for (size_t k = 0, next; k < list->count; k = next) {
     const dem_wall_entry *e = &list->entry[k];
     for (next = k + 1;

@@ -8,9 +8,9 @@
 /* where wall w is now */
 static void put(dem_data *d, int w) {
   dem_wall wall = d->model->wall[w];
-  if (d->lid[w] != 0)
-    wall.point = tdm_axpy(-d->lid[w], wall.normal, wall.point);
-  d->wall[w] = dem_wall_put(&wall, &d->pose[wall.body]);
+  if (d->state.lid[w] != 0)
+    wall.point = tdm_axpy(-d->state.lid[w], wall.normal, wall.point);
+  d->state.wall[w] = dem_wall_put(&wall, &d->state.pose[wall.body]);
 }
 
 void dem_walls_put(dem_data *d) {
@@ -30,8 +30,8 @@ void dem_bodies_move(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n
   double s = (double)k / (double)n;
   for (int c = 0; c < m->ncoupled; c++) {
     int b = m->coupled_body[c];
-    d->pose[b] = dem_path_pose(&motion[c], s);
-    d->twist[b] = dem_path_twist(&motion[c], s);
+    d->state.pose[b] = dem_path_pose(&motion[c], s);
+    d->state.twist[b] = dem_path_twist(&motion[c], s);
   }
   dem_coupled_walls_put(d);
 }
@@ -43,8 +43,8 @@ void dem_bodies_drive(dem_data *d, double t) {
   for (int b = 0; b < m->nbody; b++)
     if (m->body[b].drive.given) {
       tdm_state now = dem_driven_state(&m->body[b].drive, &m->body[b].start, t);
-      d->pose[b] = now.pose;
-      d->twist[b] = now.twist;
+      d->state.pose[b] = now.pose;
+      d->state.twist[b] = now.twist;
     }
   for (int w = 0; w < m->nwall; w++)
     if (m->body[m->wall[w].body].drive.given)
@@ -52,23 +52,23 @@ void dem_bodies_drive(dem_data *d, double t) {
 }
 
 bool dem_behind(const dem_data *d, int i, int w) {
-  return d->model->wall[w].endless && dem_gap(d, i, w, NULL) <= -d->sphere[i].radius;
+  return d->model->wall[w].endless && dem_gap(d, i, w, NULL) <= -d->state.sphere[i].radius;
 }
 
 void dem_mark_front(dem_data *d, int first) {
   int nwall = d->model->nwall;
-  for (int i = first; i < d->nparticle; i++)
+  for (int i = first; i < d->state.nparticle; i++)
     for (int w = 0; w < nwall; w++)
-      d->front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
+      d->state.front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
 }
 
 bool dem_through(const dem_data *d, int i, int w) {
-  return d->front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
+  return d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
 }
 
 long dem_count_lost(const dem_data *d) {
   long lost = 0;
-  for (int i = 0; i < d->nparticle; i++) {
+  for (int i = 0; i < d->state.nparticle; i++) {
     bool through = false;
     for (int w = 0; w < d->model->nwall && !through; w++)
       through = dem_through(d, i, w);
@@ -85,9 +85,9 @@ static double lowest(const dem_data *d, tdm_vec3 up) {
   for (int w = 0; w < m->nwall; w++) {
     double low, high;
     const bool plane = m->wall[w].shape->half_space;
-    if (dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+    if (dem_wall_extent(&m->wall[w], &d->state.wall[w], up, &low, &high))
       least = fmin(least, low);
-    else if (!plane || tdm_dot(d->wall[w].normal, up) > level)
+    else if (!plane || tdm_dot(d->state.wall[w].normal, up) > level)
       return -INFINITY;
   }
   for (int k = 0; k < m->nsink; k++) {
@@ -106,14 +106,14 @@ long dem_count_fallen(const dem_data *d, int *first) {
   const double g = tdm_norm(m->gravity);
   bool repeats = false;
   for (int a = 0; a < 3; a++)
-    repeats = repeats || (d->domain.periodic[a] && (&m->gravity.x)[a] != 0);
+    repeats = repeats || (d->state.domain.periodic[a] && (&m->gravity.x)[a] != 0);
   if (g == 0 || repeats)
     return 0;
   const tdm_vec3 up = tdm_scale(-1 / g, m->gravity);
   const double low = lowest(d, up);
   long fallen = 0;
-  for (int i = 0; i < d->nparticle && isfinite(low); i++)
-    if (tdm_dot(up, d->sphere[i].position) + 3 * d->sphere[i].radius < low) {
+  for (int i = 0; i < d->state.nparticle && isfinite(low); i++)
+    if (tdm_dot(up, d->state.sphere[i].position) + 3 * d->state.sphere[i].radius < low) {
       *first = fallen == 0 ? i : *first;
       fallen++;
     }
@@ -128,13 +128,13 @@ static const double lid_away = 1e9; /* [m] */
 void dem_lids_away(dem_data *d) {
   for (int k = 0; k < d->model->nbox; k++)
     if (d->model->box[k].lid >= 0)
-      d->lid[d->model->box[k].lid] = lid_away;
+      d->state.lid[d->model->box[k].lid] = lid_away;
 }
 
 /* is particle i over the box's face that the lid closes: between the side faces, not below the opposite one? */
 static bool over_box(const dem_data *d, const dem_box *box, tdm_vec3 outward, int i) {
-  tdm_pose pose = d->pose[box->body];
-  tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->sphere[i].position, pose.position));
+  tdm_pose pose = d->state.pose[box->body];
+  tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(pose.orientation), tdm_sub(d->state.sphere[i].position, pose.position));
   tdm_quat back = tdm_quat_conj(box->turn);
   x = tdm_quat_rotate(back, tdm_sub(x, box->center));
   outward = tdm_quat_rotate(back, outward);
@@ -155,14 +155,14 @@ bool dem_lids_place(dem_data *d) {
       continue;
     any = true;
     const dem_wall *wall = &m->wall[box->lid];
-    tdm_pose pose = d->pose[box->body];
+    tdm_pose pose = d->state.pose[box->body];
     tdm_vec3 outward = tdm_scale(-1, wall->normal), axis = tdm_quat_rotate(pose.orientation, outward);
     tdm_vec3 face = tdm_pose_point(pose, wall->point);
     double highest = -INFINITY; /* over the nominal face */
-    for (int i = 0; i < d->nparticle; i++)
+    for (int i = 0; i < d->state.nparticle; i++)
       if (over_box(d, box, outward, i))
-        highest = fmax(highest, tdm_dot(tdm_sub(d->sphere[i].position, face), axis) + d->sphere[i].radius);
-    d->lid[box->lid] = isfinite(highest) ? highest + box->gap : 0;
+        highest = fmax(highest, tdm_dot(tdm_sub(d->state.sphere[i].position, face), axis) + d->state.sphere[i].radius);
+    d->state.lid[box->lid] = isfinite(highest) ? highest + box->gap : 0;
   }
   dem_walls_put(d);
   return any;
@@ -170,28 +170,28 @@ bool dem_lids_place(dem_data *d) {
 
 double dem_deepest(const dem_data *d, int w) {
   double deepest = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    deepest = fmax(deepest, 1 - dem_gap(d, i, w, NULL) / d->sphere[i].radius);
+  for (int i = 0; i < d->state.nparticle; i++)
+    deepest = fmax(deepest, 1 - dem_gap(d, i, w, NULL) / d->state.sphere[i].radius);
   return deepest;
 }
 
 double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   bool keeps = d->model->normal->keeps_deepest;
   return keeps ? list->history[(size_t)d->model->columns.normal * list->capacity + k] : 0;
 }
 
 double dem_lid_force(const dem_data *d, const dem_box *box) {
   const dem_model *m = d->model;
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   double sum = 0;
   for (size_t k = 0; k < list->count; k++) {
     int w = list->entry[k].wall, i = list->entry[k].particle;
     if (w != box->lid)
       continue;
-    double radius = d->sphere[i].radius, gap = dem_gap(d, i, w, NULL);
-    const dem_pair *pair = &m->settle_pair[d->material[i] * m->nmaterial + m->body[box->body].material];
-    dem_impact at = {.mass = d->mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
+    double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, w, NULL);
+    const dem_pair *pair = &m->settle_pair[d->state.material[i] * m->nmaterial + m->body[box->body].material];
+    dem_impact at = {.mass = d->state.mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
     if (gap < radius && gap > -radius)
       sum += dem_normal_force(m, pair, at, radius - gap);
   }

@@ -55,7 +55,7 @@ static void advance_due(const dem_model *m, const dem_source *s, dem_source_stat
 }
 
 static tdm_vec3 velocity_of(const dem_data *d, const dem_source *s) {
-  return s->relative >= 0 ? tdm_axpy(s->factor, d->twist[s->relative].velocity, s->velocity) : s->velocity;
+  return s->relative >= 0 ? tdm_axpy(s->factor, d->state.twist[s->relative].velocity, s->velocity) : s->velocity;
 }
 
 /* the places that the source's particles can take in this step, of length dt */
@@ -102,7 +102,7 @@ static void note_wait(const dem_source *s, dem_source_state *now, double t) {
 void dem_flow_end(const dem_data *d, double t) {
   for (int s = 0; s < d->model->nsource; s++) {
     const dem_source *source = &d->model->source[s];
-    const dem_source_state *now = &d->source[s];
+    const dem_source_state *now = &d->state.source[s];
     char event[96], path[TDM_PATH_MAX];
     if (now->made == now->due)
       continue;
@@ -138,7 +138,7 @@ static bool make_due(dem_data *d, dem_free_space *room, const dem_source *s, dem
       return true;
     }
     note_room(s, now, t);
-    if (!dem_data_add(d, &newcomer) || !dem_free_space_add(room, d, d->nparticle - 1))
+    if (!dem_data_add(d, &newcomer) || !dem_free_space_add(room, d, d->state.nparticle - 1))
       return false;
     now->made++;
     now->made_mass += newcomer.mass;
@@ -162,7 +162,7 @@ static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, 
 /* ---- sinks ---- */
 
 static bool touches(const dem_data *d, int i, int w) {
-  return dem_touches_at(d, w, d->sphere[i].position, d->sphere[i].radius);
+  return dem_touches_at(d, w, d->state.sphere[i].position, d->state.sphere[i].radius);
 }
 
 /* is particle i inside sink s by its place alone? */
@@ -180,10 +180,10 @@ static bool rebounded(dem_data *d, int s, int i) {
   int body = m->sink[s].body;
   for (int w = 0; w < m->nwall; w++)
     if (m->wall[w].body == body && touches(d, i, w)) {
-      d->touched[i] |= bit;
+      d->state.touched[i] |= bit;
       return false;
     }
-  if (!(d->touched[i] & bit))
+  if (!(d->state.touched[i] & bit))
     return false;
   for (int w = 0; w < m->nwall; w++)
     if (m->wall[w].body == body && dem_through(d, i, w))
@@ -196,8 +196,8 @@ static int taker(dem_data *d, int i) {
   const dem_model *m = d->model;
   int first = -1;
   for (int s = 0; s < m->nsink; s++) { /* all of them, so that each notes its contacts */
-    bool takes =
-        m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i) : inside(&m->sink[s], d->sphere[i].position);
+    bool takes = m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i)
+                                                           : inside(&m->sink[s], d->state.sphere[i].position);
     if (takes && first < 0)
       first = s;
   }
@@ -206,20 +206,20 @@ static int taker(dem_data *d, int i) {
 
 static void count_out(dem_data *d, int s, int i) {
   const dem_sink *sink = &d->model->sink[s];
-  dem_sink_state *now = &d->sink[s];
+  dem_sink_state *now = &d->state.sink[s];
   int k = 0;
-  while (k < sink->nedge && d->sphere[i].radius >= sink->edge[k])
+  while (k < sink->nedge && d->state.sphere[i].radius >= sink->edge[k])
     k++;
   now->removed++;
-  now->mass += d->mass[i];
+  now->mass += d->state.mass[i];
   now->class_removed[k]++;
-  now->class_mass[k] += d->mass[i];
+  now->class_mass[k] += d->state.mass[i];
 }
 
 static void run_sinks(dem_data *d) {
-  int *gone = d->number; /* scratch */
+  int *gone = d->work.number; /* scratch */
   long many = 0;
-  for (int i = 0; i < d->nparticle; i++) {
+  for (int i = 0; i < d->state.nparticle; i++) {
     gone[i] = taker(d, i);
     if (gone[i] < 0)
       continue;
@@ -235,7 +235,7 @@ bool dem_flow(dem_data *d, double t, double dt) {
   if (m->nsink > 0)
     run_sinks(d);
   for (int s = 0; s < m->nsource; s++)
-    if (!run_source(d, &m->source[s], &d->source[s], t, dt))
+    if (!run_source(d, &m->source[s], &d->state.source[s], t, dt))
       return false;
   return true;
 }
@@ -243,32 +243,32 @@ bool dem_flow(dem_data *d, double t, double dt) {
 /* ---- the open box ---- */
 
 void dem_flow_leave(dem_data *d) {
-  int *gone = d->number; /* scratch */
+  int *gone = d->work.number; /* scratch */
   uint64_t many = 0;
-  for (int i = 0; i < d->nparticle; i++) {
+  for (int i = 0; i < d->state.nparticle; i++) {
     bool out = false;
     for (int a = 0; a < 3; a++) {
-      double x = (&d->sphere[i].position.x)[a] - d->domain.low[a];
-      out = out || (!d->domain.periodic[a] && (x < 0 || x > d->domain.length[a]));
+      double x = (&d->state.sphere[i].position.x)[a] - d->state.domain.low[a];
+      out = out || (!d->state.domain.periodic[a] && (x < 0 || x > d->state.domain.length[a]));
     }
     gone[i] = out ? 0 : -1;
     many += out;
   }
   if (many == 0)
     return;
-  d->ledger.left += many;
+  d->state.ledger.left += many;
   dem_data_remove(d, gone);
 }
 
 /* ---- balances ---- */
 
 double dem_balance_number(const dem_data *d) {
-  return (double)d->ledger.created - (double)d->ledger.removed - (double)d->nparticle;
+  return (double)d->state.ledger.created - (double)d->state.ledger.removed - (double)d->state.nparticle;
 }
 
 double dem_balance_mass(const dem_data *d) {
-  dem_exact_sum rest = d->ledger.mass;
-  for (int i = 0; i < d->nparticle; i++)
-    dem_exact_sum_add(&rest, -d->mass[i]);
+  dem_exact_sum rest = d->state.ledger.mass;
+  for (int i = 0; i < d->state.nparticle; i++)
+    dem_exact_sum_add(&rest, -d->state.mass[i]);
   return dem_exact_sum_value(&rest);
 }

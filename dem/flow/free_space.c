@@ -30,7 +30,7 @@ bool dem_free_space_open(dem_free_space *r, const dem_data *d, tdm_vec3 low, tdm
                         .high = dem_flatten(m, high, m->flat_at),
                         .radius = radius,
                         .largest = radius};
-  for (int i = 0; i < d->nparticle; i++)
+  for (int i = 0; i < d->state.nparticle; i++)
     if (!dem_free_space_add(r, d, i)) {
       dem_free_space_close(r);
       return false;
@@ -100,8 +100,8 @@ static void find_images(const dem_free_space *r, const dem_data *d, const dem_sp
   double reach = s->radius + r->radius;
   for (int a = 0; a < 3; a++) {
     double x = (&s->position.x)[a], low = (&r->low.x)[a] - reach, high = (&r->high.x)[a] + reach;
-    double length = d->domain.length[a];
-    bool repeats = d->model->domain.repeats && d->domain.periodic[a];
+    double length = d->state.domain.length[a];
+    bool repeats = d->model->domain.repeats && d->state.domain.periodic[a];
     from[a] = repeats ? ceil((low - x) / length) : x >= low ? 0 : 1;
     to[a] = repeats ? floor((high - x) / length) : x <= high ? 0 : -1;
   }
@@ -118,13 +118,14 @@ static bool add_member(dem_free_space *r, tdm_vec3 x, double radius) {
 }
 
 bool dem_free_space_add(dem_free_space *r, const dem_data *d, int i) {
-  const dem_sphere *s = &d->sphere[i];
+  const dem_sphere *s = &d->state.sphere[i];
   double from[3], to[3];
   find_images(r, d, s, from, to);
   for (double c = from[2]; c <= to[2]; c++)
     for (double b = from[1]; b <= to[1]; b++)
       for (double a = from[0]; a <= to[0]; a++) {
-        tdm_vec3 shift = tdm_v3(a * d->domain.length[0], b * d->domain.length[1], c * d->domain.length[2]);
+        tdm_vec3 shift =
+            tdm_v3(a * d->state.domain.length[0], b * d->state.domain.length[1], c * d->state.domain.length[2]);
         if (!add_member(r, tdm_add(s->position, shift), s->radius))
           return false;
       }

@@ -19,7 +19,7 @@ void dem_drive_particles(dem_data *data);
 
 /* What accelerates particle i besides contacts [m/s2]. */
 static inline tdm_vec3 dem_field(const dem_data *d, int i) {
-  return d->model->driven ? tdm_add(d->model->gravity, d->drive[i].velocity) : d->model->gravity;
+  return d->model->driven ? tdm_add(d->model->gravity, d->state.drive[i].velocity) : d->model->gravity;
 }
 
 /* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */

@@ -93,7 +93,7 @@ typedef struct {
 typedef enum { DEM_SINK_AFTER_CONTACT, DEM_SINK_BOX, DEM_SINK_PLANE } dem_sink_type;
 
 enum {
-  DEM_SINKS_MAX = 32, /* one bit each in dem_data.touched */
+  DEM_SINKS_MAX = 32, /* one bit each in dem_state.touched */
   DEM_EDGES_MAX = 15  /* of a sink's size classes */
 };
 
@@ -187,7 +187,7 @@ typedef struct dem_model {
   dem_columns columns;  /* of the contacts' history */
   double reach;         /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;
-  bool remembers;                       /* the integrator keeps something for each particle (dem_data.memory) */
+  bool remembers;                       /* the integrator keeps something for each particle (dem_state.memory) */
   const struct dem_integrator *settler; /* velocity Verlet, for settling */
   struct {
     long substeps;

@@ -38,33 +38,33 @@ static int by_id(const void *a, const void *b) {
 
 /* The particles in the order of their ids, whatever the order in which the engine keeps them; NULL: no memory. */
 static rank *rank_particles(const dem_data *d) {
-  rank *order = malloc(((size_t)d->nparticle + 1) * sizeof *order);
+  rank *order = malloc(((size_t)d->state.nparticle + 1) * sizeof *order);
   bool ascending = true;
-  for (int i = 0; order && i < d->nparticle; i++) {
-    order[i] = (rank){d->id[i], i};
-    ascending = ascending && (i == 0 || d->id[i] > d->id[i - 1]);
+  for (int i = 0; order && i < d->state.nparticle; i++) {
+    order[i] = (rank){d->state.id[i], i};
+    ascending = ascending && (i == 0 || d->state.id[i] > d->state.id[i - 1]);
   }
   if (order && !ascending)
-    qsort(order, (size_t)d->nparticle, sizeof *order, by_id);
+    qsort(order, (size_t)d->state.nparticle, sizeof *order, by_id);
   return order;
 }
 
 tdm_status dem_snapshot_take(dem_snapshot *s, const dem_data *d, tdm_error *err) {
   rank *order = rank_particles(d);
-  if (!order || !make_room(s, d->nparticle)) {
+  if (!order || !make_room(s, d->state.nparticle)) {
     free(order);
     dem_snapshot_free(s);
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", d->nparticle);
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", d->state.nparticle);
   }
-  s->count = d->nparticle;
+  s->count = d->state.nparticle;
   for (int k = 0; k < s->count; k++) {
     int i = order[k].particle;
-    s->id[k] = (int64_t)d->id[i];
-    s->material[k] = d->material[i];
-    s->radius[k] = d->sphere[i].radius;
-    s->position[k] = d->sphere[i].position;
-    s->velocity[k] = d->pace[i].velocity;
-    s->spin[k] = d->pace[i].spin;
+    s->id[k] = (int64_t)d->state.id[i];
+    s->material[k] = d->state.material[i];
+    s->radius[k] = d->state.sphere[i].radius;
+    s->position[k] = d->state.sphere[i].position;
+    s->velocity[k] = d->state.pace[i].velocity;
+    s->spin[k] = d->state.pace[i].spin;
   }
   free(order);
   return TDM_OK;
@@ -76,9 +76,10 @@ dem_bounds dem_scene_bounds(const dem_data *d, const dem_snapshot *s) {
   for (int i = 0; i < s->count; i++)
     dem_bounds_add(&b, s->position[i], s->radius[i]);
   for (int k = 0; k < m->nbox; k++)
-    dem_bounds_add_box(&b, dem_frame_at(&d->pose[m->box[k].body], m->box[k].center, m->box[k].turn), m->box[k].half);
+    dem_bounds_add_box(&b, dem_frame_at(&d->state.pose[m->box[k].body], m->box[k].center, m->box[k].turn),
+                       m->box[k].half);
   for (int w = 0; w < m->nwall; w++)
-    dem_wall_bounds(&m->wall[w], &d->pose[m->wall[w].body], &b);
+    dem_wall_bounds(&m->wall[w], &d->state.pose[m->wall[w].body], &b);
   for (int k = 0; k < m->nsource; k++) {
     dem_bounds_add(&b, m->source[k].low, m->source[k].sizes.max);
     dem_bounds_add(&b, m->source[k].high, m->source[k].sizes.max);

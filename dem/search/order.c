@@ -33,26 +33,26 @@ static int compare(const void *a, const void *b) {
 }
 
 bool dem_order(dem_data *d, int *from) {
-  int np = d->nparticle;
-  dem_scratch_mark mark = dem_scratch_now(&d->scratch);
-  place *places = dem_scratch_take(&d->scratch, (size_t)np * sizeof *places);
+  int np = d->state.nparticle;
+  dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
+  place *places = dem_scratch_take(&d->work.scratch, (size_t)np * sizeof *places);
   if (!places)
     return false;
   tdm_vec3 low = {INFINITY, INFINITY, INFINITY};
   double size = 0;
   for (int i = 0; i < np; i++) {
-    tdm_vec3 x = d->sphere[i].position;
+    tdm_vec3 x = d->state.sphere[i].position;
     low = tdm_v3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
-    size = fmax(size, 2 * d->sphere[i].radius);
+    size = fmax(size, 2 * d->state.sphere[i].radius);
   }
   for (int i = 0; i < np; i++) {
-    tdm_vec3 x = d->sphere[i].position;
+    tdm_vec3 x = d->state.sphere[i].position;
     uint64_t a = cell(x.x, low.x, size), b = cell(x.y, low.y, size), c = cell(x.z, low.z, size);
     places[i] = (place){spread(a) | spread(b) << 1 | spread(c) << 2, i};
   }
   qsort(places, (size_t)np, sizeof *places, compare);
   for (int p = 0; p < np; p++)
     from[p] = places[p].particle;
-  dem_scratch_back(&d->scratch, mark);
+  dem_scratch_back(&d->work.scratch, mark);
   return true;
 }

@@ -12,14 +12,14 @@ tdm_vec3 dem_lists_shift(const dem_data *d) {
   if (d->model->ncoupled == 0)
     return tdm_v3(0, 0, 0);
   int b = d->model->coupled_body[0];
-  return tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
+  return tdm_sub(d->state.pose[b].position, d->lists.pose_at_list[b].position);
 }
 
 /* by how much the images of a box that is strained have moved [m] */
 static double strained_since(const dem_data *d) {
   tdm_vec3 grown = {0, 0, 0};
   for (int a = 0; a < 3; a++)
-    (&grown.x)[a] = d->domain.length[a] - d->length_at_list[a];
+    (&grown.x)[a] = d->state.domain.length[a] - d->lists.length_at_list[a];
   return tdm_norm(grown);
 }
 
@@ -28,20 +28,21 @@ static bool lists_hold(const dem_data *d, double moved2) {
   const double safety = 0.999; /* round-off must not decide */
   const dem_model *m = d->model;
   double moved = sqrt(moved2);
-  uint64_t interval = (uint64_t)dem_search_interval(d->search);
+  uint64_t interval = (uint64_t)dem_search_interval(d->work.search);
   double nearer = 2 * moved + (m->domain.strained ? strained_since(d) : 0);
-  if (!d->list_valid || d->list_stale || !(nearer < safety * d->skin) || (interval > 0 && d->since_list >= interval))
+  if (!d->lists.valid || d->lists.stale || !(nearer < safety * d->lists.skin) ||
+      (interval > 0 && d->lists.since_list >= interval))
     return false;
   tdm_vec3 u = dem_lists_shift(d);
   for (int b = 0; b < m->nbody; b++) {
     double away = moved;
-    tdm_vec3 dx = tdm_sub(d->pose[b].position, d->pose_at_list[b].position);
+    tdm_vec3 dx = tdm_sub(d->state.pose[b].position, d->lists.pose_at_list[b].position);
     away += tdm_norm(tdm_sub(dx, u));
     if (m->body[b].coupled >= 0 || m->body[b].drive.given) {
-      tdm_quat turn = tdm_quat_mul(tdm_quat_conj(d->pose_at_list[b].orientation), d->pose[b].orientation);
-      away += 2 * sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) * d->reach[b];
+      tdm_quat turn = tdm_quat_mul(tdm_quat_conj(d->lists.pose_at_list[b].orientation), d->state.pose[b].orientation);
+      away += 2 * sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) * d->lists.reach[b];
     }
-    if (!(away < safety * d->margin[b]))
+    if (!(away < safety * d->lists.margin[b]))
       return false;
   }
   return true;
@@ -62,11 +63,11 @@ static int find_entry(const dem_pairs *list, int a, int b) {
  * the pair is turned round, 2 k when not, -1 when there is none. Into sink, which is not needed now. old: the numbers
  * that the particles had, NULL: the same. */
 static void find_histories(dem_data *d, const size_t *chunk, const int *old, int c) {
-  dem_pairs *list = &d->pairs;
+  dem_pairs *list = &d->lists.pairs;
   size_t k = chunk[c];
   for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
-    for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
-      int j = d->rows.other[r], oi = old ? old[i] : i, oj = old ? old[j] : j, at = find_entry(list, oi, oj);
+    for (int r = d->work.rows.first[i]; r < d->work.rows.first[i + 1]; r++, k++) {
+      int j = d->work.rows.other[r], oi = old ? old[i] : i, oj = old ? old[j] : j, at = find_entry(list, oi, oj);
       list->reaction_slot[k] = at < 0 ? -1 : 2 * at + (oi > oj);
     }
   for (; k < chunk[c + 1]; k++)
@@ -76,15 +77,15 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
 /* Bring the histories to their new entries, column by column; vectors turn round with their pairs. False: no memory. */
 static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
   const dem_columns *columns = &d->model->columns;
-  dem_pairs *list = &d->pairs;
-  double *column = dem_scratch_take(&d->scratch, before * sizeof *column);
+  dem_pairs *list = &d->lists.pairs;
+  double *column = dem_scratch_take(&d->work.scratch, before * sizeof *column);
   if (!column)
     return false;
   for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
     double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
     memcpy(column, to, before * sizeof *to);
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
-    for (int c = 0; c < d->nchunk; c++)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+    for (int c = 0; c < d->lists.nchunk; c++)
       for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
         int at = list->reaction_slot[k];
         to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
@@ -98,103 +99,103 @@ static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
 /* where the entries of each chunk will begin */
 static void place_chunks(const dem_data *d, size_t *chunk) {
   size_t at = 0;
-  for (int c = 0; c < d->nchunk; c++) {
+  for (int c = 0; c < d->lists.nchunk; c++) {
     chunk[c] = at;
-    at += (size_t)(d->rows.first[dem_chunk_end(d, c)] - d->rows.first[c * DEM_CHUNK]);
+    at += (size_t)(d->work.rows.first[dem_chunk_end(d, c)] - d->work.rows.first[c * DEM_CHUNK]);
     at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
   }
-  chunk[d->nchunk] = at;
+  chunk[d->lists.nchunk] = at;
 }
 
 static void fill_chunk(dem_data *d, int c) {
-  dem_pairs *list = &d->pairs;
-  int none = d->nparticle, k = (int)list->chunk[c];
+  dem_pairs *list = &d->lists.pairs;
+  int none = d->state.nparticle, k = (int)list->chunk[c];
   for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++) {
     list->first[i] = k;
-    for (int r = d->rows.first[i]; r < d->rows.first[i + 1]; r++, k++) {
+    for (int r = d->work.rows.first[i]; r < d->work.rows.first[i + 1]; r++, k++) {
       list->one[k] = i;
-      list->other[k] = list->reaction_slot[k] = d->rows.other[r];
+      list->other[k] = list->reaction_slot[k] = d->work.rows.other[r];
     }
   }
   for (; k < (int)list->chunk[c + 1]; k++)
     list->one[k] = list->other[k] = list->reaction_slot[k] = none;
-  if (c + 1 == d->nchunk)
-    list->first[d->nparticle] = k;
+  if (c + 1 == d->lists.nchunk)
+    list->first[d->state.nparticle] = k;
 }
 
 /* Give each reaction on a particle of a later chunk a place of its own. */
 static bool place_crossings(dem_data *d) {
-  dem_pairs *list = &d->pairs;
-  dem_crossings *x = &d->crossings;
-  int count = 0, first = d->nparticle + 1;
-  for (int c = 0; c < d->nchunk - 1; c++)
+  dem_pairs *list = &d->lists.pairs;
+  dem_crossings *x = &d->lists.crossings;
+  int count = 0, first = d->state.nparticle + 1;
+  for (int c = 0; c < d->lists.nchunk - 1; c++)
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
-      count += list->other[k] < d->nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;
+      count += list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;
   if (!dem_crossings_reserve(d, count))
     return false;
   x->count = count;
-  memset(x->chunk, 0, (size_t)(d->nchunk + 1) * sizeof *x->chunk);
+  memset(x->chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *x->chunk);
   int place = 0;
-  for (int c = 0; c < d->nchunk - 1; c++)
+  for (int c = 0; c < d->lists.nchunk - 1; c++)
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
-      if (list->other[k] < d->nparticle && list->other[k] >= (c + 1) * DEM_CHUNK) {
+      if (list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK) {
         x->particle[place] = list->other[k];
         list->reaction_slot[k] = first + place++;
         x->chunk[list->other[k] / DEM_CHUNK + 1]++;
       }
-  for (int c = 0; c < d->nchunk; c++)
+  for (int c = 0; c < d->lists.nchunk; c++)
     x->chunk[c + 1] += x->chunk[c];
   for (int p = count - 1; p >= 0; p--) /* places of a chunk ascend: filled from its end */
     x->order[--x->chunk[x->particle[p] / DEM_CHUNK + 1]] = p;
   /* every entry but the first now stands at the start of its chunk: shift by one */
-  for (int c = 0; c < d->nchunk; c++)
+  for (int c = 0; c < d->lists.nchunk; c++)
     x->chunk[c] = x->chunk[c + 1];
-  x->chunk[d->nchunk] = count;
-  memset(d->push + d->nparticle, 0, (size_t)(count + 1) * sizeof *d->push);
-  if (d->spare_push)
-    memset(d->spare_push + d->nparticle, 0, (size_t)(count + 1) * sizeof *d->push);
+  x->chunk[d->lists.nchunk] = count;
+  memset(d->state.push + d->state.nparticle, 0, (size_t)(count + 1) * sizeof *d->state.push);
+  if (d->state.spare_push)
+    memset(d->state.spare_push + d->state.nparticle, 0, (size_t)(count + 1) * sizeof *d->state.push);
   return true;
 }
 
 /* leave away the pairs of which neither can move */
 static void drop_fixed(dem_data *d) {
   int at = 0, begin = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    int end = d->rows.first[i + 1];
+  for (int i = 0; i < d->state.nparticle; i++) {
+    int end = d->work.rows.first[i + 1];
     for (int r = begin; r < end; r++)
-      if (d->sphere[i].inverse_mass + d->sphere[d->rows.other[r]].inverse_mass > 0)
-        d->rows.other[at++] = d->rows.other[r];
+      if (d->state.sphere[i].inverse_mass + d->state.sphere[d->work.rows.other[r]].inverse_mass > 0)
+        d->work.rows.other[at++] = d->work.rows.other[r];
     begin = end;
-    d->rows.first[i + 1] = at;
+    d->work.rows.first[i + 1] = at;
   }
-  d->rows.count = (size_t)at;
+  d->work.rows.count = (size_t)at;
 }
 
 /* The new list, in the place of the old one. carry: its histories are taken over; old: the numbers that the particles
  * had, NULL: the same. */
 static bool build_pairs(dem_data *d, bool carry, const int *old) {
-  dem_pairs *list = &d->pairs;
-  dem_search_input input = {.sphere = d->sphere,
-                            .n = d->nparticle,
-                            .skin = d->skin + d->model->reach,
-                            .domain = d->domain,
-                            .nthread = d->nthread,
-                            .scratch = &d->scratch};
-  dem_time_spent(d->timers, DEM_PHASE_LIST);
-  if (!dem_search_run(d->search, &input, &d->rows))
+  dem_pairs *list = &d->lists.pairs;
+  dem_search_input input = {.sphere = d->state.sphere,
+                            .n = d->state.nparticle,
+                            .skin = d->lists.skin + d->model->reach,
+                            .domain = d->state.domain,
+                            .nthread = d->work.nthread,
+                            .scratch = &d->work.scratch};
+  dem_time_spent(d->work.timers, DEM_PHASE_LIST);
+  if (!dem_search_run(d->work.search, &input, &d->work.rows))
     return false;
-  dem_time_spent(d->timers, DEM_PHASE_SEARCH);
+  dem_time_spent(d->work.timers, DEM_PHASE_SEARCH);
   if (d->model->driven)
     drop_fixed(d);
   int ncolumn = d->model->columns.ncolumn;
-  size_t *chunk = d->chunk_spare, before = carry ? list->count : 0;
+  size_t *chunk = d->work.chunk_spare, before = carry ? list->count : 0;
   place_chunks(d, chunk);
-  size_t count = chunk[d->nchunk];
+  size_t count = chunk[d->lists.nchunk];
   if (!dem_pairs_reserve(list, count, ncolumn))
     return false;
   if (ncolumn > 0) {
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
-    for (int c = 0; c < d->nchunk; c++)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+    for (int c = 0; c < d->lists.nchunk; c++)
       if (carry)
         find_histories(d, chunk, old, c);
       else if (chunk[c + 1] > chunk[c])
@@ -202,10 +203,10 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
     if (!carry_pairs(d, chunk, before))
       return false;
   }
-  memcpy(list->chunk, chunk, (size_t)(d->nchunk + 1) * sizeof *chunk);
+  memcpy(list->chunk, chunk, (size_t)(d->lists.nchunk + 1) * sizeof *chunk);
   list->count = count;
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
-  for (int c = 0; c < d->nchunk; c++)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++)
     fill_chunk(d, c);
   return true;
 }
@@ -213,7 +214,7 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
 /* ---- walls ---- */
 
 static bool append_wall(dem_data *d, dem_wall_entry entry) {
-  dem_wall_contacts *list = &d->walls;
+  dem_wall_contacts *list = &d->lists.walls;
   if (list->count == list->capacity) { /* histories come later */
     size_t capacity = list->capacity + list->capacity / 2 + 256;
     dem_wall_entry *grown = realloc(list->entry, capacity * sizeof *grown);
@@ -248,7 +249,7 @@ static int by_entry(const void *a, const void *b) {
 
 /* the histories of the contacts with walls, both lists ascending */
 static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
-  dem_wall_contacts *list = &d->walls;
+  dem_wall_contacts *list = &d->lists.walls;
   size_t ncolumn = (size_t)d->model->columns.ncolumn, old = 0, nold = before ? before->count : 0;
   for (size_t k = 0; k < list->count; k++) {
     while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
@@ -294,8 +295,8 @@ static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now)
 /* the parts of wall w near particle i */
 static bool list_parts(dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
-  tdm_vec3 own = dem_wall_own(&d->wall[w], d->sphere[i].position);
-  double range = d->sphere[i].radius + d->model->reach + d->skin;
+  tdm_vec3 own = dem_wall_own(&d->state.wall[w], d->state.sphere[i].position);
+  double range = d->state.sphere[i].radius + d->model->reach + d->lists.skin;
   int some[64], *near = some, n = wall->shape->near(wall, own, range, some, 64);
   if (n > 64) {
     near = malloc((size_t)n * sizeof *near);
@@ -308,14 +309,14 @@ static bool list_parts(dem_data *d, int i, int w) {
     good = append_wall(d, (dem_wall_entry){i, w, near[k]});
   if (near != some)
     free(near);
-  d->margin[wall->body] = fmin(d->margin[wall->body], d->skin); /* what is not listed is farther */
+  d->lists.margin[wall->body] = fmin(d->lists.margin[wall->body], d->lists.skin); /* what is not listed is farther */
   return good;
 }
 
 static bool list_wall(dem_data *d, int i, int w) {
   const dem_model *m = d->model;
   const dem_wall *wall = &m->wall[w];
-  const dem_sphere *s = &d->sphere[i];
+  const dem_sphere *s = &d->state.sphere[i];
   if (wall->shape->near)
     return list_parts(d, i, w);
   double gap = dem_gap(d, i, w, NULL);
@@ -323,22 +324,22 @@ static bool list_wall(dem_data *d, int i, int w) {
   double away = gap - s->radius - m->reach;
   if (wall->endless)
     away = fmax(away, -gap - s->radius);
-  if (away < d->skin)
+  if (away < d->lists.skin)
     return append_wall(d, (dem_wall_entry){i, w, 0});
-  d->margin[wall->body] = fmin(d->margin[wall->body], away);
+  d->lists.margin[wall->body] = fmin(d->lists.margin[wall->body], away);
   return true;
 }
 
 static bool build_walls(dem_data *d, const dem_wall_contacts *before) {
-  d->walls.count = 0;
-  for (int c = 0; c < d->nchunk; c++) {
-    d->walls.chunk[c] = d->walls.count;
+  d->lists.walls.count = 0;
+  for (int c = 0; c < d->lists.nchunk; c++) {
+    d->lists.walls.chunk[c] = d->lists.walls.count;
     for (int w = 0; w < d->model->nwall; w++)
       for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
         if (!list_wall(d, i, w))
           return false;
   }
-  d->walls.chunk[d->nchunk] = d->walls.count;
+  d->lists.walls.chunk[d->lists.nchunk] = d->lists.walls.count;
   carry_walls(d, before);
   return true;
 }
@@ -348,97 +349,100 @@ static bool build_walls(dem_data *d, const dem_wall_contacts *before) {
 /* note where everything is */
 static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
-  for (int i = 0; i < d->nparticle; i++)
-    d->position_at_list[i] = d->sphere[i].position;
-  memcpy(d->length_at_list, d->domain.length, sizeof d->length_at_list);
-  d->since_list = 0;
+  for (int i = 0; i < d->state.nparticle; i++)
+    d->lists.position_at_list[i] = d->state.sphere[i].position;
+  memcpy(d->lists.length_at_list, d->state.domain.length, sizeof d->lists.length_at_list);
+  d->lists.since_list = 0;
   for (int b = 0; b < m->nbody; b++) {
-    d->pose_at_list[b] = d->pose[b];
-    d->margin[b] = INFINITY;
-    d->reach[b] = 0;
+    d->lists.pose_at_list[b] = d->state.pose[b];
+    d->lists.margin[b] = INFINITY;
+    d->lists.reach[b] = 0;
     if (m->body[b].coupled < 0 && !m->body[b].drive.given)
       continue;
-    for (int i = 0; i < d->nparticle; i++)
-      d->reach[b] = fmax(d->reach[b], tdm_norm(tdm_sub(d->sphere[i].position, d->pose[b].position)));
+    for (int i = 0; i < d->state.nparticle; i++)
+      d->lists.reach[b] =
+          fmax(d->lists.reach[b], tdm_norm(tdm_sub(d->state.sphere[i].position, d->state.pose[b].position)));
   }
 }
 
 /* The search that the scene asks for; else the one for the particles there are now, whenever some came. False: no
  * memory. */
 static bool choose_search(dem_data *d) {
-  if (d->search && (d->model->search || (d->list_valid && !d->list_stale)))
+  if (d->work.search && (d->model->search || (d->lists.valid && !d->lists.stale)))
     return true;
   const char *name = d->model->search;
   if (!name)
-    name = dem_search_choose(&(dem_search_input){.sphere = d->sphere, .n = d->nparticle, .skin = d->skin});
-  if (d->search && strcmp(name, dem_search_name(d->search)) == 0)
+    name = dem_search_choose(
+        &(dem_search_input){.sphere = d->state.sphere, .n = d->state.nparticle, .skin = d->lists.skin});
+  if (d->work.search && strcmp(name, dem_search_name(d->work.search)) == 0)
     return true;
-  dem_search_destroy(&d->search);
-  d->search = dem_search_create(name);
-  return d->search != NULL;
+  dem_search_destroy(&d->work.search);
+  d->work.search = dem_search_create(name);
+  return d->work.search != NULL;
 }
 
 /* Choose the skin, when the scene does not: with lists that held for T steps under a skin s something moves by about
  * s/2T a step. A list costs about four steps, a skin s about 1.3 s/r of one for the pairs that do not touch: the sum is
  * least at sqrt(3 r s/T). Half way there each time. */
 static void adapt_skin(dem_data *d, bool sort) {
-  double r = d->model->mean_radius, steps = (double)d->since_list;
-  if (d->model->skin > 0 || steps == 0 || ((sort || d->list_stale) && steps < 100))
+  double r = d->model->mean_radius, steps = (double)d->lists.since_list;
+  if (d->model->skin > 0 || steps == 0 || ((sort || d->lists.stale) && steps < 100))
     return;
-  double best = sqrt(3 * r * d->skin / steps), most = 0.5 * r;
+  double best = sqrt(3 * r * d->lists.skin / steps), most = 0.5 * r;
   for (int a = 0; a < 3; a++) /* as much as a box that repeats allows */
-    if (d->domain.periodic[a])
-      most = fmin(most, 0.45 * d->domain.length[a] - 2 * dem_largest_radius(d->model));
-  d->skin = fmax(0.02 * r, fmin(most, sqrt(best * d->skin)));
+    if (d->state.domain.periodic[a])
+      most = fmin(most, 0.45 * d->state.domain.length[a] - 2 * dem_largest_radius(d->model));
+  d->lists.skin = fmax(0.02 * r, fmin(most, sqrt(best * d->lists.skin)));
 }
 
 /* Put the particles in the order of their places. Returns the numbers they had, NULL: no memory. */
 static const int *sort_particles(dem_data *d, bool carry) {
-  size_t n = (size_t)d->nparticle;
-  int *from = dem_scratch_take(&d->scratch, n * sizeof *from);
-  dem_scratch_mark mark = dem_scratch_now(&d->scratch);
+  size_t n = (size_t)d->state.nparticle;
+  int *from = dem_scratch_take(&d->work.scratch, n * sizeof *from);
+  dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
   bool good = from && dem_order(d, from) && dem_data_permute(d, from);
-  int *now = dem_scratch_take(&d->scratch, n * sizeof *now);
+  int *now = dem_scratch_take(&d->work.scratch, n * sizeof *now);
   for (size_t p = 0; good && now && p < n; p++)
     now[from[p]] = (int)p;
-  good = good && now && (!carry || renumber_walls(d, &d->spare_walls, now));
-  dem_scratch_back(&d->scratch, mark);
-  d->since_sort = 0;
+  good = good && now && (!carry || renumber_walls(d, &d->work.spare_walls, now));
+  dem_scratch_back(&d->work.scratch, mark);
+  d->state.since_sort = 0;
   return good ? from : NULL;
 }
 
 bool dem_lists_build(dem_data *d) {
   if (!choose_search(d))
     return false;
-  bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
-  if (d->list_valid)
+  bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
+  if (d->lists.valid)
     adapt_skin(d, sort);
-  dem_wall_contacts walls = d->walls;
-  d->walls = d->spare_walls;
-  d->spare_walls = walls;
-  bool carry = d->model->columns.ncolumn > 0 && d->list_valid, good = true;
+  dem_wall_contacts walls = d->lists.walls;
+  d->lists.walls = d->work.spare_walls;
+  d->work.spare_walls = walls;
+  bool carry = d->model->columns.ncolumn > 0 && d->lists.valid, good = true;
   const int *old = NULL;
-  d->list_valid = false;
-  d->scratch = (dem_scratch){.block = (char *)d->push, .size = (size_t)d->push_capacity * sizeof *d->push};
+  d->lists.valid = false;
+  d->work.scratch =
+      (dem_scratch){.block = (char *)d->state.push, .size = (size_t)d->work.push_capacity * sizeof *d->state.push};
   if (sort) {
     old = sort_particles(d, carry);
     good = old != NULL;
-  } else if (d->list_stale && carry && d->nchunk > 1) {
-    good = renumber_walls(d, &d->spare_walls, NULL); /* particles went from chunk to chunk */
+  } else if (d->lists.stale && carry && d->lists.nchunk > 1) {
+    good = renumber_walls(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
   }
   note_positions(d);
-  d->nchunk = dem_chunks(d->nparticle);
+  d->lists.nchunk = dem_chunks(d->state.nparticle);
   good = good && build_pairs(d, carry, old);
-  dem_scratch_back(&d->scratch, (dem_scratch_mark){0});
-  memset(d->push, 0, d->scratch.most);
-  d->list_valid = good && place_crossings(d) && build_walls(d, carry ? &d->spare_walls : NULL);
-  d->list_stale = false;
-  d->since_list = 0;
-  d->nrebuild++;
-  return d->list_valid;
+  dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
+  memset(d->state.push, 0, d->work.scratch.most);
+  d->lists.valid = good && place_crossings(d) && build_walls(d, carry ? &d->work.spare_walls : NULL);
+  d->lists.stale = false;
+  d->lists.since_list = 0;
+  d->lists.nrebuild++;
+  return d->lists.valid;
 }
 
 bool dem_lists_update(dem_data *d, double moved2) {
-  bool sort = d->nparticle > DEM_CHUNK && d->since_sort >= DEM_SORT_STEPS;
+  bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
   return (!sort && lists_hold(d, moved2)) || dem_lists_build(d);
 }

@@ -14,14 +14,14 @@ enum { CELLS_MANY = 10000000 }; /* of a layer: looked at one by one, again and a
 static const uint64_t LAYERS = (uint64_t)1 << 32; /* numbers of layers among those of particles, for drawing */
 
 bool dem_pour_over(const dem_data *d) {
-  return d->ledger.created >= (uint64_t)d->model->nparticle;
+  return d->state.ledger.created >= (uint64_t)d->model->nparticle;
 }
 
 /* the pouring that makes the next particle */
 static const dem_pouring *present(const dem_data *d) {
   const dem_model *m = d->model;
   int k = 0;
-  while (d->ledger.created >= (uint64_t)(m->pouring[k].first + m->pouring[k].count))
+  while (d->state.ledger.created >= (uint64_t)(m->pouring[k].first + m->pouring[k].count))
     k++;
   return &m->pouring[k];
 }
@@ -29,7 +29,7 @@ static const dem_pouring *present(const dem_data *d) {
 /* the model's next particle, at x */
 static bool add(dem_data *d, tdm_vec3 x) {
   const dem_model *m = d->model;
-  uint64_t id = d->ledger.created;
+  uint64_t id = d->state.ledger.created;
   dem_newcomer newcomer = {.position = x,
                            .velocity = m->velocity[id],
                            .radius = m->radius[id],
@@ -37,9 +37,9 @@ static bool add(dem_data *d, tdm_vec3 x) {
                            .material = m->particle_material[id]};
   if (!dem_data_add(d, &newcomer))
     return false;
-  int i = d->nparticle - 1;
-  d->pace[i].spin = m->spin[id];
-  d->rotor[i].surface = tdm_scale(m->radius[id], m->spin[id]);
+  int i = d->state.nparticle - 1;
+  d->state.pace[i].spin = m->spin[id];
+  d->state.rotor[i].surface = tdm_scale(m->radius[id], m->spin[id]);
   return true;
 }
 
@@ -98,16 +98,16 @@ static tdm_vec3 place_in(const dem_model *m, const dem_pouring *p, uint64_t c, c
 static bool make_layer(dem_data *d, const dem_pouring *p, dem_free_space *room, uint64_t layer) {
   const dem_model *m = d->model;
   bool meet = m->flat >= 0 || m->domain.repeats; /* particles of two cells can: in the plane, or by their images */
-  uint64_t n[3], ncell = cells_of(p, n), end = (uint64_t)(p->first + p->count), wanted = end - d->ledger.created;
+  uint64_t n[3], ncell = cells_of(p, n), end = (uint64_t)(p->first + p->count), wanted = end - d->state.ledger.created;
   for (uint64_t c = 0; c < ncell && wanted > 0; c++) {
     if (tdm_random(p->seed, LAYERS + layer, 4 * c + 3) * (double)(ncell - c) >= (double)wanted)
       continue;
     wanted--;
-    double r = m->radius[d->ledger.created];
+    double r = m->radius[d->state.ledger.created];
     tdm_vec3 x = place_in(m, p, c, n, layer, r);
     if (!dem_free_space_free(room, d, x, r))
       continue;
-    if (!add(d, x) || (meet && !dem_free_space_add(room, d, d->nparticle - 1)))
+    if (!add(d, x) || (meet && !dem_free_space_add(room, d, d->state.nparticle - 1)))
       return false;
   }
   return true;
@@ -121,7 +121,7 @@ static tdm_status refuse(const dem_data *d, const dem_pouring *p, tdm_error *err
       "only %llu of %d particles could be poured: there was no room in the region for %g s "
       "(dem.settle.max_time), because the container is full or a wall is there; enlarge the container, move "
       "the region, or pour less",
-      (unsigned long long)(d->ledger.created - (uint64_t)p->first), p->count, d->model->settle.max_time);
+      (unsigned long long)(d->state.ledger.created - (uint64_t)p->first), p->count, d->model->settle.max_time);
 }
 
 tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
@@ -130,7 +130,7 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   const dem_pouring *p = present(d);
   dem_free_space room;
   tdm_vec3 low, high;
-  uint64_t before = d->ledger.created;
+  uint64_t before = d->state.ledger.created;
   world_box(p, &low, &high);
   bool good = dem_free_space_open(&room, d, low, high, p->largest);
   if (good) {
@@ -141,7 +141,7 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles that are poured");
   dem_drive_particles(d);
   pour->next = t + 1.05 * fall_time(d, p); /* drag slows the fall a little */
-  if (d->ledger.created > before)
+  if (d->state.ledger.created > before)
     pour->last = t;
   return t - pour->last > d->model->settle.max_time ? refuse(d, p, err) : TDM_OK;
 }

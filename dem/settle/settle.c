@@ -11,16 +11,16 @@
 
 static double fastest(const dem_data *d) {
   double v2 = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    v2 = fmax(v2, tdm_dot(d->pace[i].velocity, d->pace[i].velocity));
+  for (int i = 0; i < d->state.nparticle; i++)
+    v2 = fmax(v2, tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity));
   return sqrt(v2);
 }
 
 /* take a share of all velocities away: nothing else stops a sphere that rolls in a hollow */
 static void drag(dem_data *d, double share) {
-  for (int i = 0; i < d->nparticle; i++) {
-    d->pace[i].velocity = tdm_scale(1 - share, d->pace[i].velocity);
-    d->pace[i].spin = tdm_scale(1 - share, d->pace[i].spin);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    d->state.pace[i].velocity = tdm_scale(1 - share, d->state.pace[i].velocity);
+    d->state.pace[i].spin = tdm_scale(1 - share, d->state.pace[i].spin);
   }
 }
 
@@ -38,9 +38,9 @@ static tdm_status step(dem_data *d, uint64_t k, double dt, tdm_participant *p, c
 static void say(const dem_data *d, tdm_participant *p, const dem_settled *out) {
   const dem_settling *settle = &d->model->settle;
   uint64_t all = (uint64_t)d->model->nparticle;
-  if (d->ledger.created < all)
+  if (d->state.ledger.created < all)
     tdm_participant_progress(p, "settling: %.3g s, %llu of %llu particles poured", out->time,
-                             (unsigned long long)d->ledger.created, (unsigned long long)all);
+                             (unsigned long long)d->state.ledger.created, (unsigned long long)all);
   else
     tdm_participant_progress(p, "settling: %.3g of %.3g s at most, fastest %.2g m/s (at rest: %.2g)", out->time,
                              settle->max_time, out->speed, settle->speed);
@@ -84,17 +84,17 @@ static tdm_status choose_times(const dem_data *d, dem_settled *out, double *quie
 
 static void hold_bodies(dem_data *d) {
   for (int b = 0; b < d->model->nbody; b++)
-    d->twist[b] = (tdm_twist){0};
+    d->state.twist[b] = (tdm_twist){0};
 }
 
 /* at rest, with the bodies' own twists again */
 static void stand_still(dem_data *d) {
-  for (int i = 0; i < d->nparticle; i++)
-    d->pace[i].velocity = d->pace[i].spin = tdm_v3(0, 0, 0);
+  for (int i = 0; i < d->state.nparticle; i++)
+    d->state.pace[i].velocity = d->state.pace[i].spin = tdm_v3(0, 0, 0);
   for (int b = 0; b < d->model->nbody; b++)
-    d->twist[b] = d->model->body[b].start.twist;
+    d->state.twist[b] = d->model->body[b].start.twist;
   dem_bodies_drive(d, d->model->time_start);
-  d->nstep = 0;
+  d->state.nstep = 0;
 }
 
 /* let the particles come to rest with the bodies held */
@@ -124,7 +124,7 @@ static double move_lids(dem_data *d, double dt) {
     if (box->lid < 0 || !(box->press > 0))
       continue;
     double lack = 1 - dem_lid_force(d, box) / box->press;
-    d->lid[box->lid] -= press_speed * dt * fmax(-1, fmin(1, 5 * lack)); /* slower when nearly there */
+    d->state.lid[box->lid] -= press_speed * dt * fmax(-1, fmin(1, 5 * lack)); /* slower when nearly there */
     worst = fmax(worst, fabs(lack));
   }
   dem_walls_put(d);
@@ -143,9 +143,9 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
   for (uint64_t k = 1; k <= most && (double)still * out->dt < quiet; k++) {
     bool pressed = move_lids(d, out->dt) < close_enough;
     moved += press_speed * out->dt;
-    if (4 * moved > d->skin) { /* no list margin knows of a wall that moves on its body */
+    if (4 * moved > d->lists.skin) { /* no list margin knows of a wall that moves on its body */
       moved = 0;
-      d->list_stale = true;
+      d->lists.stale = true;
     }
     if (step(d, k, out->dt, p, "pressing a lid", err))
       return err->status;

@@ -27,39 +27,39 @@ static void *place(char *block, size_t *used, size_t bytes) {
 /* Lay the arrays of fixed size out in one block; returns its size. */
 static size_t layout(dem_data *d, char *block) {
   size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nl = (size_t)d->model->nload, used = 0;
-  PLACE(pose, nb);
-  PLACE(twist, nb);
-  PLACE(body_load, nl);
-  PLACE(mobility, nb);
-  PLACE(pose_at_list, nb);
-  PLACE(margin, nb);
-  PLACE(reach, nb);
-  PLACE(fast_load, nl);
-  PLACE(wall, nw);
-  PLACE(lid, nw);
-  PLACE(sample_sum, nl + 1);
-  PLACE(sample_mean, nl + 1);
-  PLACE(source, (size_t)d->model->nsource);
-  PLACE(sink, (size_t)d->model->nsink);
+  PLACE(state.pose, nb);
+  PLACE(state.twist, nb);
+  PLACE(state.body_load, nl);
+  PLACE(state.mobility, nb);
+  PLACE(lists.pose_at_list, nb);
+  PLACE(lists.margin, nb);
+  PLACE(lists.reach, nb);
+  PLACE(work.fast_load, nl);
+  PLACE(state.wall, nw);
+  PLACE(state.lid, nw);
+  PLACE(state.sample_sum, nl + 1);
+  PLACE(state.sample_mean, nl + 1);
+  PLACE(state.source, (size_t)d->model->nsource);
+  PLACE(state.sink, (size_t)d->model->nsink);
   return used;
 }
 
-/* The same for the arrays of particles, with room for d->capacity and the particle that is none. */
+/* The same for the arrays of particles, with room for d->work.capacity and the particle that is none. */
 static size_t layout_particles(dem_data *d, char *block) {
-  size_t np = (size_t)d->capacity + 1, used = 0;
+  size_t np = (size_t)d->work.capacity + 1, used = 0;
 #define X(field, n, name) PLACE(field, np *(size_t)(n));
   DEM_PARTICLE_STATE(X)
 #undef X
-  PLACE(pairs.first, np);
-  PLACE(number, d->model->nsink > 0 || d->model->domain.open ? np : 0);
-  size_t nchunk = (size_t)dem_chunks(d->capacity);
-  PLACE(pairs.chunk, nchunk + 1);
-  PLACE(walls.chunk, nchunk + 1);
-  PLACE(spare_walls.chunk, nchunk + 1);
-  PLACE(chunk_spare, nchunk + 1);
-  PLACE(crossings.chunk, nchunk + 1);
-  PLACE(chunk_load, nchunk * (size_t)d->model->nload);
-  PLACE(chunk_flux, nchunk);
+  PLACE(lists.pairs.first, np);
+  PLACE(work.number, d->model->nsink > 0 || d->model->domain.open ? np : 0);
+  size_t nchunk = (size_t)dem_chunks(d->work.capacity);
+  PLACE(lists.pairs.chunk, nchunk + 1);
+  PLACE(lists.walls.chunk, nchunk + 1);
+  PLACE(work.spare_walls.chunk, nchunk + 1);
+  PLACE(work.chunk_spare, nchunk + 1);
+  PLACE(lists.crossings.chunk, nchunk + 1);
+  PLACE(work.chunk_load, nchunk * (size_t)d->model->nload);
+  PLACE(work.chunk_flux, nchunk);
   return used;
 }
 
@@ -73,25 +73,25 @@ static void *zeroed(size_t size) {
 
 /* the particles' state, rows of pairs and chunks included, from one layout to another that is large enough */
 static void copy_particles(dem_data *dst, const dem_data *d) {
-  size_t np = (size_t)d->nparticle;
-  dst->nparticle = d->nparticle;
-  dst->nchunk = d->nchunk;
+  size_t np = (size_t)d->state.nparticle;
+  dst->state.nparticle = d->state.nparticle;
+  dst->lists.nchunk = d->lists.nchunk;
 #define X(field, n, name)   \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
 #undef X
-  size_t nchunk = (size_t)d->nchunk + 1;
-  memcpy(dst->pairs.first, d->pairs.first, (np + 1) * sizeof *d->pairs.first);
-  memcpy(dst->pairs.chunk, d->pairs.chunk, nchunk * sizeof *d->pairs.chunk);
-  memcpy(dst->walls.chunk, d->walls.chunk, nchunk * sizeof *d->walls.chunk);
-  memcpy(dst->crossings.chunk, d->crossings.chunk, nchunk * sizeof *d->crossings.chunk);
+  size_t nchunk = (size_t)d->lists.nchunk + 1;
+  memcpy(dst->lists.pairs.first, d->lists.pairs.first, (np + 1) * sizeof *d->lists.pairs.first);
+  memcpy(dst->lists.pairs.chunk, d->lists.pairs.chunk, nchunk * sizeof *d->lists.pairs.chunk);
+  memcpy(dst->lists.walls.chunk, d->lists.walls.chunk, nchunk * sizeof *d->lists.walls.chunk);
+  memcpy(dst->lists.crossings.chunk, d->lists.crossings.chunk, nchunk * sizeof *d->lists.crossings.chunk);
 }
 
 /* nowhere, so that it touches nothing */
 void dem_data_end(dem_data *d) {
-  d->sphere[d->nparticle] = (dem_sphere){.position = {NAN, NAN, NAN}, .inverse_mass = 1};
-  d->rotor[d->nparticle] = (dem_rotor){0};
+  d->state.sphere[d->state.nparticle] = (dem_sphere){.position = {NAN, NAN, NAN}, .inverse_mass = 1};
+  d->state.rotor[d->state.nparticle] = (dem_rotor){0};
 }
 
 /* An aligned array of n entries, the first `keep` of them those of the old one. Large arrays are moved by the C library
@@ -117,7 +117,7 @@ static bool grow(void *array, size_t n, size_t keep, size_t size) {
 /* forces of the particles there are, zeros for the one that is none and `more`; the rest is not touched, so it costs no
  * memory until it is used */
 static bool grow_push(const dem_data *d, dem_push **push, int capacity, int more) {
-  size_t keep = *push ? (size_t)d->nparticle : 0, end = (size_t)(d->nparticle + 1 + more);
+  size_t keep = *push ? (size_t)d->state.nparticle : 0, end = (size_t)(d->state.nparticle + 1 + more);
   if (!grow(push, (size_t)capacity, keep, sizeof **push))
     return false;
   memset(*push + keep, 0, (end - keep) * sizeof **push);
@@ -125,15 +125,15 @@ static bool grow_push(const dem_data *d, dem_push **push, int capacity, int more
 }
 
 bool dem_crossings_reserve(dem_data *d, int count) {
-  int need = d->nparticle + 1 + count;
-  if (need > d->push_capacity) {
+  int need = d->state.nparticle + 1 + count;
+  if (need > d->work.push_capacity) {
     int capacity = need + (need > DEM_CHUNK ? need / 2 : 64); /* about what the crossings take */
     bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
-    if (!grow_push(d, &d->push, capacity, count) || (two && !grow_push(d, &d->spare_push, capacity, count)))
+    if (!grow_push(d, &d->state.push, capacity, count) || (two && !grow_push(d, &d->state.spare_push, capacity, count)))
       return false;
-    d->push_capacity = capacity;
+    d->work.push_capacity = capacity;
   }
-  dem_crossings *c = &d->crossings;
+  dem_crossings *c = &d->lists.crossings;
   if (count > c->capacity) {
     int capacity = count + count / 4 + 64;
     int *particle = realloc(c->particle, (size_t)capacity * sizeof *particle);
@@ -150,20 +150,20 @@ bool dem_crossings_reserve(dem_data *d, int count) {
 }
 
 bool dem_data_reserve(dem_data *d, int n) {
-  if (n > d->capacity) {
+  if (n > d->work.capacity) {
     dem_data grown = *d;
-    int more = d->capacity + d->capacity / 2 + 64;
-    grown.capacity = d->particle_block && more > n ? more : n;
-    grown.particle_block = zeroed(layout_particles(&grown, NULL));
-    if (!grown.particle_block)
+    int more = d->work.capacity + d->work.capacity / 2 + 64;
+    grown.work.capacity = d->work.particle_block && more > n ? more : n;
+    grown.work.particle_block = zeroed(layout_particles(&grown, NULL));
+    if (!grown.work.particle_block)
       return false;
-    layout_particles(&grown, grown.particle_block);
-    if (d->particle_block)
+    layout_particles(&grown, grown.work.particle_block);
+    if (d->work.particle_block)
       copy_particles(&grown, d);
-    free(d->particle_block);
+    free(d->work.particle_block);
     *d = grown;
   }
-  return dem_crossings_reserve(d, n - d->nparticle);
+  return dem_crossings_reserve(d, n - d->state.nparticle);
 }
 
 bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
@@ -195,27 +195,27 @@ bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
 /* particles and bodies as the model has them at the start */
 static void begin(dem_data *d) {
   const dem_model *m = d->model;
-  d->nparticle = m->nparticle - m->npoured;
-  for (int i = 0; i < d->nparticle; i++) {
-    d->id[i] = (uint64_t)i;
-    d->mass[i] = m->mass[i];
-    d->material[i] = m->particle_material[i];
-    d->sphere[i] = (dem_sphere){m->position[i], m->radius[i], m->velocity[i], 1 / m->mass[i]};
-    d->rotor[i] = (dem_rotor){tdm_scale(m->radius[i], m->spin[i]), m->radius[i]};
-    d->pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
-    dem_exact_sum_add(&d->ledger.mass, m->mass[i]);
+  d->state.nparticle = m->nparticle - m->npoured;
+  for (int i = 0; i < d->state.nparticle; i++) {
+    d->state.id[i] = (uint64_t)i;
+    d->state.mass[i] = m->mass[i];
+    d->state.material[i] = m->particle_material[i];
+    d->state.sphere[i] = (dem_sphere){m->position[i], m->radius[i], m->velocity[i], 1 / m->mass[i]};
+    d->state.rotor[i] = (dem_rotor){tdm_scale(m->radius[i], m->spin[i]), m->radius[i]};
+    d->state.pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
+    dem_exact_sum_add(&d->state.ledger.mass, m->mass[i]);
   }
   dem_drive_particles(d);
   dem_data_end(d);
-  d->restart = true;
+  d->state.restart = true;
   dem_domain_begin(d);
-  d->ledger.created = (uint64_t)d->nparticle;
-  d->since_sort = DEM_SORT_STEPS;
-  d->skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
+  d->state.ledger.created = (uint64_t)d->state.nparticle;
+  d->state.since_sort = DEM_SORT_STEPS;
+  d->lists.skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
   for (int b = 0; b < m->nbody; b++) {
-    d->pose[b] = m->body[b].start.pose;
-    d->twist[b] = m->body[b].start.twist;
-    d->mobility[b].per_mass = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
+    d->state.pose[b] = m->body[b].start.pose;
+    d->state.twist[b] = m->body[b].start.twist;
+    d->state.mobility[b].per_mass = 1 / (m->wall_mass > 0 ? m->wall_mass : m->body[b].mass);
   }
   dem_bodies_drive(d, m->time_start);
   dem_lids_away(d);
@@ -226,13 +226,13 @@ dem_data *dem_data_create(const dem_model *model) {
   if (!d)
     return NULL;
   d->model = model;
-  d->block_size = layout(d, NULL);
-  d->block = zeroed(d->block_size);
-  d->nthread = model->threads > 0 ? model->threads : 1;
-  d->traction.wanted = model->triangle_forces;
-  if (d->block)
-    layout(d, d->block);
-  if (!d->block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
+  d->work.block_size = layout(d, NULL);
+  d->work.block = zeroed(d->work.block_size);
+  d->work.nthread = model->threads > 0 ? model->threads : 1;
+  d->work.traction.wanted = model->triangle_forces;
+  if (d->work.block)
+    layout(d, d->work.block);
+  if (!d->work.block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1)) {
     dem_data_destroy(&d);
     return NULL;
   }
@@ -248,71 +248,74 @@ dem_data *dem_data_create(const dem_model *model) {
 /* entries and histories of the lists, whose rows and chunks are there already */
 static bool copy_lists(dem_data *dst, const dem_data *src) {
   int ncolumn = src->model->columns.ncolumn;
-  const dem_pairs *p = &src->pairs;
-  const dem_wall_contacts *w = &src->walls;
-  const dem_crossings *c = &src->crossings;
-  if (!dem_pairs_reserve(&dst->pairs, p->count, ncolumn) || !dem_walls_reserve(&dst->walls, w->count, ncolumn) ||
-      !dem_crossings_reserve(dst, c->count))
+  const dem_pairs *p = &src->lists.pairs;
+  const dem_wall_contacts *w = &src->lists.walls;
+  const dem_crossings *c = &src->lists.crossings;
+  if (!dem_pairs_reserve(&dst->lists.pairs, p->count, ncolumn) ||
+      !dem_walls_reserve(&dst->lists.walls, w->count, ncolumn) || !dem_crossings_reserve(dst, c->count))
     return false;
-  dst->pairs.count = p->count;
-  dst->walls.count = w->count;
-  dst->crossings.count = c->count;
+  dst->lists.pairs.count = p->count;
+  dst->lists.walls.count = w->count;
+  dst->lists.crossings.count = c->count;
   if (p->count > 0) {
-    memcpy(dst->pairs.one, p->one, p->count * sizeof *p->one);
-    memcpy(dst->pairs.other, p->other, p->count * sizeof *p->other);
-    memcpy(dst->pairs.reaction_slot, p->reaction_slot, p->count * sizeof *p->reaction_slot);
+    memcpy(dst->lists.pairs.one, p->one, p->count * sizeof *p->one);
+    memcpy(dst->lists.pairs.other, p->other, p->count * sizeof *p->other);
+    memcpy(dst->lists.pairs.reaction_slot, p->reaction_slot, p->count * sizeof *p->reaction_slot);
   }
   if (w->count > 0)
-    memcpy(dst->walls.entry, w->entry, w->count * sizeof *w->entry);
+    memcpy(dst->lists.walls.entry, w->entry, w->count * sizeof *w->entry);
   if (c->count > 0) {
-    memcpy(dst->crossings.particle, c->particle, (size_t)c->count * sizeof *c->particle);
-    memcpy(dst->crossings.order, c->order, (size_t)c->count * sizeof *c->order);
+    memcpy(dst->lists.crossings.particle, c->particle, (size_t)c->count * sizeof *c->particle);
+    memcpy(dst->lists.crossings.order, c->order, (size_t)c->count * sizeof *c->order);
   }
   for (size_t q = 0; q < (size_t)ncolumn; q++) {
     if (p->count > 0)
-      memcpy(dst->pairs.history + q * dst->pairs.capacity, p->history + q * p->capacity, p->count * sizeof(double));
+      memcpy(dst->lists.pairs.history + q * dst->lists.pairs.capacity, p->history + q * p->capacity,
+             p->count * sizeof(double));
     if (w->count > 0)
-      memcpy(dst->walls.history + q * dst->walls.capacity, w->history + q * w->capacity, w->count * sizeof(double));
+      memcpy(dst->lists.walls.history + q * dst->lists.walls.capacity, w->history + q * w->capacity,
+             w->count * sizeof(double));
   }
   return true;
 }
 
 bool dem_data_copy(dem_data *dst, const dem_data *src) {
   assert(dst->model == src->model && dst != src);
-  if (!dem_data_reserve(dst, src->nparticle))
+  if (!dem_data_reserve(dst, src->state.nparticle))
     return false;
-  memcpy(dst->block, src->block, src->block_size);
+  memcpy(dst->work.block, src->work.block, src->work.block_size);
   copy_particles(dst, src);
   dem_data_end(dst);
   if (!copy_lists(dst, src))
     return false;
-  memcpy(dst->push, src->push, (size_t)src->nparticle * sizeof *src->push);
-  memset(dst->push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
-  if (src->spare_push) {
-    memcpy(dst->spare_push, src->spare_push, (size_t)src->nparticle * sizeof *src->push);
-    memset(dst->spare_push + src->nparticle, 0, (size_t)(src->crossings.count + 1) * sizeof *src->push);
+  memcpy(dst->state.push, src->state.push, (size_t)src->state.nparticle * sizeof *src->state.push);
+  memset(dst->state.push + src->state.nparticle, 0, (size_t)(src->lists.crossings.count + 1) * sizeof *src->state.push);
+  if (src->state.spare_push) {
+    memcpy(dst->state.spare_push, src->state.spare_push, (size_t)src->state.nparticle * sizeof *src->state.push);
+    memset(dst->state.spare_push + src->state.nparticle, 0,
+           (size_t)(src->lists.crossings.count + 1) * sizeof *src->state.push);
   }
-  dst->nstep = src->nstep;
-  dst->since_sort = src->since_sort;
-  dst->since_list = src->since_list;
-  dst->skin = src->skin;
-  dst->memory_dt = src->memory_dt;
-  dst->restart = src->restart;
-  dst->domain = src->domain;
-  memcpy(dst->domain_rate, src->domain_rate, sizeof src->domain_rate);
-  memcpy(dst->length_at_list, src->length_at_list, sizeof src->length_at_list);
-  dst->strained = src->strained;
-  dst->strain_steps = src->strain_steps;
-  dst->strain_dt = src->strain_dt;
-  dst->guard = src->guard;
-  dst->ledger = src->ledger;
-  dst->energy_balance = src->energy_balance;
-  dst->list_valid = src->list_valid;
-  dst->list_stale = src->list_stale;
-  dst->nrebuild = src->nrebuild;
-  dst->ncontact = src->ncontact;
-  dst->energy = src->energy;
-  dst->sample_steps = src->sample_steps;
+  dst->state.nstep = src->state.nstep;
+  dst->state.since_sort = src->state.since_sort;
+  dst->lists.since_list = src->lists.since_list;
+  dst->lists.skin = src->lists.skin;
+  dst->state.memory_dt = src->state.memory_dt;
+  dst->state.restart = src->state.restart;
+  dst->state.domain = src->state.domain;
+  memcpy(dst->state.domain_rate, src->state.domain_rate, sizeof src->state.domain_rate);
+  memcpy(dst->lists.length_at_list, src->lists.length_at_list, sizeof src->lists.length_at_list);
+  dst->state.strained = src->state.strained;
+  dst->state.strain_steps = src->state.strain_steps;
+  dst->state.strain_dt = src->state.strain_dt;
+  dst->state.guard = src->state.guard;
+  dst->state.ledger = src->state.ledger;
+  dst->state.energy_balance = src->state.energy_balance;
+  dst->lists.valid = src->lists.valid;
+  dst->lists.stale = src->lists.stale;
+  dst->lists.nrebuild = src->lists.nrebuild;
+  dst->state.ncontact = src->state.ncontact;
+  dst->state.energy = src->state.energy;
+  dst->state.sample_steps = src->state.sample_steps;
   return true;
 }
 
@@ -320,24 +323,24 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
-  void *arrays[] = {d->pairs.one,
-                    d->pairs.other,
-                    d->pairs.reaction_slot,
-                    d->pairs.history,
-                    d->walls.entry,
-                    d->walls.history,
-                    d->spare_walls.entry,
-                    d->spare_walls.history,
-                    d->crossings.particle,
-                    d->crossings.order,
-                    d->push,
-                    d->spare_push,
-                    d->particle_block,
-                    d->block};
+  void *arrays[] = {d->lists.pairs.one,
+                    d->lists.pairs.other,
+                    d->lists.pairs.reaction_slot,
+                    d->lists.pairs.history,
+                    d->lists.walls.entry,
+                    d->lists.walls.history,
+                    d->work.spare_walls.entry,
+                    d->work.spare_walls.history,
+                    d->lists.crossings.particle,
+                    d->lists.crossings.order,
+                    d->state.push,
+                    d->state.spare_push,
+                    d->work.particle_block,
+                    d->work.block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   dem_traction_free(d);
-  dem_search_destroy(&d->search);
+  dem_search_destroy(&d->work.search);
   free(d);
   *data = NULL;
 }
@@ -347,39 +350,39 @@ void dem_data_destroy(dem_data **data) {
 /* The places of the crossings follow the last particle: they are no longer where they were. All of them are empty
  * between steps, and the lists that are made next place them anew. */
 static void forget_crossings(dem_data *d) {
-  d->crossings.count = 0;
-  memset(d->crossings.chunk, 0, (size_t)(d->nchunk + 1) * sizeof *d->crossings.chunk);
+  d->lists.crossings.count = 0;
+  memset(d->lists.crossings.chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *d->lists.crossings.chunk);
 }
 
 bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
-  if (!dem_data_reserve(d, d->nparticle + 1))
+  if (!dem_data_reserve(d, d->state.nparticle + 1))
     return false;
-  int i = d->nparticle++;
-  d->id[i] = d->ledger.created++;
-  d->mass[i] = newcomer->mass;
-  d->material[i] = newcomer->material;
-  d->touched[i] = 0;
+  int i = d->state.nparticle++;
+  d->state.id[i] = d->state.ledger.created++;
+  d->state.mass[i] = newcomer->mass;
+  d->state.material[i] = newcomer->material;
+  d->state.touched[i] = 0;
   const dem_model *m = d->model;
   tdm_vec3 velocity = dem_flatten(m, newcomer->velocity, 0);
-  d->sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, velocity, 1 / newcomer->mass};
-  d->rotor[i] = (dem_rotor){.radius = newcomer->radius};
-  d->pace[i] = (dem_pace){.velocity = velocity};
-  d->push[i] = (dem_push){0};
-  if (d->spare_push)
-    d->spare_push[i] = (dem_push){0};
+  d->state.sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, velocity, 1 / newcomer->mass};
+  d->state.rotor[i] = (dem_rotor){.radius = newcomer->radius};
+  d->state.pace[i] = (dem_pace){.velocity = velocity};
+  d->state.push[i] = (dem_push){0};
+  if (d->state.spare_push)
+    d->state.spare_push[i] = (dem_push){0};
   if (m->driven)
-    d->drive[i] = (dem_pace){0};
-  if (m->integrator->remember && !d->restart)
-    m->integrator->remember(d, i, i + 1, d->memory_dt);
-  d->position_at_list[i] = newcomer->position;
+    d->state.drive[i] = (dem_pace){0};
+  if (m->integrator->remember && !d->state.restart)
+    m->integrator->remember(d, i, i + 1, d->state.memory_dt);
+  d->lists.position_at_list[i] = newcomer->position;
   dem_data_end(d);
-  dem_exact_sum_add(&d->ledger.mass, newcomer->mass);
+  dem_exact_sum_add(&d->state.ledger.mass, newcomer->mass);
   dem_energy_balance_flow(d, i, 1);
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
-  d->pairs.first[i + 1] = d->pairs.first[i];
+  d->lists.pairs.first[i + 1] = d->lists.pairs.first[i];
   forget_crossings(d);
-  d->list_stale = true;
+  d->lists.stale = true;
   return true;
 }
 
@@ -425,42 +428,42 @@ static void remove_walls(dem_wall_contacts *list, const int *number, int ncolumn
 }
 
 void dem_data_remove(dem_data *d, const int *gone) {
-  int before = d->nparticle, after = 0, *number = d->number;
+  int before = d->state.nparticle, after = 0, *number = d->work.number;
   for (int i = 0; i < before; i++)
     number[i] = gone[i] >= 0 ? -1 : after++;
   if (after == before)
     return;
   int ncolumn = d->model->columns.ncolumn;
-  remove_pairs(&d->pairs, before, after, number, ncolumn);
-  remove_walls(&d->walls, number, ncolumn);
+  remove_pairs(&d->lists.pairs, before, after, number, ncolumn);
+  remove_walls(&d->lists.walls, number, ncolumn);
   for (int i = 0; i < before; i++) {
     if (number[i] < 0) {
-      d->ledger.removed++;
-      dem_exact_sum_add(&d->ledger.mass, -d->mass[i]);
+      d->state.ledger.removed++;
+      dem_exact_sum_add(&d->state.ledger.mass, -d->state.mass[i]);
       dem_energy_balance_flow(d, i, -1);
       continue;
     }
-    d->push[number[i]] = d->push[i];
-    if (d->spare_push)
-      d->spare_push[number[i]] = d->spare_push[i];
+    d->state.push[number[i]] = d->state.push[i];
+    if (d->state.spare_push)
+      d->state.spare_push[number[i]] = d->state.spare_push[i];
 #define X(field, n, name)                                                                 \
   memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
           (size_t)(n) * sizeof *d->field);
     DEM_PARTICLE_STATE(X)
 #undef X
   }
-  d->nparticle = after;
+  d->state.nparticle = after;
   forget_crossings(d);
   dem_data_end(d);
-  d->push[after] = (dem_push){0};
-  if (d->spare_push)
-    d->spare_push[after] = (dem_push){0};
-  if (d->nchunk > 1) {
-    d->list_stale = true; /* chunks have other particles now */
+  d->state.push[after] = (dem_push){0};
+  if (d->state.spare_push)
+    d->state.spare_push[after] = (dem_push){0};
+  if (d->lists.nchunk > 1) {
+    d->lists.stale = true; /* chunks have other particles now */
     return;
   }
-  d->pairs.chunk[1] = d->pairs.count;
-  d->walls.chunk[1] = d->walls.count;
+  d->lists.pairs.chunk[1] = d->lists.pairs.count;
+  d->lists.walls.chunk[1] = d->lists.walls.count;
 }
 
 /* ---- order ---- */
@@ -485,9 +488,9 @@ static void reorder_bytes(char *array, size_t n, size_t size, const int *from, c
 }
 
 bool dem_data_permute(dem_data *d, const int *from) {
-  size_t n = (size_t)d->nparticle;
-  dem_scratch_mark mark = dem_scratch_now(&d->scratch);
-  uint64_t *copy = dem_scratch_take(&d->scratch, (n + 1) * sizeof *copy); /* a word of each particle at a time */
+  size_t n = (size_t)d->state.nparticle;
+  dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
+  uint64_t *copy = dem_scratch_take(&d->work.scratch, (n + 1) * sizeof *copy); /* a word of each particle at a time */
   if (!copy)
     return false;
 #define X(field, each, name)                                                                                      \
@@ -497,8 +500,8 @@ bool dem_data_permute(dem_data *d, const int *from) {
     reorder_bytes((char *)d->field, n, (size_t)(each) * sizeof *d->field, from, (char *)copy);
   DEM_PARTICLE_STATE(X)
 #undef X
-  if (d->spare_push)
-    reorder_words((uint64_t *)(void *)d->spare_push, n, sizeof *d->spare_push / sizeof *copy, from, copy);
-  dem_scratch_back(&d->scratch, mark);
+  if (d->state.spare_push)
+    reorder_words((uint64_t *)(void *)d->state.spare_push, n, sizeof *d->state.spare_push / sizeof *copy, from, copy);
+  dem_scratch_back(&d->work.scratch, mark);
   return true;
 }

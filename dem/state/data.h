@@ -59,18 +59,18 @@ typedef struct {
 
 /* The arrays of particles that are state: X(field, entries a particle, name in stored states). A new one only needs its
  * row. */
-#define DEM_PARTICLE_STATE(X)                \
-  X(sphere, 1, "sphere")                     \
-  X(rotor, 1, "rotor")                       \
-  X(pace, 1, "pace")                         \
-  X(position_at_list, 1, "position_at_list") \
-  X(mass, 1, "mass")                         \
-  X(material, 1, "kind")                     \
-  X(id, 1, "id")                             \
-  X(touched, 1, "touched")                   \
-  X(drive, d->model->driven, "drive")        \
-  X(memory, d->model->remembers, "memory")   \
-  X(front, d->model->nwall, "front")
+#define DEM_PARTICLE_STATE(X)                      \
+  X(state.sphere, 1, "sphere")                     \
+  X(state.rotor, 1, "rotor")                       \
+  X(state.pace, 1, "pace")                         \
+  X(lists.position_at_list, 1, "position_at_list") \
+  X(state.mass, 1, "mass")                         \
+  X(state.material, 1, "kind")                     \
+  X(state.id, 1, "id")                             \
+  X(state.touched, 1, "touched")                   \
+  X(state.drive, d->model->driven, "drive")        \
+  X(state.memory, d->model->remembers, "memory")   \
+  X(state.front, d->model->nwall, "front")
 
 /* How far a source is. */
 typedef struct {
@@ -141,41 +141,36 @@ static inline int dem_chunks(int nparticle) {
   return nparticle > 0 ? (nparticle + DEM_CHUNK - 1) / DEM_CHUNK : 1;
 }
 
-typedef struct dem_data {
-  const dem_model *model; /* borrowed */
-  uint64_t nstep;         /* steps since the start of the run */
+/* The state: what a run changes and another run needs to go on from here bit-identically, with the histories in the
+ * lists. It is copied, stored and restored. */
+typedef struct {
+  uint64_t nstep; /* steps since the start of the run */
   dem_ledger ledger;
   dem_energy_balance energy_balance;
 
-  /* particles, (nparticle) each, room for (capacity) */
-  int nparticle, capacity;
-  uint64_t *id;               /* order of creation, ascending; never used twice */
-  int *material;              /* material */
-  uint32_t *touched;          /* bit s: sink s waits until the particle has left its body again */
-  double *mass;               /* [kg] */
-  dem_sphere *sphere;         /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
-  dem_rotor *rotor;           /* likewise */
-  dem_pace *pace;             /* velocity and spin; in a step between the two kicks: at mid-step */
-  dem_push *push;             /* sums of contacts; after those of the particles one of none and the crossings. Lists
-                               * are built when they are not needed, and use their memory (pairs.h) */
-  dem_push *spare_push;       /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
-  dem_pace *drive;            /* model.driven: accelerations besides contacts and gravity; else none */
-  dem_pace *memory;           /* what the integrator keeps (integrate.h), if anything */
-  tdm_vec3 *position_at_list; /* when the lists were built [m] */
+  /* particles, (nparticle) each, room for (work.capacity) */
+  int nparticle;
+  uint64_t *id;         /* order of creation, ascending; never used twice */
+  int *material;        /* index of model.material */
+  uint32_t *touched;    /* bit s: sink s waits until the particle has left its body again */
+  double *mass;         /* [kg] */
+  dem_sphere *sphere;   /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
+  dem_rotor *rotor;     /* likewise */
+  dem_pace *pace;       /* velocity and spin; in a step between the two kicks: at mid-step */
+  dem_push *push;       /* sums of contacts; after those of the particles one of none and the crossings. Lists
+                         * are built when they are not needed, and use their memory (pairs.h) */
+  dem_push *spare_push; /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
+  dem_pace *drive;      /* model.driven: accelerations besides contacts and gravity; else none */
+  dem_pace *memory;     /* what the integrator keeps (integrate.h), if anything */
+  uint8_t *front;       /* (nparticle x nwall) the particle began in front of this plane */
 
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */
   tdm_twist *twist;       /* now */
-  tdm_wrench *body_load;  /* (model.nload) of the particles, about the body's centre of mass, world */
   dem_mobility *mobility; /* for the damping */
-  tdm_pose *pose_at_list; /* when the lists were built */
-  double *margin;         /* smallest gap - radius of a particle that is not listed with this body's walls [m] */
-  double *reach;          /* largest distance of a particle's centre from the centre of mass at the list [m] */
+  tdm_wrench *body_load;  /* (model.nload) of the particles, about the body's centre of mass, world */
   dem_wall_place *wall;   /* (nwall) where the walls are */
   double *lid;            /* (nwall) by how much a lid is shifted outward [m]; 0 for other walls */
-  uint8_t *front;         /* (nparticle x nwall) the particle began in front of this plane */
-  tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
-  dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
@@ -183,23 +178,12 @@ typedef struct dem_data {
   double memory_dt; /* step for which memory was made [s] */
   bool restart;     /* memory is to be made anew */
 
-  dem_domain domain;        /* where the box is now; all 0 when the scene has none */
-  double domain_rate[3];    /* how fast its lengths grow now [m/s] */
-  double strained;          /* how long it has been strained before the steps counted next [s] */
-  uint64_t strain_steps;    /* steps since, of strain_dt each */
-  double strain_dt;         /* [s] */
-  double length_at_list[3]; /* its lengths when the lists were built [m] */
+  dem_domain domain;     /* where the box is now; all 0 when the scene has none */
+  double domain_rate[3]; /* how fast its lengths grow now [m/s] */
+  double strained;       /* how long it has been strained before the steps counted next [s] */
+  uint64_t strain_steps; /* steps since, of strain_dt each */
+  double strain_dt;      /* [s] */
   dem_guard_state guard;
-
-  int nchunk; /* of DEM_CHUNK particles each, as of the last list */
-  dem_pairs pairs;
-  dem_wall_contacts walls;
-  dem_crossings crossings;
-  bool list_valid;     /* the lists are lists of these particles */
-  bool list_stale;     /* particles came: rebuild at the next step */
-  double skin;         /* of the lists [m] */
-  uint64_t nrebuild;   /* of the lists */
-  uint64_t since_list; /* steps since the last of them */
   uint64_t since_sort; /* steps since the particles were put in the order of their places */
 
   long ncontact;     /* touching pairs and walls at the last evaluation */
@@ -209,21 +193,61 @@ typedef struct dem_data {
   tdm_wrench *sample_sum;
   tdm_wrench *sample_mean; /* the last sample's */
   double sample_steps;     /* steps in sample_sum; parts of one where an output time lies inside a step */
+} dem_state;
 
-  /* not part of the state */
-  dem_wall_contacts spare_walls; /* the list of before, at a rebuild */
-  size_t *chunk_spare;           /* (nchunk + 1) */
-  dem_scratch scratch;           /* at a rebuild; the memory of push */
-  dem_rows rows;                 /* likewise: what the search found */
+/* The lists of what is near, with the histories of the contacts beside their entries, and where everything was when
+ * they were built. They are made anew when something has moved too far; results do not depend on when, so a stored
+ * state has of them only the histories. A copy takes them as they are. */
+typedef struct {
+  int nchunk; /* of DEM_CHUNK particles each, as of the last list */
+  dem_pairs pairs;
+  dem_wall_contacts walls;
+  dem_crossings crossings;
+  bool valid;          /* they are lists of these particles */
+  bool stale;          /* particles came: rebuild at the next step */
+  double skin;         /* [m] */
+  uint64_t nrebuild;   /* times they were built */
+  uint64_t since_list; /* steps since the last of them */
+
+  /* when they were built */
+  tdm_vec3 *position_at_list; /* (nparticle) [m] */
+  tdm_pose *pose_at_list;     /* (nbody) */
+  double *margin; /* (nbody) smallest gap - radius of a particle that is not listed with the body's walls [m] */
+  double *reach;  /* (nbody) largest distance of a particle's centre from the centre of mass [m] */
+  double length_at_list[3]; /* lengths of the box [m] */
+} dem_lists;
+
+/* The workspace: memory, sums by chunk and whatever else means nothing between two steps. Never copied or stored. */
+typedef struct {
+  int nthread;
+  dem_timers *timers; /* borrowed; NULL: not measured */
+
+  /* an evaluation */
+  tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
+  dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
+  tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
+  dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
+
+  /* a rebuild of the lists */
   dem_search *search;            /* owned; NULL until the first list */
-  tdm_wrench *fast_load;         /* (model.nload) multi-step: body_load of the fast contacts */
-  dem_traction traction;         /* forces on the triangles of meshes (bodies/traction.h) */
-  int *number;                   /* (nparticle) scratch, where particles can leave; else none */
-  dem_timers *timers;            /* borrowed; NULL: not measured */
-  int push_capacity, nthread;
+  dem_rows rows;                 /* what the search found */
+  dem_scratch scratch;           /* the memory of push */
+  dem_wall_contacts spare_walls; /* the list of before */
+  size_t *chunk_spare;           /* (nchunk + 1) */
+
+  int *number;          /* (nparticle) scratch, where particles can leave; else none */
+  int capacity;         /* room for so many particles */
+  int push_capacity;    /* entries of push */
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */
   size_t block_size;    /* of the latter [bytes] */
+} dem_workspace;
+
+typedef struct dem_data {
+  const dem_model *model; /* borrowed */
+  dem_state state;
+  dem_lists lists;
+  dem_workspace work;
 } dem_data;
 
 /* The state at the start of the model: particles and bodies as the scene gives them, forces evaluated with closed
@@ -261,7 +285,7 @@ bool dem_data_reserve(dem_data *data, int n);
 
 /* The particle after the last one of a chunk. */
 static inline int dem_chunk_end(const dem_data *d, int c) {
-  return c + 1 < d->nchunk ? (c + 1) * DEM_CHUNK : d->nparticle;
+  return c + 1 < d->lists.nchunk ? (c + 1) * DEM_CHUNK : d->state.nparticle;
 }
 
 /* Room for `count` entries. The pairs keep partners and histories, walls may lose all. False: no memory. */

@@ -29,8 +29,8 @@ static inline tdm_vec3 dem_between(const dem_data *d, tdm_vec3 a, tdm_vec3 b) {
   tdm_vec3 c = tdm_sub(a, b);
   if (d->model->domain.repeats)
     for (int k = 0; k < 3; k++)
-      if (d->domain.periodic[k])
-        (&c.x)[k] -= d->domain.length[k] * rint((&c.x)[k] / d->domain.length[k]);
+      if (d->state.domain.periodic[k])
+        (&c.x)[k] -= d->state.domain.length[k] * rint((&c.x)[k] / d->state.domain.length[k]);
   return c;
 }
 

@@ -136,42 +136,43 @@ static void put_history(writer *w, contact c, const double *history, size_t capa
 }
 
 static void put_histories(writer *w, const dem_data *d) {
-  const dem_pairs *p = &d->pairs;
+  const dem_pairs *p = &d->lists.pairs;
   int ncolumn = d->model->columns.ncolumn;
   size_t begin = begin_section(w, "pairs");
-  for (int i = 0; i < d->nparticle && ncolumn > 0; i++)
-    for (int k = p->first[i]; k < p->first[i + 1] && p->other[k] < d->nparticle; k++)
+  for (int i = 0; i < d->state.nparticle && ncolumn > 0; i++)
+    for (int k = p->first[i]; k < p->first[i + 1] && p->other[k] < d->state.nparticle; k++)
       put_history(w, (contact){i, p->other[k], 0, 0}, p->history, p->capacity, (size_t)k, ncolumn);
   end_section(w, begin);
   begin = begin_section(w, "walls");
-  for (size_t k = 0; k < d->walls.count && ncolumn > 0; k++) {
-    const dem_wall_entry *e = &d->walls.entry[k];
-    put_history(w, (contact){e->particle, e->wall, e->part, 0}, d->walls.history, d->walls.capacity, k, ncolumn);
+  for (size_t k = 0; k < d->lists.walls.count && ncolumn > 0; k++) {
+    const dem_wall_entry *e = &d->lists.walls.entry[k];
+    put_history(w, (contact){e->particle, e->wall, e->part, 0}, d->lists.walls.history, d->lists.walls.capacity, k,
+                ncolumn);
   }
   end_section(w, begin);
 }
 
 static counters counters_of(const dem_data *d) {
-  return (counters){.nstep = d->nstep,
-                    .since_sort = d->since_sort,
-                    .skin = d->skin,
-                    .ncontact = (uint64_t)d->ncontact,
-                    .sample_steps = d->sample_steps,
-                    .restart = d->restart,
-                    .strain_steps = d->strain_steps,
-                    .memory_dt = d->memory_dt,
-                    .strained = d->strained,
-                    .strain_dt = d->strain_dt,
-                    .ledger = d->ledger,
-                    .energy_balance = d->energy_balance,
-                    .guard = d->guard,
-                    .energy = d->energy};
+  return (counters){.nstep = d->state.nstep,
+                    .since_sort = d->state.since_sort,
+                    .skin = d->lists.skin,
+                    .ncontact = (uint64_t)d->state.ncontact,
+                    .sample_steps = d->state.sample_steps,
+                    .restart = d->state.restart,
+                    .strain_steps = d->state.strain_steps,
+                    .memory_dt = d->state.memory_dt,
+                    .strained = d->state.strained,
+                    .strain_dt = d->state.strain_dt,
+                    .ledger = d->state.ledger,
+                    .energy_balance = d->state.energy_balance,
+                    .guard = d->state.guard,
+                    .energy = d->state.energy};
 }
 
 static bool save(const dem_data *d, const void *note, size_t note_size, void **bytes, size_t *size) {
   const dem_model *m = d->model;
   writer w = {0};
-  size_t np = (size_t)d->nparticle;
+  size_t np = (size_t)d->state.nparticle;
   header h = {.version = STATE_VERSION,
               .bed = dem_fingerprint_bed(m),
               .whole = dem_fingerprint_whole(m),
@@ -183,11 +184,11 @@ static bool save(const dem_data *d, const void *note, size_t note_size, void **b
 #define X(field, n, name) put_section(&w, name, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
 #undef X
-  put_section(&w, "push", d->push, np * sizeof *d->push);
-  put_section(&w, "spare_push", d->spare_push, d->spare_push ? np * sizeof *d->push : 0);
+  put_section(&w, "push", d->state.push, np * sizeof *d->state.push);
+  put_section(&w, "spare_push", d->state.spare_push, d->state.spare_push ? np * sizeof *d->state.push : 0);
   put_histories(&w, d);
-  put_section(&w, "lid", d->lid, (size_t)m->nwall * sizeof *d->lid);
-  put_section(&w, "block", d->block, d->block_size);
+  put_section(&w, "lid", d->state.lid, (size_t)m->nwall * sizeof *d->state.lid);
+  put_section(&w, "block", d->work.block, d->work.block_size);
   counters c = counters_of(d);
   put_section(&w, "counters", &c, sizeof c);
   put_section(&w, "note", note, note_size);
@@ -302,37 +303,37 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
 /* The arrays of particles. What hangs on the integrator or on the scene's groups may be missing unless the scene is the
  * same. */
 static bool get_particles(const reader *r, dem_data *d) {
-  size_t np = (size_t)d->nparticle;
+  size_t np = (size_t)d->state.nparticle;
   bool good = true;
 #define X(field, n, name)                                           \
   if (!get(r, name, d->field, np * (size_t)(n) * sizeof *d->field)) \
     good = good && r->use != DEM_STATE_WHOLE &&                     \
-           ((void *)d->field == (void *)d->memory || (void *)d->field == (void *)d->drive);
+           ((void *)d->field == (void *)d->state.memory || (void *)d->field == (void *)d->state.drive);
   DEM_PARTICLE_STATE(X)
 #undef X
-  for (int i = 0; i < d->nparticle; i++)
-    good = good && d->material[i] >= 0 && d->material[i] < d->model->nmaterial;
+  for (int i = 0; i < d->state.nparticle; i++)
+    good = good && d->state.material[i] >= 0 && d->state.material[i] < d->model->nmaterial;
   return good;
 }
 
 /* the forces, after the lists, which are built in their memory */
 static bool get_forces(const reader *r, dem_data *d) {
-  size_t bytes = (size_t)d->nparticle * sizeof *d->push;
-  bool good = get(r, "push", d->push, bytes);
-  if (d->spare_push && !get(r, "spare_push", d->spare_push, bytes))
+  size_t bytes = (size_t)d->state.nparticle * sizeof *d->state.push;
+  bool good = get(r, "push", d->state.push, bytes);
+  if (d->state.spare_push && !get(r, "spare_push", d->state.spare_push, bytes))
     good = good && r->use != DEM_STATE_WHOLE;
   return good;
 }
 
 /* place of a contact in the lists, -1: there is none; `from` is where the search among walls goes on */
 static long place_of(const dem_data *d, const contact *c, bool of_wall, size_t *from) {
-  if (c->particle < 0 || c->particle >= d->nparticle)
+  if (c->particle < 0 || c->particle >= d->state.nparticle)
     return -1;
-  for (int k = d->pairs.first[c->particle]; !of_wall && k < d->pairs.first[c->particle + 1]; k++)
-    if (d->pairs.other[k] == c->other)
+  for (int k = d->lists.pairs.first[c->particle]; !of_wall && k < d->lists.pairs.first[c->particle + 1]; k++)
+    if (d->lists.pairs.other[k] == c->other)
       return k;
-  for (; of_wall && *from < d->walls.count; ++*from) { /* both ascend */
-    const dem_wall_entry *e = &d->walls.entry[*from];
+  for (; of_wall && *from < d->lists.walls.count; ++*from) { /* both ascend */
+    const dem_wall_entry *e = &d->lists.walls.entry[*from];
     if (e->particle == c->particle && e->wall == c->other && e->part == c->part)
       return (long)*from;
   }
@@ -344,8 +345,8 @@ static bool get_histories(const reader *r, dem_data *d, bool of_wall) {
   const char *from = find(r, of_wall ? "walls" : "pairs", &size);
   if (!from || size % one != 0)
     return false;
-  double *history = of_wall ? d->walls.history : d->pairs.history;
-  size_t capacity = of_wall ? d->walls.capacity : d->pairs.capacity, wall = 0;
+  double *history = of_wall ? d->lists.walls.history : d->lists.pairs.history;
+  size_t capacity = of_wall ? d->lists.walls.capacity : d->lists.pairs.capacity, wall = 0;
   for (size_t at = 0; at < size; at += one) {
     contact c;
     memcpy(&c, from + at, sizeof c);
@@ -360,39 +361,40 @@ static bool get_histories(const reader *r, dem_data *d, bool of_wall) {
 
 /* counters and bodies of the run that was saved */
 static bool get_run(const reader *r, dem_data *d, counters *c) {
-  if (!get(r, "block", d->block, d->block_size))
+  if (!get(r, "block", d->work.block, d->work.block_size))
     return false;
-  d->nstep = c->nstep;
-  d->ncontact = (long)c->ncontact;
-  d->sample_steps = c->sample_steps;
-  d->restart = c->restart != 0;
-  d->memory_dt = c->memory_dt;
-  d->strained = c->strained;
-  d->strain_steps = c->strain_steps;
-  d->strain_dt = c->strain_dt;
-  d->ledger = c->ledger;
-  d->energy_balance = c->energy_balance;
-  d->guard = c->guard;
-  d->energy = c->energy;
+  d->state.nstep = c->nstep;
+  d->state.ncontact = (long)c->ncontact;
+  d->state.sample_steps = c->sample_steps;
+  d->state.restart = c->restart != 0;
+  d->state.memory_dt = c->memory_dt;
+  d->state.strained = c->strained;
+  d->state.strain_steps = c->strain_steps;
+  d->state.strain_dt = c->strain_dt;
+  d->state.ledger = c->ledger;
+  d->state.energy_balance = c->energy_balance;
+  d->state.guard = c->guard;
+  d->state.energy = c->energy;
   dem_domain_put(d);
   return true;
 }
 
 /* a run that begins with these particles */
 static bool get_beginning(const reader *r, dem_data *d) {
-  if (!get(r, "lid", d->lid, (size_t)d->model->nwall * sizeof *d->lid))
+  if (!get(r, "lid", d->state.lid, (size_t)d->model->nwall * sizeof *d->state.lid))
     return false;
-  d->ledger = (dem_ledger){0};
-  for (int i = 0; i < d->nparticle; i++) {
-    d->touched[i] = 0;
-    d->sphere[i].inverse_mass = 1 / d->mass[i];
-    d->ledger.created = d->id[i] + 1 > d->ledger.created ? d->id[i] + 1 : d->ledger.created;
-    dem_exact_sum_add(&d->ledger.mass, d->mass[i]);
+  d->state.ledger = (dem_ledger){0};
+  for (int i = 0; i < d->state.nparticle; i++) {
+    d->state.touched[i] = 0;
+    d->state.sphere[i].inverse_mass = 1 / d->state.mass[i];
+    d->state.ledger.created =
+        d->state.id[i] + 1 > d->state.ledger.created ? d->state.id[i] + 1 : d->state.ledger.created;
+    dem_exact_sum_add(&d->state.ledger.mass, d->state.mass[i]);
   }
-  if (d->ledger.created < (uint64_t)d->model->nparticle)
-    d->ledger.created = (uint64_t)d->model->nparticle;
-  d->ledger.removed = d->ledger.created - (uint64_t)d->nparticle;
-  d->restart = true;
+  if (d->state.ledger.created < (uint64_t)d->model->nparticle)
+    d->state.ledger.created = (uint64_t)d->model->nparticle;
+  d->state.ledger.removed = d->state.ledger.created - (uint64_t)d->state.nparticle;
+  d->state.restart = true;
   dem_drive_particles(d);
   if (r->use == DEM_STATE_START)
     dem_domain_begin(d);
@@ -405,7 +407,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
     return err->status;
   if (!dem_data_reserve(d, r->nparticle))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for %d particles", r->nparticle);
-  d->nparticle = r->nparticle;
+  d->state.nparticle = r->nparticle;
   bool good =
       get_particles(r, d) && get(r, "counters", &c, sizeof c) && (note_size == 0 || get(r, "note", note, note_size));
   good = good && (r->use == DEM_STATE_WHOLE ? get_run(r, d, &c) : get_beginning(r, d));
@@ -413,12 +415,12 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   if (!good)
     return refuse(r, err, "is damaged");
   dem_walls_put(d);
-  d->list_valid = false; /* histories of before are not these */
-  d->since_sort = 0;     /* the order is the one that was saved */
-  d->skin = c.skin;
+  d->lists.valid = false;  /* histories of before are not these */
+  d->state.since_sort = 0; /* the order is the one that was saved */
+  d->lists.skin = c.skin;
   if (!dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for the neighbour lists");
-  d->since_sort = c.since_sort;
+  d->state.since_sort = c.since_sort;
   if (!get_forces(r, d) || !get_histories(r, d, false) || !get_histories(r, d, true))
     return refuse(r, err, "is damaged");
   return TDM_OK;

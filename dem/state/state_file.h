@@ -3,7 +3,7 @@
  * Little-endian; numbers exact. A header with version, three fingerprints (fingerprint.h), number of particles and
  * size; sections of a name, a size and bytes: the arrays of particles, the histories of the contacts that touch, what
  * the model fixes the size of, counters; a checksum at the end. Lists of neighbours are no part of it, as results do
- * not depend on them: they are made anew, so only dem_data.nrebuild may differ from then on.
+ * not depend on them: they are made anew, so only dem_lists.nrebuild may differ from then on.
  *
  * For a state in memory that is only to be gone back to in the same process, dem_data_copy is faster.
  */

@@ -9,12 +9,12 @@
  * NULL: not wanted): see dem_wall_gap. */
 static inline double dem_gap_at(const dem_data *d, int w, tdm_vec3 x, tdm_vec3 *normal) {
   tdm_vec3 n;
-  return dem_wall_gap(&d->model->wall[w], &d->wall[w], x, normal ? normal : &n);
+  return dem_wall_gap(&d->model->wall[w], &d->state.wall[w], x, normal ? normal : &n);
 }
 
 /* The same of the centre of particle i. */
 static inline double dem_gap(const dem_data *d, int i, int w, tdm_vec3 *normal) {
-  return dem_gap_at(d, w, d->sphere[i].position, normal);
+  return dem_gap_at(d, w, d->state.sphere[i].position, normal);
 }
 
 /* Does a sphere of this radius at x touch wall w? One that is altogether behind a plane does not. */

@@ -12,15 +12,15 @@
 static void add_energy(dem_data *d, dem_share share, double dt) {
   dem_flux sum = {0};
   if (share == DEM_ALL)
-    d->energy.fast = sum;
-  for (int c = 0; c < d->nchunk; c++)
-    dem_flux_add(&sum, &d->chunk_flux[c]);
-  dem_energy_step(&d->energy, share == DEM_FAST ? &d->energy.fast : &d->energy.now, &sum, dt);
+    d->state.energy.fast = sum;
+  for (int c = 0; c < d->lists.nchunk; c++)
+    dem_flux_add(&sum, &d->work.chunk_flux[c]);
+  dem_energy_step(&d->state.energy, share == DEM_FAST ? &d->state.energy.fast : &d->state.energy.now, &sum, dt);
 }
 
 static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
-  for (int c = 0; c < d->nchunk; c++)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++)
     integrator->end(d, c, dt);
 }
 
@@ -28,7 +28,7 @@ static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt)
  * same order, as all walls at once. */
 static void geometry_loads(dem_loop_task *task) {
   const dem_model *m = task->model;
-  const dem_wall_entry *entry = task->data->walls.entry;
+  const dem_wall_entry *entry = task->data->lists.walls.entry;
   size_t last = task->wall_end;
   for (size_t k = task->wall_first; k < last; k = task->wall_end) {
     int g = m->wall[entry[k].wall].geometry, b = m->geometry[g].body;
@@ -47,12 +47,12 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
   const dem_model *m = d->model;
   tdm_vec3 *entry_force = dem_traction_entries(d);
   long touching = 0;
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1) reduction(+ : touching)
-  for (int c = 0; c < d->nchunk; c++) {
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
+  for (int c = 0; c < d->lists.nchunk; c++) {
     dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling, .dt = dt, .share = share};
-    task.wall_first = d->walls.chunk[c];
-    task.wall_end = d->walls.chunk[c + 1];
-    task.load = &d->chunk_load[(size_t)c * (size_t)m->nload];
+    task.wall_first = d->lists.walls.chunk[c];
+    task.wall_end = d->lists.walls.chunk[c + 1];
+    task.load = &d->work.chunk_load[(size_t)c * (size_t)m->nload];
     task.entry_force = entry_force;
     memset(task.load, 0, (size_t)m->nload * sizeof *task.load);
     m->loops->pairs(&task);
@@ -61,34 +61,34 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
     else
       m->loops->walls(&task);
     touching += task.touching;
-    d->chunk_flux[c] = task.flux;
-    if (integrator && d->nthread == 1) {
-      dem_time_spent(d->timers, DEM_PHASE_CONTACTS);
+    d->work.chunk_flux[c] = task.flux;
+    if (integrator && d->work.nthread == 1) {
+      dem_time_spent(d->work.timers, DEM_PHASE_CONTACTS);
       integrator->end(d, c, dt);
-      dem_time_spent(d->timers, DEM_PHASE_INTEGRATION);
+      dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
     }
   }
-  if (integrator && d->nthread > 1)
+  if (integrator && d->work.nthread > 1)
     end_chunks(d, integrator, dt);
-  d->ncontact = touching;
+  d->state.ncontact = touching;
   if (m->energy)
     add_energy(d, share, dt);
   for (int b = 0; b < m->nload; b++) {
     tdm_wrench sum = {0};
-    for (int c = 0; c < d->nchunk; c++) {
-      sum.force = tdm_add(sum.force, d->chunk_load[c * m->nload + b].force);
-      sum.moment = tdm_add(sum.moment, d->chunk_load[c * m->nload + b].moment);
+    for (int c = 0; c < d->lists.nchunk; c++) {
+      sum.force = tdm_add(sum.force, d->work.chunk_load[c * m->nload + b].force);
+      sum.moment = tdm_add(sum.moment, d->work.chunk_load[c * m->nload + b].moment);
     }
-    d->body_load[b] = sum;
+    d->state.body_load[b] = sum;
   }
 }
 
 /* ---- two sets of forces ---- */
 
 void dem_forces_swap(dem_data *d) {
-  dem_push *push = d->push;
-  d->push = d->spare_push;
-  d->spare_push = push;
+  dem_push *push = d->state.push;
+  d->state.push = d->state.spare_push;
+  d->state.spare_push = push;
 }
 
 void dem_loads_add(const dem_data *d, double share, const tdm_wrench *from, tdm_wrench *to) {
@@ -99,38 +99,38 @@ void dem_loads_add(const dem_data *d, double share, const tdm_wrench *from, tdm_
 }
 
 void dem_forces_add_slow(dem_data *d, bool settling, double dt) {
-  long fast = d->ncontact;
+  long fast = d->state.ncontact;
   dem_forces_add(d, DEM_SLOW, settling, dt, NULL);
   dem_traction_add(d, 1);
-  d->ncontact += fast;
-  dem_loads_add(d, 1, d->fast_load, d->body_load);
+  d->state.ncontact += fast;
+  dem_loads_add(d, 1, d->work.fast_load, d->state.body_load);
 }
 
 /* the forces of both kinds at the present state, each in its place; needs them zeroed */
 static void add_both(dem_data *d, bool settling, double dt) {
-  memset(d->spare_push, 0, (size_t)d->nparticle * sizeof *d->push);
+  memset(d->state.spare_push, 0, (size_t)d->state.nparticle * sizeof *d->state.push);
   dem_forces_swap(d);
   dem_forces_add(d, DEM_FAST, settling, dt, NULL);
   dem_traction_add(d, 1);
   end_chunks(d, d->model->integrator, 0);
   dem_forces_swap(d);
-  memcpy(d->fast_load, d->body_load, (size_t)d->model->nload * sizeof *d->body_load);
+  memcpy(d->work.fast_load, d->state.body_load, (size_t)d->model->nload * sizeof *d->state.body_load);
   dem_forces_add_slow(d, settling, dt);
 }
 
 /* ---- without a step ---- */
 
 void dem_forces_frozen(dem_data *d, double dt) {
-  memset(d->push, 0, (size_t)(d->nparticle + 1 + d->crossings.count) * sizeof *d->push);
+  memset(d->state.push, 0, (size_t)(d->state.nparticle + 1 + d->lists.crossings.count) * sizeof *d->state.push);
   dem_forces_add(d, DEM_ALL, false, dt, NULL);
 }
 
 void dem_forces_again(dem_data *d, bool settling, double dt) {
-  memset(d->push + d->nparticle, 0, (size_t)(1 + d->crossings.count) * sizeof *d->push);
-  for (int i = 0; i < d->nparticle; i++) {
-    d->sphere[i].velocity = d->pace[i].velocity;
-    d->rotor[i].surface = tdm_scale(d->sphere[i].radius, d->pace[i].spin);
-    d->push[i] = (dem_push){0};
+  memset(d->state.push + d->state.nparticle, 0, (size_t)(1 + d->lists.crossings.count) * sizeof *d->state.push);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    d->state.sphere[i].velocity = d->state.pace[i].velocity;
+    d->state.rotor[i].surface = tdm_scale(d->state.sphere[i].radius, d->state.pace[i].spin);
+    d->state.push[i] = (dem_push){0};
   }
   dem_traction_clear(d);
   if (d->model->integrator->kick && !settling) {
@@ -140,7 +140,7 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
     dem_traction_add(d, 1);
   }
   end_chunks(d, d->model->settler, 0);
-  d->restart = true;
+  d->state.restart = true;
 }
 
 bool dem_forces_now(dem_data *d, bool settling) {

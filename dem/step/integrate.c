@@ -39,7 +39,7 @@ typedef struct {
 
 DEM_INLINE field field_of(const dem_data *d, const bool driven) {
   const dem_model *m = d->model;
-  field f = {{m->gravity.x, m->gravity.y, m->gravity.z, 0, 0, 0, 0, 0}, {1, 1, 1, 1, 1, 1, 1, 1}, d->drive};
+  field f = {{m->gravity.x, m->gravity.y, m->gravity.z, 0, 0, 0, 0, 0}, {1, 1, 1, 1, 1, 1, 1, 1}, d->state.drive};
   for (int a = 0; driven && a < 3; a++)
     if (m->flat >= 0)
       f.free[a == m->flat ? a : 4 + a] = 0;
@@ -54,7 +54,7 @@ DEM_INLINE v8 of_contacts(const dem_sphere *s, const dem_push *push) {
 }
 
 DEM_INLINE v8 of_all(const dem_data *d, int i, const dem_push *push, const field *f, const bool driven) {
-  v8 a = of_contacts(&d->sphere[i], &push[i]) + f->gravity;
+  v8 a = of_contacts(&d->state.sphere[i], &push[i]) + f->gravity;
   return driven ? (a + load8(&f->drive[i])) * f->free : a;
 }
 
@@ -70,15 +70,15 @@ typedef struct {
 /* position, radius | velocity ahead, 1/mass; and the forces zeroed */
 DEM_INLINE void put(dem_data *d, int i, v8 x, v8 ahead, tdm_vec3 shift, travel *moved) {
   const v8 zero = {0};
-  dem_sphere *s = &d->sphere[i];
+  dem_sphere *s = &d->state.sphere[i];
   double r = s->radius;
   v4 radius = {r, r, r, r}, listed;
-  store8(&d->push[i], zero);
+  store8(&d->state.push[i], zero);
   store8(s, __builtin_shuffle(x, ahead, (v8i){0, 1, 2, 3, 8, 9, 10, 7}));
   v4 surface = radius * __builtin_shufflevector(ahead, ahead, 4, 5, 6, 7);
   surface = __builtin_shufflevector(surface, radius, 0, 1, 2, 7);
-  memcpy(&d->rotor[i], &surface, sizeof surface);
-  memcpy(&listed, &d->position_at_list[i], sizeof listed); /* the next one's first, too: there is one more */
+  memcpy(&d->state.rotor[i], &surface, sizeof surface);
+  memcpy(&listed, &d->lists.position_at_list[i], sizeof listed); /* the next one's first, too: there is one more */
   v4 way = __builtin_shufflevector(x, x, 0, 1, 2, 3) - listed - (v4){shift.x, shift.y, shift.z, 0}, way2 = way * way;
   v4i more = way2 > moved->most;
   moved->most = (v4)((more & (v4i)way2) | (~more & (v4i)moved->most));
@@ -92,10 +92,10 @@ static double farthest(const travel *moved) {
 }
 
 static void add_crossings(dem_data *d, int chunk) {
-  const dem_crossings *x = &d->crossings;
+  const dem_crossings *x = &d->lists.crossings;
   for (int k = x->chunk[chunk]; k < x->chunk[chunk + 1]; k++) {
     int place = x->order[k];
-    dem_push *from = &d->push[d->nparticle + 1 + place], *to = &d->push[x->particle[place]];
+    dem_push *from = &d->state.push[d->state.nparticle + 1 + place], *to = &d->state.push[x->particle[place]];
     v8 zero = {0};
     store8(to, load8(to) + load8(from));
     store8(from, zero);
@@ -114,10 +114,10 @@ DEM_INLINE double begin_verlet(dem_data *d, int chunk, const dem_stride *stride,
   const field f = field_of(d, driven);
   travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
-    v8 a = half * of_all(d, i, d->push, &f, driven);
-    v8 v = load8(&d->pace[i]) + a, ahead = v + a;
-    store8(&d->pace[i], v);
-    put(d, i, load8(&d->sphere[i]) + drift * v, ahead, stride->shift, &moved);
+    v8 a = half * of_all(d, i, d->state.push, &f, driven);
+    v8 v = load8(&d->state.pace[i]) + a, ahead = v + a;
+    store8(&d->state.pace[i], v);
+    put(d, i, load8(&d->state.sphere[i]) + drift * v, ahead, stride->shift, &moved);
   }
   return farthest(&moved);
 }
@@ -127,7 +127,7 @@ DEM_INLINE void end_verlet(dem_data *d, int chunk, double dt, const bool driven)
   const field f = field_of(d, driven);
   add_crossings(d, chunk);
   EACH_PARTICLE(d, chunk, i)
-  store8(&d->pace[i], load8(&d->pace[i]) + half * of_all(d, i, d->push, &f, driven));
+  store8(&d->state.pace[i], load8(&d->state.pace[i]) + half * of_all(d, i, d->state.push, &f, driven));
 }
 
 /* ---- leap-frog ---- */
@@ -137,11 +137,11 @@ DEM_INLINE double begin_leap_frog(dem_data *d, int chunk, const dem_stride *stri
   const field f = field_of(d, driven);
   travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
-    v8 a = half * of_all(d, i, d->push, &f, driven);
-    v8 w = load8(&d->memory[i]) + (a + a);
-    store8(&d->memory[i], w);
-    store8(&d->pace[i], w);
-    put(d, i, load8(&d->sphere[i]) + drift * w, w + a, stride->shift, &moved);
+    v8 a = half * of_all(d, i, d->state.push, &f, driven);
+    v8 w = load8(&d->state.memory[i]) + (a + a);
+    store8(&d->state.memory[i], w);
+    store8(&d->state.pace[i], w);
+    put(d, i, load8(&d->state.sphere[i]) + drift * w, w + a, stride->shift, &moved);
   }
   return farthest(&moved);
 }
@@ -151,14 +151,14 @@ DEM_INLINE void end_leap_frog(dem_data *d, int chunk, double dt, const bool driv
   const field f = field_of(d, driven);
   add_crossings(d, chunk);
   EACH_PARTICLE(d, chunk, i)
-  store8(&d->pace[i], load8(&d->memory[i]) + half * of_all(d, i, d->push, &f, driven));
+  store8(&d->state.pace[i], load8(&d->state.memory[i]) + half * of_all(d, i, d->state.push, &f, driven));
 }
 
 DEM_INLINE void remember_leap_frog(dem_data *d, int first, int end, double dt, const bool driven) {
   const v8 half = span(0.5 * dt);
   const field f = field_of(d, driven);
   for (int i = first; i < end; i++)
-    store8(&d->memory[i], load8(&d->pace[i]) - half * of_all(d, i, d->push, &f, driven));
+    store8(&d->state.memory[i], load8(&d->state.pace[i]) - half * of_all(d, i, d->state.push, &f, driven));
 }
 
 /* ---- stormer-verlet: memory is position before | angle of the last step ---- */
@@ -169,12 +169,12 @@ DEM_INLINE double begin_stormer(dem_data *d, int chunk, const dem_stride *stride
   const field f = field_of(d, driven);
   travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
-    v8 a = of_all(d, i, d->push, &f, driven);
-    v8 x = load8(&d->sphere[i]), before = load8(&d->memory[i]);
+    v8 a = of_all(d, i, d->state.push, &f, driven);
+    v8 x = load8(&d->state.sphere[i]), before = load8(&d->state.memory[i]);
     v8 way = join(x - before, before) + square * a; /* moved and turned in this step */
     v8 v = rate * way;
-    store8(&d->memory[i], join(x, way));
-    store8(&d->pace[i], v);
+    store8(&d->state.memory[i], join(x, way));
+    store8(&d->state.pace[i], v);
     put(d, i, x + place * way, v + half * a, stride->shift, &moved);
   }
   return farthest(&moved);
@@ -185,8 +185,8 @@ DEM_INLINE void end_stormer(dem_data *d, int chunk, double dt, const bool driven
   const field f = field_of(d, driven);
   add_crossings(d, chunk);
   EACH_PARTICLE(d, chunk, i) {
-    v8 before = load8(&d->memory[i]), way = join(load8(&d->sphere[i]) - before, before);
-    store8(&d->pace[i], rate * way + half * of_all(d, i, d->push, &f, driven));
+    v8 before = load8(&d->state.memory[i]), way = join(load8(&d->state.sphere[i]) - before, before);
+    store8(&d->state.pace[i], rate * way + half * of_all(d, i, d->state.push, &f, driven));
   }
 }
 
@@ -194,8 +194,8 @@ DEM_INLINE void remember_stormer(dem_data *d, int first, int end, double dt, con
   const v8 half = span(0.5 * dt), whole = span(dt);
   const field f = field_of(d, driven);
   for (int i = first; i < end; i++) {
-    v8 way = whole * (load8(&d->pace[i]) - half * of_all(d, i, d->push, &f, driven));
-    store8(&d->memory[i], join(load8(&d->sphere[i]) - way, way));
+    v8 way = whole * (load8(&d->state.pace[i]) - half * of_all(d, i, d->state.push, &f, driven));
+    store8(&d->state.memory[i], join(load8(&d->state.sphere[i]) - way, way));
   }
 }
 
@@ -206,11 +206,11 @@ DEM_INLINE double begin_multi(dem_data *d, int chunk, const dem_stride *stride, 
   const field f = field_of(d, driven);
   travel moved = {{0}, {0}};
   EACH_PARTICLE(d, chunk, i) {
-    v8 fast = of_contacts(&d->sphere[i], &d->push[i]), slow = of_all(d, i, d->spare_push, &f, driven);
+    v8 fast = of_contacts(&d->state.sphere[i], &d->state.push[i]), slow = of_all(d, i, d->state.spare_push, &f, driven);
     v8 a = half * (driven ? fast * f.free : fast);
-    v8 v = load8(&d->pace[i]) + a;
-    store8(&d->pace[i], v);
-    put(d, i, load8(&d->sphere[i]) + drift * v, v + a + lead * slow, stride->shift, &moved);
+    v8 v = load8(&d->state.pace[i]) + a;
+    store8(&d->state.pace[i], v);
+    put(d, i, load8(&d->state.sphere[i]) + drift * v, v + a + lead * slow, stride->shift, &moved);
   }
   return farthest(&moved);
 }
@@ -220,8 +220,8 @@ DEM_INLINE void end_multi(dem_data *d, int chunk, double dt, const bool driven) 
   const field f = field_of(d, driven);
   add_crossings(d, chunk);
   EACH_PARTICLE(d, chunk, i) {
-    v8 fast = of_contacts(&d->sphere[i], &d->push[i]);
-    store8(&d->pace[i], load8(&d->pace[i]) + half * (driven ? fast * f.free : fast));
+    v8 fast = of_contacts(&d->state.sphere[i], &d->state.push[i]);
+    store8(&d->state.pace[i], load8(&d->state.pace[i]) + half * (driven ? fast * f.free : fast));
   }
 }
 
@@ -230,7 +230,7 @@ DEM_INLINE void kick_multi(dem_data *d, int chunk, double dt, const bool driven)
   const field f = field_of(d, driven);
   add_crossings(d, chunk);
   EACH_PARTICLE(d, chunk, i)
-  store8(&d->pace[i], load8(&d->pace[i]) + half * of_all(d, i, d->push, &f, driven));
+  store8(&d->state.pace[i], load8(&d->state.pace[i]) + half * of_all(d, i, d->state.push, &f, driven));
 }
 
 /* ---- the table ---- */

@@ -19,9 +19,9 @@
  * with the accelerations of the last evaluation: an error of dt^2 in the velocity, of second order in the motion. With
  * the mid-step velocity damping would lag by half a step, which is of first order.
  *
- * dem_data.pace is the velocity at the step boundary for all of them (w + a dt/2, (x - x(t-dt))/dt + a dt/2), so
+ * dem_state.pace is the velocity at the step boundary for all of them (w + a dt/2, (x - x(t-dt))/dt + a dt/2), so
  * whoever reads or changes velocities between two steps need not know the integrator; after a change, or when dt is
- * another one, what is kept is made anew (dem_data.restart, dem_data.memory_dt).
+ * another one, what is kept is made anew (dem_state.restart, dem_state.memory_dt).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STEP_INTEGRATE_H

@@ -34,8 +34,8 @@ static substeps substeps_of(const dem_data *d, const dem_step_task *s) {
 
 /* half a kick of the slow forces */
 static void kick(dem_data *d, const substeps *p, double dt) {
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1)
-  for (int c = 0; c < d->nchunk; c++)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++)
     p->integrator->kick(d, c, dt);
 }
 
@@ -44,14 +44,14 @@ static void begin(dem_data *d, const dem_step_task *s, const substeps *p) {
   if (s->sums && s->k == 1)
     dem_window_sums_add(s->sums, d, 0, s->n, s->path);
   if (!s->settling) {
-    if ((d->restart || s->dt != d->memory_dt) && p->integrator->remember)
-      p->integrator->remember(d, 0, d->nparticle, s->dt);
-    d->restart = false;
-    d->memory_dt = s->dt;
+    if ((d->state.restart || s->dt != d->state.memory_dt) && p->integrator->remember)
+      p->integrator->remember(d, 0, d->state.nparticle, s->dt);
+    d->state.restart = false;
+    d->state.memory_dt = s->dt;
   }
   if (p->two) {
     kick(d, p, s->dt);
-    memset(d->fast_load, 0, (size_t)d->model->nload * sizeof *d->fast_load);
+    memset(d->work.fast_load, 0, (size_t)d->model->nload * sizeof *d->work.fast_load);
   }
   dem_traction_clear(d);
 }
@@ -65,7 +65,7 @@ static void move_bodies(dem_data *d, const dem_step_task *s, const substeps *p, 
     dem_bodies_move(d, s->path, (s->k - 1) * p->many + j, s->n * p->many);
   if (s->settling)
     return;
-  dem_bodies_drive(d, m->time_start + ((double)d->nstep + (double)j / (double)p->many) * m->dt);
+  dem_bodies_drive(d, m->time_start + ((double)d->state.nstep + (double)j / (double)p->many) * m->dt);
   if (m->domain.strained)
     dem_domain_strain(d, p->h);
 }
@@ -78,13 +78,13 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
   dem_stride stride = {p->h, p->two ? (double)j * p->h - 0.5 * s->dt : 0, dem_lists_shift(d)};
   double moved2 = 0;
   bool numbers = true;
-#pragma omp parallel for schedule(static) num_threads(d->nthread) if (d->nthread > 1) reduction(max : moved2) reduction(&& : numbers)
-  for (int c = 0; c < d->nchunk; c++) {
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(max : moved2) reduction(&& : numbers)
+  for (int c = 0; c < d->lists.nchunk; c++) {
     double r2 = p->integrator->begin(d, c, &stride);
     numbers = numbers && r2 >= 0;
     moved2 = r2 > moved2 ? r2 : moved2;
   }
-  dem_time_spent(d->timers, DEM_PHASE_INTEGRATION);
+  dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
   return numbers ? moved2 : NAN;
 }
 
@@ -92,13 +92,13 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
 static bool find_contacts(dem_data *d, double moved2, double h) {
   if (d->model->domain.repeats)
     dem_domain_wrap(d);
-  uint64_t before = d->nrebuild;
+  uint64_t before = d->lists.nrebuild;
   if (!dem_lists_update(d, moved2))
     return false;
-  if (d->nrebuild != before) /* a particle that moves far in a step makes new lists */
+  if (d->lists.nrebuild != before) /* a particle that moves far in a step makes new lists */
     dem_guard_note_leap(d, h);
   bool good = dem_traction_reserve(d);
-  dem_time_spent(d->timers, DEM_PHASE_LIST);
+  dem_time_spent(d->work.timers, DEM_PHASE_LIST);
   return good;
 }
 
@@ -109,24 +109,24 @@ static void evaluate_and_kick(dem_data *d, const dem_step_task *s, const substep
   if (!p->two)
     return;
   dem_forces_swap(d);
-  dem_loads_add(d, 1 / (double)p->many, d->body_load, d->fast_load);
+  dem_loads_add(d, 1 / (double)p->many, d->state.body_load, d->work.fast_load);
 }
 
 /* the slow forces, and the other half of their kick */
 static void end(dem_data *d, const dem_step_task *s, const substeps *p) {
   if (!p->two)
     return;
-  memset(d->push, 0, (size_t)d->nparticle * sizeof *d->push);
+  memset(d->state.push, 0, (size_t)d->state.nparticle * sizeof *d->state.push);
   dem_forces_add_slow(d, s->settling, s->dt);
   kick(d, p, s->dt);
 }
 
 static void count_step(dem_data *d, const dem_step_task *s) {
-  d->restart = d->restart || s->settling;
-  d->nstep++;
-  d->since_sort++;
-  d->since_list++;
-  dem_time_spent(d->timers, DEM_PHASE_INTEGRATION);
+  d->state.restart = d->state.restart || s->settling;
+  d->state.nstep++;
+  d->state.since_sort++;
+  d->lists.since_list++;
+  dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
 }
 
 static tdm_status watch(dem_data *d, const dem_step_task *s, tdm_error *err) {

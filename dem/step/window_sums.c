@@ -16,7 +16,7 @@ static void add_moments(tdm_interface *body, double weight, double s, const tdm_
 static void add_kicks(dem_window_sums *sums, const dem_data *d, uint64_t k, uint64_t n, const dem_path *path) {
   const double at = (double)k / (double)n, weight = (k == 0 || k == n ? 0.5 : 1) / (double)n;
   for (int c = 0; c < d->model->ncoupled; c++) {
-    const tdm_wrench *load = &d->body_load[d->model->coupled_body[c]];
+    const tdm_wrench *load = &d->state.body_load[d->model->coupled_body[c]];
     add_moments(&sums->body[c], weight, at, load);
     if (!path)
       continue;
@@ -32,7 +32,7 @@ void dem_window_sums_add(dem_window_sums *sums, const dem_data *d, uint64_t k, u
   if (k == 0)
     return;
   for (int c = 0; c < d->model->ncoupled; c++) { /* [L18] Eq. 2: the mean of the n samples after each step */
-    const tdm_wrench *load = &d->body_load[d->model->coupled_body[c]];
+    const tdm_wrench *load = &d->state.body_load[d->model->coupled_body[c]];
     sums->load[c].force = tdm_axpy(1, load->force, sums->load[c].force);
     sums->load[c].moment = tdm_axpy(1, load->moment, sums->load[c].moment);
   }

@@ -12,13 +12,13 @@ static const double overlap_max = 0.1; /* of the smaller radius, at the start */
 
 void dem_where(const dem_data *d, int i, char path[TDM_PATH_MAX], int *number) {
   const dem_model *m = d->model;
-  uint64_t id = d->id[i];
+  uint64_t id = d->state.id[i];
   int g = 0;
   *number = (int)id;
   uint64_t made = 0;
   for (int s = 0; s < m->nsource; s++)
-    made += d->source[s].made;
-  bool started = m->start && id < d->ledger.created - made;
+    made += d->state.source[s].made;
+  bool started = m->start && id < d->state.ledger.created - made;
   snprintf(path, TDM_PATH_MAX, started ? "dem.start" : "dem.sources");
   if (started)
     return;
@@ -37,25 +37,26 @@ static void refuse_pair(const dem_data *d, int i, int j, double overlap, tdm_err
   dem_where(d, j, path, &nj);
   tdm_fail(err, TDM_ERR_SCENE, path,
            "particle %d overlaps particle %d of %s by %.3g m (radii %g and %g m) and would shoot off; move them apart",
-           nj, ni, other, overlap, d->sphere[j].radius, d->sphere[i].radius);
+           nj, ni, other, overlap, d->state.sphere[j].radius, d->state.sphere[i].radius);
 }
 
 static void refuse_wall(const dem_data *d, int i, int w, double overlap, tdm_error *err) {
   char path[TDM_PATH_MAX];
   int n;
   dem_where(d, i, path, &n);
-  tdm_vec3 x = d->sphere[i].position;
+  tdm_vec3 x = d->state.sphere[i].position;
   tdm_fail(
       err, TDM_ERR_SCENE, path,
       "particle %d at [%.6g, %.6g, %.6g] m (radius %g m) is in a wall of \"%s\" by %.3g m and would shoot off; move "
       "it or the body",
-      n, x.x, x.y, x.z, d->sphere[i].radius, d->model->body[d->model->wall[w].body].name, overlap);
+      n, x.x, x.y, x.z, d->state.sphere[i].radius, d->model->body[d->model->wall[w].body].name, overlap);
 }
 
 static void check_inside(const dem_data *d, int i, tdm_error *err) {
   for (int a = 0; d->model->domain.open && a < 3; a++) {
-    double x = (&d->sphere[i].position.x)[a], low = d->domain.low[a], high = low + d->domain.length[a];
-    if (d->domain.periodic[a] || (x >= low && x <= high))
+    double x = (&d->state.sphere[i].position.x)[a], low = d->state.domain.low[a],
+           high = low + d->state.domain.length[a];
+    if (d->state.domain.periodic[a] || (x >= low && x <= high))
       continue;
     char path[TDM_PATH_MAX];
     int n;
@@ -69,22 +70,22 @@ static void check_inside(const dem_data *d, int i, tdm_error *err) {
 tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
   const dem_model *m = d->model;
   *nbehind = 0;
-  for (int i = 0; i < d->nparticle && !err->status; i++) {
-    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
-      int j = d->pairs.other[k];
-      double overlap = d->sphere[i].radius + d->sphere[j].radius -
-                       tdm_norm(dem_between(d, d->sphere[i].position, d->sphere[j].position));
-      if (overlap > overlap_max * fmin(d->sphere[i].radius, d->sphere[j].radius))
+  for (int i = 0; i < d->state.nparticle && !err->status; i++) {
+    for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
+      int j = d->lists.pairs.other[k];
+      double overlap = d->state.sphere[i].radius + d->state.sphere[j].radius -
+                       tdm_norm(dem_between(d, d->state.sphere[i].position, d->state.sphere[j].position));
+      if (overlap > overlap_max * fmin(d->state.sphere[i].radius, d->state.sphere[j].radius))
         refuse_pair(d, i, j, overlap, err);
     }
     check_inside(d, i, err);
     bool behind = false;
     for (int w = 0; w < m->nwall; w++) {
       double gap = dem_gap(d, i, w, NULL);
-      bool through = m->wall[w].endless && gap <= -d->sphere[i].radius;
+      bool through = m->wall[w].endless && gap <= -d->state.sphere[i].radius;
       behind = behind || through;
-      if (!through && d->sphere[i].radius - gap > overlap_max * d->sphere[i].radius)
-        refuse_wall(d, i, w, d->sphere[i].radius - gap, err);
+      if (!through && d->state.sphere[i].radius - gap > overlap_max * d->state.sphere[i].radius)
+        refuse_wall(d, i, w, d->state.sphere[i].radius - gap, err);
     }
     *nbehind += behind;
   }
@@ -108,24 +109,24 @@ tdm_status dem_check_step(const dem_data *d, double dt, const char *path, tdm_er
 }
 
 static bool finite_at(const dem_data *d, int i) {
-  return tdm_finite(&d->sphere[i].position.x, 3) && tdm_finite(&d->pace[i].velocity.x, 3) &&
-         tdm_finite(&d->pace[i].spin.x, 3);
+  return tdm_finite(&d->state.sphere[i].position.x, 3) && tdm_finite(&d->state.pace[i].velocity.x, 3) &&
+         tdm_finite(&d->state.pace[i].spin.x, 3);
 }
 
 /* " beside particle 7" or " at a wall of "box"": the first in the lists */
 static void name_partner(const dem_data *d, int i, char out[256]) {
   out[0] = 0;
   for (int a = 0; a <= i; a++)
-    for (int k = d->pairs.first[a]; k < d->pairs.first[a + 1]; k++) {
-      int other = a == i ? d->pairs.other[k] : a;
-      if (other >= d->nparticle || (a != i && d->pairs.other[k] != i))
+    for (int k = d->lists.pairs.first[a]; k < d->lists.pairs.first[a + 1]; k++) {
+      int other = a == i ? d->lists.pairs.other[k] : a;
+      if (other >= d->state.nparticle || (a != i && d->lists.pairs.other[k] != i))
         continue;
-      snprintf(out, 256, " beside particle %llu (id)", (unsigned long long)d->id[other]);
+      snprintf(out, 256, " beside particle %llu (id)", (unsigned long long)d->state.id[other]);
       return;
     }
-  for (size_t k = 0; k < d->walls.count; k++)
-    if (d->walls.entry[k].particle == i) {
-      const char *body = d->model->body[d->model->wall[d->walls.entry[k].wall].body].name;
+  for (size_t k = 0; k < d->lists.walls.count; k++)
+    if (d->lists.walls.entry[k].particle == i) {
+      const char *body = d->model->body[d->model->wall[d->lists.walls.entry[k].wall].body].name;
       snprintf(out, 256, " at a wall of \"%s\"", body);
       return;
     }
@@ -134,11 +135,11 @@ static void name_partner(const dem_data *d, int i, char out[256]) {
 tdm_status dem_check_finite(const dem_data *d, double t, tdm_error *err) {
   /* anything that is not finite makes the sum not finite */
   tdm_vec3 sum = {0, 0, 0};
-  for (int i = 0; i < d->nparticle; i++)
-    sum = tdm_add(sum, tdm_add(tdm_add(d->sphere[i].position, d->pace[i].velocity), d->pace[i].spin));
+  for (int i = 0; i < d->state.nparticle; i++)
+    sum = tdm_add(sum, tdm_add(tdm_add(d->state.sphere[i].position, d->state.pace[i].velocity), d->state.pace[i].spin));
   if (isfinite(sum.x + sum.y + sum.z))
     return TDM_OK;
-  for (int i = 0; i < d->nparticle; i++) {
+  for (int i = 0; i < d->state.nparticle; i++) {
     char path[TDM_PATH_MAX];
     int n;
     if (finite_at(d, i))
@@ -146,14 +147,14 @@ tdm_status dem_check_finite(const dem_data *d, double t, tdm_error *err) {
     dem_where(d, i, path, &n);
     char partner[256];
     name_partner(d, i, partner);
-    tdm_vec3 x = d->position_at_list[i];
+    tdm_vec3 x = d->lists.position_at_list[i];
     return tdm_fail(err, TDM_ERR_NUMERIC, path,
                     "particle %d (id %llu) has a position or velocity that is no number at t = %.9g s, step %llu; it "
                     "was last listed "
                     "at [%.6g, %.6g, %.6g] m%s; reduce time.dt (now %g s) or the stiffness, and look for particles "
                     "pressed into walls",
-                    n, (unsigned long long)d->id[i], t, (unsigned long long)d->nstep, x.x, x.y, x.z, partner,
-                    d->model->dt);
+                    n, (unsigned long long)d->state.id[i], t, (unsigned long long)d->state.nstep, x.x, x.y, x.z,
+                    partner, d->model->dt);
   }
   return TDM_OK;
 }

@@ -43,7 +43,7 @@ static tdm_vec3 tangent(tdm_vec3 v, tdm_vec3 n) {
 }
 
 static double step_ahead(const dem_data *d) {
-  return d->nstep > 0 ? d->model->dt : 0; /* at the start forces were evaluated without a step */
+  return d->state.nstep > 0 ? d->model->dt : 0; /* at the start forces were evaluated without a step */
 }
 
 static tdm_vec3 spin_of(const dem_rotor *r) {
@@ -53,95 +53,98 @@ static tdm_vec3 spin_of(const dem_rotor *r) {
 /* listed pair k; nothing holds two particles that are fixed together */
 static double elastic_of_pair(const dem_data *d, int i, int k) {
   const dem_model *m = d->model;
-  int j = d->pairs.other[k];
-  const dem_sphere *a = &d->sphere[i], *b = &d->sphere[j];
+  int j = d->lists.pairs.other[k];
+  const dem_sphere *a = &d->state.sphere[i], *b = &d->state.sphere[j];
   tdm_vec3 x = dem_between(d, a->position, b->position);
   double sum = a->radius + b->radius, per_mass = a->inverse_mass + b->inverse_mass, r = tdm_norm(x);
   if (!(per_mass > 0) || !(r < sum))
     return 0;
-  contact c = {.pair = &m->pair[d->material[i] * m->nmaterial + d->material[j]],
+  contact c = {.pair = &m->pair[d->state.material[i] * m->nmaterial + d->state.material[j]],
                .at = {.mass = 1 / per_mass, .radius = a->radius * b->radius / sum},
                .overlap = sum - r,
-               .history = d->pairs.history ? &d->pairs.history[k] : NULL,
-               .stride = d->pairs.capacity,
+               .history = d->lists.pairs.history ? &d->lists.pairs.history[k] : NULL,
+               .stride = d->lists.pairs.capacity,
                .dt = step_ahead(d)};
   if (m->normal->keeps_deepest)
     c.at.deepest = c.history[(size_t)m->columns.normal * c.stride];
-  tdm_vec3 n = tdm_scale(1 / fmax(r, 1e-100), x), surface = tdm_add(d->rotor[i].surface, d->rotor[j].surface);
+  tdm_vec3 n = tdm_scale(1 / fmax(r, 1e-100), x),
+           surface = tdm_add(d->state.rotor[i].surface, d->state.rotor[j].surface);
   tdm_vec3 v = tdm_axpy(-r / sum, tdm_cross(surface, n), tdm_sub(a->velocity, b->velocity));
   c.slip = tangent(v, n);
-  c.roll = tangent(tdm_sub(spin_of(&d->rotor[i]), spin_of(&d->rotor[j])), n);
+  c.roll = tangent(tdm_sub(spin_of(&d->state.rotor[i]), spin_of(&d->state.rotor[j])), n);
   return dem_normal_elastic(m, c.pair, c.at, c.overlap) + springs_of(m, &c);
 }
 
 static bool same_contact(const dem_data *d, size_t k, size_t other) {
-  const dem_wall_entry *a = &d->walls.entry[k], *b = &d->walls.entry[other];
+  const dem_wall_entry *a = &d->lists.walls.entry[k], *b = &d->lists.walls.entry[other];
   return a->wall == b->wall && a->particle == b->particle;
 }
 
 /* what the particle of entry k does at its wall, whose surface is at `gap` along n from its centre */
 static void rates_at_wall(const dem_data *d, const dem_wall_entry *e, double gap, tdm_vec3 n, contact *c) {
   int body = d->model->wall[e->wall].body;
-  const dem_sphere *s = &d->sphere[e->particle];
-  const dem_rotor *rotor = &d->rotor[e->particle];
-  tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->pose[body].position);
-  tdm_twist wall = d->twist[body];
+  const dem_sphere *s = &d->state.sphere[e->particle];
+  const dem_rotor *rotor = &d->state.rotor[e->particle];
+  tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->state.pose[body].position);
+  tdm_twist wall = d->state.twist[body];
   tdm_vec3 v = tdm_axpy(-gap / s->radius, tdm_cross(rotor->surface, n), s->velocity);
   c->slip = tangent(tdm_sub(v, tdm_add(wall.velocity, tdm_cross(wall.angular, lever))), n);
   c->roll = tangent(tdm_sub(spin_of(rotor), wall.angular), n);
-  c->at.mass = 1 / dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n);
+  c->at.mass = 1 / dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n);
 }
 
 /* Listed wall k; of the parts of a wall the first that is listed stands for the normal law of all, and each has the
  * springs of its own history. */
 static double elastic_of_wall(const dem_data *d, size_t k) {
   const dem_model *m = d->model;
-  const dem_wall_entry *e = &d->walls.entry[k];
-  const dem_sphere *s = &d->sphere[e->particle];
+  const dem_wall_entry *e = &d->lists.walls.entry[k];
+  const dem_sphere *s = &d->state.sphere[e->particle];
   const bool first = k == 0 || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].shape->parts;
   tdm_vec3 n;
   double gap = dem_gap(d, e->particle, e->wall, &n), overlap = s->radius - gap;
   if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
     return 0;
-  contact c = {.pair = &m->pair[d->material[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],
+  contact c = {.pair =
+                   &m->pair[d->state.material[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],
                .at = {.mass = 1 / s->inverse_mass, .radius = s->radius},
                .overlap = overlap,
-               .history = d->walls.history ? &d->walls.history[k] : NULL,
-               .stride = d->walls.capacity,
+               .history = d->lists.walls.history ? &d->lists.walls.history[k] : NULL,
+               .stride = d->lists.walls.capacity,
                .dt = alone ? step_ahead(d) : 0}; /* the normal at a part is not known here */
   rates_at_wall(d, e, gap, n, &c);
-  for (size_t part = k; part < d->walls.count && same_contact(d, k, part); part++)
+  for (size_t part = k; part < d->lists.walls.count && same_contact(d, k, part); part++)
     c.at.deepest = fmax(c.at.deepest, dem_wall_deepest_so_far(d, part));
   return (first ? dem_normal_elastic(m, c.pair, c.at, overlap) : 0) + springs_of(m, &c);
 }
 
 double dem_rest_energy(const dem_data *d) {
   double mass = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    mass += d->mass[i];
+  for (int i = 0; i < d->state.nparticle; i++)
+    mass += d->state.mass[i];
   return 0.5 * mass * d->model->settle.speed * d->model->settle.speed;
 }
 
 double dem_particle_energy(const dem_data *d, int i, double *potential) {
-  const dem_sphere *s = &d->sphere[i];
-  const dem_pace *p = &d->pace[i];
-  double inertia = 0.4 * d->mass[i] * s->radius * s->radius,
-         kinetic = 0.5 * d->mass[i] * tdm_dot(p->velocity, p->velocity);
-  *potential = -d->mass[i] * tdm_dot(dem_field(d, i), s->position);
+  const dem_sphere *s = &d->state.sphere[i];
+  const dem_pace *p = &d->state.pace[i];
+  double inertia = 0.4 * d->state.mass[i] * s->radius * s->radius,
+         kinetic = 0.5 * d->state.mass[i] * tdm_dot(p->velocity, p->velocity);
+  *potential = -d->state.mass[i] * tdm_dot(dem_field(d, i), s->position);
   return kinetic + 0.5 * inertia * tdm_dot(p->spin, p->spin);
 }
 
 dem_stored_energy dem_stored_energy_now(const dem_data *d) {
   dem_stored_energy e = {0};
-  for (int i = 0; i < d->nparticle; i++) {
+  for (int i = 0; i < d->state.nparticle; i++) {
     double potential;
     e.kinetic += dem_particle_energy(d, i, &potential);
     e.potential += potential;
     e.magnitude += fabs(potential);
-    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1] && d->pairs.other[k] < d->nparticle; k++)
+    for (int k = d->lists.pairs.first[i];
+         k < d->lists.pairs.first[i + 1] && d->lists.pairs.other[k] < d->state.nparticle; k++)
       e.elastic += elastic_of_pair(d, i, k);
   }
-  for (size_t k = 0; k < d->walls.count; k++)
+  for (size_t k = 0; k < d->lists.walls.count; k++)
     e.elastic += elastic_of_wall(d, k);
   return e;
 }
@@ -164,8 +167,8 @@ bool dem_energy_balance_known(const dem_model *m) {
 static double power_of_bodies(const dem_data *d) {
   double power = 0;
   for (int b = 0; b < d->model->nbody; b++) {
-    const tdm_wrench *load = &d->body_load[b];
-    const tdm_twist *twist = &d->twist[b];
+    const tdm_wrench *load = &d->state.body_load[b];
+    const tdm_twist *twist = &d->state.twist[b];
     if (d->model->body[b].drive.given)
       power -= tdm_dot(load->force, twist->velocity) + tdm_dot(load->moment, twist->angular);
   }
@@ -173,27 +176,28 @@ static double power_of_bodies(const dem_data *d) {
 }
 
 void dem_energy_balance_begin(dem_data *d) {
-  d->energy_balance = (dem_energy_balance){.power = power_of_bodies(d), .next_look = d->nstep};
+  d->state.energy_balance = (dem_energy_balance){.power = power_of_bodies(d), .next_look = d->state.nstep};
 }
 
 void dem_energy_balance_step(dem_data *d, double dt) {
   double power = power_of_bodies(d);
-  d->energy_balance.driven += 0.5 * dt * (d->energy_balance.power + power);
-  d->energy_balance.power = power;
+  d->state.energy_balance.driven += 0.5 * dt * (d->state.energy_balance.power + power);
+  d->state.energy_balance.power = power;
 }
 
 void dem_energy_balance_flow(dem_data *d, int i, double sign) {
   double potential, kinetic = dem_particle_energy(d, i, &potential);
-  d->energy_balance.flow += sign * (kinetic + potential);
+  d->state.energy_balance.flow += sign * (kinetic + potential);
 }
 
 tdm_energy dem_energy_balance_look(dem_data *d) {
   const dem_model *m = d->model;
-  tdm_energy e = {.kinetic = NAN, .stored = NAN, .supplied = d->energy_balance.flow + d->energy_balance.driven};
-  if (d->nstep < d->energy_balance.next_look || !dem_energy_balance_known(m))
+  tdm_energy e = {
+      .kinetic = NAN, .stored = NAN, .supplied = d->state.energy_balance.flow + d->state.energy_balance.driven};
+  if (d->state.nstep < d->state.energy_balance.next_look || !dem_energy_balance_known(m))
     return e;
   dem_stored_energy now = dem_stored_energy_now(d);
-  d->energy_balance.next_look = d->nstep + (uint64_t)(m->guard.every > 0 ? m->guard.every : DEM_LOOK_STEPS);
+  d->state.energy_balance.next_look = d->state.nstep + (uint64_t)(m->guard.every > 0 ? m->guard.every : DEM_LOOK_STEPS);
   e.kinetic = now.kinetic;
   e.stored = now.kinetic + now.potential + now.elastic;
   return e;

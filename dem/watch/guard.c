@@ -24,7 +24,7 @@ static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const
                                                       [DEM_GUARD_ENERGY] = "guard.energy"};
   if (d->model->guard.action == DEM_GUARD_STOP)
     return tdm_fail(err, TDM_ERR_NUMERIC, path, "%s", text);
-  d->guard.told[kind]++;
+  d->state.guard.told[kind]++;
   tdm_remark(TDM_WARNING, events[kind], path, t, "%s", text);
   return TDM_OK;
 }
@@ -32,11 +32,11 @@ static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const
 /* ---- leaps ---- */
 
 void dem_guard_note_leap(dem_data *d, double dt) {
-  for (int i = 0; i < d->nparticle; i++) {
-    double way = dt * tdm_norm(d->pace[i].velocity);
-    if (way > d->sphere[i].radius && way > d->guard.leap) {
-      d->guard.leaper = d->id[i] + 1;
-      d->guard.leap = way;
+  for (int i = 0; i < d->state.nparticle; i++) {
+    double way = dt * tdm_norm(d->state.pace[i].velocity);
+    if (way > d->state.sphere[i].radius && way > d->state.guard.leap) {
+      d->state.guard.leaper = d->state.id[i] + 1;
+      d->state.guard.leap = way;
     }
   }
 }
@@ -44,22 +44,22 @@ void dem_guard_note_leap(dem_data *d, double dt) {
 static tdm_status look_at_leap(dem_data *d, double t, tdm_error *err) {
   char path[TDM_PATH_MAX] = "dem", text[TDM_MESSAGE_MAX];
   int n = 0, i = 0;
-  while (i < d->nparticle && d->id[i] + 1 != d->guard.leaper)
+  while (i < d->state.nparticle && d->state.id[i] + 1 != d->state.guard.leaper)
     i++;
   tdm_vec3 x = {NAN, NAN, NAN};
   double radius = NAN;
-  if (i < d->nparticle) {
+  if (i < d->state.nparticle) {
     dem_where(d, i, path, &n);
-    x = d->sphere[i].position;
-    radius = d->sphere[i].radius;
+    x = d->state.sphere[i].position;
+    radius = d->state.sphere[i].radius;
   }
   snprintf(text, sizeof text,
            "particle %d (id %llu) moved %.3g m in a step, more than its radius %.3g m, to [%.6g, %.6g, %.6g] m at "
            "t = %.9g s, step %llu: it may pass through walls and particles; reduce time.dt or its speed",
-           n, (unsigned long long)(d->guard.leaper - 1), d->guard.leap, radius, x.x, x.y, x.z, t,
-           (unsigned long long)d->nstep);
-  d->guard.leaper = 0;
-  d->guard.leap = 0;
+           n, (unsigned long long)(d->state.guard.leaper - 1), d->state.guard.leap, radius, x.x, x.y, x.z, t,
+           (unsigned long long)d->state.nstep);
+  d->state.guard.leaper = 0;
+  d->state.guard.leap = 0;
   return tell(d, DEM_GUARD_LEAP, path, text, t, err);
 }
 
@@ -73,21 +73,21 @@ typedef struct {
 static deepest find_deepest(const dem_data *d) {
   const dem_model *m = d->model;
   deepest worst = {.particle = -1, .other = -1, .wall = -1};
-  for (int i = 0; i < d->nparticle; i++)
-    for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
-      int j = d->pairs.other[k];
-      if (j >= d->nparticle)
+  for (int i = 0; i < d->state.nparticle; i++)
+    for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
+      int j = d->lists.pairs.other[k];
+      if (j >= d->state.nparticle)
         break;
-      const dem_sphere *a = &d->sphere[i], *b = &d->sphere[j];
+      const dem_sphere *a = &d->state.sphere[i], *b = &d->state.sphere[j];
       tdm_vec3 c = dem_between(d, a->position, b->position);
       double sum = a->radius + b->radius, r2 = tdm_dot(c, c), smaller = fmin(a->radius, b->radius);
       double near = sum - worst.share * smaller;
       if (near > 0 && r2 < near * near)
         worst = (deepest){(sum - sqrt(r2)) / smaller, i, j, -1};
     }
-  for (size_t k = 0; k < d->walls.count; k++) {
-    const dem_wall_entry *e = &d->walls.entry[k];
-    const dem_sphere *s = &d->sphere[e->particle];
+  for (size_t k = 0; k < d->lists.walls.count; k++) {
+    const dem_wall_entry *e = &d->lists.walls.entry[k];
+    const dem_sphere *s = &d->state.sphere[e->particle];
     double share = 1 - dem_gap(d, e->particle, e->wall, NULL) / s->radius;
     if (share > worst.share && !(m->wall[e->wall].shape->half_space && share >= 2))
       worst = (deepest){share, e->particle, -1, e->wall};
@@ -105,44 +105,45 @@ static tdm_status look_at_overlaps(dem_data *d, double t, tdm_error *err) {
   if (worst.wall >= 0)
     snprintf(partner, sizeof partner, "a wall of \"%s\"", d->model->body[d->model->wall[worst.wall].body].name);
   else
-    snprintf(partner, sizeof partner, "particle id %llu", (unsigned long long)d->id[worst.other]);
-  tdm_vec3 x = d->sphere[worst.particle].position;
+    snprintf(partner, sizeof partner, "particle id %llu", (unsigned long long)d->state.id[worst.other]);
+  tdm_vec3 x = d->state.sphere[worst.particle].position;
   snprintf(text, sizeof text,
            "particle %d (id %llu) at [%.6g, %.6g, %.6g] m overlaps %s by %.3g of the smaller radius, more than "
            "dem.guard.overlap = %g, at t = %.9g s, step %llu; use a stiffer material or a smaller time.dt",
-           n, (unsigned long long)d->id[worst.particle], x.x, x.y, x.z, partner, worst.share, d->model->guard.overlap,
-           t, (unsigned long long)d->nstep);
+           n, (unsigned long long)d->state.id[worst.particle], x.x, x.y, x.z, partner, worst.share,
+           d->model->guard.overlap, t, (unsigned long long)d->state.nstep);
   return tell(d, DEM_GUARD_OVERLAP, path, text, t, err);
 }
 
 /* ---- particles behind planes ---- */
 
 void dem_guard_begin(dem_data *d) {
-  d->guard = (dem_guard_state){
-      .leaper = d->guard.leaper, .leap = d->guard.leap, .lost = (uint64_t)dem_count_lost(d)}; /* leaps: of settling */
+  d->state.guard = (dem_guard_state){.leaper = d->state.guard.leaper,
+                                     .leap = d->state.guard.leap,
+                                     .lost = (uint64_t)dem_count_lost(d)}; /* leaps: of settling */
 }
 
 static tdm_status look_at_lost(dem_data *d, double t, tdm_error *err) {
   const dem_model *m = d->model;
-  uint64_t lost = (uint64_t)dem_count_lost(d), known = d->guard.lost;
-  d->guard.lost = lost;
+  uint64_t lost = (uint64_t)dem_count_lost(d), known = d->state.guard.lost;
+  d->state.guard.lost = lost;
   if (lost <= known)
     return TDM_OK;
   char path[TDM_PATH_MAX] = "dem", text[TDM_MESSAGE_MAX];
   int n = 0, i = 0, w = m->nwall;
-  for (; i < d->nparticle; i++) {
+  for (; i < d->state.nparticle; i++) {
     for (w = 0; w < m->nwall && !dem_through(d, i, w);)
       w++;
     if (w < m->nwall)
       break;
   }
   dem_where(d, i, path, &n);
-  tdm_vec3 x = d->sphere[i].position;
+  tdm_vec3 x = d->state.sphere[i].position;
   snprintf(text, sizeof text,
            "particle %d (id %llu) went through a plane of \"%s\" to [%.6g, %.6g, %.6g] m, and %llu in all did, at "
            "t = %.9g s, step %llu; use a stiffer material, a smaller time.dt or lower speeds",
-           n, (unsigned long long)d->id[i], m->body[m->wall[w].body].name, x.x, x.y, x.z, (unsigned long long)lost, t,
-           (unsigned long long)d->nstep);
+           n, (unsigned long long)d->state.id[i], m->body[m->wall[w].body].name, x.x, x.y, x.z,
+           (unsigned long long)lost, t, (unsigned long long)d->state.nstep);
   return tell(d, DEM_GUARD_LOST, path, text, t, err);
 }
 
@@ -156,11 +157,12 @@ static double speed_of_bodies(const dem_data *d, double t, int *which) {
   for (int b = 0; b < m->nbody; b++) {
     const dem_drive *drive = &m->body[b].drive;
     bool moves = drive->given && t > drive->start && t <= drive->end;
-    double speed = moves ? dem_drive_speed(drive, 0) : tdm_norm(d->twist[b].velocity);
-    double spin = tdm_norm(moves ? drive->angular : d->twist[b].angular), reach = 0;
-    for (size_t k = 0; spin > 0 && k < d->walls.count; k++)
-      if (m->wall[d->walls.entry[k].wall].body == b)
-        reach = fmax(reach, tdm_norm(tdm_sub(d->sphere[d->walls.entry[k].particle].position, d->pose[b].position)));
+    double speed = moves ? dem_drive_speed(drive, 0) : tdm_norm(d->state.twist[b].velocity);
+    double spin = tdm_norm(moves ? drive->angular : d->state.twist[b].angular), reach = 0;
+    for (size_t k = 0; spin > 0 && k < d->lists.walls.count; k++)
+      if (m->wall[d->lists.walls.entry[k].wall].body == b)
+        reach = fmax(reach, tdm_norm(tdm_sub(d->state.sphere[d->lists.walls.entry[k].particle].position,
+                                             d->state.pose[b].position)));
     if (speed + spin * reach > fastest) {
       fastest = speed + spin * reach;
       *which = b;
@@ -175,28 +177,28 @@ static tdm_status tell_body(dem_data *d, int body, double way, double radius, do
       text, sizeof text,
       "\"%s\" moves up to %.3g m in a step, more than the smallest radius %.3g m, at t = %.9g s, step %llu: it may "
       "pass through particles; reduce time.dt or its speed",
-      d->model->body[body].name, way, radius, t, (unsigned long long)d->nstep);
+      d->model->body[body].name, way, radius, t, (unsigned long long)d->state.nstep);
   return tell(d, DEM_GUARD_LEAP, "dem.bodies", text, t, err);
 }
 
 /* Add up how far a particle and its partner can have gone towards each other. *due: so far that one may have begun to
  * pass through the other since the last look at overlaps. */
 static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_error *err) {
-  dem_guard_state *g = &d->guard;
+  dem_guard_state *g = &d->state.guard;
   *due = false;
-  if (d->nstep < g->pace_next)
+  if (d->state.nstep < g->pace_next)
     return TDM_OK;
   double fastest2 = 0, smallest = INFINITY;
-  for (int i = 0; i < d->nparticle; i++) {
-    fastest2 = fmax(fastest2, tdm_dot(d->sphere[i].velocity, d->sphere[i].velocity));
-    smallest = fmin(smallest, d->sphere[i].radius);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    fastest2 = fmax(fastest2, tdm_dot(d->state.sphere[i].velocity, d->state.sphere[i].velocity));
+    smallest = fmin(smallest, d->state.sphere[i].radius);
   }
   int body = 0;
   double fastest = sqrt(fastest2), bodies = speed_of_bodies(d, t, &body);
   double speed = fastest + fmax(fastest, bodies), unseen = fmax(0.1, 1 - d->model->guard.overlap) * smallest;
-  g->way += (double)(d->nstep - g->pace_step) * dt * speed;
-  g->pace_step = d->nstep;
-  g->pace_next = d->nstep + (uint64_t)fmax(1, fmin(PACE_STEPS, floor(unseen / 3 / (speed * dt))));
+  g->way += (double)(d->state.nstep - g->pace_step) * dt * speed;
+  g->pace_step = d->state.nstep;
+  g->pace_next = d->state.nstep + (uint64_t)fmax(1, fmin(PACE_STEPS, floor(unseen / 3 / (speed * dt))));
   *due = g->way > unseen;
   return bodies * dt > smallest ? tell_body(d, body, bodies * dt, smallest, t, err) : TDM_OK;
 }
@@ -213,7 +215,7 @@ static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err)
   char text[TDM_MESSAGE_MAX];
   snprintf(text, sizeof text, "a step of %g s is above %s, %.3g s, at t = %.9g s, step %llu; reduce time.dt", dt,
            eigen < contact ? "0.8 of the stable step of the stiffest particle" : "a tenth of the shortest contact time",
-           fmin(eigen, contact), t, (unsigned long long)d->nstep);
+           fmin(eigen, contact), t, (unsigned long long)d->state.nstep);
   return tell(d, DEM_GUARD_STEP, "time.dt", text, t, err);
 }
 
@@ -228,14 +230,14 @@ static bool can_judge(const dem_data *d, double t, double dt) {
   for (int b = 0; b < m->nbody; b++)
     if (m->body[b].coupled >= 0 ||
         (m->body[b].drive.given && m->body[b].drive.start < t && m->body[b].drive.end > before) ||
-        tdm_norm(d->twist[b].velocity) + tdm_norm(d->twist[b].angular) > 0)
+        tdm_norm(d->state.twist[b].velocity) + tdm_norm(d->state.twist[b].angular) > 0)
       return false;
   return true;
 }
 
 static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
-  dem_guard_state *g = &d->guard;
-  uint64_t flow = d->ledger.created + d->ledger.removed;
+  dem_guard_state *g = &d->state.guard;
+  uint64_t flow = d->state.ledger.created + d->state.ledger.removed;
   dem_stored_energy e = dem_stored_energy_now(d);
   double all = e.kinetic + e.potential + e.elastic;
   if (!g->judging || g->flow != flow) {
@@ -255,7 +257,7 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   snprintf(text, sizeof text,
            "the energy of the particles rose by %.3g J without a source, more than dem.guard.energy = %g of the %.3g J "
            "there were, at t = %.9g s, step %llu; reduce time.dt, or look for particles that are pressed together",
-           rise, d->model->guard.energy, there, t, (unsigned long long)d->nstep);
+           rise, d->model->guard.energy, there, t, (unsigned long long)d->state.nstep);
   g->judging = 0; /* from here anew */
   return tell(d, DEM_GUARD_ENERGY, "dem", text, t, err);
 }
@@ -263,7 +265,7 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
 tdm_status dem_guard_proxy(dem_data *d, const dem_proxy *proxy, double t, double dt, tdm_error *err) {
   uint64_t every = (uint64_t)d->model->guard.every;
   double rate2;
-  if (every == 0 || d->nstep % every != 0)
+  if (every == 0 || d->state.nstep % every != 0)
     return TDM_OK;
   if (dem_proxy_rate2(proxy, d, &rate2, err))
     return err->status;
@@ -274,7 +276,7 @@ tdm_status dem_guard_proxy(dem_data *d, const dem_proxy *proxy, double t, double
   snprintf(text, sizeof text,
            "a step of %g s is above 0.8 of the stable step of the coupled bodies on the springs of their contacts, "
            "%.3g s, at t = %.9g s, step %llu; reduce time.dt",
-           dt, limit, t, (unsigned long long)d->nstep);
+           dt, limit, t, (unsigned long long)d->state.nstep);
   return tell(d, DEM_GUARD_STEP, "time.dt", text, t, err);
 }
 
@@ -282,26 +284,26 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
   uint64_t every = (uint64_t)d->model->guard.every;
   if (every == 0)
     return TDM_OK;
-  if (d->guard.leaper && look_at_leap(d, t, err))
+  if (d->state.guard.leaper && look_at_leap(d, t, err))
     return err->status;
-  bool due, look = d->nstep % every == 0;
+  bool due, look = d->state.nstep % every == 0;
   if (look_at_pace(d, t, dt, &due, err))
     return err->status;
   if (look && dem_check_finite(d, t, err))
     return err->status;
   if (look || due) {
-    d->guard.way = 0;
+    d->state.guard.way = 0;
     dem_rim_look(d, t);
     if (look_at_overlaps(d, t, err) || look_at_lost(d, t, err))
       return err->status;
   }
   if (!look)
     return TDM_OK;
-  if (d->nstep % (STEP_LOOKS * every) == 0 && look_at_step(d, t, dt, err))
+  if (d->state.nstep % (STEP_LOOKS * every) == 0 && look_at_step(d, t, dt, err))
     return err->status;
   if (can_judge(d, t, dt))
     return look_at_energy(d, t, err);
-  d->guard.judging = 0;
+  d->state.guard.judging = 0;
   return TDM_OK;
 }
 
@@ -316,10 +318,10 @@ void dem_guard_end(const dem_data *d, double t) {
   int i = 0;
   long fallen = dem_count_fallen(d, &i);
   if (fallen > 0) {
-    tdm_vec3 x = d->sphere[i].position;
+    tdm_vec3 x = d->state.sphere[i].position;
     tdm_remark(TDM_WARNING, "fallen", "dem", t,
                "%ld particles fall below every wall at the end, one of them (id %llu) at [%g, %g, %g] m: they went "
                "through a hole or over an edge; close it, or give what is meant to fall a sink (dem.sinks)",
-               fallen, (unsigned long long)d->id[i], x.x, x.y, x.z);
+               fallen, (unsigned long long)d->state.id[i], x.x, x.y, x.z);
   }
 }

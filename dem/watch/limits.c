@@ -34,7 +34,7 @@ static double poured_speed(const dem_data *d, const dem_pouring *p) {
   tdm_vec3 up = tdm_scale(-1 / g, m->gravity), x = m->position[p->first];
   double fall = fall_of(d, up, x), low, high;
   for (int w = 0; w < m->nwall; w++)
-    if (!m->wall[w].solid && dem_wall_extent(&m->wall[w], &d->wall[w], up, &low, &high))
+    if (!m->wall[w].solid && dem_wall_extent(&m->wall[w], &d->state.wall[w], up, &low, &high))
       fall = fmax(fall, tdm_dot(x, up) - low);
   return sqrt(v * v + 2 * g * fall);
 }
@@ -44,14 +44,14 @@ static double impact_speed(const dem_data *d) {
   const dem_model *m = d->model;
   double fastest = 0, largest = 0, body_speed = 0;
   for (int b = 0; b < m->nbody; b++)
-    body_speed = fmax(body_speed, tdm_norm(d->twist[b].velocity));
-  for (int i = 0; i < d->nparticle; i++) {
-    fastest = fmax(fastest, tdm_norm(d->pace[i].velocity));
-    largest = fmax(largest, d->sphere[i].radius);
+    body_speed = fmax(body_speed, tdm_norm(d->state.twist[b].velocity));
+  for (int i = 0; i < d->state.nparticle; i++) {
+    fastest = fmax(fastest, tdm_norm(d->state.pace[i].velocity));
+    largest = fmax(largest, d->state.sphere[i].radius);
   }
-  for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
+  for (uint64_t i = d->state.ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
     largest = fmax(largest, m->radius[i]);
-  for (int k = 0; k < m->npouring && d->ledger.created < (uint64_t)m->nparticle; k++)
+  for (int k = 0; k < m->npouring && d->state.ledger.created < (uint64_t)m->nparticle; k++)
     fastest = fmax(fastest, poured_speed(d, &m->pouring[k]));
   return fmax(fastest + body_speed, sqrt(2 * tdm_norm(m->gravity) * 2 * largest));
 }
@@ -84,9 +84,9 @@ static double fall_height(const dem_data *d) {
     return 0;
   extent e = {tdm_scale(-1, tdm_unit(m->gravity)), INFINITY, -INFINITY};
   double deepest = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    include(&e, d->sphere[i].position);
-    deepest = fmax(deepest, fall_of(d, e.up, d->sphere[i].position));
+  for (int i = 0; i < d->state.nparticle; i++) {
+    include(&e, d->state.sphere[i].position);
+    deepest = fmax(deepest, fall_of(d, e.up, d->state.sphere[i].position));
   }
   for (int s = 0; s < m->nsource; s++) {
     include(&e, m->source[s].low);
@@ -95,10 +95,10 @@ static double fall_height(const dem_data *d) {
     deepest = fmax(deepest, fall_of(d, e.up, m->source[s].high));
   }
   for (int k = 0; k < m->nbox; k++)
-    include_box(&e, &m->box[k], d->pose[m->box[k].body]);
+    include_box(&e, &m->box[k], d->state.pose[m->box[k].body]);
   for (int w = 0; w < m->nwall; w++) {
     double low, high;
-    if (!m->wall[w].solid && dem_wall_extent(&m->wall[w], &d->wall[w], e.up, &low, &high)) {
+    if (!m->wall[w].solid && dem_wall_extent(&m->wall[w], &d->state.wall[w], e.up, &low, &high)) {
       e.low = fmin(e.low, low);
       e.high = fmax(e.high, high);
     }
@@ -114,8 +114,8 @@ static double driven_speed(const dem_data *d) {
     double reach = 0;
     if (!m->body[b].drive.given)
       continue;
-    for (int i = 0; i < d->nparticle; i++)
-      reach = fmax(reach, tdm_norm(tdm_sub(d->sphere[i].position, m->body[b].drive.center)));
+    for (int i = 0; i < d->state.nparticle; i++)
+      reach = fmax(reach, tdm_norm(tdm_sub(d->state.sphere[i].position, m->body[b].drive.center)));
     fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, reach));
   }
   for (int w = 0; w < m->nwall; w++) {
@@ -124,11 +124,11 @@ static double driven_speed(const dem_data *d) {
       continue;
     bool ends = dem_wall_ends(wall);
     fastest = fmax(fastest, ends ? dem_wall_belt_speed(wall) : tdm_norm(wall->surface.velocity));
-    for (int i = 0; i < d->nparticle && !ends; i++) {
+    for (int i = 0; i < d->state.nparticle && !ends; i++) {
       tdm_vec3 n;
       double gap = dem_gap(d, i, w, &n);
-      tdm_vec3 below = tdm_axpy(-gap, n, d->sphere[i].position); /* on the surface */
-      fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, dem_wall_own(&d->wall[w], below))));
+      tdm_vec3 below = tdm_axpy(-gap, n, d->state.sphere[i].position); /* on the surface */
+      fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, dem_wall_own(&d->state.wall[w], below))));
     }
   }
   return fastest;
@@ -143,9 +143,9 @@ double dem_expected_speed(const dem_data *d) {
     const dem_source *source = &m->source[s];
     tdm_vec3 v = source->velocity;
     if (source->relative >= 0)
-      v = tdm_axpy(source->factor, d->twist[source->relative].velocity, v);
+      v = tdm_axpy(source->factor, d->state.twist[source->relative].velocity, v);
     for (int b = 0; b < m->nbody; b++)
-      speed = fmax(speed, tdm_norm(tdm_sub(v, d->twist[b].velocity)));
+      speed = fmax(speed, tdm_norm(tdm_sub(v, d->state.twist[b].velocity)));
     speed = fmax(speed, tdm_norm(v));
   }
   return sqrt(speed * speed + 2 * tdm_norm(m->gravity) * fall_height(d));
@@ -181,15 +181,15 @@ static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at,
 /* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */
 static void add_stiffness(const dem_data *d, int i, double *sum) {
   const dem_model *m = d->model;
-  for (int k = d->pairs.first[i]; k < d->pairs.first[i + 1]; k++) {
-    int j = d->pairs.other[k];
-    double both = d->sphere[i].radius + d->sphere[j].radius;
-    double overlap = both - tdm_norm(dem_between(d, d->sphere[i].position, d->sphere[j].position));
+  for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
+    int j = d->lists.pairs.other[k];
+    double both = d->state.sphere[i].radius + d->state.sphere[j].radius;
+    double overlap = both - tdm_norm(dem_between(d, d->state.sphere[i].position, d->state.sphere[j].position));
     if (!(overlap > 0))
       continue;
-    const dem_pair *pair = &m->pair[d->material[i] * m->nmaterial + d->material[j]];
-    dem_impact at = {.mass = 1 / (1 / d->mass[i] + 1 / d->mass[j]),
-                     .radius = d->sphere[i].radius * d->sphere[j].radius / both};
+    const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + d->state.material[j]];
+    dem_impact at = {.mass = 1 / (1 / d->state.mass[i] + 1 / d->state.mass[j]),
+                     .radius = d->state.sphere[i].radius * d->state.sphere[j].radius / both};
     double s = stiffness(m, pair, at, overlap);
     sum[i] += s;
     sum[j] += s;
@@ -199,25 +199,27 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
 static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
   const dem_model *m = d->model;
   int i = e->particle;
-  double radius = d->sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
-  const dem_pair *pair = &m->pair[d->material[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
+  double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
+  const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
   if (gap < radius && gap > -radius)
-    sum[i] += stiffness(m, pair, (dem_impact){.mass = d->mass[i], .radius = radius}, radius - gap);
+    sum[i] += stiffness(m, pair, (dem_impact){.mass = d->state.mass[i], .radius = radius}, radius - gap);
 }
 
 /* the smallest 2/omega [s], inf when nothing touches */
 static tdm_status find_eigen(const dem_data *d, double *smallest, tdm_error *err) {
-  double *sum = calloc((size_t)d->nparticle + 1, sizeof *sum);
+  double *sum = calloc((size_t)d->state.nparticle + 1, sizeof *sum);
   if (!sum)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the limits of the step of %d particles", d->nparticle);
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the limits of the step of %d particles",
+                    d->state.nparticle);
   *smallest = INFINITY;
-  for (int i = 0; i < d->nparticle; i++)
+  for (int i = 0; i < d->state.nparticle; i++)
     add_stiffness(d, i, sum);
-  for (size_t k = 0; k < d->walls.count; k++)
-    add_wall_stiffness(d, &d->walls.entry[k], sum);
-  for (int i = 0; i < d->nparticle; i++)
+  for (size_t k = 0; k < d->lists.walls.count; k++)
+    add_wall_stiffness(d, &d->lists.walls.entry[k], sum);
+  for (int i = 0; i < d->state.nparticle; i++)
     if (sum[i] > 0)
-      *smallest = fmin(*smallest, takes(d->model, d->mass[i]) * 2 / sqrt(2 * sum[i] * d->sphere[i].inverse_mass));
+      *smallest =
+          fmin(*smallest, takes(d->model, d->state.mass[i]) * 2 / sqrt(2 * sum[i] * d->state.sphere[i].inverse_mass));
   free(sum);
   return TDM_OK;
 }
@@ -225,9 +227,9 @@ static tdm_status find_eigen(const dem_data *d, double *smallest, tdm_error *err
 static tdm_status limits_at(const dem_data *d, double speed, dem_limits *l, tdm_error *err) {
   const dem_model *m = d->model;
   *l = (dem_limits){.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
-  for (int i = 0; i < d->nparticle; i++)
-    add_particle(l, m, d->material[i], d->sphere[i].radius, d->mass[i]);
-  for (uint64_t i = d->ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
+  for (int i = 0; i < d->state.nparticle; i++)
+    add_particle(l, m, d->state.material[i], d->state.sphere[i].radius, d->state.mass[i]);
+  for (uint64_t i = d->state.ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
     add_particle(l, m, m->particle_material[i], m->radius[i], m->mass[i]);
   return find_eigen(d, &l->eigen, err);
 }

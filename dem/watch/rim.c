@@ -23,13 +23,13 @@ static double beyond(const dem_box *box, tdm_vec3 own) {
 
 void dem_rim_look(const dem_data *d, double t) {
   const dem_model *m = d->model;
-  for (size_t k = 0; k < d->walls.count; k++) {
-    const dem_wall_entry *e = &d->walls.entry[k];
+  for (size_t k = 0; k < d->lists.walls.count; k++) {
+    const dem_wall_entry *e = &d->lists.walls.entry[k];
     const dem_box *box = open_box_of(m, e->wall);
-    const dem_sphere *s = &d->sphere[e->particle];
+    const dem_sphere *s = &d->state.sphere[e->particle];
     if (!box || !dem_touches_at(d, e->wall, s->position, s->radius))
       continue;
-    const tdm_pose *pose = &d->pose[box->body];
+    const tdm_pose *pose = &d->state.pose[box->body];
     tdm_vec3 body = tdm_quat_rotate(tdm_quat_conj(pose->orientation), tdm_sub(s->position, pose->position));
     tdm_vec3 own = tdm_quat_rotate(tdm_quat_conj(tdm_quat_unit(box->turn)), tdm_sub(body, box->center));
     if (!(beyond(box, own) > s->radius))
@@ -41,8 +41,8 @@ void dem_rim_look(const dem_data *d, double t) {
         "particle id %llu at [%.6g, %.6g, %.6g] m touches a wall of the open box of \"%s\" beyond its rim, at "
         "t = %.9g s: its walls are planes without end; give the box \"edges\": true for walls that end, or false "
         "if that is meant",
-        (unsigned long long)d->id[e->particle], s->position.x, s->position.y, s->position.z, m->body[box->body].name,
-        t);
+        (unsigned long long)d->state.id[e->particle], s->position.x, s->position.y, s->position.z,
+        m->body[box->body].name, t);
     return;
   }
 }

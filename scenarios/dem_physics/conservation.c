@@ -42,7 +42,7 @@ static tdm_status energy(cpl_verify *v, const char *name, const char *normal, co
     start = scn_rig_kinetic(&rig);
   for (long k = 0; k < total && err->status == TDM_OK; k++) {
     scn_rig_steps(&rig, 1, err);
-    long now = rig.data->ncontact;
+    long now = rig.data->state.ncontact;
     impacts += now > before;
     before = now;
     if (now > 0 || k % 50)
@@ -76,9 +76,11 @@ typedef struct {
 
 static momentum momentum_of(const dem_data *d) {
   momentum p = {0};
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 linear = tdm_scale(d->mass[i], d->pace[i].velocity), orbit = tdm_cross(d->sphere[i].position, linear);
-    tdm_vec3 spin = tdm_scale(0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius, d->pace[i].spin);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    tdm_vec3 linear = tdm_scale(d->state.mass[i], d->state.pace[i].velocity),
+             orbit = tdm_cross(d->state.sphere[i].position, linear);
+    tdm_vec3 spin = tdm_scale(0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius,
+                              d->state.pace[i].spin);
     p.linear = tdm_add(p.linear, linear);
     p.angular = tdm_add(p.angular, tdm_add(orbit, spin));
     p.linear_sum += tdm_norm(linear);
@@ -97,14 +99,14 @@ static tdm_status momenta(cpl_verify *v, int k, tdm_error *err) {
                    "'region':{'min':[-0.3,-0.3,-0.3],'max':[0.3,0.3,0.3]}}],%s}",
                    integrators[k].keys) == TDM_OK) {
     dem_data *d = rig.data;
-    for (int i = 0; i < d->nparticle; i++) {
-      d->pace[i].velocity = tdm_add(tdm_scale(-5, d->sphere[i].position), tdm_v3(0.3, -0.2, 0.1));
-      d->pace[i].spin = tdm_v3(sin(i), cos(3 * i), 2 * sin(7 * i));
+    for (int i = 0; i < d->state.nparticle; i++) {
+      d->state.pace[i].velocity = tdm_add(tdm_scale(-5, d->state.sphere[i].position), tdm_v3(0.3, -0.2, 0.1));
+      d->state.pace[i].spin = tdm_v3(sin(i), cos(3 * i), 2 * sin(7 * i));
     }
-    d->restart = true;
+    d->state.restart = true;
     begin = momentum_of(d);
     for (int s = 0; s < 3000 && scn_rig_steps(&rig, 1, err) == TDM_OK; s++)
-      most = d->ncontact > most ? d->ncontact : most;
+      most = d->state.ncontact > most ? d->state.ncontact : most;
     end = momentum_of(d);
   }
   scn_rig_close(&rig);

@@ -37,7 +37,7 @@ static tdm_status hooke(cpl_verify *v, int k, double *error, double dt, long ste
                    "%s}",
                    -gravity, stiffness, radius, mass, rest + a, integrators[k].keys) == TDM_OK)
     for (long s = 1; s <= steps && scn_rig_steps(&rig, 1, err) == TDM_OK; s++)
-      scn_worst(error, (rig.data->sphere[0].position.z - rest - a * cos(omega * (double)s * dt)) / a);
+      scn_worst(error, (rig.data->state.sphere[0].position.z - rest - a * cos(omega * (double)s * dt)) / a);
   scn_rig_close(&rig);
   return err->status;
 }
@@ -55,8 +55,8 @@ static tdm_status hertz(cpl_verify *v, int k, double z[2], double dt, long steps
                    "{'type':'list','material':'a','radius':0.05,'positions':[[0,0,0.245]]}],%s}",
                    integrators[k].keys) == TDM_OK &&
       scn_rig_steps(&rig, steps, err) == TDM_OK) {
-    z[0] = rig.data->sphere[0].position.z, z[1] = rig.data->sphere[1].position.z;
-    if (rig.data->ncontact != 2)
+    z[0] = rig.data->state.sphere[0].position.z, z[1] = rig.data->state.sphere[1].position.z;
+    if (rig.data->state.ncontact != 2)
       tdm_fail(err, TDM_ERR_NUMERIC, NULL, "the column of two spheres has come apart");
   }
   scn_rig_close(&rig);

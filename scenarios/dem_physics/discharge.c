@@ -47,10 +47,10 @@ static tdm_status open_bin(scn_rig *rig, cpl_verify *v, double outlet, tdm_error
 static double bulk_density(const dem_data *data) {
   const double half = 0.5 * (side - 6) * d, low = 3 * d, high = (height - 4) * d;
   double mass = 0;
-  for (int i = 0; i < data->nparticle; i++) {
-    tdm_vec3 x = data->sphere[i].position;
+  for (int i = 0; i < data->state.nparticle; i++) {
+    tdm_vec3 x = data->state.sphere[i].position;
     if (fabs(x.x) < half && fabs(x.y) < half && x.z > low && x.z < high)
-      mass += data->mass[i];
+      mass += data->state.mass[i];
   }
   return mass / (4 * half * half * (high - low));
 }
@@ -60,8 +60,8 @@ static tdm_status settle(cpl_verify *v, tdm_vec3 *place, double *density, tdm_er
   scn_rig rig;
   if (open_bin(&rig, v, 0, err) == TDM_OK) {
     *density = bulk_density(rig.data);
-    for (int i = 0; i < rig.data->nparticle; i++)
-      place[rig.data->id[i]] = rig.data->sphere[i].position;
+    for (int i = 0; i < rig.data->state.nparticle; i++)
+      place[rig.data->state.id[i]] = rig.data->state.sphere[i].position;
   }
   scn_rig_close(&rig);
   return err->status;
@@ -70,8 +70,8 @@ static tdm_status settle(cpl_verify *v, tdm_vec3 *place, double *density, tdm_er
 /* Put the particles of a bin, filled as the bed was, where those of the bed lie; all are at rest. */
 static tdm_status put_bed(scn_rig *rig, const tdm_vec3 *place, tdm_error *err) {
   dem_data *to = rig->data;
-  for (int i = 0; i < to->nparticle; i++)
-    to->sphere[i].position = place[to->id[i]];
+  for (int i = 0; i < to->state.nparticle; i++)
+    to->state.sphere[i].position = place[to->state.id[i]];
   if (!dem_forces_now(to, false))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", count);
   return err->status;
@@ -101,7 +101,7 @@ static tdm_status discharge(cpl_verify *v, const tdm_vec3 *bed, double outlet, d
   scn_rig rig;
   line flow = {0};
   if (open_bin(&rig, v, outlet, err) == TDM_OK && put_bed(&rig, bed, err) == TDM_OK) {
-    const dem_sink_state *sink = &rig.data->sink[0];
+    const dem_sink_state *sink = &rig.data->state.sink[0];
     for (double t = 0; t < longest && (double)sink->removed < emptied * count; t += 20 * dt) {
       if (scn_rig_steps(&rig, 20, err) != TDM_OK)
         break;

@@ -101,11 +101,11 @@ static tdm_status slide_to_roll(cpl_verify *v, double young, tdm_error *err) {
                    "'velocity':[%.17g,0,0]}]}",
                    -g, alloy_density, young, alloy_poisson, mu, d5, d5 - overlap, v0) == TDM_OK &&
       scn_rig_steps(&rig, lround(0.3 / dt), err) == TDM_OK) {
-    half = rig.data->pace[0].velocity.x;
+    half = rig.data->state.pace[0].velocity.x;
     if (scn_rig_steps(&rig, lround((t - 0.3) / dt), err) == TDM_OK)
-      now[0] = rig.data->pace[0].velocity.x, now[1] = rig.data->pace[0].spin.y;
+      now[0] = rig.data->state.pace[0].velocity.x, now[1] = rig.data->state.pace[0].spin.y;
     if (scn_rig_steps(&rig, lround((late - t) / dt), err) == TDM_OK)
-      end[0] = rig.data->pace[0].velocity.x, end[1] = rig.data->pace[0].spin.y;
+      end[0] = rig.data->state.pace[0].velocity.x, end[1] = rig.data->state.pace[0].spin.y;
   }
   scn_rig_close(&rig);
   char name[64];
@@ -126,10 +126,10 @@ static tdm_status slides_to_roll(cpl_verify *v, tdm_error *err) {
 
 /* the force on the first of two spheres that overlap so, without damping; positive: apart */
 static double force_at(scn_rig *rig, double radius, double overlap, tdm_error *err) {
-  rig->data->sphere[0].position.x = -2 * radius + overlap;
+  rig->data->state.sphere[0].position.x = -2 * radius + overlap;
   if (!dem_forces_now(rig->data, false))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-  return -rig->data->push[0].force.x;
+  return -rig->data->state.push[0].force.x;
 }
 
 static tdm_status pull_off(cpl_verify *v, const char *law, tdm_error *err) {
@@ -194,9 +194,9 @@ static tdm_status twisting(cpl_verify *v, tdm_error *err) {
   scn_rig rig;
   if (lay(&rig, v, dt, "'twisting':'constant-torque'", "'twisting_friction':0.02", 0, 0, w0, err) == TDM_OK &&
       scn_rig_steps(&rig, lround(0.5 * stops / dt), err) == TDM_OK) {
-    half = rig.data->pace[0].spin.z;
+    half = rig.data->state.pace[0].spin.z;
     if (scn_rig_steps(&rig, lround(0.6 * stops / dt), err) == TDM_OK)
-      end = rig.data->pace[0].spin.z;
+      end = rig.data->state.pace[0].spin.z;
   }
   scn_rig_close(&rig);
   cpl_verify_measure(v, "spin_error", "twisting decay", half / (0.5 * w0) - 1, CPL_AT_MOST, 1e-6);
@@ -213,9 +213,9 @@ static tdm_status rolling(cpl_verify *v, tdm_error *err) {
   if (lay(&rig, v, dt, "'rolling':'constant-torque'", "'rolling_friction':0.02", v0, v0 / (a * stone), 0, err) ==
           TDM_OK &&
       scn_rig_steps(&rig, lround(0.5 * stops / dt), err) == TDM_OK) {
-    half = rig.data->pace[0].velocity.x;
+    half = rig.data->state.pace[0].velocity.x;
     if (scn_rig_steps(&rig, lround(0.6 * stops / dt), err) == TDM_OK)
-      end = rig.data->pace[0].velocity.x;
+      end = rig.data->state.pace[0].velocity.x;
   }
   scn_rig_close(&rig);
   cpl_verify_measure(v, "speed_error", "rolling decay", half / (0.5 * v0) - 1, CPL_AT_MOST, 1e-3);
@@ -237,7 +237,7 @@ static tdm_status rocking(cpl_verify *v, tdm_error *err) {
     if (scn_rig_steps(&rig, lround(0.1 * M_PI / W / dt), err) == TDM_OK) {
       double t = rig.time, x = swings * t;
       double w = w0 * exp(-eta * W * t) * (cos(x) - eta / sqrt(1 - eta * eta) * sin(x));
-      scn_worst(&worst, (rig.data->pace[0].spin.y - w) / w0);
+      scn_worst(&worst, (rig.data->state.pace[0].spin.y - w) / w0);
     }
   scn_rig_close(&rig);
   cpl_verify_measure(v, "spin_error", "rocking", worst, CPL_AT_MOST, 5e-3);
@@ -271,9 +271,9 @@ static tdm_status pinched(cpl_verify *v, double dt, long steps, tdm_error *err) 
   double middle = NAN, end = NAN, spin = NAN;
   scn_rig rig;
   if (perch(&rig, v, dt, big + small - pinch, 0, 0.5, err) == TDM_OK && scn_rig_steps(&rig, steps, err) == TDM_OK) {
-    middle = rig.data->sphere[0].position.y;
+    middle = rig.data->state.sphere[0].position.y;
     if (scn_rig_steps(&rig, steps, err) == TDM_OK)
-      end = rig.data->sphere[0].position.y, spin = tdm_norm(rig.data->pace[0].spin);
+      end = rig.data->state.sphere[0].position.y, spin = tdm_norm(rig.data->state.pace[0].spin);
   }
   scn_rig_close(&rig);
   char name[64];
@@ -291,9 +291,9 @@ static tdm_status slips(cpl_verify *v, tdm_error *err) {
   double begin = NAN, end = NAN, dt = 1e-7;
   scn_rig rig;
   if (perch(&rig, v, dt, big + small - pinch, 0, mu, err) == TDM_OK && scn_rig_steps(&rig, 500, err) == TDM_OK) {
-    begin = rig.data->pace[0].velocity.y;
+    begin = rig.data->state.pace[0].velocity.y;
     if (scn_rig_steps(&rig, 1500, err) == TDM_OK)
-      end = rig.data->pace[0].velocity.y;
+      end = rig.data->state.pace[0].velocity.y;
   }
   scn_rig_close(&rig);
   cpl_verify_measure(v, "fall_error", "pinched, mu=0.05", (begin - end) / (1500 * dt) / a - 1, CPL_AT_MOST, 5e-3);
@@ -306,9 +306,9 @@ static tdm_status in_the_saddle(cpl_verify *v, tdm_error *err) {
   double middle = NAN, end = NAN, speed = NAN;
   scn_rig rig;
   if (perch(&rig, v, 1e-6, big, y, 0.5, err) == TDM_OK && scn_rig_steps(&rig, 50000, err) == TDM_OK) {
-    middle = rig.data->sphere[0].position.y;
+    middle = rig.data->state.sphere[0].position.y;
     if (scn_rig_steps(&rig, 50000, err) == TDM_OK)
-      end = rig.data->sphere[0].position.y, speed = tdm_norm(rig.data->pace[0].velocity);
+      end = rig.data->state.sphere[0].position.y, speed = tdm_norm(rig.data->state.pace[0].velocity);
   }
   scn_rig_close(&rig);
   cpl_verify_measure(v, "sag_m", "in the saddle", end - y, CPL_AT_MOST, 1e-9);

@@ -55,7 +55,7 @@ tdm_status scn_rig_open(scn_rig *rig, cpl_verify *v, double dt, tdm_error *err, 
 tdm_status scn_rig_steps(scn_rig *rig, long n, tdm_error *err) {
   dem_data *d = rig->data;
   for (long k = 0; k < n; k++) {
-    const dem_step_task task = {.dt = rig->dt, .time = (double)(d->nstep + 1) * rig->dt, .flow = true};
+    const dem_step_task task = {.dt = rig->dt, .time = (double)(d->state.nstep + 1) * rig->dt, .flow = true};
     if (dem_step(d, &task, err))
       return err->status;
     rig->time += rig->dt;
@@ -77,10 +77,10 @@ void scn_rig_close(scn_rig *rig) {
 double scn_rig_kinetic(const scn_rig *rig) {
   const dem_data *d = rig->data;
   double sum = 0;
-  for (int i = 0; i < d->nparticle; i++) {
-    double inertia = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius;
-    sum += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity) +
-           0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
+    sum += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity) +
+           0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin);
   }
   return sum;
 }
@@ -92,16 +92,16 @@ typedef struct {
 } contact_now;
 
 static contact_now look(const dem_data *d) {
-  const dem_sphere *s = d->sphere;
-  tdm_vec3 n = tdm_v3(0, 0, 1), v = d->pace[0].velocity;
+  const dem_sphere *s = d->state.sphere;
+  tdm_vec3 n = tdm_v3(0, 0, 1), v = d->state.pace[0].velocity;
   double distance = s[0].position.z - s[0].radius;
-  if (d->nparticle > 1) {
+  if (d->state.nparticle > 1) {
     tdm_vec3 way = tdm_sub(s[0].position, s[1].position);
     distance = tdm_norm(way) - s[0].radius - s[1].radius;
     n = tdm_scale(1 / tdm_norm(way), way);
-    v = tdm_sub(v, d->pace[1].velocity);
+    v = tdm_sub(v, d->state.pace[1].velocity);
   }
-  return (contact_now){-distance, -tdm_dot(v, n), tdm_dot(d->push[0].force, n)};
+  return (contact_now){-distance, -tdm_dot(v, n), tdm_dot(d->state.push[0].force, n)};
 }
 
 tdm_status scn_rig_impact(scn_rig *rig, long most, scn_impact *impact, scn_impact_watch *watch, void *context,
@@ -127,9 +127,9 @@ tdm_status scn_rig_impact(scn_rig *rig, long most, scn_impact *impact, scn_impac
       break;
     }
   }
-  for (int i = 0; i < rig->data->nparticle && i < 2; i++) {
-    impact->velocity[i] = rig->data->pace[i].velocity;
-    impact->spin[i] = rig->data->pace[i].spin;
+  for (int i = 0; i < rig->data->state.nparticle && i < 2; i++) {
+    impact->velocity[i] = rig->data->state.pace[i].velocity;
+    impact->spin[i] = rig->data->state.pace[i].spin;
   }
   return TDM_OK;
 }

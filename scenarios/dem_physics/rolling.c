@@ -31,11 +31,11 @@ static tdm_status sliding_to_rolling(cpl_verify *v, tdm_error *err) {
   scn_rig rig;
   double x = NAN, half = NAN, end = NAN, spin = NAN;
   if (lay(&rig, v, t / (double)n, 0, g, v0, err) == TDM_OK && scn_rig_steps(&rig, n / 2, err) == TDM_OK) {
-    half = rig.data->pace[0].velocity.x;
+    half = rig.data->state.pace[0].velocity.x;
     if (scn_rig_steps(&rig, n / 2, err) == TDM_OK) {
-      x = rig.data->sphere[0].position.x;
+      x = rig.data->state.sphere[0].position.x;
       scn_rig_steps(&rig, n, err);
-      end = rig.data->pace[0].velocity.x, spin = rig.data->pace[0].spin.y;
+      end = rig.data->state.pace[0].velocity.x, spin = rig.data->state.pace[0].spin.y;
     }
   }
   scn_rig_close(&rig);
@@ -57,9 +57,9 @@ static tdm_status slope(cpl_verify *v, double tangent, tdm_error *err) {
   scn_rig rig;
   char name[64];
   if (lay(&rig, v, dt, g * sin(a), g * cos(a), 0, err) == TDM_OK && scn_rig_steps(&rig, n, err) == TDM_OK) {
-    begin = rig.data->pace[0].velocity.x;
+    begin = rig.data->state.pace[0].velocity.x;
     scn_rig_steps(&rig, n, err);
-    end = rig.data->pace[0].velocity.x;
+    end = rig.data->state.pace[0].velocity.x;
   }
   scn_rig_close(&rig);
   double theory = tangent <= 3.5 * mu ? 5.0 / 7 * g * sin(a) : g * (sin(a) - mu * cos(a));
@@ -86,7 +86,7 @@ static tdm_status bouncing(cpl_verify *v, double e, tdm_error *err) {
                "'particles':[{'type':'list','material':'a','radius':%.17g,'positions':[[0,0,%.17g]]}]}",
                -g, e, radius, radius + h0);
   while (err->status == TDM_OK && bounces < BOUNCES + 1 && scn_rig_steps(&rig, 1, err) == TDM_OK) {
-    double w = rig.data->pace[0].velocity.z, z = rig.data->sphere[0].position.z - radius;
+    double w = rig.data->state.pace[0].velocity.z, z = rig.data->state.sphere[0].position.z - radius;
     if (w > 0 && before <= 0) { /* turned in the contact */
       bounces++;
       sum += pow(e, bounces) + (bounces > 1 ? pow(e, bounces - 1) : 0);
@@ -125,7 +125,7 @@ static tdm_status os_hertz(cpl_verify *v, tdm_error *err) {
                      "'velocity':[0,0,-1]}]}",
                      e_star) == TDM_OK &&
         scn_rig_steps(&rig, 121L * fine, err) == TDM_OK)
-      z = rig.data->sphere[0].position.z, speed = rig.data->pace[0].velocity.z;
+      z = rig.data->state.sphere[0].position.z, speed = rig.data->state.pace[0].velocity.z;
     scn_rig_close(&rig);
     const char *name = fine > 1 ? "OSHertz dt=5e-9" : "OSHertz dt=5e-7";
     if (fine == 1) {
@@ -152,7 +152,7 @@ static tdm_status os_mindlin(cpl_verify *v, tdm_error *err) {
                    "'particles':[{'type':'list','material':'a','radius':0.001,'positions':[[0,0,%.17g]]}]}",
                    0.001 - overlap) == TDM_OK &&
       scn_rig_steps(&rig, lround(t / dt), err) == TDM_OK)
-    speed = rig.data->pace[0].velocity.x, spin = rig.data->pace[0].spin.y;
+    speed = rig.data->state.pace[0].velocity.x, spin = rig.data->state.pace[0].spin.y;
   scn_rig_close(&rig);
   cpl_verify_measure(v, "exact_speed_error", "OSMindlin", speed / (4 * t) - 1, CPL_AT_MOST, 3e-4);
   cpl_verify_measure(v, "published_speed_error", "OSMindlin", speed / 0.0200031141978808 - 1, CPL_AT_MOST, 1e-4);

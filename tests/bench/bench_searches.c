@@ -53,10 +53,10 @@ static json_t *scene(const char *search, int group) {
 static void print(const char *name, const dem_data *d, double steps) {
   double all = 0;
   for (int k = 0; k < DEM_PHASES; k++)
-    all += d->timers->spent[k];
-  printf("%-12s %5d discs  %7.1f ns a disc and step  every %6.1f steps a list ", name, d->nparticle,
-         1e9 * all / steps / d->nparticle, steps / (double)(d->nrebuild ? d->nrebuild : 1));
-#define X(phase, title) printf("  " title " %4.1f %%", 100 * d->timers->spent[DEM_PHASE_##phase] / all);
+    all += d->work.timers->spent[k];
+  printf("%-12s %5d discs  %7.1f ns a disc and step  every %6.1f steps a list ", name, d->state.nparticle,
+         1e9 * all / steps / d->state.nparticle, steps / (double)(d->lists.nrebuild ? d->lists.nrebuild : 1));
+#define X(phase, title) printf("  " title " %4.1f %%", 100 * d->work.timers->spent[DEM_PHASE_##phase] / all);
   DEM_PHASE_LIST(X)
 #undef X
   putchar('\n');
@@ -73,8 +73,8 @@ static bool run(const char *name, int group, long steps) {
   if (!good)
     fprintf(stderr, "%s: %s\n", err.path, err.message);
   if (good) {
-    d->timers = &timers;
-    d->nrebuild = 0;
+    d->work.timers = &timers;
+    d->lists.nrebuild = 0;
   }
   timers.mark = tdm_clock();
   for (long k = 0; good && k < steps; k++)

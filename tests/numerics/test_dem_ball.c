@@ -21,7 +21,7 @@ START_TEST(geometry) {
                        "'positions':[[9,9,9]]")),
       1e-5, 0, NULL);
   const dem_wall *w = &r->model->wall[0];
-  const dem_wall_place *at = &r->data->wall[0];
+  const dem_wall_place *at = &r->data->state.wall[0];
   tdm_vec3 n;
   ck_assert_ptr_eq(w->shape, &dem_shape_sphere);
   ck_near(dem_wall_gap(w, at, tdm_v3(1 + 0.6, 2, 4 + 0.8), &n), 0.5, 1e-14);
@@ -69,15 +69,15 @@ START_TEST(oblique_impact) {
   bool touched = false;
   for (int k = 0; k < 100000; k++) {
     rig_steps(r, 1);
-    if (tdm_norm(d->body_load[0].force) > 0) {
+    if (tdm_norm(d->state.body_load[0].force) > 0) {
       touched = true;
-      ck_near(tdm_norm(d->body_load[0].moment), 0, 1e-12 * tdm_norm(d->body_load[0].force));
+      ck_near(tdm_norm(d->state.body_load[0].moment), 0, 1e-12 * tdm_norm(d->state.body_load[0].force));
     }
   }
   ck_assert(touched);
   /* centres are 0.06 m apart at first touch: n = (0.6, 0, 0.8), v' = v - 2 (v n) n */
-  ck_vector(d->pace[0].velocity, tdm_v3(0.96, 0, 0.28), 1e-3);
-  ck_near(tdm_norm(d->pace[0].velocity), 1, 2e-4);
+  ck_vector(d->state.pace[0].velocity, tdm_v3(0.96, 0, 0.28), 1e-3);
+  ck_near(tdm_norm(d->state.pace[0].velocity), 1, 2e-4);
   rig_free(r);
 }
 END_TEST
@@ -92,9 +92,9 @@ START_TEST(swings_inside) {
   double before = 0, crossing[3] = {0};
   int n = 0;
   for (long k = 1; k < 400000 && n < 3; k++) {
-    double x = d->sphere[0].position.x - 1;
+    double x = d->state.sphere[0].position.x - 1;
     rig_steps(r, 1);
-    double now = d->sphere[0].position.x - 1;
+    double now = d->state.sphere[0].position.x - 1;
     before = x;
     if (before > 0 && now <= 0)
       crossing[n++] = ((double)k - 1 + before / (before - now)) * 1e-5;
@@ -115,7 +115,7 @@ START_TEST(a_coupled_ball) {
                           "'particles':[{'type':'list','material':'m','radius':0.01,'positions':[[0.0599,0,0.1]]}]}"),
                1e-5, 1, &ball);
   rig_steps(r, 1);
-  const tdm_wrench *load = &r->data->body_load[0];
+  const tdm_wrench *load = &r->data->state.body_load[0];
   ck_assert_double_lt(load->force.x, -1);
   ck_near(load->moment.y, 0.1 * load->force.x, 1e-5 * fabs(load->force.x));
   rig_free(r);

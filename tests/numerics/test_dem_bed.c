@@ -125,18 +125,18 @@ START_TEST(test_lid) {
   ck_assert(settled.rest);
   /* the highest point along the box's +y, not the world's */
   double highest = -1, smallest = 1;
-  for (int i = 0; i < d->nparticle; i++) {
+  for (int i = 0; i < d->state.nparticle; i++) {
     tdm_vec3 x = tdm_quat_rotate(tdm_quat_conj(box.state.pose.orientation),
-                                 tdm_sub(d->sphere[i].position, box.state.pose.position));
-    highest = fmax(highest, x.y + d->sphere[i].radius);
+                                 tdm_sub(d->state.sphere[i].position, box.state.pose.position));
+    highest = fmax(highest, x.y + d->state.sphere[i].radius);
     tdm_vec3 n;
-    smallest =
-        fmin(smallest, dem_wall_gap(&r->model->wall[w], &d->wall[w], d->sphere[i].position, &n) - d->sphere[i].radius);
+    smallest = fmin(smallest, dem_wall_gap(&r->model->wall[w], &d->state.wall[w], d->state.sphere[i].position, &n) -
+                                  d->state.sphere[i].radius);
   }
-  ck_near(0.05 + 0.3 + d->lid[w], highest + 1e-3, 1e-12);
+  ck_near(0.05 + 0.3 + d->state.lid[w], highest + 1e-3, 1e-12);
   ck_near(smallest, 1e-3, 1e-12);
-  ck_assert(d->lid[w] < -0.05); /* below the nominal face */
-  ck_near(tdm_dot(d->wall[w].normal, tdm_quat_rotate(box.state.pose.orientation, tdm_v3(0, 1, 0))), -1, 1e-12);
+  ck_assert(d->state.lid[w] < -0.05); /* below the nominal face */
+  ck_near(tdm_dot(d->state.wall[w].normal, tdm_quat_rotate(box.state.pose.orientation, tdm_v3(0, 1, 0))), -1, 1e-12);
   rig_free(r);
 
   /* it holds the fill when the box is shaken upwards: no grain comes higher than it */
@@ -174,14 +174,14 @@ START_TEST(test_lid_that_presses) {
     ck_assert(settled.rest);
     ck_near(dem_lid_force(d, &r->model->box[0]), pressed ? wanted : 0, 0.02 * wanted);
     double before = 0, after = 0;
-    for (int i = 0; i < d->nparticle; i++)
-      before += d->sphere[i].position.y / d->nparticle;
+    for (int i = 0; i < d->state.nparticle; i++)
+      before += d->state.sphere[i].position.y / d->state.nparticle;
     dem_model *upside_down = r->model;
     upside_down->gravity.y = 9.81;
     for (int k = 0; k < 10000; k++)
       one_step(d, NULL, 1e-4);
-    for (int i = 0; i < d->nparticle; i++)
-      after += d->sphere[i].position.y / d->nparticle;
+    for (int i = 0; i < d->state.nparticle; i++)
+      after += d->state.sphere[i].position.y / d->state.nparticle;
     moved[pressed] = after - before;
     rig_free(r);
   }

@@ -25,8 +25,8 @@ START_TEST(over_the_rim) {
   rig *endless = bucket("", "0,0,0.15", "1,0,0", "[0,0,0]");
   rig_steps(ends, 10000);
   rig_steps(endless, 10000);
-  ck_near(ends->data->sphere[0].position.x, 0.2, 1e-12);
-  ck_assert_double_lt(endless->data->sphere[0].position.x, 0.09);
+  ck_near(ends->data->state.sphere[0].position.x, 0.2, 1e-12);
+  ck_assert_double_lt(endless->data->state.sphere[0].position.x, 0.09);
   ck_assert_int_eq(ends->model->nwall, 1);
   rig_free(ends);
   rig_free(endless);
@@ -37,13 +37,13 @@ END_TEST
 START_TEST(from_outside) {
   rig *r = bucket(",'edges':true", "0.3,0,0", "-1,0,0", "[0,0,0]");
   rig_steps(r, 20000);
-  ck_assert_double_gt(r->data->sphere[0].position.x, 0.11);
-  ck_assert_double_gt(r->data->pace[0].velocity.x, 0.1);
+  ck_assert_double_gt(r->data->state.sphere[0].position.x, 0.11);
+  ck_assert_double_gt(r->data->state.pace[0].velocity.x, 0.1);
   rig_free(r);
   r = bucket(",'edges':true", "0.1105,0,0.3", "0,0,0", "[0,0,-9.81]");
   rig_steps(r, 15000);
-  ck_near(r->data->sphere[0].position.x, 0.1105, 1e-15);
-  ck_near(r->data->sphere[0].position.z, 0.3 - 4.905 * 0.09, 1e-9);
+  ck_near(r->data->state.sphere[0].position.x, 0.1105, 1e-15);
+  ck_near(r->data->state.sphere[0].position.z, 0.3 - 4.905 * 0.09, 1e-9);
   rig_free(r);
 }
 END_TEST
@@ -55,10 +55,10 @@ START_TEST(inside_it_is_the_same) {
   for (int k = 0; k < 5; k++) {
     rig_steps(plates, 5000);
     rig_steps(planes, 5000);
-    tdm_vec3 off = tdm_sub(plates->data->sphere[0].position, planes->data->sphere[0].position);
+    tdm_vec3 off = tdm_sub(plates->data->state.sphere[0].position, planes->data->state.sphere[0].position);
     ck_assert_msg(tdm_norm(off) < 1e-9, "after %d steps: %g m apart", 5000 * (k + 1), tdm_norm(off));
   }
-  ck_assert_double_gt(tdm_norm(planes->data->body_load[0].force), 0);
+  ck_assert_double_gt(tdm_norm(planes->data->state.body_load[0].force), 0);
   rig_free(plates);
   rig_free(planes);
 }
@@ -98,7 +98,7 @@ START_TEST(beyond_the_rim) {
     tdm_error err = {0};
     tdm_remarks_open(&said);
     rig_steps(r, 1);
-    r->data->nstep = (uint64_t)r->model->guard.every;
+    r->data->state.nstep = (uint64_t)r->model->guard.every;
     ck_assert(dem_guard(r->data, 1, 2e-5, &err) == TDM_OK);
     tdm_remarks_open(NULL);
     int n = 0;

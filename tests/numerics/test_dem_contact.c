@@ -29,10 +29,10 @@ static long bounce(rig *r, double *deepest, double *strongest) {
   double d = 0, f = 0;
   do {
     rig_steps(r, 1);
-    d = fmax(d, 0.01 - r->data->sphere[0].position.z);
-    f = fmax(f, r->data->push[0].force.z);
+    d = fmax(d, 0.01 - r->data->state.sphere[0].position.z);
+    f = fmax(f, r->data->state.push[0].force.z);
     ck_assert_int_lt(++k, 10000000);
-  } while (r->data->ncontact > 0);
+  } while (r->data->state.ncontact > 0);
   if (deepest)
     *deepest = d;
   if (strongest)
@@ -52,7 +52,7 @@ START_TEST(test_hertz_impact) {
   ck_relative(strongest, 4.0 / 3 * Es * sqrt(R) * pow(expected, 1.5), 1e-5);
   ck_near((double)k * dt, 2.9432751843 * expected / v, 1.5 * dt);
   ck_relative(dem_contact_time(m, R, Es, v), 2.9432751843 * expected / v, 1e-8);
-  ck_relative(r->data->pace[0].velocity.z, v, 1e-6);
+  ck_relative(r->data->state.pace[0].velocity.z, v, 1e-6);
   rig_free(r);
 }
 END_TEST
@@ -88,7 +88,7 @@ START_TEST(test_restitution) {
     for (int k = 0; k < 6; k++) {
       rig *r = drop("none", clip ? "clip" : "keep", es[k], 0, 2e-6, "'velocity':[0,0,-0.5]");
       bounce(r, NULL, NULL);
-      ck_near(r->data->pace[0].velocity.z / 0.5, es[k], 1e-4);
+      ck_near(r->data->state.pace[0].velocity.z / 0.5, es[k], 1e-4);
       rig_free(r);
     }
 }
@@ -100,7 +100,7 @@ START_TEST(test_verlet_order) {
   for (int k = 0; k < 2; k++) {
     rig *r = drop("none", "keep", 0.5, 0, k ? 5e-6 : 4e-5, "'velocity':[0,0,-0.5]");
     bounce(r, NULL, NULL);
-    error[k] = fabs(r->data->pace[0].velocity.z / 0.5 - 0.5);
+    error[k] = fabs(r->data->state.pace[0].velocity.z / 0.5 - 0.5);
     rig_free(r);
   }
   ck_assert_msg(error[1] < error[0] / 8 && error[0] < 5e-3, "errors %g, %g", error[0], error[1]);
@@ -120,13 +120,13 @@ START_TEST(test_sliding_to_rolling) {
                           "               'positions':[[0,0,0.0099998]],'velocity':[0.1,0,0]}]}"),
                dt, 0, NULL);
   rig_steps(r, (long)(0.5 * t_end / dt));
-  ck_relative(r->data->pace[0].velocity.x, v0 - mu * g * 0.5 * t_end, 2e-3);
+  ck_relative(r->data->state.pace[0].velocity.x, v0 - mu * g * 0.5 * t_end, 2e-3);
   rig_steps(r, (long)(0.5 * t_end / dt));
-  ck_relative(r->data->sphere[0].position.x, 12 * v0 * v0 / (49 * mu * g), 2e-3);
+  ck_relative(r->data->state.sphere[0].position.x, 12 * v0 * v0 / (49 * mu * g), 2e-3);
   rig_steps(r, (long)(0.5 * t_end / dt));
-  ck_relative(r->data->pace[0].velocity.x, 5.0 / 7 * v0, 1e-3);
-  ck_relative(r->data->pace[0].spin.y, 5.0 / 7 * v0 / 0.01, 1e-3);
-  ck_near(r->data->pace[0].spin.x, 0, 1e-9);
+  ck_relative(r->data->state.pace[0].velocity.x, 5.0 / 7 * v0, 1e-3);
+  ck_relative(r->data->state.pace[0].spin.y, 5.0 / 7 * v0 / 0.01, 1e-3);
+  ck_near(r->data->state.pace[0].spin.x, 0, 1e-9);
   rig_free(r);
 }
 END_TEST
@@ -144,9 +144,9 @@ static double slope(double tangent) {
                           10 * sin(angle), -10 * cos(angle)),
                dt, 0, NULL);
   rig_steps(r, (long)(t / dt));
-  double v1 = r->data->pace[0].velocity.x;
+  double v1 = r->data->state.pace[0].velocity.x;
   rig_steps(r, (long)(t / dt));
-  double a = (r->data->pace[0].velocity.x - v1) / t;
+  double a = (r->data->state.pace[0].velocity.x - v1) / t;
   rig_free(r);
   return a;
 }
@@ -166,9 +166,9 @@ START_TEST(test_gross_sliding) {
   for (int k = 0; k < 2; k++) {
     rig *r = drop("mindlin", k ? "clip" : "keep", es[k], mu, 1e-6, "'velocity':[0.06,0,-0.05]");
     bounce(r, NULL, NULL);
-    ck_relative(r->data->pace[0].velocity.x, 0.06 - mu * (1 + es[k]) * vn, 1e-4);
+    ck_relative(r->data->state.pace[0].velocity.x, 0.06 - mu * (1 + es[k]) * vn, 1e-4);
     /* the arm is R - delta; delta is at most 0.5 % of R here */
-    ck_relative(0.01 * r->data->pace[0].spin.y, 2.5 * mu * (1 + es[k]) * vn, 6e-3);
+    ck_relative(0.01 * r->data->state.pace[0].spin.y, 2.5 * mu * (1 + es[k]) * vn, 6e-3);
     rig_free(r);
   }
 }
@@ -200,8 +200,8 @@ START_TEST(test_oblique_impact) {
                  1e-9, 0, NULL);
     do
       rig_steps(r, 1);
-    while (r->data->ncontact > 0);
-    double e_t = r->data->pace[0].velocity.x / s;
+    while (r->data->state.ncontact > 0);
+    double e_t = r->data->state.pace[0].velocity.x / s;
     if (angle >= 30)
       ck_near(e_t, total, 2e-3);
     else
@@ -229,10 +229,10 @@ START_TEST(test_no_energy_from_springs) {
     double m = r->model->mass[0], inertia = 0.4 * m * 1e-4, before = 0.5 * m * (vt * vt + 0.25), after = 0;
     do
       rig_steps(r, 1);
-    while (r->data->ncontact > 0);
+    while (r->data->state.ncontact > 0);
     for (int i = 0; i < 2; i++)
-      after += 0.5 * m * tdm_dot(r->data->pace[i].velocity, r->data->pace[i].velocity) +
-               0.5 * inertia * tdm_dot(r->data->pace[i].spin, r->data->pace[i].spin);
+      after += 0.5 * m * tdm_dot(r->data->state.pace[i].velocity, r->data->state.pace[i].velocity) +
+               0.5 * inertia * tdm_dot(r->data->state.pace[i].spin, r->data->state.pace[i].spin);
     ck_assert_msg(after <= before * (1 + 1e-6) && after > 0.8 * before, "energy ratio %.9g at %g m/s", after / before,
                   vt);
     rig_free(r);
@@ -263,12 +263,12 @@ static double hit_body(double mb, const char *wall_mass) {
     next.pose.position.z += dt * next.twist.velocity.z;
     dem_path path = dem_path_make(&now, &next, dt, TDM_LINEAR);
     one_step(r->data, &path, dt);
-    force = r->data->body_load[0].force.z;
+    force = r->data->state.body_load[0].force.z;
     next.twist.velocity.z += 0.5 * dt * force / mb;
     now = next;
-  } while (r->data->ncontact > 0);
-  double e = r->data->pace[0].velocity.z - now.twist.velocity.z;
-  ck_near(r->data->pace[0].velocity.z + mb * now.twist.velocity.z, -1, 1e-3);
+  } while (r->data->state.ncontact > 0);
+  double e = r->data->state.pace[0].velocity.z - now.twist.velocity.z;
+  ck_near(r->data->state.pace[0].velocity.z + mb * now.twist.velocity.z, -1, 1e-3);
   rig_free(r);
   return e;
 }
@@ -300,11 +300,11 @@ START_TEST(test_mass_that_changes) {
     const double Y[36] = {[0] = 1 / masses[i], [7] = 1 / masses[i], [14] = 1 / masses[i]};
     dem_set_body_mobility(r->data, 0, Y);
     ck_assert(dem_forces_now(r->data, false));
-    double away = -r->data->body_load[0].force.z;
-    r->data->pace[0].velocity.z = 0;
+    double away = -r->data->state.body_load[0].force.z;
+    r->data->state.pace[0].velocity.z = 0;
     ck_assert(dem_forces_now(r->data, false));
-    damping[i] = away + r->data->body_load[0].force.z; /* what the approach adds */
-    r->data->pace[0].velocity.z = -1;
+    damping[i] = away + r->data->state.body_load[0].force.z; /* what the approach adds */
+    r->data->state.pace[0].velocity.z = -1;
     effective[i] = masses[i] / (1 + masses[i]);
     ck_assert_double_gt(damping[i], 1);
   }

@@ -18,8 +18,9 @@ static rig *gas(int n, double e, const char *more) {
                                e, n, more),
                     5e-5, 0, NULL);
   for (int i = 0; i < n; i++)
-    r->data->pace[i].velocity = tdm_axpy(2, tdm_v3(sin(3 * i), cos(5 * i), sin(7 * i)), r->data->pace[i].velocity);
-  r->data->restart = true;
+    r->data->state.pace[i].velocity =
+        tdm_axpy(2, tdm_v3(sin(3 * i), cos(5 * i), sin(7 * i)), r->data->state.pace[i].velocity);
+  r->data->state.restart = true;
   return r;
 }
 
@@ -33,21 +34,21 @@ START_TEST(test_repeats) {
   for (int n = 0; n < 2; n++) {
     p[n] = tdm_v3(0, 0, 0);
     for (int i = 0; i < 100; i++) {
-      p[n] = tdm_axpy(d->mass[i], d->pace[i].velocity, p[n]);
-      sum += d->mass[i] * tdm_norm(d->pace[i].velocity);
+      p[n] = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, p[n]);
+      sum += d->state.mass[i] * tdm_norm(d->state.pace[i].velocity);
     }
     for (int s = 0; n == 0 && s < 6000; s++) {
       rig_steps(r, 1);
-      most = d->ncontact > most ? d->ncontact : most;
+      most = d->state.ncontact > most ? d->state.ncontact : most;
       for (int i = 0; i < 100; i++)
         for (int a = 0; a < 3; a++)
-          far = fmax(far, fabs((&d->sphere[i].position.x)[a] - (a == 0 ? 0.15 : 0.25)));
+          far = fmax(far, fabs((&d->state.sphere[i].position.x)[a] - (a == 0 ? 0.15 : 0.25)));
     }
   }
   ck_assert_int_gt(most, 10);
   ck_assert(far > 0.2499 && far <= 0.25);
   ck_assert(tdm_norm(tdm_sub(p[1], p[0])) < 1e-12 * sum);
-  ck_assert_int_eq(d->nparticle, 100);
+  ck_assert_int_eq(d->state.nparticle, 100);
   rig_free(r);
 }
 END_TEST
@@ -74,8 +75,9 @@ START_TEST(test_bits) {
         reference = r;
         continue;
       }
-      ck_assert_msg(!memcmp(r->data->sphere, reference->data->sphere, 100 * sizeof(dem_sphere)), "%s", more);
-      ck_assert_mem_eq(r->data->pace, reference->data->pace, 100 * sizeof(dem_pace));
+      ck_assert_msg(!memcmp(r->data->state.sphere, reference->data->state.sphere, 100 * sizeof(dem_sphere)), "%s",
+                    more);
+      ck_assert_mem_eq(r->data->state.pace, reference->data->state.pace, 100 * sizeof(dem_pace));
       rig_free(r);
     }
     rig_free(reference);
@@ -96,26 +98,26 @@ START_TEST(test_threads) {
                               0.5, integrators[k]),
                    5e-5, 0, NULL);
       dem_data *d = r[t]->data;
-      d->nthread = t + 1;
+      d->work.nthread = t + 1;
       for (int i = 0; i < 4500; i++)
-        d->pace[i].velocity = tdm_v3(sin(3 * (double)d->id[i]), 5, cos((double)d->id[i]));
+        d->state.pace[i].velocity = tdm_v3(sin(3 * (double)d->state.id[i]), 5, cos((double)d->state.id[i]));
       tdm_vec3 before = {0, 0, 0}, after = {0, 0, 0};
       double sum = 0;
       for (int i = 0; i < 4500; i++) {
-        before = tdm_axpy(d->mass[i], d->pace[i].velocity, before);
-        sum += d->mass[i] * tdm_norm(d->pace[i].velocity);
+        before = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, before);
+        sum += d->state.mass[i] * tdm_norm(d->state.pace[i].velocity);
       }
-      d->since_sort = 960; /* so that the order is renewed on the way */
+      d->state.since_sort = 960; /* so that the order is renewed on the way */
       rig_steps(r[t], 120);
       for (int i = 0; i < 4500; i++)
-        after = tdm_axpy(d->mass[i], d->pace[i].velocity, after);
-      ck_assert_int_gt(d->ncontact, 200);
-      ck_assert_uint_eq(d->since_sort, 80);
-      ck_assert_int_gt(d->crossings.count, 100);
+        after = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, after);
+      ck_assert_int_gt(d->state.ncontact, 200);
+      ck_assert_uint_eq(d->state.since_sort, 80);
+      ck_assert_int_gt(d->lists.crossings.count, 100);
       ck_assert(tdm_norm(tdm_sub(after, before)) < 1e-12 * sum);
     }
-    ck_assert_mem_eq(r[0]->data->sphere, r[1]->data->sphere, 4500 * sizeof(dem_sphere));
-    ck_assert_mem_eq(r[0]->data->pace, r[1]->data->pace, 4500 * sizeof(dem_pace));
+    ck_assert_mem_eq(r[0]->data->state.sphere, r[1]->data->state.sphere, 4500 * sizeof(dem_sphere));
+    ck_assert_mem_eq(r[0]->data->state.pace, r[1]->data->state.pace, 4500 * sizeof(dem_pace));
     rig_free(r[0]);
     rig_free(r[1]);
   }
@@ -130,7 +132,7 @@ START_TEST(test_verlet_1967) {
                     1e-4, 0, NULL);
   ck_near(r->model->skin, 0.06, 1e-15);
   rig_steps(r, 100);
-  ck_assert_uint_eq(r->data->nrebuild, 1 + 4); /* at steps 21, 41, 61, 81 */
+  ck_assert_uint_eq(r->data->lists.nrebuild, 1 + 4); /* at steps 21, 41, 61, 81 */
   rig_free(r);
 }
 END_TEST
@@ -153,12 +155,12 @@ static void meet(bool across, const char *integrator, double rate, tdm_vec3 v[2]
                1e-5, 0, NULL);
   rig_steps(r, 3000);
   for (int i = 0; i < 2; i++) {
-    v[i] = r->data->pace[i].velocity;
-    w[i] = r->data->pace[i].spin;
+    v[i] = r->data->state.pace[i].velocity;
+    w[i] = r->data->state.pace[i].spin;
   }
-  *gap = r->data->sphere[0].position.x - r->data->sphere[1].position.x;
+  *gap = r->data->state.sphere[0].position.x - r->data->state.sphere[1].position.x;
   if (across) /* what passed the boundary goes on with the image's velocity: as seen from particle 0 */
-    *gap -= r->data->domain.length[0] * rint(*gap / r->data->domain.length[0]);
+    *gap -= r->data->state.domain.length[0] * rint(*gap / r->data->state.domain.length[0]);
   rig_free(r);
 }
 
@@ -196,10 +198,10 @@ START_TEST(test_strained) {
                                0.5),
                     1e-3, 0, NULL);
   rig_steps(r, 500);
-  ck_near(r->data->domain.length[0], 2.5, 1e-14);
-  ck_near(r->data->domain.low[0], -1.25, 1e-14);
-  ck_near(r->data->domain.length[1], 3.5, 1e-14);
-  ck_near(r->data->domain.low[1], -0.75, 1e-14);
+  ck_near(r->data->state.domain.length[0], 2.5, 1e-14);
+  ck_near(r->data->state.domain.low[0], -1.25, 1e-14);
+  ck_near(r->data->state.domain.length[1], 3.5, 1e-14);
+  ck_near(r->data->state.domain.low[1], -0.75, 1e-14);
   rig_free(r);
 }
 END_TEST
@@ -213,10 +215,10 @@ START_TEST(test_squeezed) {
                                0.5),
                     1e-4, 0, NULL);
   rig_steps(r, 1500);
-  ck_assert_int_eq(r->data->nparticle, 512);
-  ck_near(r->data->domain.length[2], 0.925, 1e-12);
+  ck_assert_int_eq(r->data->state.nparticle, 512);
+  ck_near(r->data->state.domain.length[2], 0.925, 1e-12);
   rig_steps(r, 1000); /* the outermost are pushed in by the images of their opposites */
-  ck_assert_int_gt(r->data->ncontact, 100);
+  ck_assert_int_gt(r->data->state.ncontact, 100);
   rig_free(r);
 }
 END_TEST
@@ -229,13 +231,13 @@ START_TEST(test_open) {
                     1e-3, 0, NULL);
   dem_data *d = r->data;
   rig_steps(r, 250); /* the columns at 0.7 are 0.05 before the edge, those at 0.1 at 0.35 */
-  ck_assert_int_eq(d->nparticle, 64);
+  ck_assert_int_eq(d->state.nparticle, 64);
   rig_steps(r, 100);
-  ck_assert_int_eq(d->nparticle, 48);
-  ck_assert_uint_eq(d->ledger.left, 16);
+  ck_assert_int_eq(d->state.nparticle, 48);
+  ck_assert_uint_eq(d->state.ledger.left, 16);
   rig_steps(r, 1000);
-  ck_assert_int_eq(d->nparticle, 0);
-  ck_assert_uint_eq(d->ledger.left, 64);
+  ck_assert_int_eq(d->state.nparticle, 0);
+  ck_assert_uint_eq(d->state.ledger.left, 64);
   ck_assert(dem_balance_number(d) == 0 && dem_balance_mass(d) == 0);
   rig_free(r);
 }

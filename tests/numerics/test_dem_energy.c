@@ -111,23 +111,23 @@ static rig *scene_of(const laws *l, bool walls, bool energy, const char *simd, d
 /* ---- energy ---- */
 
 static double total_energy(const dem_data *d) {
-  double e = dem_energy_elastic(&d->energy) - d->energy.wall_work - d->energy.supplied;
+  double e = dem_energy_elastic(&d->state.energy) - d->state.energy.wall_work - d->state.energy.supplied;
   for (int k = 0; k < DEM_ENERGIES; k++)
-    e += d->energy.dissipated[k];
-  for (int i = 0; i < d->nparticle; i++) {
-    double m = d->mass[i], inertia = 0.4 * m * d->sphere[i].radius * d->sphere[i].radius;
-    e += 0.5 * m * tdm_dot(d->pace[i].velocity, d->pace[i].velocity) +
-         0.5 * inertia * tdm_dot(d->pace[i].spin, d->pace[i].spin) -
-         m * tdm_dot(dem_field(d, i), d->sphere[i].position);
+    e += d->state.energy.dissipated[k];
+  for (int i = 0; i < d->state.nparticle; i++) {
+    double m = d->state.mass[i], inertia = 0.4 * m * d->state.sphere[i].radius * d->state.sphere[i].radius;
+    e += 0.5 * m * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity) +
+         0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin) -
+         m * tdm_dot(dem_field(d, i), d->state.sphere[i].position);
   }
   return e;
 }
 
 static double mechanical(const dem_data *d, const double low) {
   double e = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    e +=
-        d->mass[i] * (0.5 * tdm_dot(d->pace[i].velocity, d->pace[i].velocity) + 9.81 * (d->sphere[i].position.z - low));
+  for (int i = 0; i < d->state.nparticle; i++)
+    e += d->state.mass[i] * (0.5 * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity) +
+                             9.81 * (d->state.sphere[i].position.z - low));
   return e;
 }
 
@@ -169,7 +169,7 @@ START_TEST(test_stored_from_the_state) {
     rig *r = scene_of(&l, true, true, "plain", 2e-6);
     for (int k = 0; k < 30; k++) {
       rig_steps(r, 250);
-      double loops = dem_energy_elastic(&r->data->energy), state = dem_stored_energy_now(r->data).elastic;
+      double loops = dem_energy_elastic(&r->data->state.energy), state = dem_stored_energy_now(r->data).elastic;
       most = fmax(most, loops);
       ck_assert_msg(fabs(state - loops) <= 1e-9 * loops + 1e-20, "%s: %.12g in the loops, %.12g", name_of(&l), loops,
                     state);
@@ -182,9 +182,10 @@ END_TEST
 
 static double kinetic(const dem_data *d) {
   double e = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    e += d->mass[i] * (0.5 * tdm_dot(d->pace[i].velocity, d->pace[i].velocity) +
-                       0.2 * d->sphere[i].radius * d->sphere[i].radius * tdm_dot(d->pace[i].spin, d->pace[i].spin));
+  for (int i = 0; i < d->state.nparticle; i++)
+    e += d->state.mass[i] * (0.5 * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity) +
+                             0.2 * d->state.sphere[i].radius * d->state.sphere[i].radius *
+                                 tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin));
   return e;
 }
 
@@ -206,12 +207,12 @@ START_TEST(test_energy_of_substeps) {
     double start = total_energy(r->data), elastic = 0;
     for (int s = 0; s < 4000; s++) {
       rig_steps(r, 1);
-      elastic = fmax(elastic, dem_energy_elastic(&r->data->energy));
+      elastic = fmax(elastic, dem_energy_elastic(&r->data->state.energy));
       ck_relative(total_energy(r->data), start, 1e-3);
     }
-    ck_assert_int_eq(r->data->ncontact, 0);
+    ck_assert_int_eq(r->data->state.ncontact, 0);
     ck_assert(elastic > 0.3 * start && elastic < 0.9 * start);
-    ck_relative(r->data->energy.dissipated[DEM_ENERGY_NORMAL], start - kinetic(r->data), 1e-3);
+    ck_relative(r->data->state.energy.dissipated[DEM_ENERGY_NORMAL], start - kinetic(r->data), 1e-3);
     ck_relative(kinetic(r->data), 0.25 * start, 5e-3);
     rig_free(r);
   }
@@ -256,9 +257,9 @@ START_TEST(test_energy_from_outside) {
       json_object_update(json, way);
       json_decref(way);
       rig *r = rig_make(json, dt, 0, NULL);
-      for (int i = 0; c == 2 && i < r->data->nparticle; i++)
-        r->data->pace[i].velocity = tdm_scale(0.5, tdm_v3(sin(3 * i), cos(5 * i), sin(7 * i)));
-      r->data->restart = true;
+      for (int i = 0; c == 2 && i < r->data->state.nparticle; i++)
+        r->data->state.pace[i].velocity = tdm_scale(0.5, tdm_v3(sin(3 * i), cos(5 * i), sin(7 * i)));
+      r->data->state.restart = true;
       double start = total_energy(r->data), before = kinetic(r->data), most = before;
       off[k] = 0;
       for (int s = 0; s < 30; s++) {
@@ -268,7 +269,7 @@ START_TEST(test_energy_from_outside) {
       }
       off[k] /= most;
       if (c > 0)
-        ck_assert_double_gt(fabs(r->data->energy.supplied), 0.02 * before);
+        ck_assert_double_gt(fabs(r->data->state.energy.supplied), 0.02 * before);
       ck_assert_msg(most >= (1 + cases[c].gain) * before, "%s: %g, %g J", cases[c].what, before, most);
       rig_free(r);
     }
@@ -282,11 +283,12 @@ END_TEST
 
 static void momenta(const dem_data *d, tdm_vec3 out[2]) {
   out[0] = out[1] = tdm_v3(0, 0, 0);
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 p = tdm_scale(d->mass[i], d->pace[i].velocity);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    tdm_vec3 p = tdm_scale(d->state.mass[i], d->state.pace[i].velocity);
     out[0] = tdm_add(out[0], p);
-    out[1] = tdm_add(out[1], tdm_cross(d->sphere[i].position, p));
-    out[1] = tdm_axpy(0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius, d->pace[i].spin, out[1]);
+    out[1] = tdm_add(out[1], tdm_cross(d->state.sphere[i].position, p));
+    out[1] = tdm_axpy(0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius,
+                      d->state.pace[i].spin, out[1]);
   }
 }
 
@@ -324,11 +326,12 @@ START_TEST(test_same_bits) {
           continue;
         rig *r = scene_of(&l, true, energy, dem_simd_names[s], 2e-5);
         rig_steps(r, 150);
-        size_t n = (size_t)r->data->nparticle;
-        ck_assert_msg(memcmp(r->data->sphere, plain->data->sphere, n * sizeof *r->data->sphere) == 0 &&
-                          memcmp(r->data->pace, plain->data->pace, n * sizeof *r->data->pace) == 0,
+        size_t n = (size_t)r->data->state.nparticle;
+        ck_assert_msg(memcmp(r->data->state.sphere, plain->data->state.sphere, n * sizeof *r->data->state.sphere) ==
+                              0 &&
+                          memcmp(r->data->state.pace, plain->data->state.pace, n * sizeof *r->data->state.pace) == 0,
                       "%s on %s", name_of(&l), dem_simd_names[s]);
-        ck_assert_msg(memcmp(&r->data->energy, &plain->data->energy, sizeof plain->data->energy) == 0,
+        ck_assert_msg(memcmp(&r->data->state.energy, &plain->data->state.energy, sizeof plain->data->state.energy) == 0,
                       "%s on %s: energies", name_of(&l), dem_simd_names[s]);
         rig_free(r);
       }
@@ -352,22 +355,22 @@ static rig *heap(int set, const char *more) {
                  set / 2 ? ",'rolling_friction':0.1" : "", set % 2 ? ",'twisting_friction':0.05" : "",
                  names[DEM_FAMILY_ROLLING][set / 2], names[DEM_FAMILY_TWISTING][set % 2], more),
       2e-5, 0, NULL);
-  for (int i = 0; i < r->data->nparticle; i++) {
+  for (int i = 0; i < r->data->state.nparticle; i++) {
     double a = (double)(i * 7919 % 101) / 50 - 1, b = (double)(i * 6007 % 97) / 48 - 1;
-    r->data->pace[i].velocity = tdm_v3(0.3 * a, 0.3 * b, -0.3 * a * b);
-    r->data->pace[i].spin = tdm_v3(40 * b, -40 * a, 20 * a);
+    r->data->state.pace[i].velocity = tdm_v3(0.3 * a, 0.3 * b, -0.3 * a * b);
+    r->data->state.pace[i].spin = tdm_v3(40 * b, -40 * a, 20 * a);
   }
   return r;
 }
 
 static void ck_same(const dem_data *a, const dem_data *b, int set, const char *what) {
-  size_t n = (size_t)a->nparticle;
-  ck_assert_msg(memcmp(a->sphere, b->sphere, n * sizeof *a->sphere) == 0 &&
-                    memcmp(a->pace, b->pace, n * sizeof *a->pace) == 0 &&
-                    memcmp(a->push, b->push, n * sizeof *a->push) == 0 &&
-                    memcmp(a->body_load, b->body_load, sizeof *a->body_load) == 0,
+  size_t n = (size_t)a->state.nparticle;
+  ck_assert_msg(memcmp(a->state.sphere, b->state.sphere, n * sizeof *a->state.sphere) == 0 &&
+                    memcmp(a->state.pace, b->state.pace, n * sizeof *a->state.pace) == 0 &&
+                    memcmp(a->state.push, b->state.push, n * sizeof *a->state.push) == 0 &&
+                    memcmp(a->state.body_load, b->state.body_load, sizeof *a->state.body_load) == 0,
                 "%s/%s: %s", names[DEM_FAMILY_ROLLING][set / 2], names[DEM_FAMILY_TWISTING][set % 2], what);
-  ck_assert_msg(memcmp(&a->energy, &b->energy, sizeof a->energy) == 0, "%s/%s: energies, %s",
+  ck_assert_msg(memcmp(&a->state.energy, &b->state.energy, sizeof a->state.energy) == 0, "%s/%s: energies, %s",
                 names[DEM_FAMILY_ROLLING][set / 2], names[DEM_FAMILY_TWISTING][set % 2], what);
 }
 
@@ -378,7 +381,7 @@ START_TEST(test_lists_do_not_matter) {
                                      ",'simd':'plain'",         ",'simd':'avx2'",   ",'simd':'plain','skin':0.003"};
   rig *plain = heap(_i, "");
   rig_steps(plain, 400);
-  ck_assert_int_gt(plain->data->ncontact, 100);
+  ck_assert_int_gt(plain->data->state.ncontact, 100);
   for (size_t k = 0; k < sizeof ways / sizeof ways[0]; k++) {
     if (strstr(ways[k], "avx2") && !dem_simd_here("avx2"))
       continue;
@@ -417,34 +420,34 @@ START_TEST(test_histories_turn) {
                                "{'type':'list','material':'a','radius':0.005,'positions':[[-0.05,0,0]]}]}"),
                     2e-5, 0, NULL);
   dem_data *d = r->data;
-  for (int i = 0; i < d->nparticle; i++) {
-    double a = (double)(d->id[i] * 7919 % 101) / 50 - 1, b = (double)(d->id[i] * 104729 % 97) / 48 - 1;
-    d->pace[i].velocity = tdm_v3(0.1 * a, 0.1 * b, -0.1 * a * b);
-    d->pace[i].spin = tdm_v3(40 * b, -40 * a, 20 * a);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    double a = (double)(d->state.id[i] * 7919 % 101) / 50 - 1, b = (double)(d->state.id[i] * 104729 % 97) / 48 - 1;
+    d->state.pace[i].velocity = tdm_v3(0.1 * a, 0.1 * b, -0.1 * a * b);
+    d->state.pace[i].spin = tdm_v3(40 * b, -40 * a, 20 * a);
   }
   rig_steps(r, 100);
   ck_assert(dem_forces_now(d, false));
-  int n = d->nparticle;
+  int n = d->state.nparticle;
   dem_push *before = calloc((size_t)n, sizeof *before);
   int *place = calloc((size_t)n, sizeof *place), swapped = 0;
   double largest = 0;
   for (int i = 0; i < n; i++) {
-    before[d->id[i]] = d->push[i];
-    place[d->id[i]] = i;
-    largest = fmax(largest, tdm_norm(d->push[i].force));
+    before[d->state.id[i]] = d->state.push[i];
+    place[d->state.id[i]] = i;
+    largest = fmax(largest, tdm_norm(d->state.push[i].force));
   }
   dem_data *moved = dem_data_create(r->model);
   ck_assert(moved != NULL && dem_data_copy(moved, d));
-  moved->since_sort = 1u << 30;
+  moved->state.since_sort = 1u << 30;
   for (int i = 0; i < n; i++) /* the one that is alone shifts the cells by which they are sorted */
-    if (d->id[i] == (uint64_t)n - 1)
-      moved->sphere[i].position.x -= 0.03;
+    if (d->state.id[i] == (uint64_t)n - 1)
+      moved->state.sphere[i].position.x -= 0.03;
   ck_assert(dem_forces_now(moved, false));
   for (int i = 0; i < n; i++) {
-    swapped += place[moved->id[i]] != i;
-    const dem_push *b = &before[moved->id[i]];
-    ck_assert_double_le(tdm_norm(tdm_sub(moved->push[i].force, b->force)), 1e-11 * largest);
-    ck_assert_double_le(tdm_norm(tdm_sub(moved->push[i].twist, b->twist)), 1e-11 * largest);
+    swapped += place[moved->state.id[i]] != i;
+    const dem_push *b = &before[moved->state.id[i]];
+    ck_assert_double_le(tdm_norm(tdm_sub(moved->state.push[i].force, b->force)), 1e-11 * largest);
+    ck_assert_double_le(tdm_norm(tdm_sub(moved->state.push[i].twist, b->twist)), 1e-11 * largest);
   }
   ck_assert_int_gt(swapped, 100);
   free(before);

@@ -16,13 +16,13 @@ static void steps(rig *r, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
     one_step(d, NULL, r->model->dt);
-    ck_assert(dem_flow(d, (double)d->nstep * r->model->dt, r->model->dt));
+    ck_assert(dem_flow(d, (double)d->state.nstep * r->model->dt, r->model->dt));
   }
 }
 
 /* now, whatever was looked at before */
 static tdm_energy look(dem_data *d) {
-  d->energy_balance.next_look = 0;
+  d->state.energy_balance.next_look = 0;
   return dem_energy_balance_look(d);
 }
 
@@ -64,7 +64,7 @@ START_TEST(sources_and_sinks_are_accounted_for) {
     least = fmin(least, now.supplied);
     most = fmax(most, now.supplied);
   }
-  ck_assert(r->data->ledger.removed > 10 && most > 0);
+  ck_assert(r->data->state.ledger.removed > 10 && most > 0);
   rig_free(r);
 }
 END_TEST

@@ -43,31 +43,31 @@ static void shake(rig *r, long k0, long n) {
 
 static void same_particles(const dem_data *a, const dem_data *b) {
   size_t n = (size_t)a->model->nparticle;
-  ck_assert_mem_eq(a->sphere, b->sphere, n * sizeof *a->sphere);
-  ck_assert_mem_eq(a->pace, b->pace, n * sizeof *a->pace);
-  ck_assert_mem_eq(a->push, b->push, n * sizeof *a->push);
-  ck_assert_mem_eq(a->body_load, b->body_load, (size_t)a->model->nbody * sizeof(tdm_wrench));
-  ck_assert_int_eq(a->ncontact, b->ncontact);
+  ck_assert_mem_eq(a->state.sphere, b->state.sphere, n * sizeof *a->state.sphere);
+  ck_assert_mem_eq(a->state.pace, b->state.pace, n * sizeof *a->state.pace);
+  ck_assert_mem_eq(a->state.push, b->state.push, n * sizeof *a->state.push);
+  ck_assert_mem_eq(a->state.body_load, b->state.body_load, (size_t)a->model->nbody * sizeof(tdm_wrench));
+  ck_assert_int_eq(a->state.ncontact, b->state.ncontact);
 }
 
 START_TEST(test_lists_miss_nothing) {
   /* a skin so wide that every pair is listed: brute force. Bit-identical, over many rebuilds. */
   rig *lists = cloud(200, 0.3, ""), *brute = cloud(200, 0.3, ",'skin':50"), *thin = cloud(200, 0.3, ",'skin':0.001");
-  ck_assert_int_eq(brute->data->pairs.first[199], 200 * 199 / 2);
-  ck_assert_int_eq((int)brute->data->walls.count, 200 * 7);
+  ck_assert_int_eq(brute->data->lists.pairs.first[199], 200 * 199 / 2);
+  ck_assert_int_eq((int)brute->data->lists.walls.count, 200 * 7);
   long most = 0;
   for (int part = 0; part < 12; part++) {
     shake(lists, 100 * part, 100);
     shake(brute, 100 * part, 100);
     shake(thin, 100 * part, 100);
-    most = lists->data->ncontact > most ? lists->data->ncontact : most;
+    most = lists->data->state.ncontact > most ? lists->data->state.ncontact : most;
     same_particles(lists->data, brute->data);
     same_particles(lists->data, thin->data);
   }
   ck_assert_int_gt(most, 15);
-  ck_assert_uint_gt(lists->data->nrebuild, 10);
-  ck_assert_uint_gt(thin->data->nrebuild, 2 * lists->data->nrebuild);
-  ck_assert_uint_eq(brute->data->nrebuild, 1);
+  ck_assert_uint_gt(lists->data->lists.nrebuild, 10);
+  ck_assert_uint_gt(thin->data->lists.nrebuild, 2 * lists->data->lists.nrebuild);
+  ck_assert_uint_eq(brute->data->lists.nrebuild, 1);
   rig_free(lists);
   rig_free(brute);
   rig_free(thin);
@@ -83,7 +83,7 @@ START_TEST(test_far_particle) {
                                "  'spacing':0.019999999998,'corner':[0,0,0]},"
                                " {'type':'list','material':'a','radius':0.02,'positions':[[1e9,-1e9,3]]}]}"),
                     1e-5, 0, NULL);
-  ck_assert_int_eq(r->data->ncontact, 3 * 4 * 4 * 3);
+  ck_assert_int_eq(r->data->state.ncontact, 3 * 4 * 4 * 3);
   rig_free(r);
 }
 END_TEST
@@ -94,7 +94,7 @@ START_TEST(test_common_motion) {
   rig *full = rig_make(cloud_json(50, 1, ",'gravity':[0,0,0]"), 1e-4, 1, &box);
   tdm_state now = box.state, next;
   for (int i = 0; i < 50; i++)
-    full->data->pace[i].velocity = tdm_v3(1, 0, 0);
+    full->data->state.pace[i].velocity = tdm_v3(1, 0, 0);
   for (int k = 0; k < 1000; k++) {
     next = now;
     next.pose.position.x += 1e-4;
@@ -102,8 +102,8 @@ START_TEST(test_common_motion) {
     one_step(full->data, &path, 1e-4);
     now = next;
   }
-  ck_near(full->data->pose[0].position.x, 0.1, 1e-12);
-  ck_assert_uint_eq(full->data->nrebuild, 1);
+  ck_near(full->data->state.pose[0].position.x, 0.1, 1e-12);
+  ck_assert_uint_eq(full->data->lists.nrebuild, 1);
   rig_free(full);
 }
 END_TEST
@@ -112,7 +112,7 @@ START_TEST(test_copy) {
   rig *r = cloud(100, 0.3, "");
   long k = 1000;
   shake(r, 0, k);
-  while (r->data->ncontact < 10) /* histories matter */
+  while (r->data->state.ncontact < 10) /* histories matter */
     shake(r, k++, 1);
   ck_assert_int_lt(k, 5000);
   dem_data *copy = dem_data_create(r->model);
@@ -122,8 +122,8 @@ START_TEST(test_copy) {
   r->data = copy;
   shake(r, k, 600);
   same_particles(first, copy);
-  ck_assert_uint_eq(first->nrebuild, copy->nrebuild);
-  ck_assert_uint_eq(first->nstep, copy->nstep);
+  ck_assert_uint_eq(first->lists.nrebuild, copy->lists.nrebuild);
+  ck_assert_uint_eq(first->state.nstep, copy->state.nstep);
   dem_data_destroy(&first);
   ck_assert_ptr_null(first);
   rig_free(r);
@@ -141,8 +141,8 @@ static rig *gas(double e, double mu) {
                     2e-5, 0, NULL);
   for (int i = 0; i < r->model->nparticle; i++) {
     tdm_vec3 x = r->model->position[i];
-    r->data->pace[i].velocity = tdm_add(tdm_scale(-3, x), tdm_v3(0.1 * sin(i), -x.z, x.y));
-    r->data->pace[i].spin = tdm_v3(cos(i), 2, sin(3 * i));
+    r->data->state.pace[i].velocity = tdm_add(tdm_scale(-3, x), tdm_v3(0.1 * sin(i), -x.z, x.y));
+    r->data->state.pace[i].spin = tdm_v3(cos(i), 2, sin(3 * i));
   }
   return r;
 }
@@ -156,10 +156,10 @@ static totals add_up(const rig *r) {
   totals t = {0};
   for (int i = 0; i < r->model->nparticle; i++) {
     double m = r->model->mass[i], inertia = 0.4 * m * r->model->radius[i] * r->model->radius[i];
-    tdm_vec3 p = tdm_scale(m, r->data->pace[i].velocity), w = r->data->pace[i].spin;
+    tdm_vec3 p = tdm_scale(m, r->data->state.pace[i].velocity), w = r->data->state.pace[i].spin;
     t.momentum = tdm_add(t.momentum, p);
-    t.angular = tdm_add(t.angular, tdm_axpy(inertia, w, tdm_cross(r->data->sphere[i].position, p)));
-    t.energy += 0.5 * tdm_dot(p, r->data->pace[i].velocity) + 0.5 * inertia * tdm_dot(w, w);
+    t.angular = tdm_add(t.angular, tdm_axpy(inertia, w, tdm_cross(r->data->state.sphere[i].position, p)));
+    t.energy += 0.5 * tdm_dot(p, r->data->state.pace[i].velocity) + 0.5 * inertia * tdm_dot(w, w);
   }
   return t;
 }
@@ -185,7 +185,7 @@ START_TEST(test_energy) {
     least = fmin(least, add_up(r).energy);
   }
   ck_assert(least < 0.999 * before.energy); /* some of it was in the contacts */
-  ck_assert_int_eq(r->data->ncontact, 0);
+  ck_assert_int_eq(r->data->state.ncontact, 0);
   ck_relative(add_up(r).energy, before.energy, 1e-4);
   rig_free(r);
 }
@@ -193,7 +193,7 @@ END_TEST
 
 /* about the centre of particle i [N m] */
 static tdm_vec3 torque(const dem_data *d, int i) {
-  return tdm_scale(-d->sphere[i].radius, d->push[i].twist);
+  return tdm_scale(-d->state.sphere[i].radius, d->state.push[i].twist);
 }
 
 START_TEST(test_wrench) {
@@ -204,16 +204,16 @@ START_TEST(test_wrench) {
   for (int k = 0; k < 50; k++) {
     tdm_vec3 force = {0, 0, 0}, moment = {0, 0, 0};
     for (int i = 0; i < r->model->nparticle; i++) {
-      force = tdm_add(force, r->data->push[i].force);
-      tdm_vec3 lever = tdm_sub(r->data->sphere[i].position, r->data->pose[0].position);
-      moment = tdm_add(moment, tdm_add(torque(r->data, i), tdm_cross(lever, r->data->push[i].force)));
+      force = tdm_add(force, r->data->state.push[i].force);
+      tdm_vec3 lever = tdm_sub(r->data->state.sphere[i].position, r->data->state.pose[0].position);
+      moment = tdm_add(moment, tdm_add(torque(r->data, i), tdm_cross(lever, r->data->state.push[i].force)));
     }
-    tdm_wrench load = r->data->body_load[0];
+    tdm_wrench load = r->data->state.body_load[0];
     double scale = 1 + tdm_norm(force) + tdm_norm(moment);
     ck_near(tdm_norm(tdm_add(force, load.force)), 0, 1e-10 * scale);
     ck_near(tdm_norm(tdm_add(moment, load.moment)), 0, 1e-10 * scale);
     shake(r, 600 + k, 1);
-    most = r->data->ncontact > most ? r->data->ncontact : most;
+    most = r->data->state.ncontact > most ? r->data->state.ncontact : most;
   }
   ck_assert_int_gt(most, 3);
   rig_free(r);
@@ -272,22 +272,22 @@ START_TEST(test_settling) {
   double weight = 0;
   for (int i = 0; i < r->model->nparticle; i++) {
     weight += 9.81 * r->model->mass[i];
-    ck_assert(tdm_norm(r->data->pace[i].velocity) == 0 && tdm_norm(r->data->pace[i].spin) == 0);
+    ck_assert(tdm_norm(r->data->state.pace[i].velocity) == 0 && tdm_norm(r->data->state.pace[i].spin) == 0);
   }
-  tdm_wrench load = r->data->body_load[0];
+  tdm_wrench load = r->data->state.body_load[0];
   ck_relative(load.force.z, -weight, 5e-3);
   ck_near(load.force.x, 0, 5e-3 * weight);
   ck_near(load.force.y, 0, 5e-3 * weight);
-  ck_assert_uint_eq(r->data->nstep, 0);
+  ck_assert_uint_eq(r->data->state.nstep, 0);
   ck_assert_int_eq(dem_count_lost(r->data), 0);
   /* with the histories kept it stays where it is */
   tdm_vec3 *x = malloc(60 * sizeof *x);
   for (int i = 0; i < 60; i++)
-    x[i] = r->data->sphere[i].position;
+    x[i] = r->data->state.sphere[i].position;
   rig_steps(r, 1000);
   for (int i = 0; i < 60; i++)
-    ck_near(tdm_norm(tdm_sub(r->data->sphere[i].position, x[i])), 0, 1e-3);
-  ck_relative(r->data->body_load[0].force.z, -weight, 2e-2);
+    ck_near(tdm_norm(tdm_sub(r->data->state.sphere[i].position, x[i])), 0, 1e-3);
+  ck_relative(r->data->state.body_load[0].force.z, -weight, 2e-2);
   free(x);
   rig_free(r);
 }
@@ -313,12 +313,12 @@ END_TEST
 START_TEST(test_lost) {
   rig *r = cloud(30, 0.6, "");
   ck_assert_int_eq(dem_count_lost(r->data), 0);
-  r->data->sphere[3].position = tdm_v3(0, 0, -0.6);
-  r->data->sphere[4].position = tdm_v3(0.9, 0, 0);
+  r->data->state.sphere[3].position = tdm_v3(0, 0, -0.6);
+  r->data->state.sphere[4].position = tdm_v3(0.9, 0, 0);
   ck_assert_int_eq(dem_count_lost(r->data), 2);
   tdm_error err = {0};
   ck_assert_int_eq(dem_check_finite(r->data, 0.5, &err), TDM_OK);
-  r->data->pace[7].velocity.y = NAN;
+  r->data->state.pace[7].velocity.y = NAN;
   ck_assert_int_eq(dem_check_finite(r->data, 0.5, &err), TDM_ERR_NUMERIC);
   ck_assert_str_eq(err.path, "dem.particles[0]");
   ck_assert_msg(strstr(err.message, "particle 7") && strstr(err.message, "0.5"), "%s", err.message);

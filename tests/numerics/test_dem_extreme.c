@@ -25,7 +25,8 @@ static rig *drop_make(drop c, double dt) {
 }
 
 static double contact_time(const rig *r, double speed) {
-  return dem_contact_time(r->data->mass[0], r->data->sphere[0].radius, r->model->pair[0].effective_young, speed);
+  return dem_contact_time(r->data->state.mass[0], r->data->state.sphere[0].radius, r->model->pair[0].effective_young,
+                          speed);
 }
 
 /* Speed after the impact over the speed before, in 200 steps a contact or more; -1: it never left. */
@@ -34,8 +35,8 @@ static double restitution_of(drop c) {
   double dt = contact_time(r, c.speed) / 200, e = -1;
   for (long k = 0; k < 100000 && e < 0; k++) {
     one_step(r->data, NULL, dt);
-    if (k > 10 && r->data->ncontact == 0)
-      e = r->data->pace[0].velocity.z / c.speed;
+    if (k > 10 && r->data->state.ncontact == 0)
+      e = r->data->state.pace[0].velocity.z / c.speed;
   }
   tdm_error err = {0};
   ck_assert_int_eq(dem_check_finite(r->data, 0, &err), TDM_OK);
@@ -71,11 +72,11 @@ START_TEST(test_friction) {
     c.friction = 10 * k;
     rig *r = drop_make(c, 1);
     double dt = contact_time(r, c.speed) / 200;
-    const dem_pace *pace = &r->data->pace[0];
+    const dem_pace *pace = &r->data->state.pace[0];
     for (int s = 0; s < 1000; s++)
       one_step(r->data, NULL, dt);
     double spin = 0.01 * pace->spin.y, energy = tdm_dot(pace->velocity, pace->velocity) + 0.4 * spin * spin;
-    ck_assert_int_eq(r->data->ncontact, 0);
+    ck_assert_int_eq(r->data->state.ncontact, 0);
     if (k == 0) {
       ck_assert(pace->velocity.x == 0.25 && spin == 0);
       ck_near(energy, 0.25 * 0.25 + 0.4 * 0.4, 2e-3);
@@ -105,10 +106,10 @@ START_TEST(test_size_ratio) {
                                  searches[k]),
                       2e-6, 0, NULL);
     rig_steps(r, 2500);
-    v[k] = r->data->pace[1].velocity;
+    v[k] = r->data->state.pace[1].velocity;
     ck_near(v[k].z, 0.5, 0.005);
     ck_assert(v[k].x == v[0].x && v[k].y == v[0].y && v[k].z == v[0].z);
-    ck_near(r->data->pace[0].velocity.z, -1.5e-6, 1e-7);
+    ck_near(r->data->state.pace[0].velocity.z, -1.5e-6, 1e-7);
     rig_free(r);
   }
 }
@@ -119,11 +120,11 @@ START_TEST(test_one_and_none) {
                                "'particles':[{'type':'list','material':'a','radius':0.1,'positions':[[0,0,0]]}]}"),
                     1e-3, 0, NULL);
   rig_steps(r, 1000);
-  ck_near(r->data->sphere[0].position.z, -0.5 * 9.81, 1e-10);
+  ck_near(r->data->state.sphere[0].position.z, -0.5 * 9.81, 1e-10);
   rig_free(r);
   r = rig_make(scene_json("{'materials':[],'particles':[]}"), 1e-3, 0, NULL);
   rig_steps(r, 100);
-  ck_assert_int_eq(r->data->nparticle, 0);
+  ck_assert_int_eq(r->data->state.nparticle, 0);
   rig_free(r);
 }
 END_TEST
@@ -138,12 +139,12 @@ START_TEST(test_absurd_places) {
                                  "[0,0,0],[1e300,-1e300,1e300],[1e15,0,0],[0,-1e9,0],[0,-1e9,0.0199]]}]}",
                                  searches[k]),
                       1e-5, 0, NULL);
-    ck_assert_int_eq(r->data->ncontact, 1);
+    ck_assert_int_eq(r->data->state.ncontact, 1);
     rig_steps(r, 100);
     tdm_error err = {0};
     ck_assert_int_eq(dem_check_finite(r->data, 0, &err), TDM_OK);
-    ck_assert(r->data->sphere[1].position.x == 1e300);
-    ck_assert(r->data->pace[4].velocity.z > 0 && r->data->pace[3].velocity.z < 0);
+    ck_assert(r->data->state.sphere[1].position.x == 1e300);
+    ck_assert(r->data->state.pace[4].velocity.z > 0 && r->data->state.pace[3].velocity.z < 0);
     rig_free(r);
   }
 }
@@ -184,7 +185,7 @@ static tdm_error guarded(rig *r, long n, long *steps) {
   tdm_error err = {0};
   for (*steps = 0; *steps < n && !err.status; ++*steps) {
     rig_steps(r, 1);
-    dem_guard(r->data, (double)r->data->nstep * r->model->dt, r->model->dt, &err);
+    dem_guard(r->data, (double)r->data->state.nstep * r->model->dt, r->model->dt, &err);
   }
   return err;
 }
@@ -212,8 +213,8 @@ START_TEST(test_through_a_wall) {
       ck_assert_ptr_nonnull(strstr(err.message, "step 1"));
     } else {
       ck_assert_int_eq(err.status, TDM_OK);
-      ck_assert_uint_gt(r->data->guard.told[DEM_GUARD_LEAP], 5);
-      ck_assert_uint_eq(r->data->guard.told[DEM_GUARD_OVERLAP], 0);
+      ck_assert_uint_gt(r->data->state.guard.told[DEM_GUARD_LEAP], 5);
+      ck_assert_uint_eq(r->data->state.guard.told[DEM_GUARD_OVERLAP], 0);
     }
     rig_free(r);
   }
@@ -241,12 +242,12 @@ START_TEST(test_fast_but_no_leap) {
       rig *r = shot(walls[w], speeds[k], 1e-5);
       long steps;
       tdm_error err = guarded(r, 2000, &steps);
-      bool behind = r->data->sphere[0].position.z < 0.005;
+      bool behind = r->data->state.sphere[0].position.z < 0.005;
       ck_assert_msg(err.status == TDM_ERR_NUMERIC || !behind, "wall %d, %g m/s: at %g m", w, speeds[k],
-                    r->data->sphere[0].position.z);
+                    r->data->state.sphere[0].position.z);
       if (speeds[k] > 35)
-        ck_assert_msg(err.status == TDM_ERR_NUMERIC && r->data->sphere[0].position.z > -0.02,
-                      "wall %d, %g m/s: at %g m", w, speeds[k], r->data->sphere[0].position.z);
+        ck_assert_msg(err.status == TDM_ERR_NUMERIC && r->data->state.sphere[0].position.z > -0.02,
+                      "wall %d, %g m/s: at %g m", w, speeds[k], r->data->state.sphere[0].position.z);
       rig_free(r);
     }
 }
@@ -265,7 +266,7 @@ START_TEST(test_head_on) {
   tdm_error err = guarded(r, 500, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_ptr_nonnull(strstr(err.message, "overlaps particle id"));
-  ck_assert(r->data->sphere[0].position.x < r->data->sphere[1].position.x);
+  ck_assert(r->data->state.sphere[0].position.x < r->data->state.sphere[1].position.x);
   rig_free(r);
 }
 END_TEST
@@ -317,7 +318,7 @@ START_TEST(test_energy_of_a_motion) {
     long steps;
     tdm_error err = guarded(r, 5000, &steps);
     ck_assert_msg(err.status == TDM_OK, "%d: %s", k, err.message);
-    ck_assert(r->data->sphere[0].position.z > 0.012);
+    ck_assert(r->data->state.sphere[0].position.z > 0.012);
     rig_free(r);
   }
 }
@@ -330,7 +331,7 @@ START_TEST(test_overlap) {
   long steps;
   tdm_error err = guarded(r, 5000, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
-  double share = 1 - r->data->sphere[0].position.z / 0.01;
+  double share = 1 - r->data->state.sphere[0].position.z / 0.01;
   ck_assert(share > 0.2 && share < 0.202);
   ck_assert_ptr_nonnull(strstr(err.message, "a wall of \"floor\""));
   ck_assert_ptr_nonnull(strstr(err.message, "dem.guard.overlap"));
@@ -405,7 +406,7 @@ START_TEST(test_energy_of_a_push) {
                     1e-4, 0, NULL);
   long steps;
   ck_assert_int_eq(guarded(r, 105, &steps).status, TDM_OK);
-  r->data->pace[0].velocity.x = 3; /* 1 J becomes 9 J */
+  r->data->state.pace[0].velocity.x = 3; /* 1 J becomes 9 J */
   tdm_error err = guarded(r, 10, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_ptr_nonnull(strstr(err.message, "rose by 8 J"));
@@ -422,7 +423,7 @@ START_TEST(test_no_number) {
                1e-4, 0, NULL);
   long steps;
   ck_assert_int_eq(guarded(r, 15, &steps).status, TDM_OK);
-  r->data->pace[0].velocity.y = NAN;
+  r->data->state.pace[0].velocity.y = NAN;
   tdm_error err = guarded(r, 10, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_int_eq(steps, 5); /* at step 20 */

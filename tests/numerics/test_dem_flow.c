@@ -26,19 +26,19 @@ static void balanced(const dem_data *d) {
   ck_assert(dem_balance_mass(d) == 0);
   uint64_t created = (uint64_t)d->model->nparticle, removed = 0;
   for (int s = 0; s < d->model->nsource; s++)
-    created += d->source[s].made;
+    created += d->state.source[s].made;
   for (int s = 0; s < d->model->nsink; s++)
-    removed += d->sink[s].removed;
-  ck_assert_uint_eq(created, removed + (uint64_t)d->nparticle);
-  for (int i = 1; i < d->nparticle && d->nparticle <= DEM_CHUNK; i++) /* more are sorted by place */
-    ck_assert(d->id[i] > d->id[i - 1]);
+    removed += d->state.sink[s].removed;
+  ck_assert_uint_eq(created, removed + (uint64_t)d->state.nparticle);
+  for (int i = 1; i < d->state.nparticle && d->state.nparticle <= DEM_CHUNK; i++) /* more are sorted by place */
+    ck_assert(d->state.id[i] > d->state.id[i - 1]);
 }
 
 static void steps(rig *r, const dem_path *path, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
     one_step(d, path, r->model->dt);
-    ck_assert(dem_flow(d, r->model->time_start + (double)d->nstep * r->model->dt, r->model->dt));
+    ck_assert(dem_flow(d, r->model->time_start + (double)d->state.nstep * r->model->dt, r->model->dt));
     balanced(d);
   }
 }
@@ -48,20 +48,20 @@ static void many_steps(rig *r, long n) {
   dem_data *d = r->data;
   for (long k = 0; k < n; k++) {
     one_step(d, NULL, r->model->dt);
-    ck_assert(dem_flow(d, r->model->time_start + (double)d->nstep * r->model->dt, r->model->dt));
+    ck_assert(dem_flow(d, r->model->time_start + (double)d->state.nstep * r->model->dt, r->model->dt));
   }
   balanced(d);
 }
 
 static void same(const dem_data *a, const dem_data *b) {
-  ck_assert_int_eq(a->nparticle, b->nparticle);
-  size_t n = (size_t)a->nparticle;
-  ck_assert_mem_eq(a->id, b->id, n * sizeof *a->id);
-  ck_assert_mem_eq(a->mass, b->mass, n * sizeof *a->mass);
-  ck_assert_mem_eq(a->sphere, b->sphere, n * sizeof *a->sphere);
-  ck_assert_mem_eq(a->pace, b->pace, n * sizeof *a->pace);
-  ck_assert_mem_eq(a->push, b->push, n * sizeof *a->push);
-  ck_assert_mem_eq(a->body_load, b->body_load, (size_t)a->model->nbody * sizeof(tdm_wrench));
+  ck_assert_int_eq(a->state.nparticle, b->state.nparticle);
+  size_t n = (size_t)a->state.nparticle;
+  ck_assert_mem_eq(a->state.id, b->state.id, n * sizeof *a->state.id);
+  ck_assert_mem_eq(a->state.mass, b->state.mass, n * sizeof *a->state.mass);
+  ck_assert_mem_eq(a->state.sphere, b->state.sphere, n * sizeof *a->state.sphere);
+  ck_assert_mem_eq(a->state.pace, b->state.pace, n * sizeof *a->state.pace);
+  ck_assert_mem_eq(a->state.push, b->state.push, n * sizeof *a->state.push);
+  ck_assert_mem_eq(a->state.body_load, b->state.body_load, (size_t)a->model->nbody * sizeof(tdm_wrench));
 }
 
 START_TEST(test_creation_times) {
@@ -76,17 +76,17 @@ START_TEST(test_creation_times) {
     steps(r, NULL, 1);
     double t = (double)k * dt;
     int expected = t < start ? 0 : (int)floor((fmin(t, 0.8) - start) * rate) + 1;
-    ck_assert_int_eq(r->data->nparticle, expected);
+    ck_assert_int_eq(r->data->state.nparticle, expected);
     for (int i = 0; i < expected; i++) {
       double s = t - (start + i / rate);
-      ck_near(r->data->sphere[i].position.x, 1 + 3 * s, 1e-12);
-      ck_near(r->data->sphere[i].position.z, 3 + 0.5 * s - 0.5 * 9.81 * s * s, 1e-11);
-      ck_near(r->data->pace[i].velocity.z, 0.5 - 9.81 * s, 1e-11);
+      ck_near(r->data->state.sphere[i].position.x, 1 + 3 * s, 1e-12);
+      ck_near(r->data->state.sphere[i].position.z, 3 + 0.5 * s - 0.5 * 9.81 * s * s, 1e-11);
+      ck_near(r->data->state.pace[i].velocity.z, 0.5 - 9.81 * s, 1e-11);
     }
   }
-  ck_assert_int_eq(r->data->nparticle, 30); /* 0.7877 s * 37.3/s = 29.4, and the first */
-  ck_near(r->data->mass[29], 0.2, 0);
-  ck_assert_uint_eq(r->data->id[29], 29);
+  ck_assert_int_eq(r->data->state.nparticle, 30); /* 0.7877 s * 37.3/s = 29.4, and the first */
+  ck_near(r->data->state.mass[29], 0.2, 0);
+  ck_assert_uint_eq(r->data->state.id[29], 29);
   rig_free(r);
 
   /* times on the grid of steps: exactly there, in spite of round-off; the first at the start; count ends it */
@@ -94,13 +94,13 @@ START_TEST(test_creation_times) {
                           "'rate':10,'count':4,'position':[0,0,0],'velocity':[1,0,0]}]}"),
                dt, 0, NULL);
   begin(r);
-  ck_assert_int_eq(r->data->nparticle, 1);
+  ck_assert_int_eq(r->data->state.nparticle, 1);
   for (long k = 1; k <= 600; k++) {
     steps(r, NULL, 1);
-    ck_assert_int_eq(r->data->nparticle, k < 300 ? 1 + (int)k / 100 : 4);
+    ck_assert_int_eq(r->data->state.nparticle, k < 300 ? 1 + (int)k / 100 : 4);
   }
   for (int i = 0; i < 4; i++)
-    ck_near(r->data->sphere[i].position.x, 0.6 - 0.1 * i, 1e-12);
+    ck_near(r->data->state.sphere[i].position.x, 0.6 - 0.1 * i, 1e-12);
   rig_free(r);
 }
 END_TEST
@@ -115,16 +115,17 @@ START_TEST(test_mass_rate) {
   steps(r, NULL, 1000);
   dem_data *d = r->data;
   double most = 1000 * 4.0 / 3 * M_PI * 8e-6, mean = 0, x = 0;
-  ck_assert_int_gt(d->nparticle, 200);
-  for (int i = 0; i < d->nparticle; i++) {
-    ck_assert(d->sphere[i].radius >= 0.01 && d->sphere[i].radius <= 0.02 && fabs(d->sphere[i].position.x) <= 0.5);
-    ck_relative(d->mass[i], 1000 * 4.0 / 3 * M_PI * pow(d->sphere[i].radius, 3), 1e-12);
-    mean += d->sphere[i].radius / d->nparticle;
-    x += d->sphere[i].position.x / d->nparticle;
+  ck_assert_int_gt(d->state.nparticle, 200);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    ck_assert(d->state.sphere[i].radius >= 0.01 && d->state.sphere[i].radius <= 0.02 &&
+              fabs(d->state.sphere[i].position.x) <= 0.5);
+    ck_relative(d->state.mass[i], 1000 * 4.0 / 3 * M_PI * pow(d->state.sphere[i].radius, 3), 1e-12);
+    mean += d->state.sphere[i].radius / d->state.nparticle;
+    x += d->state.sphere[i].position.x / d->state.nparticle;
   }
   ck_near(mean, 0.015, 1e-3);
   ck_near(x, 0, 0.05);
-  ck_assert(d->source[0].made_mass >= 5 && d->source[0].made_mass - 5 <= most);
+  ck_assert(d->state.source[0].made_mass >= 5 && d->state.source[0].made_mass - 5 <= most);
   rig_free(r);
 }
 END_TEST
@@ -143,14 +144,14 @@ START_TEST(test_limits) {
     many_steps(r, 1000);
     const dem_data *d = r->data;
     const dem_source *s = &r->model->source[0];
-    double sum = 0, next = 1000 * 4.0 / 3 * M_PI * pow(dem_sizes_draw(&s->sizes, 3, (uint64_t)d->nparticle), 3);
-    for (int i = 0; i < d->nparticle; i++) {
-      ck_assert(d->sphere[i].radius == dem_sizes_draw(&s->sizes, 3, (uint64_t)i));
-      sum += d->mass[i];
+    double sum = 0, next = 1000 * 4.0 / 3 * M_PI * pow(dem_sizes_draw(&s->sizes, 3, (uint64_t)d->state.nparticle), 3);
+    for (int i = 0; i < d->state.nparticle; i++) {
+      ck_assert(d->state.sphere[i].radius == dem_sizes_draw(&s->sizes, 3, (uint64_t)i));
+      sum += d->state.mass[i];
     }
-    ck_assert_uint_eq(d->source[0].due, d->source[0].made);
+    ck_assert_uint_eq(d->state.source[0].due, d->state.source[0].made);
     if (k == 0)
-      ck_assert_int_eq(d->nparticle, 37);
+      ck_assert_int_eq(d->state.nparticle, 37);
     else
       ck_assert_msg(sum <= 0.6 && sum + next > 0.6, "%.17g and %g", sum, next);
     rig_free(r);
@@ -161,7 +162,7 @@ START_TEST(test_limits) {
                     1e-3, 0, NULL);
   begin(r);
   steps(r, NULL, 100);
-  ck_assert_int_eq(r->data->nparticle, 10);
+  ck_assert_int_eq(r->data->state.nparticle, 10);
   rig_free(r);
 }
 END_TEST
@@ -181,14 +182,14 @@ START_TEST(test_classes) {
   const dem_data *d = r->data;
   const dem_source *s = &r->model->source[0];
   uint64_t came[4] = {0}, out[4] = {0}; /* below 1, 3, 5 mm, and above: an edge belongs to the class above it */
-  for (uint64_t k = 0; k < d->source[0].made; k++) {
+  for (uint64_t k = 0; k < d->state.source[0].made; k++) {
     double radius = dem_sizes_draw(&s->sizes, 5, k);
     came[radius < 0.003 ? 1 : radius < 0.005 ? 2 : 3]++;
   }
-  for (int i = 0; i < d->nparticle; i++)
-    came[d->sphere[i].radius < 0.003 ? 1 : d->sphere[i].radius < 0.005 ? 2 : 3]--;
+  for (int i = 0; i < d->state.nparticle; i++)
+    came[d->state.sphere[i].radius < 0.003 ? 1 : d->state.sphere[i].radius < 0.005 ? 2 : 3]--;
   for (int k = 0; k < 2; k++) {
-    const dem_sink_state *sink = &d->sink[k];
+    const dem_sink_state *sink = &d->state.sink[k];
     uint64_t number = 0;
     double mass = 0;
     for (int c = 0; c <= DEM_EDGES_MAX; c++) {
@@ -199,7 +200,7 @@ START_TEST(test_classes) {
     ck_assert_uint_eq(number, sink->removed);
     ck_relative(mass, sink->mass, 1e-12);
   }
-  const dem_sink_state *low = &d->sink[0], *fine = &d->sink[1];
+  const dem_sink_state *low = &d->state.sink[0], *fine = &d->state.sink[1];
   ck_assert_uint_eq(low->class_removed[0], 0);
   const double small = 1000 * 4.0 / 3 * M_PI * 8e-9, large = small * 27;
   ck_relative(low->class_mass[1], (double)low->class_removed[1] * small, 1e-10);
@@ -222,7 +223,7 @@ START_TEST(test_room) {
   begin(r);
   steps(r, NULL, 60);
   const dem_data *d = r->data;
-  ck_assert_int_gt(d->nparticle, 1000);
+  ck_assert_int_gt(d->state.nparticle, 1000);
   dem_free_space room;
   tdm_vec3 low = {-0.6, -0.7, 0}, high = {0.8, 0.3, 1.5};
   ck_assert(dem_free_space_open(&room, d, low, high, 0.05));
@@ -233,9 +234,9 @@ START_TEST(test_room) {
       u[a] = tdm_random(1, k, a + 1);
     tdm_vec3 x = tdm_v3(low.x + 1.4 * u[0], low.y + u[1], low.z + 1.5 * u[2]);
     bool free = x.z >= radius;
-    for (int i = 0; i < d->nparticle; i++) {
-      double sum = radius + d->sphere[i].radius;
-      tdm_vec3 c = tdm_sub(x, d->sphere[i].position);
+    for (int i = 0; i < d->state.nparticle; i++) {
+      double sum = radius + d->state.sphere[i].radius;
+      tdm_vec3 c = tdm_sub(x, d->state.sphere[i].position);
       free = free && !(tdm_dot(c, c) < sum * sum);
     }
     ck_assert_int_eq(dem_free_space_free(&room, d, x, radius), free);
@@ -260,15 +261,15 @@ START_TEST(test_many) {
     many_steps(r[k], 450);
   }
   const dem_data *d = r[0]->data;
-  ck_assert_int_gt(d->nparticle, DEM_CHUNK);
-  ck_assert_uint_gt(d->sink[0].removed, 500);
-  ck_assert_uint_gt(d->sink[0].class_removed[0], 100);
+  ck_assert_int_gt(d->state.nparticle, DEM_CHUNK);
+  ck_assert_uint_gt(d->state.sink[0].removed, 500);
+  ck_assert_uint_gt(d->state.sink[0].class_removed[0], 100);
   bool ascend = true;
-  for (int i = 1; i < d->nparticle; i++)
-    ascend = ascend && d->id[i] > d->id[i - 1];
+  for (int i = 1; i < d->state.nparticle; i++)
+    ascend = ascend && d->state.id[i] > d->state.id[i - 1];
   ck_assert(!ascend);
   same(d, r[1]->data);
-  ck_assert_mem_eq(d->sink, r[1]->data->sink, sizeof *d->sink);
+  ck_assert_mem_eq(d->state.sink, r[1]->data->state.sink, sizeof *d->state.sink);
   rig_free(r[0]), rig_free(r[1]);
 }
 END_TEST
@@ -286,19 +287,19 @@ START_TEST(test_search_follows_sizes) {
                     2e-4, 0, NULL);
     begin(r[k]);
   }
-  ck_assert_str_eq(dem_search_name(r[0]->data->search), "cells");
+  ck_assert_str_eq(dem_search_name(r[0]->data->work.search), "cells");
   long contacts = 0;
   for (int part = 0; part < 12; part++) {
     for (int k = 0; k < 3; k++)
       many_steps(r[k], 200);
     same(r[0]->data, r[1]->data);
     same(r[0]->data, r[2]->data);
-    contacts += r[0]->data->ncontact;
+    contacts += r[0]->data->state.ncontact;
   }
-  ck_assert_int_gt(r[0]->data->nparticle, 250);
+  ck_assert_int_gt(r[0]->data->state.nparticle, 250);
   ck_assert_int_gt(contacts, 20);
-  ck_assert_str_eq(dem_search_name(r[0]->data->search), "grid");
-  ck_assert_str_eq(dem_search_name(r[1]->data->search), "cells");
+  ck_assert_str_eq(dem_search_name(r[0]->data->work.search), "grid");
+  ck_assert_str_eq(dem_search_name(r[1]->data->work.search), "cells");
   for (int k = 0; k < 3; k++)
     rig_free(r[k]);
 }
@@ -335,10 +336,10 @@ START_TEST(test_balances) {
       same(r->data, thin->data);
     }
     dem_data *d = r->data;
-    ck_assert_uint_gt(d->ledger.removed, 5);
-    ck_assert_int_gt(d->nparticle, 2);
-    ck_assert_uint_eq(d->ledger.created, d->source[0].made + d->source[1].made + 2);
-    ck_assert_uint_ge(d->source[0].made, 55);
+    ck_assert_uint_gt(d->state.ledger.removed, 5);
+    ck_assert_int_gt(d->state.nparticle, 2);
+    ck_assert_uint_eq(d->state.ledger.created, d->state.source[0].made + d->state.source[1].made + 2);
+    ck_assert_uint_ge(d->state.source[0].made, 55);
     rig_free(r), rig_free(brute), rig_free(thin);
   }
 }
@@ -354,17 +355,17 @@ START_TEST(test_after_contact) {
   begin(r), begin(stays);
   bool touched = false;
   int k = 0;
-  for (; r->data->nparticle == 1 && k < 10000; k++) {
+  for (; r->data->state.nparticle == 1 && k < 10000; k++) {
     same(r->data, stays->data);
     steps(r, NULL, 1);
     steps(stays, NULL, 1);
-    touched = touched || stays->data->ncontact > 0;
-    ck_assert_int_eq(r->data->nparticle, !(touched && stays->data->ncontact == 0));
+    touched = touched || stays->data->state.ncontact > 0;
+    ck_assert_int_eq(r->data->state.nparticle, !(touched && stays->data->state.ncontact == 0));
   }
   ck_assert(touched && k < 10000);
-  ck_relative(stays->data->pace[0].velocity.z, 0.5, 2e-3);
-  ck_assert_uint_eq(r->data->sink[0].removed, 1);
-  ck_assert(r->data->sink[0].mass == stays->data->mass[0]);
+  ck_relative(stays->data->state.pace[0].velocity.z, 0.5, 2e-3);
+  ck_assert_uint_eq(r->data->state.sink[0].removed, 1);
+  ck_assert(r->data->state.sink[0].mass == stays->data->state.mass[0]);
   rig_free(r), rig_free(stays);
 }
 END_TEST
@@ -376,10 +377,10 @@ START_TEST(test_through_is_no_rebound) {
                                "'sinks':[{'name':'out','type':'after_contact','body':'floor'}]}"),
                     1e-5, 0, NULL);
   begin(r);
-  ck_assert_uint_eq(r->data->touched[0], 1);
-  r->data->sphere[0].position.z = -0.5;
+  ck_assert_uint_eq(r->data->state.touched[0], 1);
+  r->data->state.sphere[0].position.z = -0.5;
   steps(r, NULL, 10);
-  ck_assert_int_eq(r->data->nparticle, 1);
+  ck_assert_int_eq(r->data->state.nparticle, 1);
   ck_assert_int_eq(dem_count_lost(r->data), 1);
   rig_free(r);
 }
@@ -398,24 +399,24 @@ START_TEST(test_waiting) {
   dem_data *d = r->data;
   begin(r);
   steps(r, NULL, 250);
-  ck_assert_int_eq(d->nparticle, 1);
-  ck_assert_uint_eq(d->source[0].made, 0);
-  ck_assert_uint_eq(d->source[0].due, 3);
+  ck_assert_int_eq(d->state.nparticle, 1);
+  ck_assert_uint_eq(d->state.source[0].made, 0);
+  ck_assert_uint_eq(d->state.source[0].due, 3);
   ck_assert_ptr_nonnull(strstr(text, "event=source_waits.feed t=0 message=\"the source 'feed' waits with particle 0"));
   ck_assert_ptr_null(strstr(text, "source_resumes"));
-  d->sphere[0].position.y = 1;
+  d->state.sphere[0].position.y = 1;
   steps(r, NULL, 1);
-  ck_assert_uint_eq(d->source[0].made, 1);
-  ck_near(d->sphere[1].position.x, 0.01, 0); /* where the source is: it waited */
+  ck_assert_uint_eq(d->state.source[0].made, 1);
+  ck_near(d->state.sphere[1].position.x, 0.01, 0); /* where the source is: it waited */
   ck_assert_ptr_nonnull(strstr(text, "source_resumes t=0.251 source=feed particle=0"));
   steps(r, NULL, 50); /* one diameter, 20 ms, apart */
-  ck_assert_uint_eq(d->source[0].made, 3);
-  ck_near(d->sphere[1].position.x - d->sphere[2].position.x, 0.02, 1.001e-3);
-  ck_assert(d->sphere[1].position.x - d->sphere[2].position.x >= 0.02);
+  ck_assert_uint_eq(d->state.source[0].made, 3);
+  ck_near(d->state.sphere[1].position.x - d->state.sphere[2].position.x, 0.02, 1.001e-3);
+  ck_assert(d->state.sphere[1].position.x - d->state.sphere[2].position.x >= 0.02);
   steps(r, NULL, 700);
-  ck_assert_uint_eq(d->source[0].made, 11);
-  ck_assert_uint_eq(d->source[0].due, 11);
-  ck_near(d->sphere[11].position.x, 0.011, 1e-12); /* on time again: t = 1.001 */
+  ck_assert_uint_eq(d->state.source[0].made, 11);
+  ck_assert_uint_eq(d->state.source[0].due, 11);
+  ck_near(d->state.sphere[11].position.x, 0.011, 1e-12); /* on time again: t = 1.001 */
   tdm_log_open(NULL, "dem");
   fclose(log);
   free(text);
@@ -429,8 +430,8 @@ START_TEST(test_waits_for_walls) {
                     1e-3, 0, NULL);
   begin(r);
   steps(r, NULL, 250);
-  ck_assert_int_eq(r->data->nparticle, 0);
-  ck_assert_uint_eq(r->data->source[0].due, 3);
+  ck_assert_int_eq(r->data->state.nparticle, 0);
+  ck_assert_uint_eq(r->data->state.source[0].due, 3);
   rig_free(r);
 }
 END_TEST
@@ -455,7 +456,7 @@ START_TEST(test_waits_for_meshes) {
                       1e-3, 0, NULL);
     begin(r);
     steps(r, NULL, 20);
-    ck_assert_int_eq(r->data->nparticle, rows[k].made);
+    ck_assert_int_eq(r->data->state.nparticle, rows[k].made);
     rig_free(r);
   }
   remove(file);
@@ -475,19 +476,19 @@ START_TEST(test_neighbours_keep_histories) {
   begin(with), begin(without);
   steps(with, NULL, 150);
   steps(without, NULL, 150);
-  ck_assert_int_eq(with->data->nparticle, 3);
-  uint64_t rebuilds = with->data->nrebuild;
+  ck_assert_int_eq(with->data->state.nparticle, 3);
+  uint64_t rebuilds = with->data->lists.nrebuild;
   for (int part = 0; part < 20; part++) {
     steps(with, NULL, 50);
     steps(without, NULL, 50);
-    ck_assert_uint_eq(with->data->nrebuild, rebuilds); /* taken out of the lists in place */
-    ck_assert_int_eq(with->data->nparticle, 2);
-    ck_assert_mem_eq(with->data->sphere, without->data->sphere, 2 * sizeof(dem_sphere));
-    ck_assert_mem_eq(with->data->pace, without->data->pace, 2 * sizeof(dem_pace));
-    ck_assert_mem_eq(with->data->push, without->data->push, 2 * sizeof(dem_push));
+    ck_assert_uint_eq(with->data->lists.nrebuild, rebuilds); /* taken out of the lists in place */
+    ck_assert_int_eq(with->data->state.nparticle, 2);
+    ck_assert_mem_eq(with->data->state.sphere, without->data->state.sphere, 2 * sizeof(dem_sphere));
+    ck_assert_mem_eq(with->data->state.pace, without->data->state.pace, 2 * sizeof(dem_pace));
+    ck_assert_mem_eq(with->data->state.push, without->data->state.push, 2 * sizeof(dem_push));
   }
-  ck_assert_int_gt(without->data->ncontact, 1);
-  ck_assert_uint_eq(with->data->id[0], 1);
+  ck_assert_int_gt(without->data->state.ncontact, 1);
+  ck_assert_uint_eq(with->data->state.id[0], 1);
   rig_free(with), rig_free(without);
 }
 END_TEST
@@ -503,8 +504,8 @@ START_TEST(test_relative_velocity) {
                                "'velocity':[0,1,0],'relative_to':{'body':'cube'}}]}"),
                     1e-3, 1, &cube);
   begin(r);
-  ck_near(r->data->pace[0].velocity.x, 1.75, 1e-15);
-  ck_near(r->data->pace[1].velocity.x, 0.25, 1e-15);
+  ck_near(r->data->state.pace[0].velocity.x, 1.75, 1e-15);
+  ck_near(r->data->state.pace[1].velocity.x, 0.25, 1e-15);
   tdm_state next = cube.state;
   for (int k = 0; k < 100; k++) { /* accelerates: 0.25 + 3 t in the step to t */
     tdm_state now = next;
@@ -512,10 +513,10 @@ START_TEST(test_relative_velocity) {
     dem_path path = dem_path_make(&now, &next, 1e-3, TDM_LINEAR);
     steps(r, &path, 1);
   }
-  ck_assert_int_eq(r->data->nparticle, 4);
-  ck_near(r->data->pace[2].velocity.x, 2 - 0.55, 1e-9);
-  ck_near(r->data->pace[3].velocity.x, 0.55, 1e-9);
-  ck_near(r->data->pace[3].velocity.y, 1, 0);
+  ck_assert_int_eq(r->data->state.nparticle, 4);
+  ck_near(r->data->state.pace[2].velocity.x, 2 - 0.55, 1e-9);
+  ck_near(r->data->state.pace[3].velocity.x, 0.55, 1e-9);
+  ck_near(r->data->state.pace[3].velocity.y, 1, 0);
   rig_free(r);
 }
 END_TEST
@@ -530,17 +531,17 @@ START_TEST(test_copy) {
   steps(again, NULL, 2000);
   same(r->data, again->data);
   dem_data *copy = dem_data_create(r->model), *first = r->data;
-  ck_assert_int_lt(copy->capacity, first->nparticle);
+  ck_assert_int_lt(copy->work.capacity, first->state.nparticle);
   ck_assert(dem_data_copy(copy, first));
   steps(r, NULL, 2000);
   r->data = copy;
   steps(r, NULL, 2000);
   same(first, copy);
-  ck_assert_mem_eq(first->source, copy->source, 2 * sizeof *copy->source);
-  ck_assert_mem_eq(first->sink, copy->sink, 2 * sizeof *copy->sink);
-  ck_assert_mem_eq(&first->ledger, &copy->ledger, sizeof copy->ledger);
-  ck_assert_uint_eq(first->nrebuild, copy->nrebuild);
-  ck_assert_uint_gt(copy->ledger.removed, 30);
+  ck_assert_mem_eq(first->state.source, copy->state.source, 2 * sizeof *copy->state.source);
+  ck_assert_mem_eq(first->state.sink, copy->state.sink, 2 * sizeof *copy->state.sink);
+  ck_assert_mem_eq(&first->state.ledger, &copy->state.ledger, sizeof copy->state.ledger);
+  ck_assert_uint_eq(first->lists.nrebuild, copy->lists.nrebuild);
+  ck_assert_uint_gt(copy->state.ledger.removed, 30);
   dem_data_destroy(&first);
   rig_free(r), rig_free(again);
 }
@@ -590,16 +591,16 @@ START_TEST(test_many_with_substeps) {
     at[k] = calloc(4000, sizeof *at[k]);
     for (int s = 0; s < 200; s++) {
       one_step(d, NULL, 5e-5);
-      ck_assert(dem_flow(d, (double)d->nstep * 5e-5, 5e-5));
+      ck_assert(dem_flow(d, (double)d->state.nstep * 5e-5, 5e-5));
     }
-    for (int i = 0; i < d->nparticle; i++)
-      at[k][d->id[i]] = d->sphere[i].position;
+    for (int i = 0; i < d->state.nparticle; i++)
+      at[k][d->state.id[i]] = d->state.sphere[i].position;
   }
-  ck_assert_int_gt(plain->data->nparticle, DEM_CHUNK);
-  ck_assert_uint_gt(plain->data->sink[0].removed, 20);
-  ck_assert_uint_gt(plain->data->ledger.left, 20);
-  ck_assert_uint_gt(plain->data->source[0].made, 10);
-  ck_assert_int_eq(plain->data->nparticle, multi->data->nparticle);
+  ck_assert_int_gt(plain->data->state.nparticle, DEM_CHUNK);
+  ck_assert_uint_gt(plain->data->state.sink[0].removed, 20);
+  ck_assert_uint_gt(plain->data->state.ledger.left, 20);
+  ck_assert_uint_gt(plain->data->state.source[0].made, 10);
+  ck_assert_int_eq(plain->data->state.nparticle, multi->data->state.nparticle);
   for (int i = 0; i < 4000; i++)
     ck_assert(tdm_norm(tdm_sub(at[0][i], at[1][i])) < 1e-9);
   free(at[0]);

@@ -232,7 +232,7 @@ static rig *load(const char *body) {
 }
 
 static double gap_at(const rig *r, int w, double x, double y, double z, tdm_vec3 *n) {
-  return dem_wall_gap(&r->model->wall[w], &r->data->wall[w], tdm_v3(x, y, z), n);
+  return dem_wall_gap(&r->model->wall[w], &r->data->state.wall[w], tdm_v3(x, y, z), n);
 }
 
 /* Shapes in a body that is turned by 90 degrees about z and moved by 10 along x: body x is world y. */
@@ -256,8 +256,8 @@ START_TEST(test_read) {
   ck_near(gap_at(r, 0, 10, 2, 0.75, &n), 0.25, 1e-14);
   ck_vector(n, tdm_v3(0, 0, 1), 1e-15);
   /* a spin of 4 about the axis, world +y, and a velocity along it: at the top +x */
-  ck_vector(dem_wall_surface(&m->wall[0], &r->data->wall[0], tdm_v3(10, 2, 0.5), tdm_v3(0, 0, 1)), tdm_v3(2, 0.5, 0),
-            1e-14);
+  ck_vector(dem_wall_surface(&m->wall[0], &r->data->state.wall[0], tdm_v3(10, 2, 0.5), tdm_v3(0, 0, 1)),
+            tdm_v3(2, 0.5, 0), 1e-14);
   /* a container: an endless cylinder and two planes */
   ck_assert(m->wall[1].shape == &dem_shape_cylinder && m->wall[1].endless);
   ck_near(gap_at(r, 1, 10, 1.5, 7, &n), 0.5, 1e-14);
@@ -270,10 +270,10 @@ START_TEST(test_read) {
   ck_near(gap_at(r, 4, 10, 0.25, 1.5, &n), 0.5, 1e-14);
   ck_vector(n, tdm_v3(0, 0, 1), 1e-15);
   double low, high;
-  ck_assert(dem_wall_extent(&m->wall[4], &r->data->wall[4], tdm_v3(0, 1, 0), &low, &high));
+  ck_assert(dem_wall_extent(&m->wall[4], &r->data->state.wall[4], tdm_v3(0, 1, 0), &low, &high));
   ck_near(low, -1, 1e-14);
   ck_near(high, 1, 1e-14);
-  ck_assert(!dem_wall_extent(&m->wall[1], &r->data->wall[1], tdm_v3(0, 1, 0), &low, &high));
+  ck_assert(!dem_wall_extent(&m->wall[1], &r->data->state.wall[1], tdm_v3(0, 1, 0), &low, &high));
   /* the box's long edge: its x is body y, world -x */
   ck_near(gap_at(r, 5, 8, 0, 0, &n), 1, 1e-14);
   ck_vector(n, tdm_v3(-1, 0, 0), 1e-15);
@@ -308,10 +308,10 @@ START_TEST(test_read_mesh) {
   ck_near(gap_at(r, 0, x.x, x.y, x.z, &n), 0.25, 1e-15);
   ck_vector(n, tdm_v3(0, 1, 0), 1e-15);
   ck_near(gap_at(r, 0, 1, 0, 0.75, &n), 0.05, 1e-8);
-  ck_vector(dem_wall_surface(wall, &r->data->wall[0], x, tdm_v3(0, 1, 0)), tdm_v3(0, 0, 3), 0);
+  ck_vector(dem_wall_surface(wall, &r->data->state.wall[0], x, tdm_v3(0, 1, 0)), tdm_v3(0, 0, 3), 0);
   int near[1];
   dem_touch c;
-  tdm_vec3 own = dem_wall_own(&r->data->wall[0], x);
+  tdm_vec3 own = dem_wall_own(&r->data->state.wall[0], x);
   ck_assert_int_eq(wall->shape->near(wall, own, 0.3, near, 1), 1);
   ck_assert_int_eq(dem_mesh_contacts(dem_wall_mesh(wall), near, 1, 1, own, 0.3, &c, 1), 1);
   ck_near(c.gap, 0.25, 1e-15);
@@ -363,11 +363,11 @@ START_TEST(test_rolling) {
   for (long n = 20000; n <= 120000; n += 50000) {
     rig *plane = slide("{'type':'plane','normal':[0,0,1]}", n), *mesh = slide(shape, n);
     const dem_data *a = plane->data, *b = mesh->data;
-    ck_assert_double_gt(a->sphere[0].position.x, -0.9);
-    ck_vector(b->sphere[0].position, a->sphere[0].position, 1e-10);
-    ck_vector(b->pace[0].velocity, a->pace[0].velocity, 1e-10);
-    ck_vector(b->pace[0].spin, a->pace[0].spin, 1e-9);
-    ck_vector(b->body_load[0].force, a->body_load[0].force, 1e-10 * tdm_norm(a->body_load[0].force));
+    ck_assert_double_gt(a->state.sphere[0].position.x, -0.9);
+    ck_vector(b->state.sphere[0].position, a->state.sphere[0].position, 1e-10);
+    ck_vector(b->state.pace[0].velocity, a->state.pace[0].velocity, 1e-10);
+    ck_vector(b->state.pace[0].spin, a->state.pace[0].spin, 1e-9);
+    ck_vector(b->state.body_load[0].force, a->state.body_load[0].force, 1e-10 * tdm_norm(a->state.body_load[0].force));
     rig_free(plane);
     rig_free(mesh);
   }
@@ -400,10 +400,10 @@ START_TEST(test_groove) {
   snprintf(shape, sizeof shape, "{'type':'mesh','file':'%s'}", file);
   rig *mesh = on_moving(shape, "", 0.003, 0.02);
   rig *planes = on_moving("{'type':'plane','normal':[1,0,1]},{'type':'plane','normal':[-1,0,1]}", "", 0.003, 0.02);
-  ck_assert_int_eq(mesh->data->ncontact, 2);
-  ck_assert_int_eq(planes->data->ncontact, 2);
-  ck_vector(mesh->data->sphere[0].position, planes->data->sphere[0].position, 1e-9);
-  ck_assert_double_lt(tdm_norm(mesh->data->pace[0].velocity), 1e-6);
+  ck_assert_int_eq(mesh->data->state.ncontact, 2);
+  ck_assert_int_eq(planes->data->state.ncontact, 2);
+  ck_vector(mesh->data->state.sphere[0].position, planes->data->state.sphere[0].position, 1e-9);
+  ck_assert_double_lt(tdm_norm(mesh->data->state.pace[0].velocity), 1e-6);
   rig_free(mesh);
   rig_free(planes);
   unlink(file);
@@ -419,12 +419,12 @@ START_TEST(test_belt) {
   rig *belt = on_moving(belts[_i], "", 0, 0.01);
   rig *whole = on_moving("{'type':'plane','normal':[0,0,1]}", ",'motion':{'velocity':[0.5,0.25,0]}", 0, 0.01);
   const dem_data *d = belt->data;
-  double arm = d->sphere[0].position.z / 0.01, share = 1 / (1 + 2.5 * arm * arm), turn = 2.5 * arm * share;
-  ck_vector(d->pace[0].velocity, tdm_v3(0.5 * share, 0.25 * share, 0), 1e-4);
-  ck_vector(tdm_scale(0.01, d->pace[0].spin), tdm_v3(0.25 * turn, -0.5 * turn, 0), 1e-4);
-  ck_vector(d->sphere[0].position, whole->data->sphere[0].position, 1e-12);
-  ck_vector(d->pace[0].velocity, whole->data->pace[0].velocity, 1e-12);
-  ck_vector(d->pace[0].spin, whole->data->pace[0].spin, 1e-10);
+  double arm = d->state.sphere[0].position.z / 0.01, share = 1 / (1 + 2.5 * arm * arm), turn = 2.5 * arm * share;
+  ck_vector(d->state.pace[0].velocity, tdm_v3(0.5 * share, 0.25 * share, 0), 1e-4);
+  ck_vector(tdm_scale(0.01, d->state.pace[0].spin), tdm_v3(0.25 * turn, -0.5 * turn, 0), 1e-4);
+  ck_vector(d->state.sphere[0].position, whole->data->state.sphere[0].position, 1e-12);
+  ck_vector(d->state.pace[0].velocity, whole->data->state.pace[0].velocity, 1e-12);
+  ck_vector(d->state.pace[0].spin, whole->data->state.pace[0].spin, 1e-10);
   rig_free(belt);
   rig_free(whole);
 }
@@ -436,9 +436,9 @@ START_TEST(test_spinning_surface) {
       on_moving("{'type':'cylinder','side':'inside','axis':[0,1,0],'radius':0.2,'surface_spin':3}", "", 0, -0.19);
   rig *turn = on_moving("{'type':'cylinder','side':'inside','axis':[0,1,0],'radius':0.2}",
                         ",'motion':{'angular_velocity':[0,3,0]}", 0, -0.19);
-  ck_assert_double_gt(tdm_norm(turn->data->pace[0].spin), 1);
-  ck_vector(spin->data->sphere[0].position, turn->data->sphere[0].position, 1e-9);
-  ck_vector(spin->data->pace[0].spin, turn->data->pace[0].spin, 1e-6);
+  ck_assert_double_gt(tdm_norm(turn->data->state.pace[0].spin), 1);
+  ck_vector(spin->data->state.sphere[0].position, turn->data->state.sphere[0].position, 1e-9);
+  ck_vector(spin->data->state.pace[0].spin, turn->data->state.pace[0].spin, 1e-6);
   rig_free(spin);
   rig_free(turn);
 }
@@ -475,11 +475,11 @@ START_TEST(test_belt_slope) {
   tdm_vec3 n, x = {0.3, 0.1, 0.4};
   gap_at(r, 0, x.x, x.y, x.z, &n);
   ck_vector(n, tdm_v3(-s, 0, s), 1e-7);
-  ck_vector(dem_wall_surface(&r->model->wall[0], &r->data->wall[0], x, n), tdm_v3(s, 0, s), 1e-7);
+  ck_vector(dem_wall_surface(&r->model->wall[0], &r->data->state.wall[0], x, n), tdm_v3(s, 0, s), 1e-7);
   /* where the surface stands across the velocity there is none */
   tdm_vec3 across = dem_wall_belt(&r->model->wall[0], tdm_v3(0, 0, 0));
-  across = tdm_unit(tdm_m3_mul(r->data->wall[0].axes, across));
-  ck_vector(dem_wall_surface(&r->model->wall[0], &r->data->wall[0], x, across), tdm_v3(0, 0, 0), 0);
+  across = tdm_unit(tdm_m3_mul(r->data->state.wall[0].axes, across));
+  ck_vector(dem_wall_surface(&r->model->wall[0], &r->data->state.wall[0], x, across), tdm_v3(0, 0, 0), 0);
   rig_free(r);
 }
 END_TEST
@@ -497,7 +497,7 @@ START_TEST(test_belt_carries) {
   rig *r = rig_make(scene_json("%s", text), 2e-5, 0, NULL);
   unlink(file);
   rig_steps(r, 25000);
-  tdm_vec3 v = r->data->pace[0].velocity;
+  tdm_vec3 v = r->data->state.pace[0].velocity;
   ck_near(tdm_norm(v), 1, 1e-3);
   ck_near(v.x, v.z, 1e-9);
   rig_free(r);
@@ -523,9 +523,9 @@ START_TEST(test_belt_turns) {
   unlink(file);
   rig *whole = on_moving("{'type':'plane','normal':[0,0,1]}",
                          ",'motion':{'angular_velocity':[0,0,3],'center':[0.1,0,0]}", 0, 0.01);
-  ck_assert_double_gt(tdm_norm(whole->data->pace[0].velocity), 0.05);
-  ck_vector(belt->data->sphere[0].position, whole->data->sphere[0].position, 1e-9);
-  ck_vector(belt->data->pace[0].velocity, whole->data->pace[0].velocity, 1e-8);
+  ck_assert_double_gt(tdm_norm(whole->data->state.pace[0].velocity), 0.05);
+  ck_vector(belt->data->state.sphere[0].position, whole->data->state.sphere[0].position, 1e-9);
+  ck_vector(belt->data->state.pace[0].velocity, whole->data->state.pace[0].velocity, 1e-8);
   double fastest = dem_expected_speed(belt->data);
   ck_assert_double_gt(fastest, 0.29);
   rig_free(belt);

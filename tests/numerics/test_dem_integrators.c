@@ -44,12 +44,12 @@ static void state_after(int k, double e, double mu, int level, double out[8]) {
   long steps = 100L << level;
   rig *r = column(k, e, mu, coarse / (double)(1 << level));
   rig_steps(r, steps);
-  ck_assert_int_eq(r->data->ncontact, 2);
+  ck_assert_int_eq(r->data->state.ncontact, 2);
   for (int i = 0; i < 2; i++) {
-    out[4 * i] = r->data->sphere[i].position.z;
-    out[4 * i + 1] = r->data->pace[i].velocity.z;
-    out[4 * i + 2] = r->data->sphere[i].position.x;
-    out[4 * i + 3] = r->data->pace[i].velocity.x;
+    out[4 * i] = r->data->state.sphere[i].position.z;
+    out[4 * i + 1] = r->data->state.pace[i].velocity.z;
+    out[4 * i + 2] = r->data->state.sphere[i].position.x;
+    out[4 * i + 3] = r->data->state.pace[i].velocity.x;
   }
   rig_free(r);
 }
@@ -117,19 +117,19 @@ START_TEST(test_reversal) {
     long most = 0;
     double way = 0, worst = 0;
     for (int i = 0; i < 60; i++)
-      x0[i] = d->sphere[i].position;
+      x0[i] = d->state.sphere[i].position;
     for (int s = 0; s < 2000; s++) {
       rig_steps(r, 1);
-      most = d->ncontact > most ? d->ncontact : most;
+      most = d->state.ncontact > most ? d->state.ncontact : most;
     }
     for (int i = 0; i < 60; i++) {
-      way = fmax(way, tdm_norm(tdm_sub(d->sphere[i].position, x0[i])));
-      d->pace[i].velocity = tdm_scale(-1, d->pace[i].velocity);
+      way = fmax(way, tdm_norm(tdm_sub(d->state.sphere[i].position, x0[i])));
+      d->state.pace[i].velocity = tdm_scale(-1, d->state.pace[i].velocity);
     }
-    d->restart = true;
+    d->state.restart = true;
     rig_steps(r, 2000);
     for (int i = 0; i < 60; i++)
-      worst = fmax(worst, tdm_norm(tdm_sub(d->sphere[i].position, x0[i])));
+      worst = fmax(worst, tdm_norm(tdm_sub(d->state.sphere[i].position, x0[i])));
     ck_assert_int_gt(most, 8);
     ck_assert(way > 0.1);
     ck_assert_msg(worst < 1e-11, "%s comes back within %.3g m", names[k], worst);
@@ -155,20 +155,21 @@ START_TEST(test_energy) {
                1, 0, NULL);
   dem_data *d = r->data;
   /* the shortest contact: of the smallest sphere with a wall, at the highest speed there can be */
-  double tc = 2.868 * pow(d->mass[1] * d->mass[1] / (0.015 * pow(r->model->pair[0].effective_young, 2) * 1.5), 0.2);
+  double tc =
+      2.868 * pow(d->state.mass[1] * d->state.mass[1] / (0.015 * pow(r->model->pair[0].effective_young, 2) * 1.5), 0.2);
   double dt = tc / 500, energy0 = 0, worst = 0;
   long hits = 0, before = 0, instants = 0;
   for (int i = 0; i < 3; i++)
-    energy0 += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
+    energy0 += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity);
   for (long s = 0; s < 1000000; s++) {
     one_step(d, NULL, dt);
-    hits += d->ncontact > before;
-    before = d->ncontact;
-    if (d->ncontact > 0 || s % 100)
+    hits += d->state.ncontact > before;
+    before = d->state.ncontact;
+    if (d->state.ncontact > 0 || s % 100)
       continue;
     double energy = 0;
     for (int i = 0; i < 3; i++)
-      energy += 0.5 * d->mass[i] * tdm_dot(d->pace[i].velocity, d->pace[i].velocity);
+      energy += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity);
     worst = fmax(worst, fabs(energy / energy0 - 1));
     instants++;
   }
@@ -192,24 +193,24 @@ START_TEST(test_momentum) {
     tdm_vec3 p[2], l[2];
     double p_sum = 0, l_sum = 0;
     long most = 0;
-    for (int i = 0; i < d->nparticle; i++) {
-      d->pace[i].velocity = tdm_scale(-5, d->sphere[i].position);
-      d->pace[i].spin = tdm_v3(sin(i), cos(3 * i), sin(7 * i));
+    for (int i = 0; i < d->state.nparticle; i++) {
+      d->state.pace[i].velocity = tdm_scale(-5, d->state.sphere[i].position);
+      d->state.pace[i].spin = tdm_v3(sin(i), cos(3 * i), sin(7 * i));
     }
     for (int n = 0; n < 2; n++) {
       p[n] = l[n] = tdm_v3(0, 0, 0);
-      for (int i = 0; i < d->nparticle; i++) {
-        tdm_vec3 mv = tdm_scale(d->mass[i], d->pace[i].velocity);
+      for (int i = 0; i < d->state.nparticle; i++) {
+        tdm_vec3 mv = tdm_scale(d->state.mass[i], d->state.pace[i].velocity);
         p[n] = tdm_add(p[n], mv);
-        l[n] = tdm_add(l[n], tdm_cross(d->sphere[i].position, mv));
-        double inertia = 0.4 * d->mass[i] * d->sphere[i].radius * d->sphere[i].radius;
-        l[n] = tdm_axpy(inertia, d->pace[i].spin, l[n]);
+        l[n] = tdm_add(l[n], tdm_cross(d->state.sphere[i].position, mv));
+        double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
+        l[n] = tdm_axpy(inertia, d->state.pace[i].spin, l[n]);
         p_sum += tdm_norm(mv);
-        l_sum += tdm_norm(mv) * tdm_norm(d->sphere[i].position);
+        l_sum += tdm_norm(mv) * tdm_norm(d->state.sphere[i].position);
       }
       for (int s = 0; n == 0 && s < 2000; s++) {
         rig_steps(r, 1);
-        most = d->ncontact > most ? d->ncontact : most;
+        most = d->state.ncontact > most ? d->state.ncontact : most;
       }
     }
     ck_assert_int_gt(most, 30);
@@ -239,9 +240,9 @@ START_TEST(test_another_step) {
         double dt = s < 2 ? 1e-3 : 0.4e-3;
         one_step(r->data, NULL, dt);
         t += dt;
-        ck_near(r->data->sphere[0].position.z, 2 * t - 5 * t * t, 1e-13);
-        ck_near(r->data->pace[0].velocity.z, 2 - 10 * t, 1e-10);
-        ck_near(r->data->pace[0].spin.y, 1, 1e-12);
+        ck_near(r->data->state.sphere[0].position.z, 2 * t - 5 * t * t, 1e-13);
+        ck_near(r->data->state.pace[0].velocity.z, 2 - 10 * t, 1e-10);
+        ck_near(r->data->state.pace[0].spin.y, 1, 1e-12);
       }
     rig_free(r);
   }
@@ -256,10 +257,10 @@ START_TEST(test_newcomer) {
     dem_newcomer one = {.position = {0, 0, 10}, .velocity = {1, 2, 3}, .radius = 0.01, .mass = 0.1, .material = 0};
     ck_assert(dem_data_add(r->data, &one));
     rig_steps(r, 100);
-    int i = r->data->nparticle - 1;
+    int i = r->data->state.nparticle - 1;
     double t = 100 * 5e-5;
-    ck_near(r->data->sphere[i].position.z, 10 + 3 * t - 0.5 * t * t, 1e-12);
-    ck_near(r->data->sphere[i].position.x, t, 1e-12);
+    ck_near(r->data->state.sphere[i].position.z, 10 + 3 * t - 0.5 * t * t, 1e-12);
+    ck_near(r->data->state.sphere[i].position.x, t, 1e-12);
     rig_free(r);
   }
 }
@@ -283,7 +284,7 @@ START_TEST(test_multi_step_is_cheaper_than_it_is_wrong) {
                                  keys_of(run[n].k, run[n].mass)),
                       run[n].dt, 0, NULL);
     rig_steps(r, lround(0.008 / run[n].dt));
-    z[n] = r->data->sphere[2].position.z;
+    z[n] = r->data->state.sphere[2].position.z;
     rig_free(r);
   }
   ck_assert(fabs(z[1] - z[0]) > 1e-8);
@@ -311,11 +312,11 @@ START_TEST(test_discs) {
     rig_steps(r, 5000);
     dem_data *d = r->data;
     double spin = 0;
-    ck_assert_int_gt(d->ncontact, 3);
-    for (int i = 0; i < d->nparticle; i++) {
-      ck_assert(d->sphere[i].position.y == 0.7 && d->pace[i].velocity.y == 0);
-      ck_assert(d->pace[i].spin.x == 0 && d->pace[i].spin.z == 0);
-      spin = fmax(spin, fabs(d->pace[i].spin.y));
+    ck_assert_int_gt(d->state.ncontact, 3);
+    for (int i = 0; i < d->state.nparticle; i++) {
+      ck_assert(d->state.sphere[i].position.y == 0.7 && d->state.pace[i].velocity.y == 0);
+      ck_assert(d->state.pace[i].spin.x == 0 && d->state.pace[i].spin.z == 0);
+      spin = fmax(spin, fabs(d->state.pace[i].spin.y));
     }
     ck_assert(spin > 0.01);
     rig_free(r);
@@ -341,11 +342,11 @@ START_TEST(test_body_force) {
                                  keys_of(k, 1)),
                       1e-3, 0, NULL);
     rig_steps(r, 1000);
-    tdm_vec3 x = r->data->sphere[0].position;
+    tdm_vec3 x = r->data->state.sphere[0].position;
     ck_near(x.x, 1, 1e-10);
     ck_near(x.y, 1.5, 1e-10);
     ck_near(x.z, 0, 1e-12);
-    ck_near(r->data->sphere[1].position.z, -5, 1e-10);
+    ck_near(r->data->state.sphere[1].position.z, -5, 1e-10);
     rig_free(r);
   }
 }
@@ -366,18 +367,18 @@ START_TEST(test_fixed) {
                                  keys_of(k, 1)),
                       1e-6, 0, NULL);
     dem_data *d = r->data;
-    tdm_vec3 x0 = d->sphere[0].position, x1 = d->sphere[1].position;
-    ck_assert_int_eq(d->ncontact, 0);
+    tdm_vec3 x0 = d->state.sphere[0].position, x1 = d->state.sphere[1].position;
+    ck_assert_int_eq(d->state.ncontact, 0);
     bool met = false;
-    for (int s = 0; s < 20000 && !(met && d->ncontact == 0); s++) {
+    for (int s = 0; s < 20000 && !(met && d->state.ncontact == 0); s++) {
       rig_steps(r, 1);
-      met = met || d->ncontact > 0;
+      met = met || d->state.ncontact > 0;
     }
-    ck_assert(met && d->ncontact == 0);
-    ck_near(d->pace[2].velocity.z, 0.6 * 2.005, 0.005);
-    ck_assert_mem_eq(&x0, &d->sphere[0].position, sizeof x0);
-    ck_assert_mem_eq(&x1, &d->sphere[1].position, sizeof x1);
-    ck_assert(tdm_norm(d->pace[0].velocity) == 0 && tdm_norm(d->pace[0].spin) == 0);
+    ck_assert(met && d->state.ncontact == 0);
+    ck_near(d->state.pace[2].velocity.z, 0.6 * 2.005, 0.005);
+    ck_assert_mem_eq(&x0, &d->state.sphere[0].position, sizeof x0);
+    ck_assert_mem_eq(&x1, &d->state.sphere[1].position, sizeof x1);
+    ck_assert(tdm_norm(d->state.pace[0].velocity) == 0 && tdm_norm(d->state.pace[0].spin) == 0);
     rig_free(r);
   }
 }
@@ -402,7 +403,7 @@ START_TEST(test_load) {
     tdm_vec3 impulse = {0, 0, 0}, gained = {0, 0, 0};
     long most = 0;
     for (int i = 0; i < 2; i++)
-      gained = tdm_axpy(-d->mass[i], d->pace[i].velocity, gained);
+      gained = tdm_axpy(-d->state.mass[i], d->state.pace[i].velocity, gained);
     tdm_state now = state_at(0, 0, 0), next;
     for (int s = 0; s < 3000; s++) {
       next = now;
@@ -410,15 +411,15 @@ START_TEST(test_load) {
       dem_path path = dem_path_make(&now, &next, 2e-5, TDM_LINEAR);
       one_step(d, &path, 2e-5);
       now = next;
-      impulse = tdm_axpy(2e-5, d->body_load[0].force, impulse);
-      most = d->ncontact > most ? d->ncontact : most;
+      impulse = tdm_axpy(2e-5, d->state.body_load[0].force, impulse);
+      most = d->state.ncontact > most ? d->state.ncontact : most;
     }
     for (int i = 0; i < 2; i++) {
-      gained = tdm_axpy(d->mass[i], d->pace[i].velocity, gained);
-      ck_assert(d->pace[i].velocity.z > 0.3);
+      gained = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, gained);
+      ck_assert(d->state.pace[i].velocity.z > 0.3);
     }
     ck_assert_int_ge(most, 1);
-    ck_assert_int_eq(d->ncontact, 0);
+    ck_assert_int_eq(d->state.ncontact, 0);
     ck_assert(gained.z > 1 && fabs(gained.x) > 0.01);
     ck_assert_msg(tdm_norm(tdm_add(gained, impulse)) < 1e-12, "%s, mass %g: off by %.3g", names[k], mass[n],
                   tdm_norm(tdm_add(gained, impulse)));

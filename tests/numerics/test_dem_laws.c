@@ -42,17 +42,18 @@ typedef struct {
 static measured measure(rig *r, long most) {
   measured out = {0};
   const dem_data *d = r->data;
-  double v0 = d->pace[0].velocity.x - d->pace[1].velocity.x;
+  double v0 = d->state.pace[0].velocity.x - d->state.pace[1].velocity.x;
   long k = 0;
   do {
     rig_steps(r, 1);
     k++;
-    double gap = d->sphere[1].position.x - d->sphere[0].position.x - d->sphere[0].radius - d->sphere[1].radius;
+    double gap = d->state.sphere[1].position.x - d->state.sphere[0].position.x - d->state.sphere[0].radius -
+                 d->state.sphere[1].radius;
     out.overlap = fmax(out.overlap, -gap);
     out.parted = gap > 0;
   } while (!out.parted && k < most);
   out.time = (double)k * r->model->dt;
-  out.restitution = (d->pace[1].velocity.x - d->pace[0].velocity.x) / v0;
+  out.restitution = (d->state.pace[1].velocity.x - d->state.pace[0].velocity.x) / v0;
   return out;
 }
 
@@ -113,10 +114,10 @@ START_TEST(test_impacts) {
   do { /* the plastic contact ends where its force does */
     rig_steps(r, 1);
     time += r->model->dt;
-    deepest =
-        fmax(deepest, d->sphere[0].radius + d->sphere[1].radius - d->sphere[1].position.x + d->sphere[0].position.x);
-  } while (d->ncontact > 0 && (!plastic || d->push[0].force.x < 0 || time < 1e-6));
-  ck_near((d->pace[1].velocity.x - d->pace[0].velocity.x) / v0, e, 2e-4);
+    deepest = fmax(deepest, d->state.sphere[0].radius + d->state.sphere[1].radius - d->state.sphere[1].position.x +
+                                d->state.sphere[0].position.x);
+  } while (d->state.ncontact > 0 && (!plastic || d->state.push[0].force.x < 0 || time < 1e-6));
+  ck_near((d->state.pace[1].velocity.x - d->state.pace[0].velocity.x) / v0, e, 2e-4);
   if (!c->damped) {
     ck_near(time, dem_normal_contact_time(r->model, p, impact), 4e-7);
     /* first order: the damper's force begins inside a step */
@@ -151,7 +152,7 @@ START_TEST(test_linear_clip) {
     snprintf(pair, sizeof pair, "'stiffness':2e4,'restitution':%.17g", es[k]);
     rig *r = head_on(&usual, "'normal':'hooke','tangential':'none','tail':'clip'", pair, 2e-7);
     rig_steps(r, 60000);
-    ck_near((r->data->pace[1].velocity.x - r->data->pace[0].velocity.x) / usual.speed, es[k], 2e-4);
+    ck_near((r->data->state.pace[1].velocity.x - r->data->state.pace[0].velocity.x) / usual.speed, es[k], 2e-4);
     rig_free(r);
   }
   /* critical, [A07] Eq. 2.40: the bodies stay together when the tail is kept */
@@ -228,9 +229,9 @@ END_TEST
 
 /* force between the spheres at an overlap, histories going on */
 static double force_at(rig *r, double overlap) {
-  r->data->sphere[0].position.x = -r->data->sphere[0].radius + overlap;
+  r->data->state.sphere[0].position.x = -r->data->state.sphere[0].radius + overlap;
   ck_assert(dem_forces_now(r->data, false));
-  return -r->data->push[0].force.x;
+  return -r->data->state.push[0].force.x;
 }
 
 START_TEST(test_hysteretic_path) {
@@ -262,7 +263,7 @@ START_TEST(test_constant_viscosity) {
   rig *r = head_on(&usual, "'tangential':'none'", "'viscosity':30", 1e-6);
   double elastic, moving, overlap = 1e-4, R = impact_of(&usual).radius;
   moving = force_at(r, overlap);
-  r->data->pace[0].velocity.x = 0;
+  r->data->state.pace[0].velocity.x = 0;
   elastic = force_at(r, overlap);
   ck_relative(elastic, dem_normal_force(r->model, &r->model->pair[0], impact_of(&usual), overlap), 1e-9);
   ck_relative(moving - elastic, 30 * sqrt(R * overlap) * usual.speed, 1e-9);
@@ -295,8 +296,8 @@ START_TEST(test_rolling_from_sliding) {
   const char *const *law = laws[_i];
   rig *r = on_floor(law[0], law[1], 0, 1e-6, "'velocity':[0.1,0,0]", 2e-6);
   rig_steps(r, 30000);
-  ck_relative(r->data->pace[0].velocity.x, 0.1 * 5 / 7, 1e-3);
-  ck_relative(r->data->pace[0].spin.y * 0.01, 0.1 * 5 / 7, 2e-3);
+  ck_relative(r->data->state.pace[0].velocity.x, 0.1 * 5 / 7, 1e-3);
+  ck_relative(r->data->state.pace[0].spin.y * 0.01, 0.1 * 5 / 7, 2e-3);
   rig_free(r);
 }
 END_TEST
@@ -305,10 +306,10 @@ START_TEST(test_coulomb) {
   /* dynamic only: mu F_n against the slip, none at none */
   rig *r = on_floor("'normal':'hooke','tangential':'coulomb'", "'stiffness':1e4,'restitution':0.3,'friction':0.4", 0,
                     1e-5, "'velocity':[0.03,0.04,0]", 1e-6);
-  const dem_push *push = &r->data->push[0];
+  const dem_push *push = &r->data->state.push[0];
   ck_relative(push->force.x, -0.4 * 0.6 * push->force.z, 1e-12);
   ck_relative(push->force.y, -0.4 * 0.8 * push->force.z, 1e-12);
-  r->data->pace[0].velocity = tdm_v3(0, 0, 0);
+  r->data->state.pace[0].velocity = tdm_v3(0, 0, 0);
   ck_assert(dem_forces_now(r->data, false));
   ck_near(push->force.x, 0, 0);
   rig_free(r);
@@ -319,7 +320,7 @@ START_TEST(test_viscous) {
   /* [A07] Eq. 2.56, without a limit */
   rig *r = on_floor("'normal':'hooke','tangential':'viscous'",
                     "'stiffness':1e4,'restitution':0.3,'tangential_damping':7", 0, 1e-7, "'velocity':[0.3,0,0]", 1e-6);
-  ck_relative(r->data->push[0].force.x, -7 * 0.3, 1e-12);
+  ck_relative(r->data->state.push[0].force.x, -7 * 0.3, 1e-12);
   rig_free(r);
 }
 END_TEST
@@ -334,7 +335,7 @@ START_TEST(test_static_friction) {
     char pair[300];
     snprintf(pair, sizeof pair, "%s,'friction':{'static':0.6,'dynamic':0.4}", laws[k][1]);
     rig *r = on_floor(laws[k][0], pair, 0, 1e-5, "'velocity':[0.02,0,0]", 1e-6);
-    const dem_push *push = &r->data->push[0];
+    const dem_push *push = &r->data->state.push[0];
     double most = 0, press = push->force.z;
     for (int step = 0; step < 6000; step++) {
       dem_forces_again(r->data, false, 1e-6);
@@ -344,7 +345,7 @@ START_TEST(test_static_friction) {
     }
     ck_relative(most, 0.6 * press, 0.02);
     ck_assert_double_le(most, 0.6 * press * (1 + 1e-12));
-    r->data->pace[0].velocity.x = -0.02;
+    r->data->state.pace[0].velocity.x = -0.02;
     double least = 0;
     for (int step = 0; step < 6000; step++) {
       dem_forces_again(r->data, false, 1e-6);
@@ -369,9 +370,9 @@ START_TEST(test_rolling_resistance) {
                         : "'stiffness':1e5,'restitution':0.3,'friction':0.5,'rolling_friction':0.05",
                       0, 1e-6, "'velocity':[0.05,0,0],'spin':[0,5,0]", 2e-6);
     rig_steps(r, (long)(1.5 * v0 / a / 2e-6));
-    ck_relative(r->data->sphere[0].position.x, v0 * v0 / (2 * a), 5e-3);
+    ck_relative(r->data->state.sphere[0].position.x, v0 * v0 / (2 * a), 5e-3);
     if (k == 0) /* the spring without damping rolls it to and fro */
-      ck_near(r->data->pace[0].velocity.x, 0, 1e-7);
+      ck_near(r->data->state.pace[0].velocity.x, 0, 1e-7);
     rig_free(r);
   }
 }
@@ -385,12 +386,12 @@ START_TEST(test_rolling_on_incline) {
                       "'stiffness':1e4,'restitution':0.3,'friction':0.8,'rolling_friction':0.1", slope, 1e-5,
                       "'velocity':[0,0,0]", 5e-6);
     rig_steps(r, 100000);
-    double x = r->data->sphere[0].position.x, v = r->data->pace[0].velocity.x;
+    double x = r->data->state.sphere[0].position.x, v = r->data->state.pace[0].velocity.x;
     rig_steps(r, 20000);
     if (k) {
-      ck_relative((r->data->pace[0].velocity.x - v) / 0.1, 50.0 / 7 * (sin(slope) - 0.1 * cos(slope)), 5e-3);
+      ck_relative((r->data->state.pace[0].velocity.x - v) / 0.1, 50.0 / 7 * (sin(slope) - 0.1 * cos(slope)), 5e-3);
     } else {
-      ck_near(r->data->sphere[0].position.x, x, 1e-9);
+      ck_near(r->data->state.sphere[0].position.x, x, 1e-9);
       ck_near(v, 0, 1e-7);
     }
     rig_free(r);
@@ -405,9 +406,9 @@ START_TEST(test_twisting) {
                     "'spin':[0,0,10]", 5e-6);
   double end = 0.4 * 0.01 * 10 / (0.02 * 10);
   rig_steps(r, (long)(0.5 * end / 5e-6));
-  ck_relative(r->data->pace[0].spin.z, 5.0, 5e-3);
+  ck_relative(r->data->state.pace[0].spin.z, 5.0, 5e-3);
   rig_steps(r, (long)(0.6 * end / 5e-6));
-  ck_near(r->data->pace[0].spin.z, 0, 1e-2);
+  ck_near(r->data->state.pace[0].spin.z, 0, 1e-2);
   rig_free(r);
 }
 END_TEST
@@ -416,9 +417,9 @@ END_TEST
 
 /* force on the sphere at an overlap with the floor, without damping */
 static double lift(rig *r, double overlap) {
-  r->data->sphere[0].position.z = 0.01 - overlap;
+  r->data->state.sphere[0].position.z = 0.01 - overlap;
   ck_assert(dem_forces_now(r->data, false));
-  return r->data->push[0].force.z;
+  return r->data->state.push[0].force.z;
 }
 
 START_TEST(test_jkr) {
@@ -466,13 +467,13 @@ START_TEST(test_jkr_impact) {
         on_floor("'tangential':'none','cohesion':'jkr'", "'restitution':1,'adhesion_energy':5", 0, 0, motion, 1e-7);
     r->model->gravity = tdm_v3(0, 0, 0);
     rig_steps(r, 1);
-    ck_assert_int_eq(r->data->ncontact, 1);
+    ck_assert_int_eq(r->data->state.ncontact, 1);
     long steps = 0;
-    while (r->data->ncontact > 0 && steps++ < 100000)
+    while (r->data->state.ncontact > 0 && steps++ < 100000)
       rig_steps(r, 1);
-    ck_assert_int_eq(r->data->ncontact, k ? 0 : 1);
+    ck_assert_int_eq(r->data->state.ncontact, k ? 0 : 1);
     if (k)
-      ck_relative(r->data->pace[0].velocity.z, sqrt(v * v - escape * escape), 2e-3);
+      ck_relative(r->data->state.pace[0].velocity.z, sqrt(v * v - escape * escape), 2e-3);
     rig_free(r);
   }
 }
@@ -484,8 +485,8 @@ START_TEST(test_dmt) {
   rig *r = on_floor("'tangential':'coulomb','cohesion':'dmt'", "'restitution':1,'friction':0.5,'adhesion_energy':5", 0,
                     1e-4, "'velocity':[0.1,0,0]", 1e-6);
   double hertz = 4.0 / 3 * r->model->pair[0].effective_young * sqrt(R) * pow(1e-4, 1.5), pull = 2 * M_PI * w * R;
-  ck_relative(r->data->push[0].force.z, hertz - pull, 1e-9);
-  ck_relative(r->data->push[0].force.x, -0.5 * hertz, 1e-9);
+  ck_relative(r->data->state.push[0].force.z, hertz - pull, 1e-9);
+  ck_relative(r->data->state.push[0].force.x, -0.5 * hertz, 1e-9);
   ck_relative(lift(r, 1e-12), -pull, 1e-6);
   ck_near(lift(r, -1e-9), 0, 0);
   ck_near(r->model->reach, 0, 0);
@@ -498,8 +499,8 @@ START_TEST(test_sjkr) {
                     "'stiffness':1e4,'restitution':1,'friction':0.5,'cohesion_density':2e4", 0, 1e-5,
                     "'velocity':[0.1,0,0]", 1e-6);
   double area = 2 * M_PI * 0.01 * 1e-5;
-  ck_relative(r->data->push[0].force.z, 1e4 * 1e-5 - 2e4 * area, 1e-9);
-  ck_relative(r->data->push[0].force.x, -0.5 * 1e4 * 1e-5, 1e-9);
+  ck_relative(r->data->state.push[0].force.z, 1e4 * 1e-5 - 2e4 * area, 1e-9);
+  ck_relative(r->data->state.push[0].force.x, -0.5 * 1e4 * 1e-5, 1e-9);
   rig_free(r);
 }
 END_TEST
@@ -553,11 +554,11 @@ START_TEST(test_wall_work) {
     one_step(r->data, &path, dt);
     now = next;
   }
-  ck_assert_int_eq(r->data->ncontact, 0);
-  ck_relative(r->data->pace[0].velocity.z, 0.4, 1e-5);
-  ck_relative(r->data->energy.wall_work, 0.5 * 0.01 * 0.16, 1e-5);
+  ck_assert_int_eq(r->data->state.ncontact, 0);
+  ck_relative(r->data->state.pace[0].velocity.z, 0.4, 1e-5);
+  ck_relative(r->data->state.energy.wall_work, 0.5 * 0.01 * 0.16, 1e-5);
   for (int k = 0; k < DEM_ENERGIES; k++)
-    ck_near(r->data->energy.dissipated[k], 0, 1e-8);
+    ck_near(r->data->state.energy.dissipated[k], 0, 1e-8);
   rig_free(r);
 }
 END_TEST

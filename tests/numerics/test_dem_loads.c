@@ -80,7 +80,7 @@ START_TEST(test_impulse) {
     ck_assert_str_eq(s->ready.channel[find(s, "body.bl-ock_1.mz")].unit, "N m");
     run(s, 0, 2000);
     double t = 2000 * s->dt;
-    const dem_pace *after = &dem_solver_data(s->self)->pace[0];
+    const dem_pace *after = &dem_solver_data(s->self)->state.pace[0];
     ck_assert(after->velocity.z > 0.1);
     tdm_vec3 mean = force_of(s, "body.bl-ock_1");
     ck_vector(tdm_scale(-t, mean), tdm_v3(2 * (after->velocity.x - 1), 0, 2 * (after->velocity.z + 1 + 9.81 * t)),
@@ -104,8 +104,8 @@ START_TEST(test_fixed) {
                             1e-5);
   ck_assert_int_eq(find(s, "fixed.mx"), -1);
   run(s, 0, 3000);
-  const dem_pace *after = &dem_solver_data(s->self)->pace[2];
-  ck_assert(after->velocity.z > 0.1 && dem_solver_data(s->self)->ncontact == 0);
+  const dem_pace *after = &dem_solver_data(s->self)->state.pace[2];
+  ck_assert(after->velocity.z > 0.1 && dem_solver_data(s->self)->state.ncontact == 0);
   ck_vector(tdm_scale(-3000 * s->dt, force_of(s, "fixed")), tdm_scale(2, tdm_sub(after->velocity, tdm_v3(0, 0, -1))),
             1e-12);
   close_session(s);
@@ -180,7 +180,7 @@ START_TEST(test_geometries) {
   rig *plain = bed(pair, one, "", 200, 1500);
   for (int k = 1; k < 4; k++) {
     rig *r = bed(pair, one, more[k], 200, 1500), *own = bed(pair, several, k < 3 ? "" : more[k], 200, 1500);
-    const tdm_wrench *load = r->data->body_load, *body = own->data->body_load;
+    const tdm_wrench *load = r->data->state.body_load, *body = own->data->state.body_load;
     ck_assert_int_eq(r->model->nload, 5);
     double scale = 0;
     tdm_wrench sum = {0};
@@ -198,7 +198,7 @@ START_TEST(test_geometries) {
     }
     ck_vector(tdm_add(load[3].force, load[4].force), body[2].force, 1e-12 * scale);
     if (k < 3)
-      ck_assert_mem_eq(load, plain->data->body_load, sizeof *load);
+      ck_assert_mem_eq(load, plain->data->state.body_load, sizeof *load);
     rig_free(r);
     rig_free(own);
   }
@@ -250,7 +250,7 @@ START_TEST(test_triangles) {
     const dem_data *d = r->data;
     if (k == 0) {
       rig *plain = bed(cases[k].pair, body, cases[k].more, 200, 2500);
-      ck_assert_mem_eq(d->body_load, plain->data->body_load, 2 * sizeof *d->body_load);
+      ck_assert_mem_eq(d->state.body_load, plain->data->state.body_load, 2 * sizeof *d->state.body_load);
       rig_free(plain);
     }
     ck_assert_int_eq(r->model->ntriangle, 256);
@@ -258,12 +258,12 @@ START_TEST(test_triangles) {
     double scale = 0;
     int pressed[2] = {0, 0};
     for (int t = 0; t < 256; t++) {
-      sum = tdm_add(sum, d->traction.force[t]);
-      scale += tdm_norm(d->traction.force[t]);
-      pressed[t >= 128] += tdm_norm(d->traction.force[t]) > 0;
+      sum = tdm_add(sum, d->work.traction.force[t]);
+      scale += tdm_norm(d->work.traction.force[t]);
+      pressed[t >= 128] += tdm_norm(d->work.traction.force[t]) > 0;
     }
     ck_assert(pressed[0] > 20 && pressed[1] > 5);
-    ck_vector(sum, d->body_load[0].force, 1e-12 * scale);
+    ck_vector(sum, d->state.body_load[0].force, 1e-12 * scale);
     rig_free(r);
   }
   unlink(mesh_file());
@@ -282,7 +282,7 @@ START_TEST(test_one_triangle) {
                     1e-5, 0, NULL);
   int touched = 0;
   for (int t = 0; t < 256; t++) {
-    tdm_vec3 f = r->data->traction.force[t];
+    tdm_vec3 f = r->data->work.traction.force[t];
     touched += tdm_norm(f) > 0;
     double e = r->model->pair[0].effective_young, overlap = t < 128 ? off : off * sqrt(0.5);
     if (tdm_norm(f) > 0)
@@ -317,13 +317,14 @@ START_TEST(test_elastic) {
       dem_data *d = r->data;
       double overlap = 7e-4, deepest = overlap;
       if (back) {
-        d->sphere[1].position.x += 2e-4;
+        d->state.sphere[1].position.x += 2e-4;
         overlap -= 2e-4;
       }
       ck_assert(dem_forces_now(d, false));
-      dem_impact at = {.mass = 0.5 * d->mass[0], .radius = 0.025, .deepest = deepest};
-      ck_relative(dem_normal_elastic(r->model, r->model->pair, at, overlap), dem_energy_elastic(&d->energy), 1e-9);
-      ck_relative(dem_normal_force(r->model, r->model->pair, at, overlap), d->push[1].force.x, 1e-9);
+      dem_impact at = {.mass = 0.5 * d->state.mass[0], .radius = 0.025, .deepest = deepest};
+      ck_relative(dem_normal_elastic(r->model, r->model->pair, at, overlap), dem_energy_elastic(&d->state.energy),
+                  1e-9);
+      ck_relative(dem_normal_force(r->model, r->model->pair, at, overlap), d->state.push[1].force.x, 1e-9);
       rig_free(r);
     }
 }
@@ -342,13 +343,13 @@ START_TEST(test_lid) {
     dem_data *d = r->data;
     const dem_box *box = &r->model->box[0];
     ck_assert(dem_lids_place(d));
-    double face = d->lid[box->lid];
+    double face = d->state.lid[box->lid];
     const double overlaps[] = {1e-4, 7e-4, 5e-4};
     for (int o = 0; o < 3; o++) {
-      d->lid[box->lid] = face - overlaps[o];
+      d->state.lid[box->lid] = face - overlaps[o];
       ck_assert(dem_forces_now(d, true));
-      ck_assert(d->body_load[0].force.z > 0.1);
-      ck_relative(dem_lid_force(d, box), d->body_load[0].force.z, 1e-9);
+      ck_assert(d->state.body_load[0].force.z > 0.1);
+      ck_relative(dem_lid_force(d, box), d->state.body_load[0].force.z, 1e-9);
     }
     rig_free(r);
   }
@@ -362,7 +363,7 @@ static tdm_error guarded(rig *r, long n) {
   tdm_error err = {0};
   for (long k = 0; k < n && !err.status; k++) {
     rig_steps(r, 1);
-    dem_guard(r->data, (double)r->data->nstep * r->model->dt, r->model->dt, &err);
+    dem_guard(r->data, (double)r->data->state.nstep * r->model->dt, r->model->dt, &err);
   }
   return err;
 }
@@ -379,9 +380,9 @@ START_TEST(test_guard_of_each_law) {
                       1e-5, 0, NULL);
     tdm_error err = guarded(r, 5000);
     ck_assert_msg(err.status == TDM_OK, "%zu: %s", k, err.message);
-    double v = r->data->pace[0].velocity.z;
-    ck_assert(v > 0.1 && r->data->ncontact == 0);
-    r->data->pace[0].velocity.z = 3 * v;
+    double v = r->data->state.pace[0].velocity.z;
+    ck_assert(v > 0.1 && r->data->state.ncontact == 0);
+    r->data->state.pace[0].velocity.z = 3 * v;
     err = guarded(r, 5);
     char says[64];
     snprintf(says, sizeof says, "rose by %.3g J", 8 * v * v);
@@ -400,7 +401,7 @@ START_TEST(test_guard_of_a_belt) {
                     1e-5, 0, NULL);
   tdm_error err = guarded(r, 10000);
   ck_assert_msg(err.status == TDM_OK, "%s", err.message);
-  ck_assert(r->data->pace[0].velocity.x > 0.1);
+  ck_assert(r->data->state.pace[0].velocity.x > 0.1);
   rig_free(r);
 }
 END_TEST

@@ -94,9 +94,9 @@ static void hinge(double Y[36], tdm_vec3 axis, tdm_vec3 pivot, double inertia) {
 static double damping_force(rig *r, int i, double rate) {
   double force[2];
   for (int k = 0; k < 2; k++) {
-    r->data->pace[i].velocity.z = k ? -rate : 0;
+    r->data->state.pace[i].velocity.z = k ? -rate : 0;
     ck_assert(dem_forces_now(r->data, false));
-    force[k] = r->data->push[i].force.z;
+    force[k] = r->data->state.push[i].force.z;
   }
   return force[1] - force[0];
 }
@@ -111,7 +111,7 @@ static double hooke_damping(double per_mass) {
 
 static void check_damping(rig *r, double (*per_mass)(tdm_vec3 contact), const char *what) {
   for (int i = 0; i < N; i++) {
-    tdm_vec3 x = r->data->sphere[i].position;
+    tdm_vec3 x = r->data->state.sphere[i].position;
     double force = damping_force(r, i, 0.2), expected = 0.2 * hooke_damping(per_mass(tdm_v3(x.x, x.y, 0)));
     ck_assert_msg(fabs(force - expected) < 1e-9 * expected, "%s, particle %d: %.15g instead of %.15g N", what, i, force,
                   expected);
@@ -217,8 +217,8 @@ START_TEST(test_same_bits) {
     char extra[128];
     snprintf(extra, sizeof extra, ",'simd':'%s'%s", dem_simd_names[way / 2], way % 2 ? ",'energy':true" : "");
     rig *r = bed_on(PLANE, MINDLIN_PAIR, extra, body_mass);
-    r->data->pose[0].orientation = tdm_quat_from_rotvec(tdm_v3(1e-4, 2e-4, 0.3));
-    r->data->twist[0] = (tdm_twist){{0.1, 0.2, 0.3}, {-0.1, 0.4, 0.2}};
+    r->data->state.pose[0].orientation = tdm_quat_from_rotvec(tdm_v3(1e-4, 2e-4, 0.3));
+    r->data->state.twist[0] = (tdm_twist){{0.1, 0.2, 0.3}, {-0.1, 0.4, 0.2}};
     dem_set_body_mobility(r->data, 0, Y);
     dem_data *copy = dem_data_create(r->model);
     ck_assert(copy && dem_data_copy(copy, r->data));
@@ -226,10 +226,10 @@ START_TEST(test_same_bits) {
       dem_data *d = k ? copy : r->data;
       int to = load[0].force.z != 0;
       ck_assert(dem_forces_now(d, false));
-      ck_assert_int_eq(d->ncontact, N);
-      load[to] = d->body_load[0];
+      ck_assert_int_eq(d->state.ncontact, N);
+      load[to] = d->state.body_load[0];
       for (int i = 0; i < N; i++)
-        force[to][i] = d->push[i].force;
+        force[to][i] = d->state.push[i].force;
       ck_assert_msg(!to ||
                         (!memcmp(&load[0], &load[1], sizeof load[0]) && !memcmp(force[0], force[1], sizeof force[0])),
                     "%s%s", extra, k ? ", copy" : "");
@@ -255,15 +255,15 @@ START_TEST(test_fixed_particles) {
   matrix(Y, (double[6]){3, 4}, (double[6]){0});
   dem_set_body_mobility(d, 0, Y);
   for (int k = 0; k < 2; k++) {
-    d->twist[0].velocity.z = 0.2 * k;
+    d->state.twist[0].velocity.z = 0.2 * k;
     ck_assert(dem_forces_now(d, false));
-    force[k] = d->body_load[0].force.z;
+    force[k] = d->state.body_load[0].force.z;
   }
   ck_relative(force[0], -N * stiffness * depth, 1e-9);
   ck_relative(force[1] - force[0], -N * 0.2 * hooke_damping(1e-3 / body_mass), 1e-9);
   dem_set_body_mobility(d, 0, (double[36]){0});
   ck_assert(dem_forces_now(d, false));
-  ck_assert_double_eq(d->body_load[0].force.z, 0);
+  ck_assert_double_eq(d->state.body_load[0].force.z, 0);
   rig_free(r);
 }
 END_TEST
@@ -297,12 +297,12 @@ static double hit_hinged(bool sets) {
       dem_set_body_mobility(r->data, 0, Y);
     dem_path path = dem_path_make(&now, &next, dt, TDM_LINEAR);
     one_step(r->data, &path, dt);
-    tdm_wrench load = r->data->body_load[0];
+    tdm_wrench load = r->data->state.body_load[0];
     torque = load.moment.y + tdm_cross(next.pose.position, load.force).y;
     speed += 0.5 * dt * torque / about;
     now = next;
-  } while (r->data->ncontact > 0);
-  double e = (r->data->pace[0].velocity.z + 0.8 * speed) / 0.1;
+  } while (r->data->state.ncontact > 0);
+  double e = (r->data->state.pace[0].velocity.z + 0.8 * speed) / 0.1;
   rig_free(r);
   return e;
 }
@@ -339,10 +339,10 @@ START_TEST(test_rate_of_slider) {
     ck_relative(rate2(r, 1, up, &mass), N * stiffness / mass, 1e-9);
     ck_near(rate2(r, 1, along, &mass), 0, 1e-6);
     /* what is no contact any more does not count */
-    r->data->sphere[0].position.z += 2 * depth;
+    r->data->state.sphere[0].position.z += 2 * depth;
     ck_relative(rate2(r, 1, up, &mass), (N - 1) * stiffness / mass, 1e-9);
     for (int i = 1; i < N; i++)
-      r->data->sphere[i].position.z += 2 * depth;
+      r->data->state.sphere[i].position.z += 2 * depth;
     ck_assert_double_eq(rate2(r, 1, up, &mass), 0);
     ck_assert_double_eq(walls_rate2(r->data, 0, NULL, NULL), 0);
     rig_free(r);
@@ -362,7 +362,7 @@ START_TEST(test_rate_of_hinge) {
   const double J[6] = {v.x, v.y, v.z, 0, 1, 0}, M = hinge_inertia;
   double sum = 0;
   for (int i = 0; i < N; i++)
-    sum += pow(r->data->sphere[i].position.x - pivot.x, 2);
+    sum += pow(r->data->state.sphere[i].position.x - pivot.x, 2);
   ck_relative(rate2(r, 1, J, &M), stiffness * sum / M, 1e-9);
   rig_free(r);
 }
@@ -376,8 +376,8 @@ START_TEST(test_rate_of_free_body) {
     identity[7 * i] = 1;
   for (int i = 0; i < N; i++)
     if (i != 2)
-      r->data->sphere[i].position.z += 1;
-  tdm_vec3 x = r->data->sphere[2].position;
+      r->data->state.sphere[i].position.z += 1;
+  tdm_vec3 x = r->data->state.sphere[2].position;
   double per_mass = per_free(tdm_v3(x.x, x.y, 0)) - 1;
   ck_relative(rate2(r, 6, identity, M), stiffness * per_mass, 1e-9);
   for (int i = 0; i < 6; i++) { /* the same body in other units of its velocities */
@@ -386,8 +386,8 @@ START_TEST(test_rate_of_free_body) {
   }
   ck_relative(rate2(r, 6, identity, M), stiffness * per_mass, 1e-9);
 
-  r->data->sphere[7].position.z -= 1;
-  double x1 = x.x - center.x, x2 = r->data->sphere[7].position.x - center.x, m = body_mass, i = inertia[1];
+  r->data->state.sphere[7].position.z -= 1;
+  double x1 = x.x - center.x, x2 = r->data->state.sphere[7].position.x - center.x, m = body_mass, i = inertia[1];
   const double J[12] = {0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0}; /* up; about y, so that x rises by -x */
   double a = 2 * stiffness / m, b = stiffness * (x1 + x2) / sqrt(m * i), c = stiffness * (x1 * x1 + x2 * x2) / i;
   double root = 0.5 * (a + c) + sqrt(0.25 * (a - c) * (a - c) + b * b);
@@ -432,7 +432,7 @@ START_TEST(test_rate_in_groove) {
                  "{'type':'list','material':'a','radius':0.05,'positions':[[0,0,%.17g]]}]}",
                  mesh_file(), (radius - depth) / cos(slope)),
       1e-5, 1, &body);
-  ck_assert_int_eq(r->data->ncontact, 2);
+  ck_assert_int_eq(r->data->state.ncontact, 2);
   ck_relative(rate2(r, 1, (double[6]){1}, &mass), 2 * stiffness * pow(sin(slope), 2) / mass, 1e-9);
   ck_relative(rate2(r, 1, (double[6]){0, 0, 1}, &mass), 2 * stiffness * pow(cos(slope), 2) / mass, 1e-9);
   rig_free(r);

@@ -35,8 +35,8 @@ static rig *poured(const char *entries, const char *settle) {
 
 static double mass_of(const dem_data *d) {
   double sum = 0;
-  for (int i = 0; i < d->nparticle; i++)
-    sum += d->mass[i];
+  for (int i = 0; i < d->state.nparticle; i++)
+    sum += d->state.mass[i];
   return sum;
 }
 
@@ -45,15 +45,15 @@ static void complete(const rig *r) {
   const dem_data *d = r->data;
   const dem_model *m = r->model;
   ck_assert(dem_pour_over(d));
-  ck_assert_int_eq(d->nparticle, m->nparticle);
+  ck_assert_int_eq(d->state.nparticle, m->nparticle);
   ck_assert(dem_balance_number(d) == 0 && dem_balance_mass(d) == 0);
-  for (int i = 0; i < d->nparticle; i++) {
-    tdm_vec3 x = d->sphere[i].position;
-    double radius = d->sphere[i].radius, slack = 0.1 * radius;
-    ck_assert(radius == m->radius[d->id[i]] && d->mass[i] == m->mass[d->id[i]]);
+  for (int i = 0; i < d->state.nparticle; i++) {
+    tdm_vec3 x = d->state.sphere[i].position;
+    double radius = d->state.sphere[i].radius, slack = 0.1 * radius;
+    ck_assert(radius == m->radius[d->state.id[i]] && d->state.mass[i] == m->mass[d->state.id[i]]);
     ck_assert(fabs(x.x) < 0.1 - radius + slack && fabs(x.y) < 0.1 - radius + slack && x.z > radius - slack - 0.1);
     for (int j = 0; j < i; j++)
-      ck_assert(tdm_norm(tdm_sub(x, d->sphere[j].position)) > 0.9 * (radius + d->sphere[j].radius));
+      ck_assert(tdm_norm(tdm_sub(x, d->state.sphere[j].position)) > 0.9 * (radius + d->state.sphere[j].radius));
   }
 }
 
@@ -62,11 +62,11 @@ START_TEST(test_number) {
                       "'region':{'min':[-0.08,-0.08,0.2],'max':[0.08,0.08,0.3]}}";
   rig *r = poured(entry, ""), *again = poured(entry, "");
   complete(r);
-  ck_assert_int_eq(r->data->nparticle, 120);
+  ck_assert_int_eq(r->data->state.nparticle, 120);
   for (int i = 0; i < 120; i++)
-    ck_assert(r->data->sphere[i].position.z < 0.2); /* the bed is below the region: all of them fell */
-  ck_assert_mem_eq(r->data->sphere, again->data->sphere, 120 * sizeof(dem_sphere));
-  ck_assert_mem_eq(r->data->push, again->data->push, 120 * sizeof(dem_push));
+    ck_assert(r->data->state.sphere[i].position.z < 0.2); /* the bed is below the region: all of them fell */
+  ck_assert_mem_eq(r->data->state.sphere, again->data->state.sphere, 120 * sizeof(dem_sphere));
+  ck_assert_mem_eq(r->data->state.push, again->data->state.push, 120 * sizeof(dem_push));
   rig_free(r), rig_free(again);
 }
 END_TEST
@@ -86,14 +86,14 @@ START_TEST(test_mass) {
   dem_sizes sizes;
   dem_sizes_read(&o, &sizes);
   json_decref(own);
-  double next = 1000 * 4.0 / 3 * M_PI * pow(dem_sizes_draw(&sizes, 1, (uint64_t)d->nparticle), 3);
+  double next = 1000 * 4.0 / 3 * M_PI * pow(dem_sizes_draw(&sizes, 1, (uint64_t)d->state.nparticle), 3);
   ck_assert_msg(mass_of(d) <= 0.8 && mass_of(d) + next > 0.8, "%g and %g", mass_of(d), next);
   rig_free(r);
 
   snprintf(entry, sizeof entry, "{'type':'poured','material':'a'," LOGNORMAL ",'count':60,'total_mass':0.5,%s", region);
   r = poured(entry, "");
   complete(r);
-  ck_assert_int_eq(r->data->nparticle, 60);
+  ck_assert_int_eq(r->data->state.nparticle, 60);
   ck_relative(mass_of(r->data), 0.5, 1e-12);
   rig_free(r);
 }
@@ -143,10 +143,10 @@ START_TEST(test_stored) {
   rig *wrote = poured(entries, settle), *read = poured(entries, settle);
   complete(read);
   for (int part = 0; part < 5; part++) {
-    size_t n = (size_t)wrote->data->nparticle;
-    ck_assert_mem_eq(wrote->data->id, read->data->id, n * sizeof(uint64_t));
-    ck_assert_mem_eq(wrote->data->sphere, read->data->sphere, n * sizeof(dem_sphere));
-    ck_assert_mem_eq(wrote->data->pace, read->data->pace, n * sizeof(dem_pace));
+    size_t n = (size_t)wrote->data->state.nparticle;
+    ck_assert_mem_eq(wrote->data->state.id, read->data->state.id, n * sizeof(uint64_t));
+    ck_assert_mem_eq(wrote->data->state.sphere, read->data->state.sphere, n * sizeof(dem_sphere));
+    ck_assert_mem_eq(wrote->data->state.pace, read->data->state.pace, n * sizeof(dem_pace));
     rig_steps(wrote, 50);
     rig_steps(read, 50);
   }
@@ -175,7 +175,7 @@ START_TEST(test_full) {
   ck_assert_str_eq(err.path, "dem.particles[1]");
   int some = 0;
   ck_assert_int_eq(sscanf(err.message, "only %d of 50", &some), 1);
-  ck_assert_int_eq(some, r->data->nparticle);
+  ck_assert_int_eq(some, r->data->state.nparticle);
   ck_assert(some >= 8 && some < 50);
   rig_free(r);
 }
@@ -222,11 +222,11 @@ static double first_layer(const char *section, rig **out) {
     ck_assert(!dem_pour_now(r->data, &pour, 0, &err));
   }
   double least = INFINITY;
-  for (int i = 0; i < r->data->nparticle; i++) {
-    const dem_sphere *a = &r->data->sphere[i];
-    ck_near(r->data->drive[i].velocity.z, -3, 1e-12);
+  for (int i = 0; i < r->data->state.nparticle; i++) {
+    const dem_sphere *a = &r->data->state.sphere[i];
+    ck_near(r->data->state.drive[i].velocity.z, -3, 1e-12);
     for (int j = 0; j < i; j++) {
-      const dem_sphere *b = &r->data->sphere[j];
+      const dem_sphere *b = &r->data->state.sphere[j];
       least = fmin(least, tdm_norm(dem_between(r->data, a->position, b->position)) / (a->radius + b->radius) - 1);
     }
   }
@@ -238,7 +238,7 @@ START_TEST(test_images) {
   /* the region reaches round the box: places are free of the images of others too */
   rig *r;
   double gap = first_layer("'domain':{'min':[0,0,-1],'max':[0.9,0.5,1],'x':'periodic'}", &r);
-  ck_assert_int_gt(r->data->nparticle, 80);
+  ck_assert_int_gt(r->data->state.nparticle, 80);
   ck_assert_msg(gap >= -1e-12, "%g", gap);
   rig_free(r);
 }
@@ -248,10 +248,10 @@ START_TEST(test_plane) {
   /* in two dimensions all are in the plane, where they have room */
   rig *r;
   double gap = first_layer("'dimension':2,'plane':'xz','plane_at':0.7", &r);
-  ck_assert_int_gt(r->data->nparticle, 20);
+  ck_assert_int_gt(r->data->state.nparticle, 20);
   ck_assert_msg(gap >= -1e-12, "%g", gap);
-  for (int i = 0; i < r->data->nparticle; i++)
-    ck_assert(r->data->sphere[i].position.y == 0.7);
+  for (int i = 0; i < r->data->state.nparticle; i++)
+    ck_assert(r->data->state.sphere[i].position.y == 0.7);
   rig_free(r);
 }
 END_TEST

@@ -111,7 +111,7 @@ START_TEST(momentum_goes_over_without_loss) {
   for (int i = 0; i < 4; i++) {
     wagon *w = wagon_make(1, true);
     set_free(w);
-    tdm_vec3 before = inside(w)->pace[0].velocity;
+    tdm_vec3 before = inside(w)->state.pace[0].velocity;
     double way = 0;
     for (uint64_t k = 0; k < 2000; k += windows[i]) {
       tdm_state start = w->start[0];
@@ -132,7 +132,7 @@ START_TEST(momentum_goes_over_without_loss) {
       way += b->moment[0].force.x * H;
     }
     ck_assert_double_gt(way, 2); /* it did hit */
-    tdm_vec3 lost = tdm_sub(before, inside(w)->pace[0].velocity);
+    tdm_vec3 lost = tdm_sub(before, inside(w)->state.pace[0].velocity);
     ck_near(lost.x, 10 * w->start[0].twist.velocity.x, 1e-12);
     ck_near(lost.y, 10 * w->start[0].twist.velocity.y, 1e-12);
     ck_near(lost.z, 10 * w->start[0].twist.velocity.z, 1e-12);
@@ -180,7 +180,7 @@ START_TEST(a_hinged_body_stays_on_its_circle) {
   for (int moving = 0; moving < 2; moving++) {
     wagon *w = wagon_make(1, false);
     w->start[0].pose.position = (tdm_vec3){2, 0, 0};
-    ((dem_data *)(uintptr_t)inside(w))->pose[0] = w->start[0].pose;
+    ((dem_data *)(uintptr_t)inside(w))->state.pose[0] = w->start[0].pose;
     tdm_mobility *m = freedom(w, 1);
     const double rate = 3 * moving, push = 2 * (1 - moving);
     m->J[1] = 2;
@@ -226,27 +226,27 @@ START_TEST(a_body_never_jumps) {
   w->start[0].pose.position.x += off;
   w->start[0].twist.velocity.y += rate;
   w->start[0].pose.orientation = tdm_quat_from_rotvec((tdm_vec3){0, 0, turn});
-  tdm_pose last = inside(w)->pose[0];
+  tdm_pose last = inside(w)->state.pose[0];
   double farthest = 0;
   tdm_state ahead = w->start[0];
   for (int k = 0; k < 400; k++) {
     roll(w, 1); /* windows of a step each */
-    tdm_pose now = inside(w)->pose[0];
+    tdm_pose now = inside(w)->state.pose[0];
     tdm_vec3 v = tdm_scale(1 / dt, tdm_sub(now.position, last.position));
     farthest = fmax(farthest, tdm_norm(tdm_sub(now.position, last.position)));
     if (k > 0)
-      ck_near(inside(w)->twist[0].velocity.x, v.x, 0.3);
+      ck_near(inside(w)->state.twist[0].velocity.x, v.x, 0.3);
     last = now;
   }
   ck_assert_double_lt(farthest, off / 4);
   ck_near(last.position.x, ahead.pose.position.x, 1e-12);
   ck_near(last.position.y, ahead.pose.position.y + rate * 400 * dt, 1e-12);
   ck_near(last.orientation.z, sin(turn / 2), 1e-12);
-  ck_near(inside(w)->twist[0].velocity.y, rate, 1e-9);
+  ck_near(inside(w)->state.twist[0].velocity.y, rate, 1e-9);
   /* one window that is longer than ten steps closes it by its end */
   w->start[0].pose.position.x += off;
   roll(w, 30);
-  ck_near(inside(w)->pose[0].position.x, w->start[0].pose.position.x, 1e-15);
+  ck_near(inside(w)->state.pose[0].position.x, w->start[0].pose.position.x, 1e-15);
   wagon_free(w);
 }
 END_TEST
@@ -258,10 +258,10 @@ START_TEST(a_correction_is_reached_at_the_end) {
   memcpy((double *)(uintptr_t)w->step.proxy.correction, way, sizeof way);
   roll(w, 50);
   ck_near(w->start[0].pose.position.x, 0, 0); /* the proxy does not know */
-  ck_near(inside(w)->pose[0].position.x, 1e-3, 1e-16);
-  ck_near(inside(w)->pose[0].orientation.y, sin(1e-3), 1e-15);
-  ck_near(inside(w)->twist[0].velocity.x, 0.1, 1e-13);
-  ck_near(inside(w)->twist[0].angular.z, 0.3, 1e-13);
+  ck_near(inside(w)->state.pose[0].position.x, 1e-3, 1e-16);
+  ck_near(inside(w)->state.pose[0].orientation.y, sin(1e-3), 1e-15);
+  ck_near(inside(w)->state.twist[0].velocity.x, 0.1, 1e-13);
+  ck_near(inside(w)->state.twist[0].angular.z, 0.3, 1e-13);
   wagon_free(w);
 }
 END_TEST
@@ -272,12 +272,12 @@ START_TEST(bodies_move_together) {
   tdm_mobility *m = freedom(w, 1);
   m->J[0] = m->J[6] = 1;
   m->B[0] = m->B[6] = m->Y[0] = m->Y[6] = m->Y[72] = m->Y[78] = 1.0 / 20;
-  double velocity = inside(w)->pace[0].velocity.x;
+  double velocity = inside(w)->state.pace[0].velocity.x;
   roll(w, 2000);
-  ck_near(velocity - inside(w)->pace[0].velocity.x, 20 * w->start[0].twist.velocity.x, 1e-12);
+  ck_near(velocity - inside(w)->state.pace[0].velocity.x, 20 * w->start[0].twist.velocity.x, 1e-12);
   ck_assert_double_gt(w->start[0].twist.velocity.x, 0.1);
   ck_near(w->start[1].twist.velocity.x, w->start[0].twist.velocity.x, 0);
-  ck_near(inside(w)->pose[1].position.x, inside(w)->pose[0].position.x, 0);
+  ck_near(inside(w)->state.pose[1].position.x, inside(w)->state.pose[0].position.x, 0);
   wagon_free(w);
 }
 END_TEST
@@ -316,11 +316,11 @@ START_TEST(the_interface_of_a_path) {
   tdm_error err = {0};
   tdm_state end = w->start[0];
   end.pose.position.x = -1e-3;
-  tdm_vec3 before = inside(w)->pace[0].velocity;
+  tdm_vec3 before = inside(w)->state.pace[0].velocity;
   tdm_step s = {.t1 = 2e-3, .nstep = 200, .nbody = 1, .nstate = 1, .start = w->start, .end = &end};
   w->result = (tdm_result){.nbody = 1, .nload = 1, .load = w->load, .ninterface = 1, .body = w->seen};
   ck_assert_int_eq(dem_solver_ops.step(w->self, &s, &w->result, &err), TDM_OK);
-  double given = before.x - inside(w)->pace[0].velocity.x; /* 1 kg */
+  double given = before.x - inside(w)->state.pace[0].velocity.x; /* 1 kg */
   ck_assert_double_gt(given, 0.1);
   ck_near(w->seen[0].moment[0].force.x * 2e-3, given, 1e-14);
   ck_near(w->seen[0].work, given * -0.5, 1e-14);

@@ -32,27 +32,27 @@ static json_t *everything(int k, const char *more) {
 static void go_on(rig *r, int n) {
   for (int k = 0; k < n; k++) {
     rig_steps(r, 1);
-    ck_assert(dem_flow(r->data, (double)r->data->nstep * r->model->dt, r->model->dt));
+    ck_assert(dem_flow(r->data, (double)r->data->state.nstep * r->model->dt, r->model->dt));
   }
 }
 
 static void same(const dem_data *a, const dem_data *b) {
-  size_t n = (size_t)a->nparticle;
-  ck_assert_int_eq(a->nparticle, b->nparticle);
-  ck_assert_mem_eq(a->id, b->id, n * sizeof *a->id);
-  ck_assert_mem_eq(a->sphere, b->sphere, n * sizeof *a->sphere);
-  ck_assert_mem_eq(a->pace, b->pace, n * sizeof *a->pace);
-  ck_assert_mem_eq(a->push, b->push, n * sizeof *a->push);
-  ck_assert_mem_eq(a->touched, b->touched, n * sizeof *a->touched);
-  ck_assert_mem_eq(a->body_load, b->body_load, (size_t)a->model->nbody * sizeof *a->body_load);
-  ck_assert_mem_eq(a->source, b->source, sizeof *a->source);
-  ck_assert_mem_eq(a->sink, b->sink, 2 * sizeof *a->sink);
-  ck_assert_mem_eq(&a->domain, &b->domain, sizeof a->domain);
-  ck_assert_uint_eq(a->ledger.created, b->ledger.created);
-  ck_assert_uint_eq(a->ledger.removed, b->ledger.removed);
-  ck_assert_uint_eq(a->nstep, b->nstep);
-  ck_assert_uint_eq(a->since_sort, b->since_sort);
-  ck_assert_int_eq(a->ncontact, b->ncontact);
+  size_t n = (size_t)a->state.nparticle;
+  ck_assert_int_eq(a->state.nparticle, b->state.nparticle);
+  ck_assert_mem_eq(a->state.id, b->state.id, n * sizeof *a->state.id);
+  ck_assert_mem_eq(a->state.sphere, b->state.sphere, n * sizeof *a->state.sphere);
+  ck_assert_mem_eq(a->state.pace, b->state.pace, n * sizeof *a->state.pace);
+  ck_assert_mem_eq(a->state.push, b->state.push, n * sizeof *a->state.push);
+  ck_assert_mem_eq(a->state.touched, b->state.touched, n * sizeof *a->state.touched);
+  ck_assert_mem_eq(a->state.body_load, b->state.body_load, (size_t)a->model->nbody * sizeof *a->state.body_load);
+  ck_assert_mem_eq(a->state.source, b->state.source, sizeof *a->state.source);
+  ck_assert_mem_eq(a->state.sink, b->state.sink, 2 * sizeof *a->state.sink);
+  ck_assert_mem_eq(&a->state.domain, &b->state.domain, sizeof a->state.domain);
+  ck_assert_uint_eq(a->state.ledger.created, b->state.ledger.created);
+  ck_assert_uint_eq(a->state.ledger.removed, b->state.ledger.removed);
+  ck_assert_uint_eq(a->state.nstep, b->state.nstep);
+  ck_assert_uint_eq(a->state.since_sort, b->state.since_sort);
+  ck_assert_int_eq(a->state.ncontact, b->state.ncontact);
   ck_assert(dem_balance_number(b) == 0 && dem_balance_mass(b) == 0);
 }
 
@@ -60,9 +60,9 @@ START_TEST(test_goes_on) {
   for (int k = 0; k < 4; k++) {
     rig *r = rig_make(everything(k, ""), 1e-4, 0, NULL), *other = rig_make(everything(k, ""), 1e-4, 0, NULL);
     go_on(r, 5003); /* no list begins just here */
-    ck_assert_int_gt(r->data->ncontact, 20);
-    ck_assert_uint_gt(r->data->ledger.removed, 5);
-    ck_assert_uint_gt(r->data->sink[0].class_removed[0] + r->data->sink[0].class_removed[1], 0);
+    ck_assert_int_gt(r->data->state.ncontact, 20);
+    ck_assert_uint_gt(r->data->state.ledger.removed, 5);
+    ck_assert_uint_gt(r->data->state.sink[0].class_removed[0] + r->data->state.sink[0].class_removed[1], 0);
     void *bytes;
     size_t size;
     tdm_error err = {0};
@@ -91,7 +91,7 @@ START_TEST(test_many) {
                    "0.5,0.5]},'velocity':[1,2,-5]}]}");
   rig *r = rig_make(json[0], 1e-4, 0, NULL), *other = rig_make(json[1], 1e-4, 0, NULL);
   rig_steps(r, 1000); /* the next step sorts */
-  ck_assert_uint_ge(r->data->since_sort, 1000);
+  ck_assert_uint_ge(r->data->state.since_sort, 1000);
   void *bytes;
   size_t size;
   tdm_error err = {0};
@@ -99,11 +99,11 @@ START_TEST(test_many) {
   ck_assert_msg(!dem_state_load(other->data, bytes, size, &err), "%s", err.message);
   rig_steps(r, 50);
   rig_steps(other, 50);
-  size_t n = (size_t)r->data->nparticle;
-  ck_assert_uint_lt(r->data->since_sort, 100);
-  ck_assert_mem_eq(r->data->id, other->data->id, n * sizeof *r->data->id);
-  ck_assert_mem_eq(r->data->sphere, other->data->sphere, n * sizeof *r->data->sphere);
-  ck_assert_mem_eq(r->data->pace, other->data->pace, n * sizeof *r->data->pace);
+  size_t n = (size_t)r->data->state.nparticle;
+  ck_assert_uint_lt(r->data->state.since_sort, 100);
+  ck_assert_mem_eq(r->data->state.id, other->data->state.id, n * sizeof *r->data->state.id);
+  ck_assert_mem_eq(r->data->state.sphere, other->data->state.sphere, n * sizeof *r->data->state.sphere);
+  ck_assert_mem_eq(r->data->state.pace, other->data->state.pace, n * sizeof *r->data->state.pace);
   free(bytes);
   rig_free(r);
   rig_free(other);
@@ -172,18 +172,18 @@ START_TEST(test_start) {
   rig_steps(r, 5000);
   tdm_error err = {0};
   ck_assert_int_eq(dem_state_write(r->data, name, "dem.start", NULL, 0, &err), TDM_OK);
-  ck_assert_int_gt(r->data->ncontact, 60);
+  ck_assert_int_gt(r->data->state.ncontact, 60);
 
   /* another scene's run begins with its particles as they lie and move, without any of its own */
   rig *other = rig_make(starter(name, 0.1, 1e7), 1e-4, 0, NULL);
   ck_assert_int_eq(dem_state_read(other->data, DEM_STATE_START, name, "dem.start", NULL, 0, &err), TDM_OK);
-  ck_assert_int_eq(other->data->nparticle, 60);
-  ck_assert_mem_eq(other->data->pace, r->data->pace, 60 * sizeof *r->data->pace);
-  ck_assert_uint_eq(other->data->nstep, 0);
-  ck_assert_uint_eq(other->data->ledger.created, 60);
+  ck_assert_int_eq(other->data->state.nparticle, 60);
+  ck_assert_mem_eq(other->data->state.pace, r->data->state.pace, 60 * sizeof *r->data->state.pace);
+  ck_assert_uint_eq(other->data->state.nstep, 0);
+  ck_assert_uint_eq(other->data->state.ledger.created, 60);
   dem_newcomer one = {.position = {0, 0, 0.4}, .radius = 0.01, .mass = 0.1};
   ck_assert(dem_data_add(other->data, &one));
-  ck_assert_uint_eq(other->data->id[60], 60);
+  ck_assert_uint_eq(other->data->state.id[60], 60);
   ck_assert(dem_balance_number(other->data) == 0 && dem_balance_mass(other->data) == 0);
   rig_free(other);
 
@@ -193,7 +193,7 @@ START_TEST(test_start) {
   json_t *json = starter(name, 0.4, 1e7);
   ck_assert_msg(!open_solver(json, &self, &ready, &err), "%s: %s", err.path, err.message);
   ck_assert_int_eq(json_integer_value(json_object_get(ready.report, "particles")), 60);
-  ck_assert_int_eq(json_integer_value(json_object_get(ready.report, "contacts")), r->data->ncontact);
+  ck_assert_int_eq(json_integer_value(json_object_get(ready.report, "contacts")), r->data->state.ncontact);
   dem_solver_ops.destroy(self);
   json_decref(json);
 

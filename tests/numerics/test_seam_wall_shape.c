@@ -103,13 +103,14 @@ START_TEST(a_ball_swings_in_it) {
   const dem_data *d = r->data;
   rig_steps(r, 1);
   const dem_stored_energy start = dem_stored_energy_now(d);
-  const double height = start.potential / (d->mass[0] * 9.81) - 1 + length, whole = d->mass[0] * 9.81 * height;
+  const double height = start.potential / (d->state.mass[0] * 9.81) - 1 + length,
+               whole = d->state.mass[0] * 9.81 * height;
   double crossing[3] = {0};
   int n = 0;
   for (long k = 1; k < 300000 && n < 3; k++) {
-    double before = d->sphere[0].position.x;
+    double before = d->state.sphere[0].position.x;
     rig_steps(r, 1);
-    double now = d->sphere[0].position.x;
+    double now = d->state.sphere[0].position.x;
     if (before > 0 && now <= 0)
       crossing[n++] = ((double)k + before / (before - now)) * 1e-5;
     const dem_stored_energy e = dem_stored_energy_now(d);
@@ -129,11 +130,11 @@ START_TEST(a_ball_rests_in_it) {
   tdm_error err = {0};
   ck_assert(dem_settle(r->data, NULL, &settled, &err) == TDM_OK && settled.rest);
   const dem_data *d = r->data;
-  ck_near(d->sphere[0].position.x, 0, 1e-3);
-  ck_near(d->sphere[0].position.y, 0, 1e-3);
-  ck_near(d->sphere[0].position.z, 1 - length, 1e-5);
+  ck_near(d->state.sphere[0].position.x, 0, 1e-3);
+  ck_near(d->state.sphere[0].position.y, 0, 1e-3);
+  ck_near(d->state.sphere[0].position.z, 1 - length, 1e-5);
   ck_assert(dem_forces_now(r->data, false));
-  ck_relative(d->body_load[0].force.z, -9.81 * d->mass[0], 0.02);
+  ck_relative(d->state.body_load[0].force.z, -9.81 * d->state.mass[0], 0.02);
   rig_free(r);
 }
 END_TEST
@@ -160,7 +161,7 @@ START_TEST(it_is_drawn) {
   ck_near(bounds.low.x, -0.23, 1e-15);
   ck_near(bounds.high.z, 1.03, 1e-15);
   double low, high;
-  ck_assert(dem_wall_extent(&r->model->wall[0], &r->data->wall[0], tdm_v3(0, 0, 1), &low, &high));
+  ck_assert(dem_wall_extent(&r->model->wall[0], &r->data->state.wall[0], tdm_v3(0, 0, 1), &low, &high));
   ck_near(low, 0.97, 1e-15);
   ck_near(high, 1.03, 1e-15);
   dem_polygons all = {0};
@@ -170,7 +171,7 @@ START_TEST(it_is_drawn) {
   for (int k = 0; k < all.count; k++) {
     const tdm_vec3 *c = all.polygon[k].corner;
     tdm_vec3 n;
-    ck_near(dem_wall_gap(&r->model->wall[0], &r->data->wall[0], c[0], &n), 0, 1e-15);
+    ck_near(dem_wall_gap(&r->model->wall[0], &r->data->state.wall[0], c[0], &n), 0, 1e-15);
     area += 0.5 * tdm_norm(tdm_cross(tdm_sub(c[2], c[0]), tdm_sub(c[3], c[1])));
   }
   ck_relative(area, 4 * M_PI * M_PI * 0.2 * 0.03, 0.01);

@@ -405,7 +405,7 @@ START_TEST(test_fill) {
                                " 'corner':[5,0,0],'mass':0.25}]}"),
                     1e-4, 0, NULL);
   ck_assert_int_eq(r->model->nparticle, 1000 + 300 + 24);
-  ck_assert_int_eq(r->data->ncontact, 0);
+  ck_assert_int_eq(r->data->state.ncontact, 0);
   double mass = 0;
   for (int i = 0; i < 1300; i++) {
     double R = r->model->radius[i], low = i < 1000 ? 0 : 2;
@@ -435,13 +435,13 @@ START_TEST(a_wide_region) {
     ck_assert_msg(!dem_solver_ops.create(&self, &a, &ready, NULL, &err), "%s: %s", err.path, err.message);
     const dem_data *d = dem_solver_data(self);
     double sum = 0;
-    ck_assert_int_eq(d->nparticle, 100);
+    ck_assert_int_eq(d->state.nparticle, 100);
     for (int i = 0; i < 100; i++) {
-      tdm_vec3 x = d->sphere[i].position;
+      tdm_vec3 x = d->state.sphere[i].position;
       ck_assert(x.x >= 0.1 && x.x <= 1e7 - 0.1);
       sum += x.x / 100;
       for (int j = 0; j < i; j++)
-        ck_assert(tdm_norm(tdm_sub(x, d->sphere[j].position)) > 0.2);
+        ck_assert(tdm_norm(tdm_sub(x, d->state.sphere[j].position)) > 0.2);
     }
     ck_assert(sum > 3.5e6 && sum < 6.5e6); /* 5e6 with a deviation of 2.9e5 */
     dem_solver_ops.destroy(self);

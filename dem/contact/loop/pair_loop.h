@@ -10,11 +10,11 @@
 DEM_KERNEL void pair_spins(const dem_data *d, const int *i, const int *j, dem_contact *c) {
   double spin[3][DEM_W], inertia[DEM_W];
   for (int l = 0; l < DEM_W; l++) {
-    const dem_rotor *a = &d->rotor[i[l]], *b = &d->rotor[j[l]];
+    const dem_rotor *a = &d->state.rotor[i[l]], *b = &d->state.rotor[j[l]];
     tdm_vec3 w = tdm_sub(tdm_scale(1 / a->radius, a->surface), tdm_scale(1 / b->radius, b->surface));
     spin[0][l] = w.x, spin[1][l] = w.y, spin[2][l] = w.z;
-    inertia[l] = d->sphere[i[l]].inverse_mass / (1.4 * a->radius * a->radius) +
-                 d->sphere[j[l]].inverse_mass / (1.4 * b->radius * b->radius);
+    inertia[l] = d->state.sphere[i[l]].inverse_mass / (1.4 * a->radius * a->radius) +
+                 d->state.sphere[j[l]].inverse_mass / (1.4 * b->radius * b->radius);
   }
   c->spin = (vd3){vd_load(spin[0]), vd_load(spin[1]), vd_load(spin[2])};
   c->inverse_inertia = vd_load(inertia);
@@ -33,20 +33,20 @@ DEM_KERNEL void push_couples(dem_data *d, const int *i, const int *j, const int 
       continue;
     tdm_vec3 one = {f[0][l], f[1][l], f[2][l]}, sliding = {t[0][l], t[1][l], t[2][l]},
              turning = {m[0][l], m[1][l], m[2][l]};
-    dem_push *a = &d->push[i[l]], *b = &d->push[slot[l]];
+    dem_push *a = &d->state.push[i[l]], *b = &d->state.push[slot[l]];
     a->force = tdm_add(a->force, one);
     b->force = tdm_sub(b->force, one);
-    a->twist = tdm_add(a->twist, tdm_axpy(-1 / d->rotor[i[l]].radius, turning, sliding));
-    b->twist = tdm_add(b->twist, tdm_axpy(1 / d->rotor[j[l]].radius, turning, sliding));
+    a->twist = tdm_add(a->twist, tdm_axpy(-1 / d->state.rotor[i[l]].radius, turning, sliding));
+    b->twist = tdm_add(b->twist, tdm_axpy(1 / d->state.rotor[j[l]].radius, turning, sliding));
   }
 }
 
 /* fetch the partners to come; there is room behind the list */
 DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
   for (int l = 0; l < DEM_W; l++) {
-    __builtin_prefetch(&d->sphere[j[l]]);
-    __builtin_prefetch(&d->rotor[j[l]]);
-    __builtin_prefetch(&d->push[j[l]], 1);
+    __builtin_prefetch(&d->state.sphere[j[l]]);
+    __builtin_prefetch(&d->state.rotor[j[l]]);
+    __builtin_prefetch(&d->state.push[j[l]], 1);
   }
 }
 
@@ -54,17 +54,17 @@ DEM_INLINE void fetch_ahead(const dem_data *d, const int *j) {
  * boxes up the image is. */
 DEM_INLINE void nearest_image(const dem_data *d, vd s[8], vd boxes[3]) {
   for (int a = 0; a < 3; a++) {
-    if (!d->domain.periodic[a])
+    if (!d->state.domain.periodic[a])
       continue;
-    boxes[a] = vd_rint(s[a] * vd_set(1 / d->domain.length[a]));
-    s[a] = s[a] - boxes[a] * vd_set(d->domain.length[a]);
-    s[4 + a] = s[4 + a] - boxes[a] * vd_set(d->domain_rate[a]);
+    boxes[a] = vd_rint(s[a] * vd_set(1 / d->state.domain.length[a]));
+    s[a] = s[a] - boxes[a] * vd_set(d->state.domain.length[a]);
+    s[4 + a] = s[4 + a] - boxes[a] * vd_set(d->state.domain_rate[a]);
   }
 }
 
 /* power of the forces on moving images: what straining the box puts in */
 DEM_INLINE void add_box_power(dem_loop_task *task, const vd boxes[3], vm touching, vd3 force) {
-  const double *rate = task->data->domain_rate;
+  const double *rate = task->data->state.domain_rate;
   vd3 speed = {boxes[0] * vd_set(rate[0]), boxes[1] * vd_set(rate[1]), boxes[2] * vd_set(rate[2])};
   double power[DEM_W];
   vd_store(power, vd_only(touching, vd3_dot(speed, force)));
@@ -77,16 +77,16 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
   const row law_row = row_of(m, constants);
   const int ncolumn = law_row.ncolumn;
   dem_data *d = task->data;
-  const dem_pairs *list = &d->pairs;
-  const dem_sphere *sphere = d->sphere;
-  const dem_rotor *rotor = d->rotor;
-  dem_push *push = d->push;
+  const dem_pairs *list = &d->lists.pairs;
+  const dem_sphere *sphere = d->state.sphere;
+  const dem_rotor *rotor = d->state.rotor;
+  dem_push *push = d->state.push;
   dem_contact c = {.dt = task->dt, .model = m, .all_terms = constants.all_terms};
   const vd reach = vd_set(constants.all_terms ? m->reach : 0);
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
   const bool repeats = m->domain.repeats, shared = constants.all_terms && task->share != DEM_ALL;
-  const bool many = d->nparticle > 20000; /* more than a cache of the second level holds */
+  const bool many = d->state.nparticle > 20000; /* more than a cache of the second level holds */
   long touching = 0;
 
   for (size_t k = list->chunk[task->chunk]; k < list->chunk[task->chunk + 1]; k += DEM_W) {
@@ -133,7 +133,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     c.mass = per_all * both;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
-        c.pair.index[l] = d->material[i[l]] * m->nmaterial + d->material[j[l]];
+        c.pair.index[l] = d->state.material[i[l]] * m->nmaterial + d->state.material[j[l]];
 
     /* the contact divides the distance of the centres as the radii: arms r_i r / (r_i + r_j) */
     vd share = r * per_sum;

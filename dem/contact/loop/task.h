@@ -23,15 +23,16 @@ typedef struct {
   bool settling; /* chooses model->settle_pair */
   double dt;     /* [s], 0: only evaluate */
   dem_share share;
-  size_t wall_first, wall_end; /* entries of data->walls that are looked at, of this chunk */
+  size_t wall_first, wall_end; /* entries of data->lists.walls that are looked at, of this chunk */
   tdm_wrench *load;            /* (nbody) out: what the walls add to the bodies' loads */
-  tdm_vec3 *entry_force; /* (data->walls.count) out: force of each entry on its particle, but of planes; or NULL */
-  long touching;         /* out: contacts */
-  dem_flux flux;         /* out: energies, when the scene asks for them */
+  tdm_vec3
+      *entry_force; /* (data->lists.walls.count) out: force of each entry on its particle, but of planes; or NULL */
+  long touching;    /* out: contacts */
+  dem_flux flux;    /* out: energies, when the scene asks for them */
 } dem_loop_task;
 
-/* Add the forces of the chunk's contacts to data->push (and, for walls, to the task's loads), advancing the histories
- * by dt. */
+/* Add the forces of the chunk's contacts to data->state.push (and, for walls, to the task's loads), advancing the
+ * histories by dt. */
 typedef void dem_loop(dem_loop_task *task);
 
 typedef struct dem_loops {

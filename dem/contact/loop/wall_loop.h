@@ -22,7 +22,7 @@ struct batch {
 DEM_KERNEL void push_wall_couples(dem_loop_task *task, const batch *b, int l, tdm_vec3 force, tdm_vec3 couple) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
-  dem_push *push = &d->push[d->walls.entry[b->entry[l]].particle];
+  dem_push *push = &d->state.push[d->lists.walls.entry[b->entry[l]].particle];
   push->twist = tdm_axpy(-1 / b->number[RADIUS][l], couple, push->twist);
   tdm_wrench *load = &task->load[b->body[l]];
   load->moment = tdm_sub(load->moment, couple);
@@ -33,7 +33,7 @@ DEM_KERNEL void push_wall_couples(dem_loop_task *task, const batch *b, int l, td
 DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   const int ncolumn = r.ncolumn;
   dem_contact c = {.dt = task->dt, .touching = vm_first(b->count), .model = m, .all_terms = r.all_terms};
   c.pair.table = task->settling ? m->settle_pair : m->pair;
@@ -62,7 +62,7 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
     size_t k = (size_t)b->entry[l];
     for (int q = 0; q < ncolumn; q++)
       list->history[(size_t)q * list->capacity + k] = b->history[q][l];
-    dem_push *push = &d->push[list->entry[k].particle];
+    dem_push *push = &d->state.push[list->entry[k].particle];
     tdm_vec3 force = {f[0][l], f[1][l], f[2][l]}, twist = {f[3][l], f[4][l], f[5][l]};
     push->force = tdm_add(push->force, force);
     push->twist = tdm_axpy(v[ARM][l], twist, push->twist);
@@ -87,36 +87,37 @@ DEM_INLINE void close_entry(const dem_wall_contacts *list, size_t k, const int n
 DEM_INLINE bool left_out(const dem_loop_task *task, const dem_sphere *s, int body) {
   if (task->share != DEM_ALL && (task->share == DEM_FAST) != (s->inverse_mass * task->model->multi_step.mass > 1))
     return true;
-  return s->inverse_mass == 0 && (task->settling || task->data->mobility[body].per_mass == 0); /* neither can move */
+  return s->inverse_mass == 0 &&
+         (task->settling || task->data->state.mobility[body].per_mass == 0); /* neither can move */
 }
 
 /* One contact of entry k, on the wall's surface at `gap` from the particle's centre, into the batch. */
 DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap, tdm_vec3 n, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   int i = list->entry[k].particle, w = list->entry[k].wall, body = m->wall[w].body, l = b->count++;
-  const dem_sphere *s = &d->sphere[i];
-  tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->pose[body].position);
-  tdm_twist now = d->twist[body];
+  const dem_sphere *s = &d->state.sphere[i];
+  tdm_vec3 point = tdm_axpy(-gap, n, s->position), lever = tdm_sub(point, d->state.pose[body].position);
+  tdm_twist now = d->state.twist[body];
   tdm_vec3 wall_v = tdm_add(now.velocity, tdm_cross(now.angular, lever));
   tdm_vec3 wall_w = now.angular;
   if (m->wall[w].moves && !task->settling) {
-    wall_v = tdm_add(wall_v, dem_wall_surface(&m->wall[w], &d->wall[w], point, n));
-    wall_w = tdm_add(wall_w, tdm_m3_mul(d->wall[w].axes, m->wall[w].surface.angular));
+    wall_v = tdm_add(wall_v, dem_wall_surface(&m->wall[w], &d->state.wall[w], point, n));
+    wall_w = tdm_add(wall_w, tdm_m3_mul(d->state.wall[w].axes, m->wall[w].surface.angular));
   }
   double arm = gap / s->radius;
-  tdm_vec3 v = r.rubs ? tdm_axpy(-arm, tdm_cross(d->rotor[i].surface, n), s->velocity) : s->velocity;
+  tdm_vec3 v = r.rubs ? tdm_axpy(-arm, tdm_cross(d->state.rotor[i].surface, n), s->velocity) : s->velocity;
   v = tdm_sub(v, wall_v);
   /* bodies are held while settling */
   double per_mass =
-      task->settling ? s->inverse_mass : dem_per_effective_mass(&d->mobility[body], s->inverse_mass, lever, n);
+      task->settling ? s->inverse_mass : dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n);
   const double numbers[] = {n.x,       n.y,      n.z, s->radius - gap, v.x, v.y, v.z, tdm_dot(wall_w, n),
                             s->radius, per_mass, arm};
   for (int q = 0; q <= ARM; q++)
     b->number[q][l] = numbers[q];
   if (r.all_terms) {
-    tdm_vec3 spin = tdm_axpy(1 / s->radius, d->rotor[i].surface, tdm_scale(-1, wall_w));
+    tdm_vec3 spin = tdm_axpy(1 / s->radius, d->state.rotor[i].surface, tdm_scale(-1, wall_w));
     b->number[SX][l] = spin.x, b->number[SY][l] = spin.y, b->number[SZ][l] = spin.z;
     b->number[PER_INERTIA][l] = s->inverse_mass / (1.4 * s->radius * s->radius);
     b->velocity[l] = wall_v;
@@ -126,7 +127,7 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
     b->history[q][l] = list->history[(size_t)q * list->capacity + k];
   b->entry[l] = (int)k;
   b->body[l] = body;
-  b->index[l] = d->material[i] * m->nmaterial + m->body[body].material;
+  b->index[l] = d->state.material[i] * m->nmaterial + m->body[body].material;
   b->lever[l] = lever;
   if (b->count == DEM_W)
     r.flush(task, b);
@@ -137,14 +138,14 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
 DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   if (begin == end)
     return;
   const dem_wall *wall = &m->wall[list->entry[begin].wall];
-  const dem_wall_place *place = &d->wall[list->entry[begin].wall];
+  const dem_wall_place *place = &d->state.wall[list->entry[begin].wall];
   const double reach = r.all_terms ? m->reach : 0;
   for (size_t k = begin; k < end; k++) {
-    const dem_sphere *s = &d->sphere[list->entry[k].particle];
+    const dem_sphere *s = &d->state.sphere[list->entry[k].particle];
     if (left_out(task, s, wall->body))
       continue;
     tdm_vec3 n;
@@ -188,12 +189,12 @@ DEM_KERNEL vd along_plane(const plane_mobility *y, vd3 lever, vd3 n) {
 DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   if (begin == end)
     return;
   int w = list->entry[begin].wall, body = m->wall[w].body;
-  tdm_vec3 normal = d->wall[w].normal, on = d->wall[w].point, center = d->pose[body].position;
-  tdm_twist now = d->twist[body];
+  tdm_vec3 normal = d->state.wall[w].normal, on = d->state.wall[w].point, center = d->state.pose[body].position;
+  tdm_twist now = d->state.twist[body];
   dem_contact c = {.dt = task->dt, .model = m};
   c.pair.table = task->settling ? m->settle_pair : m->pair;
   c.pair.one = m->nmaterial == 1;
@@ -201,7 +202,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
   c.turn = vd_set(tdm_dot(now.angular, normal));
   const vd3 spin = {vd_set(now.angular.x), vd_set(now.angular.y), vd_set(now.angular.z)};
   const vd3 drift = {vd_set(now.velocity.x), vd_set(now.velocity.y), vd_set(now.velocity.z)};
-  const plane_mobility mobility = plane_mobility_of(&d->mobility[body], task->settling, normal);
+  const plane_mobility mobility = plane_mobility_of(&d->state.mobility[body], task->settling, normal);
   tdm_wrench *load = &task->load[body];
 
   for (size_t k = begin; k < end; k += DEM_W) {
@@ -209,7 +210,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
     for (int l = 0; l < DEM_W; l++)
       i[l] = list->entry[k + (size_t)l].particle;
     vd s[8], b[4];
-    vd_spheres(d->sphere, i, s);
+    vd_spheres(d->state.sphere, i, s);
     vd3 x = {s[0], s[1], s[2]};
     vd3 above = {x.x - vd_set(on.x), x.y - vd_set(on.y), x.z - vd_set(on.z)};
     vd gap = vd3_dot(above, c.normal), radius = s[3];
@@ -224,7 +225,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
     vd3 of_wall = vd3_add(drift, vd3_cross(spin, lever));
     vd arm = gap / radius;
     if (r.rubs) {
-      vd_rotor_sum(d->rotor, i, i, b);
+      vd_rotor_sum(d->state.rotor, i, i, b);
       vd3 surface = {vd_set(0.5) * b[0], vd_set(0.5) * b[1], vd_set(0.5) * b[2]};
       velocity = vd3_axpy(-arm, vd3_cross(surface, c.normal), velocity);
     }
@@ -235,11 +236,11 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
     c.mass = vd_set(1) / c.inverse_mass;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
-        c.pair.index[l] = d->material[i[l]] * m->nmaterial + m->body[body].material;
+        c.pair.index[l] = d->state.material[i[l]] * m->nmaterial + m->body[body].material;
     outcome out = law(task, &c, velocity, history, list->capacity, r, 0);
     vd3 twist = vd3_scale(vd_pick(c.touching, arm, vd_set(0)), out.twist);
     vd3 moment = vd3_only(c.touching, vd3_cross(lever, out.force));
-    vd_push_walls(d->push, i, (vd[3]){out.force.x, out.force.y, out.force.z}, (vd[3]){twist.x, twist.y, twist.z},
+    vd_push_walls(d->state.push, i, (vd[3]){out.force.x, out.force.y, out.force.z}, (vd[3]){twist.x, twist.y, twist.z},
                   (vd[3]){moment.x, moment.y, moment.z}, load);
     task->touching += __builtin_popcount(vm_bits(c.touching));
   }
@@ -292,16 +293,17 @@ static void pass_histories(const dem_wall *wall, const dem_wall_contacts *list, 
 DEM_KERNEL void parts_of_one(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
-  const dem_wall_contacts *list = &d->walls;
+  const dem_wall_contacts *list = &d->lists.walls;
   int i = list->entry[begin].particle, w = list->entry[begin].wall;
   const dem_wall *wall = &m->wall[w];
-  const dem_sphere *s = &d->sphere[i];
+  const dem_sphere *s = &d->state.sphere[i];
   if (left_out(task, s, wall->body))
     return;
   dem_touch found[DEM_TOUCHES_MAX];
   touching_parts now = {.begin = begin, .end = end};
   now.n = wall->shape->touches(wall, &list->entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
-                               dem_wall_own(&d->wall[w], s->position), s->radius + (r.all_terms ? m->reach : 0), found);
+                               dem_wall_own(&d->state.wall[w], s->position), s->radius + (r.all_terms ? m->reach : 0),
+                               found);
   size_t k = begin;
   for (int c = 0; c < now.n; c++) { /* both ascend */
     while (list->entry[k].part != found[c].part)
@@ -317,11 +319,11 @@ DEM_KERNEL void parts_of_one(dem_loop_task *task, batch *b, size_t begin, size_t
       close_entry(list, k, r.ncolumn);
   }
   for (int c = 0; c < now.n; c++)
-    add_to_batch(task, b, now.at[c], found[c].gap, tdm_m3_mul(d->wall[w].axes, found[c].normal), r);
+    add_to_batch(task, b, now.at[c], found[c].gap, tdm_m3_mul(d->state.wall[w].axes, found[c].normal), r);
 }
 
 DEM_KERNEL void wall_with_parts(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
-  const dem_wall_contacts *list = &task->data->walls;
+  const dem_wall_contacts *list = &task->data->lists.walls;
   for (size_t k = begin, next; k < end; k = next) {
     next = k + 1;
     while (next < end && list->entry[next].particle == list->entry[k].particle)
@@ -335,7 +337,7 @@ DEM_KERNEL void wall_with_parts(dem_loop_task *task, batch *b, size_t begin, siz
 DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
   const dem_model *m = task->model;
   const row r = row_of(m, constants);
-  const dem_wall_contacts *list = &task->data->walls;
+  const dem_wall_contacts *list = &task->data->lists.walls;
   batch b = {0};
   for (int l = 0; l < DEM_W; l++) /* lanes that stay empty compute with harmless numbers */
     b.number[RADIUS][l] = b.number[PER_MASS][l] = b.number[OVERLAP][l] = b.number[PER_INERTIA][l] = 1;
