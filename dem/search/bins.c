@@ -330,10 +330,15 @@ DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, 
   }
 }
 
-/* the instructions differ, the numbers do not: sums and products are the same, and none are fused */
-__attribute__((target_clones("avx512f", "avx2", "default"))) void
-dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own, bool later,
-              const dem_near *near, dem_found *found) {
+/* the instructions differ, the numbers do not: sums and products are the same, and none are fused (clang 14 gives what
+ * is cloned a name that other files do not find) */
+#if defined(__x86_64__) && !defined(__clang__) && !defined(DEM_SIMD_ONLY_PLAIN)
+#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define CLONES
+#endif
+CLONES void dem_bins_scan(const dem_bins *bins, const dem_run *run, int nrun, const dem_bins *from, dem_run own,
+                          bool later, const dem_near *near, dem_found *found) {
   if (near->periodic)
     scan(bins, run, nrun, from, own, later, near, true, found);
   else

@@ -7,7 +7,6 @@
 typedef double v8 __attribute__((vector_size(64)));
 typedef double v4 __attribute__((vector_size(32)));
 typedef long long v4i __attribute__((vector_size(32)));
-typedef long long v8i __attribute__((vector_size(64)));
 
 DEM_INLINE v8 load8(const void *p) {
   v8 a;
@@ -26,7 +25,7 @@ DEM_INLINE v8 span(double t) {
 
 /* first three lanes of a, others of b */
 DEM_INLINE v8 join(v8 a, v8 b) {
-  return __builtin_shuffle(a, b, (v8i){0, 1, 2, 11, 12, 13, 14, 15});
+  return __builtin_shufflevector(a, b, 0, 1, 2, 11, 12, 13, 14, 15);
 }
 
 /* ---- accelerations ---- */
@@ -74,7 +73,7 @@ DEM_INLINE void put(dem_data *d, int i, v8 x, v8 ahead, tdm_vec3 shift, travel *
   double r = s->radius;
   v4 radius = {r, r, r, r}, listed;
   store8(&d->state.push[i], zero);
-  store8(s, __builtin_shuffle(x, ahead, (v8i){0, 1, 2, 3, 8, 9, 10, 7}));
+  store8(s, __builtin_shufflevector(x, ahead, 0, 1, 2, 3, 8, 9, 10, 7));
   v4 surface = radius * __builtin_shufflevector(ahead, ahead, 4, 5, 6, 7);
   surface = __builtin_shufflevector(surface, radius, 0, 1, 2, 7);
   memcpy(&d->state.rotor[i], &surface, sizeof surface);
