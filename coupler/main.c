@@ -120,10 +120,10 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
   cpl_run(&options, &result, err);
   if (result.windows > 0)
     cpl_run_print(&result, options.out);
-  if (result.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away: leave with what was written */
-    fprintf(stderr, "tandem: error: %s\n", err->message);
+  if (result.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away */
+    tdm_finish("tandem", err);
     fflush(NULL);
-    _exit(EXIT_FAILURE);
+    _exit(1);
   }
   return err->status;
 }

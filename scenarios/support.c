@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/support.h"
 
-#include "coupler/loop/record.h"
+#include "coupler/observe/observers.h"
 
 #include <math.h>
 #include <stdio.h>

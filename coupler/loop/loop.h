@@ -1,83 +1,97 @@
-/* The data of the coupled loop: what schemes, observers and the paths through a window look at.
+/* The coupled loop: its data. Windows are advanced in window.h; schemes work on it with solve.h.
  *
- * A window k covers the DEM steps k n ... min((k+1) n, N). Times are step numbers times dt, never running sums.
+ * A window k covers the DEM steps k n … min((k+1) n, N). Times are step numbers times dt, never running sums.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_LOOP_H
 #define CPL_LOOP_LOOP_H
 
-#include "coupler/loop/extrapolate.h"
-#include "coupler/loop/mismatch.h"
-#include "coupler/loop/observer.h"
 #include "coupler/session/scheme.h"
 #include "coupler/session/session.h"
-#include "coupler/session/settings.h"
 
-#include <math.h>
+typedef tdm_result cpl_results[CPL_NROLE];
 
-struct cpl_record;
-
-/* Paths of the coupled bodies through a window (path.h). */
-typedef struct {
-  int nbody;
-  bool takes;       /* DEM has the capability "path" */
-  bool *prescribed; /* (nbody) loads leave the motion of the body as it is; false where that is not known */
-  tdm_nodes told;   /* of the window under way; no nodes: none were told */
-  tdm_nodes coming; /* of the time behind it */
-  tdm_nodes made;   /* the last one of cpl_path_through */
-} cpl_paths;
+/* Every field that the run changes, once. The struct, its memory, and the copies that cpl_loop_save makes and
+ * cpl_loop_restore brings back all come from this list.
+ *
+ *   V(kind, type, name)          a value
+ *   A(kind, type, name, count)   an array of so many
+ *   P(kind, name)                a path of all bodies, tdm_nodes
+ *
+ *   FIXED     set at the start of the run
+ *   CARRIED   goes from one window to the next: saved and restored
+ *   WITHIN    set in a window before it is read there
+ */
+#define CPL_LOOP_FIELDS(V, A, P)                                                                                       \
+  /* the window under way */                                                                                           \
+  V(CARRIED, uint64_t, window)                                                                                         \
+  V(CARRIED, uint64_t, step0) /* DEM steps at its ends */                                                              \
+  V(CARRIED, uint64_t, step1)                                                                                          \
+  V(CARRIED, double, t0) /* [s] */                                                                                     \
+  V(CARRIED, double, t1)                                                                                               \
+  V(CARRIED, long, n)               /* DEM steps of the next window, unless the run ends before */                     \
+  V(CARRIED, long, n_least)         /* of the windows so far; the last of the run left out, if it is cut */            \
+  V(CARRIED, long, n_most)          /* the same */                                                                     \
+  V(CARRIED, uint64_t, next_sample) /* number of the next output time on the grid */                                   \
+  V(WITHIN, int, nsample)           /* output times in (t0, t1] */                                                     \
+  A(WITHIN, double, sample_time, loop->samples_most)                                                                   \
+  A(WITHIN, double, row_time, loop->samples_most) /* the same as records have them: k times the interval */            \
+  /* the bodies */                                                                                                     \
+  A(CARRIED, tdm_state, state_start, loop->nbody)        /* at t0 */                                                   \
+  A(WITHIN, tdm_state, state_end, loop->nbody)           /* at t1, once MBD has solved */                              \
+  A(WITHIN, tdm_state, dem_end, loop->nbody)             /* at t1, as DEM foresaw it; schemes with a mismatch_order */ \
+  A(FIXED, double, radius, loop->nbody)                  /* by which turns count as ways [m] */                        \
+  A(FIXED, bool, prescribed, loop->nbody)                /* loads leave its motion as it is; false where not known */  \
+  A(CARRIED, double, speed, loop->nbody)                 /* largest so far [m/s] */                                    \
+  A(WITHIN, tdm_wrench, mean, loop->nbody)               /* mean load over the window, once DEM has solved */          \
+  A(WITHIN, tdm_wrench, load, loop->nbody *TDM_LOAD_MAX) /* polynomial for MBD, row i: body i */                       \
+  A(WITHIN, tdm_wrench, packed, loop->nbody *TDM_LOAD_MAX) /* the same without gaps, as it is sent */                  \
+  V(CARRIED, int, nload) /* coefficients of the load; of the last window until there are new ones */                   \
+  /* the mechanism at t0, if the scheme needs it; points into its block */                                             \
+  V(CARRIED, tdm_proxy, proxy)                                                                                         \
+  A(CARRIED, double, proxy_block, loop->proxy_size)                                                                    \
+  /* the bodies' paths (path.h) */                                                                                     \
+  P(WITHIN, told)    /* of the window under way; no nodes: none were told */                                           \
+  P(CARRIED, coming) /* of the time behind it */                                                                       \
+  P(WITHIN, made)    /* the last one of cpl_path_through */                                                            \
+  /* what DEM was last sent along */                                                                                   \
+  V(WITHIN, const tdm_state *, sent_start) /* (nbody) */                                                               \
+  V(WITHIN, const tdm_state *, sent_end)                                                                               \
+  V(WITHIN, const double *, correction)       /* (nbody x 12) of DEM's path by its proxy, NULL: none */                \
+  V(WITHIN, cpl_results, result)              /* last results; their arrays live in the session's buffers */           \
+  A(CARRIED, char, memory, loop->memory_size) /* the scheme's */
 
 typedef struct cpl_loop {
   const cpl_settings *settings;
+  const void *scheme_settings; /* the scheme's own */
   const cpl_scheme *scheme;
   cpl_session *session;
-  struct cpl_record *record;
   int nbody;
-
-  /* the window under way */
-  uint64_t window;
-  uint64_t step0, step1; /* DEM steps at its ends */
-  double t0, t1;         /* [s] */
-  long n;                /* DEM steps of the next window, unless the run ends before */
-  long n_least, n_most;  /* of the windows so far; the last of the run left out, if it is cut */
-  int nsample;           /* output times in (t0, t1] */
-  double *sample_time;   /* (nsample) */
-  double *row_time;      /* (nsample) the same as the records have them: k times the interval, not rounded to a step */
-  uint64_t next_sample;  /* number of the next output time on the grid */
-
-  /* the bodies */
-  tdm_state *state_start; /* (nbody) at t0 */
-  tdm_state *state_end;   /* (nbody) at t1, once MBD has solved */
-  tdm_state *dem_end;     /* (nbody) at t1, as DEM foresaw it; schemes with a mismatch_order */
-  double *radius;         /* (nbody) by which turns count as ways [m] */
-  double *speed;          /* (nbody) largest so far [m/s] */
-  tdm_wrench *mean;       /* (nbody) mean load over the window, once DEM has solved */
-  cpl_history *history;   /* (nbody) */
-  tdm_wrench *load;       /* (nbody x TDM_LOAD_MAX) load polynomial for MBD, row i: body i */
-  int nload;              /* its coefficients; of the last window until there are new ones */
-  tdm_proxy proxy;        /* the mechanism at t0, if the scheme needs it; points into proxy_block */
-  double *proxy_block;
-  cpl_paths paths;
-  void *own;                              /* the scheme's */
-  const void *scheme_settings;            /* what the scene says to it, NULL: nothing */
-  tdm_wrench *packed;                     /* load without gaps, as it is sent */
-  const tdm_state *sent_start, *sent_end; /* (nbody) the path that DEM was last sent along */
-  const double *correction;               /* (nbody x 12) of DEM's path by its proxy, NULL: none */
-  const tdm_nodes *through; /* MBD's path through the window that is solved, for observers; no nodes: none were told */
-  tdm_result result[CPL_NROLE]; /* last results; their arrays live in the session's buffers */
-
-  cpl_observing observing[CPL_OBSERVERS_MAX]; /* in the order in which they are called */
-  int nobserving;
+  bool takes_path; /* DEM has the capability "path" */
+  size_t samples_most, proxy_size, memory_size;
+  void *own;                  /* what the scheme holds beside its memory */
+  void *saved[TDM_SLOTS_MAX]; /* copies of cpl_loop_save, NULL: none */
+#define CPL_VALUE(kind, type, name) type name;
+#define CPL_ARRAY(kind, type, name, count) type *name;
+#define CPL_PATH(kind, name) tdm_nodes name;
+  CPL_LOOP_FIELDS(CPL_VALUE, CPL_ARRAY, CPL_PATH)
+#undef CPL_VALUE
+#undef CPL_ARRAY
+#undef CPL_PATH
 } cpl_loop;
 
-static inline bool cpl_loop_done(const cpl_loop *loop) {
-  return loop->step1 >= cpl_total_steps(loop->settings);
-}
+/* Set up the loop after both solvers are READY; cpl_loop_free lets go of it whatever happened. */
+tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, tdm_error *err);
+void cpl_loop_free(cpl_loop *loop);
 
-/* The way [m] that a body makes in the window at its largest speed until t1; turns count at its radius. */
-static inline double cpl_motion(const cpl_loop *loop, int body) {
-  double speed = cpl_speed(&loop->state_end[body], loop->radius[body]);
-  return (loop->t1 - loop->t0) * fmax(speed, loop->speed[body]);
-}
+bool cpl_loop_done(const cpl_loop *loop);
+
+/* Keep what MBD says of the mechanism at the end of a window; `acceleration` (nbody x 6) under loop->load there. */
+void cpl_loop_keep_mechanism(cpl_loop *loop, const double *acceleration, const tdm_mobility *mobility);
+
+/* Keep loop and solvers under a slot (0 ... TDM_SLOTS_MAX - 1), or go back to it: between windows, or to the start of
+ * the window under way. The scheme must need CPL_RESTORE of both solvers. What it holds in loop->own stays as it is. */
+tdm_status cpl_loop_save(cpl_loop *loop, int slot, tdm_error *err);
+tdm_status cpl_loop_restore(cpl_loop *loop, int slot, tdm_error *err);
 
 #endif

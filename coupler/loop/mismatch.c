@@ -1,4 +1,4 @@
-/* How far two states of a body, or what two solvers make of a window, are apart: see mismatch.h. */
+/* How far two solvers are apart, and the window that follows from it: see mismatch.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
 
@@ -28,4 +28,26 @@ double cpl_length(int n, const double *values) {
   for (int i = 0; i < n; i++)
     sum += values[i] * values[i];
   return sqrt(sum);
+}
+
+double cpl_motion(const cpl_loop *loop, int body) {
+  double speed = cpl_speed(&loop->state_end[body], loop->radius[body]);
+  return (loop->t1 - loop->t0) * fmax(speed, loop->speed[body]);
+}
+
+/* ---- the next window ---- */
+
+/* So that the mismatch, which is rough where particles collide, mostly stays below what is allowed; and so that one
+ * quiet window does not make the next one blind. */
+static const double safety = 0.9, shrink = 0.2, growth = 1.5;
+
+long cpl_adapt_next(const cpl_auto *s, int order, long n, double excess) {
+  double factor = excess > 0 ? safety * pow(excess, -1.0 / order) : growth;
+  factor = fmax(shrink, fmin(factor, growth));
+  double next = factor > 1 ? ceil(factor * (double)n) : floor(factor * (double)n);
+  return (long)fmax((double)s->n_min, fmin(next, (double)s->n_max));
+}
+
+long cpl_adapt_longest(const cpl_auto *s, long n) {
+  return cpl_adapt_next(s, 1, n, 0);
 }

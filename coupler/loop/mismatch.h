@@ -1,9 +1,10 @@
-/* How far two states of a body, or what two solvers make of a window, are apart: all as lengths. */
+/* How far two states of a body, or what two solvers make of a window, are apart: all as lengths; and the length of the
+ * next window that follows from it ("n": "auto"; coupler/README.md). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_MISMATCH_H
 #define CPL_LOOP_MISMATCH_H
 
-#include "protocol/wire/participant.h"
+#include "coupler/loop/loop.h"
 
 enum { CPL_APART = 12 };
 
@@ -20,5 +21,15 @@ double cpl_speed(const tdm_state *state, double radius);
 
 /* Root of the sum of squares. */
 double cpl_length(int n, const double *values);
+
+/* The way [m] that a body makes in the window at its largest speed until t1; turns count at its radius. */
+double cpl_motion(const cpl_loop *loop, int body);
+
+/* DEM steps of the window after one of n steps, whose mismatch was `excess` times what is allowed and grows with the
+ * power `order` of the window. */
+long cpl_adapt_next(const cpl_auto *settings, int order, long n, double excess);
+
+/* The most that cpl_adapt_next can make of a window of n steps. */
+long cpl_adapt_longest(const cpl_auto *settings, long n);
 
 #endif

@@ -1,51 +1,59 @@
-/* Observers: what looks at a coupled run while it goes on, window by window, and changes nothing of it.
+/* Observers of the coupled loop: they see every window and change none of it.
  *
- * To add one: a file with its row, and the row in observers.c. The loop knows no observer by name.
+ * To add one: a file observe/<name>.c with a row of this type, and its line in observe/table.c. A program that runs
+ * scenes itself can also hand rows to cpl_run.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_OBSERVER_H
 #define CPL_LOOP_OBSERVER_H
 
-#include "protocol/base/status.h"
+#include "coupler/loop/loop.h"
+#include "protocol/app/results.h"
 
-#include <jansson.h>
-#include <stdbool.h>
+/* Where observers may write. */
+typedef struct {
+  tdm_results *results; /* the result directory */
+  bool quiet;           /* nothing to the terminal */
+} cpl_outlet;
 
-struct cpl_loop;
-
-/* Any operation but `window` may be NULL. `own` is what `open` has set, or what cpl_loop_observe was given. */
 typedef struct cpl_observer {
   const char *name;
-  /* Both solvers are READY, the loop stands at t = 0. */
-  tdm_status (*open)(const struct cpl_loop *loop, void **own, tdm_error *err);
-  /* A window is solved: loop->t0 ... t1, state_start and state_end, result. An error ends the run. */
-  tdm_status (*window)(const struct cpl_loop *loop, void *own, tdm_error *err);
-  /* The run has come to its end in order. */
-  void (*end)(const struct cpl_loop *loop, void *own);
-  /* Keys of its own for summary.json, also after an error. */
-  void (*enter)(const struct cpl_loop *loop, const void *own, json_t *summary);
-  /* Free what `open` has made; also when it has failed half-way (own may be NULL). */
-  void (*close)(void *own);
+  void *context; /* whatever `open` needs from who made the row */
+  /* The loop is at t = 0. *own (NULL) is the observer's; it is freed also after an error. NULL: nothing to do. */
+  tdm_status (*open)(const struct cpl_observer *self, const cpl_loop *loop, const cpl_outlet *outlet, void **own,
+                     tdm_error *err);
+  /* The loop has solved a window: from state_start at t0 to state_end at t1, output times in row_time. An error ends
+   * the run. NULL: nothing. */
+  tdm_status (*window)(void *own, const cpl_loop *loop, tdm_error *err);
+  /* The run has come to its end. NULL: nothing. */
+  void (*done)(void *own, const cpl_loop *loop);
+  /* The run was given up, for this reason. NULL: nothing. */
+  void (*failed)(void *own, const cpl_loop *loop, const tdm_error *reason);
+  /* After either: close files; an error of the disk that came up late is reported here. NULL: nothing. */
+  tdm_status (*close)(void *own, tdm_error *err);
+  /* After that: add keys to summary.json. NULL: none. */
+  void (*enter)(const void *own, json_t *summary);
+  void (*free)(void *own); /* NULL: nothing is */
 } cpl_observer;
 
-/* An observer at work. */
+/* The observers of a run, in the order in which they are called. */
+enum { CPL_OBSERVERS_MAX = 32 };
 typedef struct {
-  const cpl_observer *observer;
-  void *own;
-} cpl_observing;
+  int count;
+  const cpl_observer *row[CPL_OBSERVERS_MAX];
+  void *own[CPL_OBSERVERS_MAX];
+} cpl_observers;
 
-enum { CPL_OBSERVERS_MAX = 16 };
+/* Open one more; after an error it is among those that are closed and freed. */
+tdm_status cpl_observers_open(cpl_observers *observers, const cpl_observer *row, const cpl_loop *loop,
+                              const cpl_outlet *outlet, tdm_error *err);
 
-/* The table, NULL-terminated: they are called in this order. */
-extern const cpl_observer *cpl_observers[CPL_OBSERVERS_MAX + 1];
+tdm_status cpl_observers_window(const cpl_observers *observers, const cpl_loop *loop, tdm_error *err);
 
-/* Add an observer to the table, for all runs from now on. False: it is full. */
-bool cpl_observer_register(const cpl_observer *observer);
+/* The end of the run, which has failed when `err` is set: done or failed, then close. */
+void cpl_observers_end(const cpl_observers *observers, const cpl_loop *loop, tdm_error *err);
 
-/* Add one with a context of its own, `own`, to a loop that is set up; its `open` is not called. False: there are too
- * many. */
-bool cpl_loop_observe(struct cpl_loop *loop, const cpl_observer *observer, void *own);
-
-extern const cpl_observer cpl_observer_record, cpl_observer_ledger;
+void cpl_observers_enter(const cpl_observers *observers, json_t *summary);
+void cpl_observers_free(cpl_observers *observers);
 
 #endif

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/path.h"
 
-#include "coupler/loop/adapt.h"
+#include "coupler/loop/mismatch.h"
 #include "protocol/base/remark.h"
 
 #include <limits.h>
@@ -15,48 +15,17 @@
  * 0.07 off, one along the straight line of 0.4 rad 0.05. */
 static const double far = 0.05;
 
-/* ---- memory ---- */
-
-static bool reserve(tdm_nodes *path, int nbody) {
-  path->nbody = nbody;
-  path->time = calloc(TDM_NODES_MAX, sizeof *path->time);
-  path->state = calloc(TDM_NODES_MAX * (size_t)nbody + 1, sizeof *path->state);
-  return path->time && path->state;
-}
-
-static void release(tdm_nodes *path) {
-  free(path->time);
-  free(path->state);
-}
+/* ---- nodes ---- */
 
 static void set_node(tdm_nodes *path, int k, double time, const tdm_state *state) {
   path->time[k] = time;
   memcpy(path->state + k * path->nbody, state, (size_t)path->nbody * sizeof *state);
 }
 
-void cpl_path_keep(cpl_paths *p, const tdm_nodes *from) {
-  p->coming.nnode = from->nnode;
+void cpl_path_keep(cpl_loop *loop, const tdm_nodes *from) {
+  loop->coming.nnode = from->nnode;
   for (int k = 0; k < from->nnode; k++)
-    set_node(&p->coming, k, from->time[k], from->state + k * p->nbody);
-}
-
-bool cpl_paths_init(cpl_paths *p, const cpl_loop *loop) {
-  *p = (cpl_paths){.nbody = loop->nbody, .takes = cpl_session_has(loop->session, CPL_DEM, "path")};
-  p->prescribed = calloc((size_t)p->nbody + 1, sizeof *p->prescribed);
-  if (!p->prescribed || !reserve(&p->told, p->nbody) || !reserve(&p->coming, p->nbody) || !reserve(&p->made, p->nbody))
-    return false;
-  if (loop->session->prescribed)
-    memcpy(p->prescribed, loop->session->prescribed, (size_t)p->nbody * sizeof *p->prescribed);
-  cpl_path_keep(p, &loop->session->path);
-  return true;
-}
-
-void cpl_paths_free(cpl_paths *p) {
-  free(p->prescribed);
-  release(&p->told);
-  release(&p->coming);
-  release(&p->made);
-  *p = (cpl_paths){0};
+    set_node(&loop->coming, k, from->time[k], from->state + k * loop->nbody);
 }
 
 /* ---- windows ---- */
@@ -71,7 +40,7 @@ double cpl_path_ahead(const cpl_loop *loop) {
 }
 
 long cpl_path_reach(const cpl_loop *loop) {
-  const tdm_nodes *coming = &loop->paths.coming;
+  const tdm_nodes *coming = &loop->coming;
   const double t0 = (double)loop->step1 * loop->settings->dt;
   if (coming->nnode == 0)
     return LONG_MAX;
@@ -93,21 +62,20 @@ static tdm_status refuse_bends(const cpl_loop *loop, double last, tdm_error *err
 }
 
 tdm_status cpl_path_open(cpl_loop *loop, tdm_error *err) {
-  cpl_paths *p = &loop->paths;
-  const tdm_nodes *from = &p->coming;
+  const tdm_nodes *from = &loop->coming;
   const double slack = 1e-6 * loop->settings->dt;
-  p->told.nnode = 0;
+  loop->told.nnode = 0;
   if (from->nnode == 0)
     return TDM_OK;
   const double last = from->time[from->nnode - 1];
   if (last < loop->t1 - slack)
     return refuse_bends(loop, last, err);
   for (int k = 0; k < from->nnode && from->time[k] < loop->t1 - slack; k++)
-    set_node(&p->told, p->told.nnode++, from->time[k], from->state + k * p->nbody);
-  const int end = p->told.nnode++;
-  for (int i = 0; i < p->nbody; i++)
-    p->told.state[end * p->nbody + i] = tdm_nodes_at(from, i, &loop->state_start[i], loop->t0, loop->t1);
-  p->told.time[end] = loop->t1;
+    set_node(&loop->told, loop->told.nnode++, from->time[k], from->state + k * loop->nbody);
+  const int end = loop->told.nnode++;
+  for (int i = 0; i < loop->nbody; i++)
+    loop->told.state[end * loop->nbody + i] = tdm_nodes_at(from, i, &loop->state_start[i], loop->t0, loop->t1);
+  loop->told.time[end] = loop->t1;
   return TDM_OK;
 }
 
@@ -134,18 +102,18 @@ static apart apart_of(const tdm_state *a, const tdm_state *b) {
       {tdm_quat_turn(b->pose.orientation, a->pose.orientation), tdm_sub(a->twist.angular, b->twist.angular)}};
 }
 
-const tdm_nodes *cpl_path_through(cpl_loop *loop, const tdm_state *start, const tdm_state *end) {
-  cpl_paths *p = &loop->paths;
+tdm_nodes cpl_path_through(const cpl_loop *loop, const tdm_state *start, const tdm_state *end) {
   const double h = loop->t1 - loop->t0;
-  const int last = p->told.nnode - 1;
-  p->made.nnode = p->told.nnode;
+  const int last = loop->told.nnode - 1;
+  tdm_nodes made = loop->made;
+  made.nnode = loop->told.nnode;
   for (int k = 0; k < last; k++) {
-    const double s = (p->told.time[k] - loop->t0) / h;
-    set_node(&p->made, k, p->told.time[k], p->told.state + k * p->nbody);
-    for (int i = 0; i < p->nbody; i++) {
+    const double s = (loop->told.time[k] - loop->t0) / h;
+    set_node(&made, k, loop->told.time[k], loop->told.state + k * loop->nbody);
+    for (int i = 0; i < loop->nbody; i++) {
       const apart a = apart_of(&start[i], &loop->state_start[i]);
-      const apart b = apart_of(&end[i], &p->told.state[last * p->nbody + i]);
-      tdm_state *node = p->made.state + k * p->nbody + i;
+      const apart b = apart_of(&end[i], &loop->told.state[last * loop->nbody + i]);
+      tdm_state *node = made.state + k * loop->nbody + i;
       tdm_vec3 rate;
       node->pose.position = tdm_add(node->pose.position, between(s, h, a.way, b.way, &rate));
       node->twist.velocity = tdm_add(node->twist.velocity, rate);
@@ -154,8 +122,8 @@ const tdm_nodes *cpl_path_through(cpl_loop *loop, const tdm_state *start, const 
     }
   }
   if (last >= 0)
-    set_node(&p->made, last, p->told.time[last], end);
-  return &p->made;
+    set_node(&made, last, loop->told.time[last], end);
+  return made;
 }
 
 tdm_state cpl_predict(const tdm_state *state, const double *acceleration, double h) {
@@ -192,13 +160,13 @@ static tdm_pose without_nodes(const cpl_loop *loop, int i, const tdm_state *star
 }
 
 tdm_status cpl_path_check(cpl_loop *loop, const tdm_state *start, const tdm_state *end, tdm_error *err) {
-  const tdm_nodes *path = start ? cpl_path_through(loop, start, end) : &loop->paths.told;
+  const tdm_nodes path = start ? cpl_path_through(loop, start, end) : loop->told;
   for (int i = 0; i < loop->nbody; i++) {
     const tdm_pose *from = start ? &start[i].pose : &loop->state_start[i].pose;
     double motion = (loop->t1 - loop->t0) * loop->speed[i], off = 0; /* at its fastest so far: it may turn back here */
-    for (int k = 0; k < path->nnode; k++) {
-      const double s = (path->time[k] - loop->t0) / (loop->t1 - loop->t0);
-      const tdm_pose *node = &path->state[k * loop->nbody + i].pose, there = without_nodes(loop, i, start, end, s);
+    for (int k = 0; k < path.nnode; k++) {
+      const double s = (path.time[k] - loop->t0) / (loop->t1 - loop->t0);
+      const tdm_pose *node = &path.state[k * loop->nbody + i].pose, there = without_nodes(loop, i, start, end, s);
       motion = fmax(motion, distance(node, from, loop->radius[i]));
       off = fmax(off, distance(node, &there, loop->radius[i]));
     }
@@ -243,10 +211,10 @@ void cpl_path_doubt(const cpl_loop *loop) {
 }
 
 double cpl_path_turn(const cpl_loop *loop, int body) {
-  const tdm_nodes *told = &loop->paths.told;
+  const tdm_nodes *told = &loop->told;
   double most = 0;
   for (int k = 0; k < told->nnode; k++)
     most = fmax(most, tdm_norm(tdm_quat_turn(loop->state_start[body].pose.orientation,
                                              told->state[k * loop->nbody + body].pose.orientation)));
-  return told->nnode > 0 && loop->paths.takes ? most : NAN;
+  return told->nnode > 0 && loop->takes_path ? most : NAN;
 }

@@ -13,15 +13,11 @@
 
 #include "coupler/loop/loop.h"
 
-/* Begin with what READY told; false: no memory. */
-bool cpl_paths_init(cpl_paths *paths, const cpl_loop *loop);
-void cpl_paths_free(cpl_paths *paths);
-
 /* Where MBD is to tell the path to in this window's RESULT [s]; 0: nowhere. */
 double cpl_path_ahead(const cpl_loop *loop);
 
 /* Keep what RESULT told for the next window. */
-void cpl_path_keep(cpl_paths *paths, const tdm_nodes *path);
+void cpl_path_keep(cpl_loop *loop, const tdm_nodes *path);
 
 /* The DEM steps of dt that the told path reaches; LONG_MAX without nodes. */
 long cpl_path_reach(const cpl_loop *loop);
@@ -31,7 +27,7 @@ tdm_status cpl_path_open(cpl_loop *loop, tdm_error *err);
 
 /* The nodes, told for this window, of the path that goes from `start` to `end` (nbody each). Valid until the next
  * call; no nodes if none were told. */
-const tdm_nodes *cpl_path_through(cpl_loop *loop, const tdm_state *start, const tdm_state *end);
+tdm_nodes cpl_path_through(const cpl_loop *loop, const tdm_state *start, const tdm_state *end);
 
 /* Pose and twist after the time h [s] under a constant acceleration (6: linear, angular). */
 tdm_state cpl_predict(const tdm_state *state, const double *acceleration, double h);

@@ -2,11 +2,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/run/run.h"
 
-#include "coupler/loop/record.h"
 #include "coupler/loop/window.h"
+#include "coupler/observe/observers.h"
 #include "coupler/run/check.h"
-#include "coupler/session/private.h"
-#include "coupler/session/scheme.h"
+#include "coupler/run/private.h"
+#include "coupler/scheme/schemes.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 #include "protocol/base/remark.h"
@@ -22,17 +22,17 @@ typedef struct {
   const cpl_run_options *options;
   tdm_scene scene;
   cpl_settings settings;
-  cpl_record record;
+  tdm_results results;
   cpl_session session;
   cpl_loop loop;
+  cpl_observers observers;
   tdm_remarks remarks; /* the server's own */
+  cpl_observer remarks_row;
   tdm_teller teller;
   uint64_t told;   /* changes of all remarks that were told */
   void *context;   /* ZeroMQ context shared with threads */
   cpl_private own; /* of the ipc socket, and of the logs of a check that leaves none */
-  bool session_open;
-  tdm_progress progress; /* of the loop */
-  cpl_run_result *result;
+  bool session_open, thread_hangs;
 } run_state;
 
 static const double grace = 3; /* time that solvers get to end after FINISH [s] */
@@ -46,7 +46,7 @@ static tdm_status load(run_state *run, tdm_error *err) {
   for (const char *const *set = o->set; set && *set; set++)
     if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
       return err->status;
-  if (cpl_settings_read(&run->settings, &run->scene, err) != TDM_OK)
+  if (cpl_settings_read(&run->settings, &run->scene, o->schemes ? o->schemes : cpl_schemes, err) != TDM_OK)
     return err->status;
   if ((!o->out || run->settings.transport == CPL_IPC) && cpl_private_make(&run->own, err) != TDM_OK)
     return err->status;
@@ -55,10 +55,10 @@ static tdm_status load(run_state *run, tdm_error *err) {
                                .log = "server.log",
                                .force = o->force || !o->out,
                                .beside = o->check};
-  if (cpl_record_open(&run->record, &def, err) != TDM_OK)
+  if (tdm_results_open(&run->results, &def, err) != TDM_OK)
     return err->status;
-  tdm_log_open(run->record.results.log, "server");
-  return tdm_results_json(&run->record.results, "scene.json", run->scene.root, err);
+  tdm_log_open(run->results.log, "server");
+  return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
 }
 
 /* Where the server listens. ipc: a socket in a directory that only this user can enter. */
@@ -87,7 +87,7 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
     return TDM_OK;
   }
   snprintf(file, sizeof file, "%s.log", name);
-  tdm_results_claim(&run->record.results, file, log, sizeof log);
+  tdm_results_claim(&run->results, file, log, sizeof log);
   if (s->transport == CPL_INPROC) {
     if (s->command[role] || !run->options->solver[role].ops)
       return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? "coupling.solvers" : "coupling.transport",
@@ -119,7 +119,7 @@ static tdm_status start(run_state *run, tdm_error *err) {
 }
 
 /* Warnings of the solvers: printed, or refused when strict. */
-static tdm_status heed_warnings(run_state *run, tdm_error *err) {
+static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_error *err) {
   size_t i;
   json_t *warning;
   char quoted[TDM_MESSAGE_MAX];
@@ -128,7 +128,7 @@ static tdm_status heed_warnings(run_state *run, tdm_error *err) {
     const char *path = json_string_value(json_object_get(warning, "path"));
     const char *message = json_string_value(json_object_get(warning, "message"));
     tdm_fail(&place, TDM_ERR_SCENE, path, "%s", message ? message : "a warning without words");
-    run->result->warnings++;
+    result->warnings++;
     tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
             tdm_log_quote(quoted, sizeof quoted, place.message));
     if (run->options->strict)
@@ -164,40 +164,48 @@ static void tell_remarks(run_state *run) {
   json_decref(all);
 }
 
-/* ---- the loop ---- */
-
-/* An observer: the result so far, the bar and the remarks on the terminal. */
-static tdm_status follow(const cpl_loop *loop, void *own, tdm_error *err) {
-  run_state *run = own;
-  cpl_run_result *result = run->result;
-  result->simulated = loop->t1;
-  result->windows = loop->window + 1;
-  result->n_least = loop->n_least;
-  result->n_most = loop->n_most;
-  tdm_progress_update(&run->progress, loop->t1, result->windows);
-  tell_remarks(run);
-  return err->status;
+/* the observer of remarks: its row's context is the run */
+static tdm_status remarks_open(const cpl_observer *self, const cpl_loop *loop, const cpl_outlet *outlet, void **own,
+                               tdm_error *err) {
+  (void)loop, (void)outlet, (void)err;
+  *own = self->context;
+  return TDM_OK;
 }
 
-static const cpl_observer progress_observer = {.name = "progress", .window = follow};
+static tdm_status remarks_window(void *own, const cpl_loop *loop, tdm_error *err) {
+  (void)loop, (void)err;
+  tell_remarks(own);
+  return TDM_OK;
+}
 
-static tdm_status solve(run_state *run, tdm_error *err) {
-  cpl_run_result *result = run->result;
-  if (cpl_loop_init(&run->loop, &run->settings, &run->session, &run->record, err) != TDM_OK)
+/* ---- the loop ---- */
+
+static tdm_status open_observers(run_state *run, tdm_error *err) {
+  const cpl_observer *const own[] = {&run->remarks_row, NULL}, *const none[] = {NULL};
+  const cpl_observer *const *const tables[] = {cpl_observer_table, own,
+                                               run->options->observers ? run->options->observers : none};
+  const cpl_outlet outlet = {&run->results, run->options->quiet};
+  for (size_t t = 0; t < sizeof tables / sizeof tables[0]; t++)
+    for (const cpl_observer *const *row = tables[t]; *row; row++)
+      if (cpl_observers_open(&run->observers, *row, &run->loop, &outlet, err) != TDM_OK)
+        return err->status;
+  return TDM_OK;
+}
+
+static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) {
+  if (tdm_results_start(&run->results, err) != TDM_OK ||
+      cpl_loop_init(&run->loop, &run->settings, &run->session, err) != TDM_OK || open_observers(run, err) != TDM_OK)
     return err->status;
-  if (!cpl_loop_observe(&run->loop, &progress_observer, run))
-    return tdm_fail(err, TDM_ERR_SYSTEM, NULL, "more than %d observers", CPL_OBSERVERS_MAX);
-  tdm_progress_begin(&run->progress, (double)cpl_total_steps(&run->settings) * run->settings.dt, "windows",
-                     run->options->quiet);
   double begin = tdm_clock();
-  while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, err) == TDM_OK)
-    ;
-  if (err->status == TDM_OK)
-    cpl_loop_end(&run->loop);
-  tdm_progress_end(&run->progress);
-  result->loop = tdm_clock() - begin;
-  if (run->loop.own && run->loop.scheme->tell)
+  while (!cpl_loop_done(&run->loop) && cpl_loop_advance(&run->loop, &run->observers, err) == TDM_OK) {
+    result->simulated = run->loop.t1;
+    result->windows = run->loop.window;
+    result->n_least = run->loop.n_least;
+    result->n_most = run->loop.n_most;
+  }
+  if (run->loop.scheme->tell)
     run->loop.scheme->tell(&run->loop, result->scheme_line, sizeof result->scheme_line);
+  result->loop = tdm_clock() - begin;
   for (int r = 0; r < CPL_NROLE; r++) {
     const cpl_partner *p = &run->session.partner[r];
     result->step[r] = p->step_time;
@@ -216,7 +224,7 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
   double exchange = 0, own = cpl_run_coupling(r);
   printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
          r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
-  if (*r->scheme_line)
+  if (r->scheme_line[0])
     printf("  %s\n", r->scheme_line);
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
   for (int role = 0; role < CPL_NROLE; role++) {
@@ -247,6 +255,8 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   if (s->adapt.on)
     json_object_set_new(json, "n",
                         json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
+  if (run->loop.scheme && run->loop.scheme->enter && r->windows > 0)
+    run->loop.scheme->enter(&run->loop, json);
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];
@@ -257,7 +267,7 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   json_object_set_new(json, "solvers", solvers);
   json_object_set_new(json, "warnings", run->session.warnings ? json_copy(run->session.warnings) : json_array());
   tdm_remarks_enter(json, remarks);
-  cpl_loop_enter(&run->loop, json);
+  cpl_observers_enter(&run->observers, json);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
   if (err->status != TDM_OK)
     json_object_set_new(json, "error", json_string(err->message));
@@ -273,24 +283,23 @@ static void stop(run_state *run, const tdm_error *err) {
     cpl_session_close(&run->session, err);
   for (int r = 0; r < CPL_NROLE; r++)
     if (!cpl_child_stop(&child[r], grace))
-      run->result->thread_hangs = true;
-  if (!run->result->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
+      run->thread_hangs = true;
+  if (!run->thread_hangs) /* a thread that hangs keeps its socket: terminating the context would wait for it */
     tdm_context_destroy(&run->context);
 }
 
-static void finish(run_state *run, double begin, tdm_error *err) {
-  cpl_run_result *result = run->result;
+static void finish(run_state *run, cpl_run_result *result, double begin, tdm_error *err) {
   char quoted[TDM_MESSAGE_MAX];
   tdm_scene_locate(&run->scene, err);
-  cpl_record_close(&run->record, err);
+  cpl_observers_end(&run->observers, &run->loop, err);
   json_t *remarks = all_remarks(run);
   tell_remarks(run);
   if (!run->options->quiet)
     tdm_remarks_tell_counts(&run->teller, remarks);
-  if (run->record.results.log) {
+  if (run->results.log) {
     result->wall = tdm_clock() - begin;
     json_t *json = summary(run, result, remarks, err);
-    tdm_results_summary(&run->record.results, json, err);
+    tdm_results_summary(&run->results, json, err);
     json_decref(json);
     if (err->status != TDM_OK)
       tdm_log(TDM_LOG_ERROR, "failed", "status=%s message=%s", tdm_status_name(err->status),
@@ -302,34 +311,37 @@ static void finish(run_state *run, double begin, tdm_error *err) {
   json_decref(remarks);
   tdm_remarks_open(NULL);
   tdm_teller_free(&run->teller);
-  if (run->record.results.staged && !run->options->quiet)
+  if (run->results.staged && !run->options->quiet)
     fprintf(stderr, "tandem: notice: the results in %s stay as they are; the logs of this start are in %s\n",
-            run->record.results.home, run->record.results.dir);
+            run->results.home, run->results.dir);
   stop(run, err);
   result->wall = tdm_clock() - begin;
+  cpl_observers_free(&run->observers);
   cpl_loop_free(&run->loop);
   cpl_settings_free(&run->settings);
   tdm_scene_destroy(&run->scene);
   tdm_log_open(NULL, "server");
-  tdm_results_close(&run->record.results);
+  tdm_results_close(&run->results);
   cpl_private_remove(&run->own);
 }
 
 tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_error *err) {
   double begin = tdm_clock();
-  run_state run = {.options = options, .result = result, .teller = {.program = "tandem"}};
+  run_state run = {.options = options, .teller = {.program = "tandem"}};
   run.teller.scene = &run.scene;
+  run.remarks_row = (cpl_observer){.name = "remarks", .context = &run, .open = remarks_open, .window = remarks_window};
   tdm_remarks_open(&run.remarks);
   *result = (cpl_run_result){0};
-  if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, err) == TDM_OK) {
+  if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
     result->setup = tdm_clock() - begin;
     if (!options->check)
-      solve(&run, err);
+      solve(&run, result, err);
     else if (!options->quiet)
       cpl_check_print(&run.settings, &run.session);
   }
-  finish(&run, begin, err);
-  if (result->thread_hangs && err->status == TDM_OK)
+  finish(&run, result, begin, err);
+  result->thread_hangs = run.thread_hangs;
+  if (run.thread_hangs)
     tdm_fail(err, TDM_ERR_SYSTEM, NULL, "a solver's thread does not end");
   return err->status;
 }

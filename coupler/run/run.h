@@ -3,7 +3,7 @@
 #ifndef CPL_RUN_RUN_H
 #define CPL_RUN_RUN_H
 
-#include "coupler/loop/window.h"
+#include "coupler/loop/observer.h"
 #include "coupler/session/launch.h"
 
 typedef struct {
@@ -15,6 +15,8 @@ typedef struct {
   bool quiet;             /* no progress, no warnings on standard error */
   bool check;             /* stop when both solvers are ready, and print what would run (not when quiet) */
   cpl_solver solver[CPL_NROLE];
+  const cpl_scheme *const *schemes;     /* that the scene may name, NULL-terminated; NULL: tandem's own */
+  const cpl_observer *const *observers; /* beside tandem's own, NULL-terminated; NULL: none */
 } cpl_run_options;
 
 typedef struct {
@@ -26,9 +28,9 @@ typedef struct {
   double step[CPL_NROLE];     /* the solvers' own work on windows [s] */
   double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
   long n_least, n_most;       /* DEM steps of the shortest and the longest window */
-  char scheme_line[160];      /* what the scheme says of the run; "": nothing */
+  char scheme_line[160];      /* the scheme's own line on its windows, "" for none */
+  bool thread_hangs;          /* inproc: a solver's thread does not end; the process must leave by _exit */
   int warnings;
-  bool thread_hangs; /* a solver's thread could not be ended: its memory is not freed, and it goes on; leave by _exit */
 } cpl_run_result;
 
 /* What is neither solver's own work in the loop [s]: exchange, extrapolation, records. */

@@ -12,8 +12,9 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
-#include "coupler/loop/window.h"
+#include "coupler/loop/solve.h"
 #include "coupler/scheme/accelerate.h"
+#include "coupler/scheme/schemes.h"
 #include "protocol/base/remark.h"
 
 #include <math.h>
@@ -30,7 +31,15 @@ typedef struct {
   int most;         /* iterations a window */
   cpl_accelerator_kind accelerator;
   int reuse; /* windows whose differences IQN-ILS keeps */
-} iterative_settings;
+} settings;
+
+/* What is kept from window to window, beside what the accelerator has learned. */
+typedef struct {
+  uint64_t windows; /* iterated on */
+  uint64_t all;     /* iterations in them */
+  int largest;      /* in one window */
+  uint64_t not_converged;
+} statistics;
 
 typedef struct {
   cpl_accelerator *accelerator;
@@ -38,12 +47,9 @@ typedef struct {
   double *best;       /* (nbody x 12) that of the smallest residual */
   double *residual;   /* (nbody x 12) */
   double *correction; /* (nbody x 12) as it is sent */
-
-  /* statistics */
-  uint64_t windows, iterations; /* iterated on; in all of them */
-  uint64_t not_converged;       /* windows */
-  int largest;                  /* iterations in one window */
 } iteration;
+
+/* ---- settings and statistics ---- */
 
 /* A number of things, at most `most`. */
 static int read_count(tdm_object *o, const char *key, long absent, long least, long most) {
@@ -53,15 +59,44 @@ static int read_count(tdm_object *o, const char *key, long absent, long least, l
   return (int)count;
 }
 
-static void read(void *settings, tdm_object *o) {
+static void read_settings(void *own, tdm_object *o) {
   static const char *const accelerators[] = {[CPL_IQN_ILS] = "iqn-ils", [CPL_AITKEN] = "aitken"};
-  iterative_settings *s = settings;
+  settings *s = own;
   s->tolerance = tdm_get_number(o, "tolerance", 1e-4, TDM_POSITIVE);
   s->absolute = tdm_get_number(o, "absolute", 1e-10, TDM_NOT_NEGATIVE);
   s->most = read_count(o, "max", 20, 1, 1000);
   s->accelerator = (cpl_accelerator_kind)tdm_get_choice(o, "accelerator", accelerators, 2, CPL_IQN_ILS);
   s->reuse = read_count(o, "reuse", 3, 0, 100);
 }
+
+static size_t memory_size(int nbody) {
+  (void)nbody;
+  return sizeof(statistics);
+}
+
+static statistics *statistics_of(const cpl_loop *loop) {
+  return (statistics *)(void *)loop->memory;
+}
+
+static double mean_iterations(const statistics *t) {
+  return (double)t->all / (double)t->windows;
+}
+
+static void enter(const cpl_loop *loop, json_t *summary) {
+  const statistics *t = statistics_of(loop);
+  if (t->windows > 0)
+    json_object_set_new(summary, "iterations",
+                        json_pack("{s:f, s:i, s:I}", "mean", mean_iterations(t), "largest", t->largest,
+                                  "windows_not_converged", (json_int_t)t->not_converged));
+}
+
+static void tell(const cpl_loop *loop, char *line, size_t size) {
+  const statistics *t = statistics_of(loop);
+  if (t->windows > 0)
+    snprintf(line, size, "iterations a window: %.2f in the mean, %d at most", mean_iterations(t), t->largest);
+}
+
+/* ---- the run ---- */
 
 static void end(cpl_loop *loop) {
   iteration *it = loop->own;
@@ -72,7 +107,7 @@ static void end(cpl_loop *loop) {
 }
 
 static tdm_status begin(cpl_loop *loop, tdm_error *err) {
-  const iterative_settings *s = loop->scheme_settings;
+  const settings *s = loop->scheme_settings;
   const size_t n = CPL_APART * (size_t)loop->nbody;
   iteration *it = loop->own = calloc(1, sizeof *it);
   if (!it)
@@ -87,25 +122,13 @@ static tdm_status begin(cpl_loop *loop, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status save(cpl_loop *loop, tdm_error *err) {
-  for (int r = 0; r < CPL_NROLE; r++)
-    if (cpl_session_save(loop->session, (cpl_role)r, SLOT, err) != TDM_OK)
-      return err->status;
-  return TDM_OK;
-}
-
-static tdm_status restore(cpl_loop *loop, tdm_error *err) {
-  for (int r = 0; r < CPL_NROLE; r++)
-    if (cpl_session_restore(loop->session, (cpl_role)r, SLOT, err) != TDM_OK)
-      return err->status;
-  return TDM_OK;
-}
+/* ---- a window ---- */
 
 /* Both solvers over the window with the correction c. Sets the residual, and *excess to its size beside what is
  * allowed. */
 static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_error *err) {
   iteration *it = loop->own;
-  const iterative_settings *s = loop->scheme_settings;
+  const settings *s = loop->scheme_settings;
   const double H = loop->t1 - loop->t0;
   for (int i = 0; i < CPL_APART * loop->nbody; i++) {
     int part = i % CPL_APART / 3;
@@ -132,36 +155,40 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
   return TDM_OK;
 }
 
-/* The window has come to its last iteration and its residual is too large: go on with the best one. */
-static tdm_status settle_for(cpl_loop *loop, double excess, bool again, tdm_error *err) {
-  iteration *it = loop->own;
-  const int most = ((const iterative_settings *)loop->scheme_settings)->most;
-  it->not_converged++;
+/* The windows that did not converge are told, and that there are too many of them. */
+static void tell_not_converged(cpl_loop *loop, double excess) {
+  const settings *s = loop->scheme_settings;
+  statistics *t = statistics_of(loop);
+  t->not_converged++;
   tdm_remark(TDM_NOTICE, "not_converged", "coupling.iterative", loop->t0,
              "the %d iterations of the window from %.6g s on did not converge; the smallest residual, %.3g of the "
              "tolerance, was taken: take a smaller coupling.n, or a larger coupling.iterative.max or tolerance",
-             most, loop->t0, excess);
-  const uint64_t left = it->not_converged, all = it->windows;
-  if (left >= 10 && 10 * left > all)
+             s->most, loop->t0, excess);
+  if (t->not_converged >= 10 && 10 * t->not_converged > t->windows)
     tdm_remark(
         TDM_WARNING, "not_converging", "coupling.iterative", loop->t0,
         "%llu of the first %llu windows did not converge, more than a tenth: the results do not keep "
         "coupling.iterative.tolerance; take a smaller coupling.n, or a larger coupling.iterative.max or tolerance",
-        (unsigned long long)left, (unsigned long long)all);
-  if (!again)
-    return TDM_OK;
-  if (restore(loop, err) != TDM_OK)
+        (unsigned long long)t->not_converged, (unsigned long long)t->windows);
+}
+
+/* The last iteration, with a residual that is too large: go on with the best one. */
+static tdm_status settle_for_best(cpl_loop *loop, tdm_error *err) {
+  iteration *it = loop->own;
+  double excess;
+  if (cpl_loop_restore(loop, SLOT, err) != TDM_OK)
     return err->status;
   return solve(loop, it->best, &excess, err);
 }
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   iteration *it = loop->own;
-  const int most = ((const iterative_settings *)loop->scheme_settings)->most;
+  statistics *t = statistics_of(loop);
+  const int most = ((const settings *)loop->scheme_settings)->most;
   const size_t size = CPL_APART * (size_t)loop->nbody * sizeof *it->guess;
   double excess = INFINITY, least = INFINITY;
   int count = 0;
-  if (save(loop, err) != TDM_OK)
+  if (cpl_loop_save(loop, SLOT, err) != TDM_OK)
     return err->status;
   memset(it->guess, 0, size);
   cpl_accelerator_begin(it->accelerator);
@@ -176,43 +203,29 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
     if (excess <= 1 || count == most)
       break;
     cpl_accelerator_step(it->accelerator, it->guess, it->residual, it->guess);
-    if (restore(loop, err) != TDM_OK)
+    if (cpl_loop_restore(loop, SLOT, err) != TDM_OK)
       return err->status;
   }
-  it->windows++;
-  it->iterations += (uint64_t)count;
-  it->largest = count > it->largest ? count : it->largest;
-  return excess <= 1 ? TDM_OK : settle_for(loop, least, excess > least, err);
+  const bool converged = excess <= 1;
+  if (!converged && excess > least && settle_for_best(loop, err) != TDM_OK)
+    return err->status;
+  t->windows++;
+  t->all += (uint64_t)count;
+  t->largest = count > t->largest ? count : t->largest;
+  if (!converged)
+    tell_not_converged(loop, least);
+  return TDM_OK;
 }
-
-static double mean_iterations(const iteration *it) {
-  return (double)it->iterations / (double)it->windows;
-}
-
-static void enter(const cpl_loop *loop, json_t *summary) {
-  const iteration *it = loop->own;
-  if (it->windows > 0)
-    json_object_set_new(summary, "iterations",
-                        json_pack("{s:f, s:i, s:I}", "mean", mean_iterations(it), "largest", it->largest,
-                                  "windows_not_converged", (json_int_t)it->not_converged));
-}
-
-static void tell(const cpl_loop *loop, char *line, size_t size) {
-  const iteration *it = loop->own;
-  if (it->windows > 0)
-    snprintf(line, size, "iterations a window: %.2f in the mean, %d at most", mean_iterations(it), it->largest);
-}
-
-static const char *const of_mbd[] = {"acceleration", "mobility", "restore", NULL};
-static const char *const of_dem[] = {"interface", "proxy", "restore", NULL};
 
 const cpl_scheme cpl_scheme_iterative = {
     .name = "iterative",
     .summary = "the window of proxy, repeated until both solvers agree on its end",
-    .needs = {[CPL_MBD] = of_mbd, [CPL_DEM] = of_dem},
+    .needs = {[CPL_MBD] = CPL_ACCELERATION | CPL_MOBILITY | CPL_RESTORE,
+              [CPL_DEM] = CPL_INTERFACE | CPL_PROXY | CPL_RESTORE},
     .mismatch_order = 4,
-    .settings_size = sizeof(iterative_settings),
-    .read = read,
+    .settings_size = sizeof(settings),
+    .read = read_settings,
+    .memory = memory_size,
     .open = begin,
     .close = end,
     .advance = advance,

@@ -9,7 +9,8 @@
  * from DEM, each window adds one mean.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/window.h"
+#include "coupler/scheme/extrapolate.h"
+#include "coupler/scheme/schemes.h"
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   return cpl_mbd_first(loop, 3, err);
@@ -19,5 +20,7 @@ const cpl_scheme cpl_scheme_lommen = {
     .name = "lommen",
     .summary = "MBD first, on the parabola through the last three window means",
     .better = "proxy",
+    .memory = cpl_history_memory,
+    .open = cpl_history_begin,
     .advance = advance,
 };

@@ -1,9 +1,8 @@
 /* proxy: DEM carries the mechanism through the window, MBD follows with the load of the same window.
  *
  *   window k:  DEM  integrates the f independent velocities of the mechanism, as MBD linearised it at t_k, beside the
- *                   particles, under the load that its contacts make (dem/proxy.h); returns the load's moments m_j
- *              MBD  integrates the same window under the parabola with these moments (cpl_solve_dem_proxy); its state
- *                   wins
+ *                   particles, under the load that its contacts make (dem/bodies/proxy.h); returns the load's moments
+ * m_j MBD  integrates the same window under the parabola with these moments (cpl_solve_dem_proxy); its state wins
  *
  * The particles feel the inertia, springs and dampers of what holds them within the window: no added-mass instability,
  * whatever their mass. What both sides make of the same window differs by what the linearisation leaves out: an
@@ -12,39 +11,35 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/mismatch.h"
-#include "coupler/loop/window.h"
+#include "coupler/loop/solve.h"
+#include "coupler/scheme/schemes.h"
 #include "protocol/base/remark.h"
 
-#include <stdlib.h>
+#include <math.h>
 
 /* A mismatch of a tenth of the motion is more than curvature makes: the mechanism has changed within the window. */
-static const double most_mismatch = 0.1, least_mismatch = 1e-7; /* of the motion; [m] */
+static const double change = 0.1, least_change = 1e-7; /* of the motion; [m] */
 
-/* loop->own: windows in which the mechanism changed. */
+/* Windows in which the mechanism changed. */
 typedef struct {
-  uint64_t windows;
-  double first; /* the first one's start [s] */
+  uint64_t count;
+  double first; /* start of the first one [s] */
 } mechanism_changes;
 
-static tdm_status begin(cpl_loop *loop, tdm_error *err) {
-  loop->own = calloc(1, sizeof(mechanism_changes));
-  return loop->own ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-}
-
-static void end(cpl_loop *loop) {
-  free(loop->own);
-  loop->own = NULL;
+static size_t memory_size(int nbody) {
+  (void)nbody;
+  return sizeof(mechanism_changes);
 }
 
 static void look_for_change(cpl_loop *loop) {
-  mechanism_changes *changes = loop->own;
+  mechanism_changes *changes = (mechanism_changes *)(void *)loop->memory;
   double apart[CPL_APART];
   for (int i = 0; i < loop->nbody; i++) {
     cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], loop->t1 - loop->t0, apart);
     double is = cpl_length(CPL_APART, apart);
-    if (!(is > most_mismatch * cpl_motion(loop, i) + least_mismatch))
+    if (!(is > change * cpl_motion(loop, i) + least_change))
       continue;
-    if (changes->windows++ == 0)
+    if (changes->count++ == 0)
       changes->first = loop->t0;
     tdm_remark(
         TDM_NOTICE, "mechanism_changed", "coupling.n", loop->t0,
@@ -67,23 +62,19 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
 }
 
 static void enter(const cpl_loop *loop, json_t *summary) {
-  const mechanism_changes *changes = loop->own;
-  if (changes->windows > 0)
+  const mechanism_changes *changes = (const mechanism_changes *)(const void *)loop->memory;
+  if (changes->count > 0)
     json_object_set_new(summary, "mechanism_changed",
-                        json_pack("{s:I, s:f}", "windows", (json_int_t)changes->windows, "first_s", changes->first));
+                        json_pack("{s:I, s:f}", "windows", (json_int_t)changes->count, "first_s", changes->first));
 }
-
-static const char *const of_mbd[] = {"acceleration", "mobility", NULL};
-static const char *const of_dem[] = {"interface", "proxy", NULL};
 
 const cpl_scheme cpl_scheme_proxy = {
     .name = "proxy",
     .summary = "DEM carries the mechanism through the window, MBD follows with the same load",
-    .needs = {[CPL_MBD] = of_mbd, [CPL_DEM] = of_dem},
-    .mismatch_order = 4,
     .better = "iterative",
-    .open = begin,
-    .close = end,
+    .needs = {[CPL_MBD] = CPL_ACCELERATION | CPL_MOBILITY, [CPL_DEM] = CPL_INTERFACE | CPL_PROXY},
+    .mismatch_order = 4,
+    .memory = memory_size,
     .advance = advance,
     .enter = enter,
 };

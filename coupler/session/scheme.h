@@ -1,56 +1,58 @@
-/* Coupling schemes: who goes first in a window, and with which load. What a session and a loop know of them.
+/* Coupling schemes: who goes first in a window, and with which load.
  *
- * To add one: a file scheme/<name>.c with its equations at the head, one row in session/schemes.c, its key in
- * scenarios/scene.schema.json, its paragraph in docs. A scheme moves the loop over one window with the operations of
- * loop/window.h. Its settings, statistics and notices are its own.
+ * To add one: a file scheme/<name>.c with its equations at the head, one row in scheme/table.c, its key in
+ * scenarios/scene.schema.json, its paragraph in coupler/README.md. A scheme moves the loop over one window with the
+ * operations of loop/solve.h. It owns its settings, what it keeps, its remarks and what summary.json says of it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SESSION_SCHEME_H
 #define CPL_SESSION_SCHEME_H
 
-#include "protocol/base/scene.h"
-#include "protocol/wire/participant.h"
+#include "coupler/session/settings.h"
 
 struct cpl_loop;
+
+/* Capabilities that a scheme may need of a solver (PROTOCOL.md has them by these names), as flags. */
+typedef enum {
+  CPL_ACCELERATION = 1 << 0, /* mbd: RESULTs tell the bodies' accelerations */
+  CPL_MOBILITY = 1 << 1,     /* mbd: ... and how loads on them change these */
+  CPL_INTERFACE = 1 << 2,    /* dem: RESULTs tell the moments of the load */
+  CPL_PROXY = 1 << 3,        /* dem: carries the mechanism through the window */
+  CPL_RESTORE = 1 << 4       /* both: SAVE and RESTORE */
+} cpl_need;
+
+enum { CPL_NNEED = 5 };
+extern const char *const cpl_need_names[CPL_NNEED]; /* by the flag's bit */
 
 typedef struct cpl_scheme {
   const char *name;
   const char *summary;
-  /* capabilities that each role's solver (cpl_role: mbd, dem) must announce, NULL-terminated; NULL: none. Of mbd,
-   * "acceleration" and "mobility" are asked for in ASSIGN then. */
-  const char *const *needs[2];
+  const char *better; /* the scheme to take where this one's windows are too long for it; NULL: none is */
+  /* what each role's solver must announce: flags of cpl_need. What RESULTs carry for it is asked for in ASSIGN. */
+  unsigned needs[CPL_NROLE];
   /* Path of a body's position in a window that DEM is sent along, unless the scene says (coupling.interpolation). */
   tdm_interpolation interpolation;
   /* Order in H of the mismatch between the two solvers' ends of a window, loop->dem_end and loop->state_end, by which
    * "n": "auto" chooses H; 0: there is none. */
   int mismatch_order;
-  /* A scheme to advise where the exchange of this one makes too much energy; NULL: none is better. */
-  const char *better;
   /* The scheme's settings: `read` takes the object coupling.<name> of the scene, which may be absent, into a block of
-   * this size, which is loop->scheme_settings later. It is read whether or not the scheme is chosen, as scenes may hold
-   * the settings of several. Errors go to own->err. NULL: the scheme has none, and coupling.<name> is refused. */
+   * this size that begins as zeros, loop->scheme_settings later; strings are borrowed. It is read whether or not the
+   * scheme is chosen, as scenes may hold the settings of several. Errors go to own->err. NULL: the scheme has none, and
+   * coupling.<name> is refused. */
   size_t settings_size;
   void (*read)(void *settings, tdm_object *own);
-  /* What the scheme itself needs during a run: sets and frees loop->own. NULL: nothing. */
+  /* Bytes, without pointers, that it keeps from window to window for so many bodies: loop->memory, zeros at first,
+   * which goes back with the loop (cpl_loop_restore). NULL: none. */
+  size_t (*memory)(int nbody);
+  /* The start of the run: fills loop->memory; may set loop->own, which `close` (may be NULL) frees. NULL: nothing. */
   tdm_status (*open)(struct cpl_loop *loop, tdm_error *err);
   void (*close)(struct cpl_loop *loop);
-  /* Take the loop from the start of its window to the end: fills loop->state_end, pushes to loop->history. */
+  /* Take the loop from the start of its window to the end: fills loop->state_end. */
   tdm_status (*advance)(struct cpl_loop *loop, tdm_error *err);
-  /* Its statistics so far: keys of its own for summary.json, and a line for the terminal ("": none). NULL: nothing. */
+  /* What summary.json says of the windows, as keys of that object; and in one line for the terminal, "" for nothing to
+   * say (size bytes). NULL: nothing. */
   void (*enter)(const struct cpl_loop *loop, json_t *summary);
   void (*tell)(const struct cpl_loop *loop, char *line, size_t size);
 } cpl_scheme;
-
-enum { CPL_SCHEMES_MAX = 16 };
-
-/* The table, NULL-terminated; the first is the default. */
-extern const cpl_scheme *cpl_schemes[CPL_SCHEMES_MAX + 1];
-
-/* Add a scheme that is not in the table, before any scene is read. The row must live on. False: the table is full, or
- * has the name. */
-bool cpl_scheme_register(const cpl_scheme *scheme);
-
-extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold, cpl_scheme_dem_first, cpl_scheme_proxy,
-    cpl_scheme_iterative;
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "coupler/session/scheme.h"
 #include "protocol/app/command_line.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/remark.h"
 
@@ -15,11 +16,6 @@
 
 enum { SLICE_MS = 100, LAST_LINES = 4 };
 static const double heartbeat_interval = 0.5; /* [s] */
-
-const char *cpl_session_name(const cpl_session *session, cpl_role role) {
-  const cpl_partner *p = &session->partner[role];
-  return p->name[0] ? p->name : cpl_role_names[role];
-}
 
 /* ---- errors that name a partner ---- */
 
@@ -281,106 +277,16 @@ tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const 
   return err->status;
 }
 
-bool cpl_session_has(const cpl_session *s, cpl_role role, const char *capability) {
-  size_t i;
-  json_t *entry;
-  json_array_foreach(s->partner[role].capabilities, i, entry) {
-    const char *name = json_string_value(entry);
-    if (name && strcmp(name, capability) == 0)
-      return true;
-  }
-  return false;
-}
-
-/* The first capability that a scheme needs and a role's solver lacks; NULL: none. */
-static const char *lacks(const cpl_session *s, int role, const cpl_scheme *scheme) {
-  const char *const *need = scheme->needs[role];
-  while (need && *need && cpl_session_has(s, (cpl_role)role, *need))
-    need++;
-  return need ? *need : NULL;
-}
-
-static bool listed(const char *const *list, const char *name) {
-  while (list && *list && strcmp(*list, name) != 0)
-    list++;
-  return list && *list;
-}
-
-const cpl_extra cpl_extras[CPL_NEXTRA] = {{"acceleration", false, true, false}, {"mobility", false, false, false},
-                                          {"interface", true, true, false},     {"energy", true, false, false},
-                                          {"matched_load", false, true, false}, {"ahead", true, true, true}};
-
-/* Further coefficients of the load: of a DEM solver that carries a proxy, if it can and mbd takes so many. */
-static bool matches(const cpl_session *s) {
-  static const char name[] = "matched_load";
-  return listed(s->scheme->needs[CPL_DEM], "proxy") && cpl_session_has(s, CPL_DEM, name) &&
-         cpl_session_has(s, CPL_MBD, name);
-}
-
-bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
-  if (strcmp(extra, "matched_load") == 0)
-    return role == CPL_DEM && matches(s);
-  for (int i = 0; i < CPL_NEXTRA; i++)
-    if (strcmp(cpl_extras[i].name, extra) == 0)
-      return listed(s->scheme->needs[role], extra) || (cpl_extras[i].always && cpl_session_has(s, role, extra));
-  return false;
-}
-
-/* The reduced model of all bodies must fit into a message; its size goes with the square of their number. */
-static tdm_status check_size(const cpl_session *s, tdm_error *err) {
-  const size_t room = TDM_FRAME_MAX - (1 << 20); /* the rest of a message: states, samples */
-  int most = s->settings->nbody;
-  if (!listed(s->scheme->needs[CPL_MBD], "mobility"))
-    return TDM_OK;
-  while (8 * tdm_mobility_doubles(&(tdm_mobility){.nbody = most, .nfree = TDM_FREE_MAX}) > room)
-    most--;
-  if (most == s->settings->nbody)
-    return TDM_OK;
-  return tdm_fail(
-      err, TDM_ERR_SCENE, "coupling.bodies",
-      "has %d entries, but the scheme %s sends how every body moves every other one, and a message has room "
-      "for %d; couple fewer bodies (parts that a joint fixes are one), or take dem-first or lommen as "
-      "coupling.scheme",
-      s->settings->nbody, s->scheme->name, most);
-}
-
-/* The scheme of the scene, or its fallback when a solver lacks what that needs. */
-static tdm_status choose_scheme(cpl_session *s, tdm_error *err) {
-  const cpl_scheme *wanted = s->settings->scheme, *fallback = s->settings->fallback;
-  s->scheme = wanted;
-  for (int r = 0; r < CPL_NROLE; r++) {
-    const char *missing = lacks(s, r, s->scheme);
-    if (!missing)
-      continue;
-    if (!fallback || s->scheme == fallback)
-      return tdm_fail(err, TDM_ERR_SCENE, s->scheme == wanted ? "coupling.scheme" : "coupling.fallback",
-                      "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or "
-                      "solver%s",
-                      s->scheme->name, missing, cpl_session_name(s, (cpl_role)r),
-                      fallback ? "" : ", or name one that does without it as coupling.fallback");
-    tdm_remark(TDM_NOTICE, "fallback", "coupling.fallback", 0,
-               "the scheme %s needs the capability \"%s\", which %s does not have: %s was taken instead", wanted->name,
-               missing, cpl_session_name(s, (cpl_role)r), fallback->name);
-    s->scheme = fallback;
-    r = -1; /* what it needs, of both */
-  }
-  return check_size(s, err);
-}
-
 static json_t *assigned_body(const cpl_session *s, int role, int i) {
   json_t *body = json_pack("{s:s}", "name", s->settings->body[i].name[role]);
   if (role == CPL_DEM) {
     const tdm_assigned_body *b = &s->body[i];
-    json_object_set_new(body, "mass", isfinite(b->mass) ? json_real(b->mass) : json_null());
+    json_object_set_new(body, "mass", tdm_number_to_json(b->mass));
     json_object_set_new(body, "inertia", tdm_numbers_to_json(&b->inertia.m[0][0], 9));
     json_object_set_new(body, "state", tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
     tdm_part_write(b, body);
   }
   return body;
-}
-
-tdm_interpolation cpl_session_interpolation(const cpl_session *s) {
-  return s->settings->interpolates ? s->settings->interpolation : s->scheme->interpolation;
 }
 
 static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_error *err) {
@@ -402,9 +308,9 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   json_decref(results);
   if (cpl_session_asks(s, (cpl_role)role, "ahead"))
     json_object_set_new(message, "ahead", json_real(cpl_first_window(set)));
-  if (listed(s->scheme->needs[role], "restore"))
+  if (s->scheme->needs[role] & CPL_RESTORE)
     json_object_set_new(message, "restores", json_true());
-  if (listed(s->scheme->needs[role], "proxy"))
+  if (s->scheme->needs[role] & CPL_PROXY)
     json_object_set_new(message, "proxy", json_true());
   tdm_status status = tdm_control_write(&s->out, TDM_ASSIGN, 0, message, err);
   if (status == TDM_OK)
@@ -419,7 +325,7 @@ tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *
     while (!s->partner[r].connected)
       if (wait_for(s, r, TDM_HELLO, &header, err) != TDM_OK)
         return err->status;
-  if (choose_scheme(s, err) != TDM_OK)
+  if (cpl_session_choose(s, err) != TDM_OK)
     return err->status;
   /* mbd first: its READY has the bodies that dem needs */
   for (int r = 0; r < CPL_NROLE; r++) {

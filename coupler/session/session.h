@@ -36,7 +36,7 @@ typedef struct {
 typedef struct {
   tdm_transport *transport;
   const cpl_settings *settings;
-  const cpl_scheme *scheme; /* of the settings, or their fallback; from the start on */
+  const struct cpl_scheme *scheme; /* of the settings, or their fallback; from the start on */
   cpl_partner partner[CPL_NROLE];
   tdm_assigned_body *body; /* (nbody) from mbd's READY; names are dem's */
   tdm_wrench *load;        /* (nbody) from dem's READY: at the start */
@@ -60,6 +60,9 @@ tdm_status cpl_session_open(cpl_session *session, const cpl_settings *settings, 
 /* Wait for HELLO of both, assign mbd, then dem with mbd's bodies: after this both are READY. */
 tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_error *err);
 
+/* After both HELLOs: the scheme of the scene, or its fallback when a solver lacks what that needs (session_asks.c). */
+tdm_status cpl_session_choose(cpl_session *session, tdm_error *err);
+
 /* Take up what a role says in its READY (session_ready.c). */
 tdm_status cpl_session_read_ready(cpl_session *session, cpl_role role, const tdm_header *header, tdm_error *err);
 
@@ -69,6 +72,7 @@ void cpl_session_compare(cpl_session *session);
 /* What RESULT may carry beside the exchange's own. */
 typedef struct {
   const char *name;
+  unsigned need; /* flag of cpl_need: asked for by schemes that need it; 0: by none */
   bool always;   /* asked for whatever the scheme, for the ledger */
   bool per_body; /* empty without coupled bodies */
   bool may_lack; /* where there is nothing to tell */

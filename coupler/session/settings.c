@@ -2,11 +2,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/settings.h"
 
+#include "coupler/session/scheme.h"
 #include "protocol/app/time_section.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { SCHEMES_MAX = 32 };
 
 const char *const cpl_role_names[CPL_NROLE] = {"mbd", "dem"};
 
@@ -128,37 +132,59 @@ static void read_n(cpl_settings *s, tdm_object *coupling) {
 
 /* Every scheme's own object, coupling.<name>. */
 static void read_schemes(cpl_settings *s, tdm_object *coupling) {
-  for (int i = 0; cpl_schemes[i] && !coupling->err->status; i++) {
-    const cpl_scheme *scheme = cpl_schemes[i];
+  int n = 0;
+  while (s->schemes[n])
+    n++;
+  s->scheme_settings = calloc((size_t)n + 1, sizeof *s->scheme_settings);
+  if (!s->scheme_settings)
+    tdm_fail(coupling->err, TDM_ERR_MEMORY, NULL, "out of memory");
+  for (int k = 0; k < n && !coupling->err->status; k++) {
+    const cpl_scheme *scheme = s->schemes[k];
     if (!scheme->read)
       continue;
-    s->scheme_settings[i] = calloc(1, scheme->settings_size);
-    if (!s->scheme_settings[i]) {
+    s->scheme_settings[k] = calloc(1, scheme->settings_size + 1);
+    if (!s->scheme_settings[k]) {
       tdm_fail(coupling->err, TDM_ERR_MEMORY, NULL, "out of memory");
       return;
     }
     tdm_object own = tdm_get_object(coupling, scheme->name, false);
-    scheme->read(s->scheme_settings[i], &own);
+    scheme->read(s->scheme_settings[k], &own);
     tdm_object_close(&own);
   }
 }
 
 const void *cpl_scheme_settings(const cpl_settings *s, const cpl_scheme *scheme) {
-  for (int i = 0; cpl_schemes[i]; i++)
-    if (cpl_schemes[i] == scheme)
-      return s->scheme_settings[i];
+  for (int k = 0; s->schemes && s->schemes[k]; k++)
+    if (s->scheme_settings && s->schemes[k] == scheme)
+      return s->scheme_settings[k];
   return NULL;
+}
+
+const char *cpl_scheme_names(const cpl_settings *s, bool (*takes)(const cpl_scheme *), char *out, size_t size) {
+  const char *name[SCHEMES_MAX];
+  int n = 0, used = 0;
+  for (int k = 0; s->schemes && s->schemes[k] && n < SCHEMES_MAX; k++)
+    if (takes(s->schemes[k]))
+      name[n++] = s->schemes[k]->name;
+  out[0] = 0;
+  for (int k = 0; k < n && used < (int)size; k++)
+    used += snprintf(out + used, size - (size_t)used, "%s%s", k == 0 ? "" : k == n - 1 ? " or " : ", ", name[k]);
+  return out;
+}
+
+static bool sees_mismatch(const cpl_scheme *scheme) {
+  return scheme->mismatch_order > 0;
 }
 
 /* Only schemes that see the error of a window can choose its length by it. */
 static void check_adaptive(const cpl_settings *s, tdm_object *coupling) {
   const cpl_scheme *const schemes[] = {s->scheme, s->fallback};
+  char others[256];
   for (int i = 0; s->adapt.on && i < 2; i++)
     if (schemes[i] && schemes[i]->mismatch_order == 0)
       tdm_object_fail(coupling, "n",
-                      "is \"auto\", for which the scheme %s has no estimate of its error; give a number, or take "
-                      "proxy, iterative or dem-first",
-                      schemes[i]->name);
+                      "is \"auto\", for which the scheme %s has no estimate of its error; give a number, or take %s",
+                      schemes[i]->name, cpl_scheme_names(s, sees_mismatch, others, sizeof others));
 }
 
 static void read_guard(cpl_settings *s, tdm_object *coupling) {
@@ -173,18 +199,18 @@ static void read_guard(cpl_settings *s, tdm_object *coupling) {
 static void read_coupling(cpl_settings *s, tdm_object *root) {
   static const char *const transports[] = {"ipc", "tcp", "inproc"};
   static const char *const interpolations[] = {"linear", "hermite"};
-  const char *names[CPL_SCHEMES_MAX];
+  const char *names[SCHEMES_MAX];
   int nscheme = 0;
-  for (; cpl_schemes[nscheme]; nscheme++)
-    names[nscheme] = cpl_schemes[nscheme]->name;
+  for (; s->schemes[nscheme] && nscheme < SCHEMES_MAX; nscheme++)
+    names[nscheme] = s->schemes[nscheme]->name;
   tdm_object o = tdm_get_object(root, "coupling", true);
   read_n(s, &o);
   read_schemes(s, &o);
   int scheme = tdm_get_choice(&o, "scheme", names, nscheme, 0);
-  s->scheme = cpl_schemes[scheme < 0 ? 0 : scheme];
+  s->scheme = s->schemes[scheme < 0 ? 0 : scheme];
   if (tdm_has(&o, "fallback")) {
     int fallback = tdm_get_choice(&o, "fallback", names, nscheme, 0);
-    s->fallback = fallback < 0 ? NULL : cpl_schemes[fallback];
+    s->fallback = fallback < 0 ? NULL : s->schemes[fallback];
   }
   check_adaptive(s, &o);
   s->transport = (cpl_transport_kind)tdm_get_choice(&o, "transport", transports, 3, CPL_IPC);
@@ -208,8 +234,9 @@ static void read_output(cpl_settings *s, tdm_object *root) {
   tdm_object_close(&o);
 }
 
-tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error *err) {
-  *s = (cpl_settings){0};
+tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, const cpl_scheme *const *schemes,
+                             tdm_error *err) {
+  *s = (cpl_settings){.schemes = schemes};
   tdm_object root = tdm_object_open(scene->root, "", err);
   tdm_has(&root, "$schema"); /* for editors */
   const json_t *sections = scene->root;
@@ -234,11 +261,11 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, tdm_error 
 }
 
 void cpl_settings_free(cpl_settings *s) {
+  for (int k = 0; s->scheme_settings && s->schemes[k]; k++)
+    free(s->scheme_settings[k]);
+  free(s->scheme_settings);
   free(s->body);
+  s->scheme_settings = NULL;
   s->body = NULL;
   s->nbody = 0;
-  for (int i = 0; i < CPL_SCHEMES_MAX; i++) {
-    free(s->scheme_settings[i]);
-    s->scheme_settings[i] = NULL;
-  }
 }

@@ -3,7 +3,6 @@
 #ifndef CPL_SESSION_SETTINGS_H
 #define CPL_SESSION_SETTINGS_H
 
-#include "coupler/session/scheme.h"
 #include "protocol/base/scene.h"
 #include "protocol/wire/participant.h"
 
@@ -17,7 +16,7 @@ typedef enum { CPL_IPC, CPL_TCP, CPL_INPROC } cpl_transport_kind;
 
 typedef enum { CPL_GUARD_STOP, CPL_GUARD_WARN, CPL_GUARD_OFF } cpl_guard_action;
 
-/* What is done when energy appears from nowhere (ledger.h). */
+/* What is done when energy appears from nowhere (observe/ledger.h). */
 typedef struct {
   double energy; /* largest rise, as a share of the largest energy so far */
   cpl_guard_action action;
@@ -28,7 +27,7 @@ typedef struct {
   const char *name[CPL_NROLE]; /* what each solver calls the body */
 } cpl_body_names;
 
-/* Windows whose length follows their own error (coupling.n is "auto"): adapt.h. */
+/* Windows whose length follows their own error (coupling.n is "auto"): loop/mismatch.h. */
 typedef struct {
   bool on;
   double tolerance; /* largest mismatch of a window, as a share of cpl_motion */
@@ -42,9 +41,10 @@ typedef struct {
   double dt;       /* DEM step [s] */
   long n;          /* DEM steps a window; of the longest, if it adapts */
   cpl_auto adapt;
-  const cpl_scheme *scheme;
-  const cpl_scheme *fallback;             /* for solvers that lack what the scheme needs, NULL: none */
-  void *scheme_settings[CPL_SCHEMES_MAX]; /* of each row of cpl_schemes, owned; NULL: it has none */
+  const struct cpl_scheme *const *schemes; /* that a scene may name, NULL-terminated; the first is the default */
+  void **scheme_settings;                  /* what each of them has read, owned; NULL where it reads nothing */
+  const struct cpl_scheme *scheme;
+  const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
   cpl_guard guard;
   cpl_transport_kind transport;
   bool interpolates;               /* the scene says how; else the scheme does */
@@ -63,11 +63,16 @@ typedef struct {
 bool cpl_name_fits_file(const char *name);
 
 /* Read the server's sections. An error has its JSON path; tdm_scene_locate adds the place. */
-tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, tdm_error *err);
+tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, const struct cpl_scheme *const *schemes,
+                             tdm_error *err);
 void cpl_settings_free(cpl_settings *settings);
 
-/* What the scene says to a scheme; NULL: the scheme has no settings. */
-const void *cpl_scheme_settings(const cpl_settings *settings, const cpl_scheme *scheme);
+/* What a scheme has read of its own, NULL: nothing. */
+const void *cpl_scheme_settings(const cpl_settings *settings, const struct cpl_scheme *scheme);
+
+/* The names of the schemes that a test takes, as "a, b or c" in `out` (size bytes). Returns out. */
+const char *cpl_scheme_names(const cpl_settings *settings, bool (*takes)(const struct cpl_scheme *scheme), char *out,
+                             size_t size);
 
 /* DEM steps of the whole run, and windows of n steps; the last window may be shorter. */
 uint64_t cpl_total_steps(const cpl_settings *settings);

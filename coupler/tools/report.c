@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/tools/report.h"
 
-#include "coupler/loop/record.h"
+#include "coupler/observe/observers.h"
 #include "coupler/tools/html.h"
 #include "coupler/tools/table.h"
 #include "protocol/app/thin.h"

@@ -3,7 +3,7 @@
 #define _GNU_SOURCE /* asprintf */
 #include "coupler/tools/sweep.h"
 
-#include "coupler/loop/record.h"
+#include "coupler/observe/observers.h"
 #include "protocol/app/command_line.h"
 #include "protocol/base/log.h"
 

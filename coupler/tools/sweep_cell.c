@@ -1,10 +1,11 @@
 /* One cell of a sweep: run it, compare it, decide whether it is ok, inexact, unstable or failed. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/session/scheme.h"
+#include "coupler/scheme/schemes.h"
 #include "coupler/tools/sweep.h"
 
 #include "coupler/tools/table.h"
 #include "protocol/app/results.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 
 #include <math.h>
@@ -12,10 +13,6 @@
 #include <string.h>
 
 static const double load_span = 0.02; /* [s] of the means of F_20ms */
-
-static json_t *number(double x) {
-  return isfinite(x) ? json_real(x) : json_null();
-}
 
 /* The scene of a cell as it runs (the caller destroys it), and the scenario that it names. */
 static const cpl_scenario *cell_scene(const cpl_sweep_options *o, const cpl_cell *cell, tdm_scene *scene) {
@@ -113,13 +110,13 @@ static void add_numbers(json_t *row, const cpl_comparison *c) {
   json_t *r2 = json_object_get(row, "r2"), *nse = json_object_get(row, "nse");
   for (int i = 0; i < c->ncurve; i++) {
     const cpl_compared *curve = &c->curve[i];
-    json_object_set_new(r2, curve->name, number(cpl_comparison_r2(c, curve)));
+    json_object_set_new(r2, curve->name, tdm_number_to_json(cpl_comparison_r2(c, curve)));
     if (curve->kind == CPL_STATE) {
-      json_object_set_new(nse, curve->name, number(cpl_comparison_nse(c, curve)));
+      json_object_set_new(nse, curve->name, tdm_number_to_json(cpl_comparison_nse(c, curve)));
     } else {
       char name[64];
       snprintf(name, sizeof name, "%s_20ms", curve->name);
-      json_object_set_new(r2, name, number(cpl_comparison_r2_mean(c, curve, load_span)));
+      json_object_set_new(r2, name, tdm_number_to_json(cpl_comparison_r2_mean(c, curve, load_span)));
     }
   }
 }

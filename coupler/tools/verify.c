@@ -6,6 +6,7 @@
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
 #include "protocol/app/results.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/version.h"
 
@@ -291,17 +292,13 @@ static void print_outcome(const outcome *o) {
 
 /* ---- the JSON file ---- */
 
-static json_t *number(double value) {
-  return value - value == 0 ? json_real(value) : json_null();
-}
-
 static json_t *outcome_to_json(const outcome *o) {
   json_t *measures = json_array();
   for (int i = 0; i < o->nmeasure; i++) {
     const measure *m = &o->measure[i];
     json_array_append_new(measures,
                           json_pack("{s:s, s:s, s:o, s:o, s:b}", "name", m->name, "case", m->case_name, "value",
-                                    number(m->value), "limit",
+                                    tdm_number_to_json(m->value), "limit",
                                     m->kind == CPL_NO_LIMIT ? json_null() : json_real(m->limit), "pass", (int)m->pass));
   }
   json_t *json =

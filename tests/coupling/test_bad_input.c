@@ -158,7 +158,7 @@ START_TEST(more_bodies_than_a_message_holds) {
   expect_output("many.json:1:");
   expect_output("coupling.bodies: has 600 entries, but the scheme proxy sends");
   expect_output("has room for 468");
-  expect_output("take dem-first or lommen");
+  expect_output("take dem-first, lommen or hold as coupling.scheme");
   write_many("many.json", 40000);
   ck_assert_int_eq(command("tandem run %s/many.json --out %s/out --set coupling.scheme=lommen", dir, dir), 1);
   expect_output("coupling.bodies: has 40000 entries; at most 10000 bodies can be coupled");

@@ -1,8 +1,7 @@
 /* The ledger: work in closed form, impulse, balance, and runs that gain energy. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/ledger.h"
-#include "coupler/loop/momentum.h"
-#include "coupler/loop/window.h"
+#include "coupler/observe/ledger.h"
+#include "coupler/observe/momentum.h"
 #include "protocol/app/results.h"
 #include "tests/command.h"
 #include "tests/result_table.h"

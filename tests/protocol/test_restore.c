@@ -1,5 +1,6 @@
 /* SAVE and RESTORE: the DEM engine as a thread, spoken to over the wire and by a session. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/scheme/schemes.h"
 #include "coupler/session/session.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
@@ -153,7 +154,7 @@ START_TEST(test_session) {
   cpl_session s;
   ck_assert_int_eq(tdm_scene_read(&scene, TANDEM_SOURCE_DIR "/scenarios/collision/scene.json", &err), TDM_OK);
   ck_assert_int_eq(tdm_scene_set(&scene, "coupling.transport=inproc", &err), TDM_OK);
-  ck_assert_int_eq(cpl_settings_read(&settings, &scene, &err), TDM_OK);
+  ck_assert_int_eq(cpl_settings_read(&settings, &scene, cpl_schemes, &err), TDM_OK);
   void *context = tdm_context_create();
   ck_assert_int_eq(cpl_session_open(&s, &settings, endpoint, context, &err), TDM_OK);
   const tdm_solver_ops *const ops[] = {[CPL_MBD] = &mbd_solver_ops, [CPL_DEM] = &dem_solver_ops};

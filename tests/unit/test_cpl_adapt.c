@@ -1,6 +1,5 @@
 /* The length of the next window, and the measure that it follows. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/adapt.h"
 #include "coupler/loop/mismatch.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,6 @@
 /* What the server takes from a partner for a number, a mobility, an inertia. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/session/scheme.h"
+#include "coupler/scheme/schemes.h"
 #include "coupler/session/session.h"
 #include "tests/test_main.h"
 

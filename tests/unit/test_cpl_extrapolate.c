@@ -1,6 +1,6 @@
 /* Extrapolation of window means: Cramer's rule, exactness for polynomials, the start. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/extrapolate.h"
+#include "coupler/scheme/extrapolate.h"
 #include "tests/test_main.h"
 
 #include <math.h>

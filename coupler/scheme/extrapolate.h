@@ -1,9 +1,9 @@
-/* Extrapolation of window means into the next window ([L18] Eq. 4-12). */
+/* Extrapolation of window means into the next window ([L18] Eq. 4-12), and the window of schemes that go by it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_LOOP_EXTRAPOLATE_H
-#define CPL_LOOP_EXTRAPOLATE_H
+#ifndef CPL_SCHEME_EXTRAPOLATE_H
+#define CPL_SCHEME_EXTRAPOLATE_H
 
-#include "protocol/base/pose.h"
+#include "coupler/loop/loop.h"
 
 enum { CPL_HISTORY_MAX = 3 };
 
@@ -24,5 +24,17 @@ void cpl_cramer(int n, const double *tau, const double *f, double *c);
  * the window [t0, t1]: coefficients in s = (t - t0)/(t1 - t0), out[0..n-1]. Returns how many were set: 1 (hold),
  * 2 (linear) or 3 (quadratic). */
 int cpl_extrapolate(const cpl_history *history, int n, double t0, double t1, tdm_wrench *out);
+
+/* ---- schemes whose memory begins with a history for each body ---- */
+
+/* cpl_scheme.memory: the histories alone [bytes]. */
+size_t cpl_history_memory(int nbody);
+
+/* cpl_scheme.open: the first load is DEM's at t = 0. */
+tdm_status cpl_history_begin(cpl_loop *loop, tdm_error *err);
+
+/* A whole window: MBD on the polynomial through the last nmean (1 to 3) means, DEM on the path from state_start to
+ * state_end that comes of it. */
+tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err);
 
 #endif

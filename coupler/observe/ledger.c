@@ -1,11 +1,12 @@
 /* The ledger: see ledger.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/ledger.h"
+#include "coupler/observe/ledger.h"
 
-#include "coupler/loop/loop.h"
-#include "coupler/loop/momentum.h"
-#include "coupler/loop/record.h"
-#include "protocol/app/results.h"
+#include "coupler/loop/path.h"
+#include "coupler/observe/histories.h"
+#include "coupler/observe/momentum.h"
+#include "coupler/observe/observers.h"
+#include "protocol/base/json.h"
 #include "protocol/base/remark.h"
 
 #include <math.h>
@@ -53,7 +54,8 @@ typedef struct {
 typedef struct {
   const cpl_settings *settings;
   const tdm_assigned_body *of; /* (nbody) as MBD told them, borrowed */
-  FILE *file;                  /* ledger.csv, the record's */
+  cpl_histories histories;
+  FILE *file; /* ledger.csv */
   int nbody;
   ledger_body *body; /* (nbody) */
   double *row;       /* of the file */
@@ -178,7 +180,7 @@ static void enter_exchange(ledger *l, const cpl_loop *loop) {
   for (int i = 0; i < l->nbody; i++) {
     given += l->body[i].work[CPL_DEM] + l->body[i].blending;
     felt += l->body[i].work[CPL_MBD];
-    if (loop->paths.prescribed[i])
+    if (loop->prescribed[i])
       l->drivers += residual_of(&l->body[i]) - l->body[i].blending;
   }
   l->exchange = (mbd->has_energy ? mbd->energy->exchanged : felt) - given - l->drivers;
@@ -280,17 +282,27 @@ static void write_header(const ledger *l) {
   fputc('\n', l->file);
 }
 
-static tdm_status begin(const cpl_loop *loop, void **own, tdm_error *err) {
+/* Opens the books: the header and the row of t = 0. */
+static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cpl_outlet *outlet, void **own,
+                        tdm_error *err) {
+  (void)self;
   const cpl_session *session = loop->session;
   const size_t nbody = (size_t)loop->nbody;
   ledger *l = *own = calloc(1, sizeof *l);
   if (!l)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  *l = (ledger){.settings = loop->settings, .of = session->body, .gained_at = NAN, .potential = {INFINITY, -INFINITY}};
+  *l = (ledger){.settings = loop->settings,
+                .of = session->body,
+                .gained_at = NAN,
+                .potential = {INFINITY, -INFINITY},
+                .histories.results = outlet->results};
   l->body = calloc(nbody + 1, sizeof *l->body);
   l->row = calloc(BODY_COLUMNS * nbody + CPL_NROLE * ENERGY_COLUMNS + 2, sizeof *l->row);
   if (!l->body || !l->row)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  l->file = cpl_histories_open(&l->histories, "ledger.csv", err);
+  if (!l->file)
+    return err->status;
   l->nbody = loop->nbody;
   for (int r = 0; r < CPL_NROLE; r++) {
     l->has_energy[r] = cpl_session_asks(session, (cpl_role)r, "energy");
@@ -299,21 +311,9 @@ static tdm_status begin(const cpl_loop *loop, void **own, tdm_error *err) {
   }
   if (!isnan(l->energy[CPL_MBD].stored + l->energy[CPL_DEM].stored))
     look(l);
-  l->file = cpl_record_file(loop->record, "ledger.csv", err);
-  if (!l->file)
-    return err->status;
   write_header(l);
   write_row(l, 0);
   return TDM_OK;
-}
-
-static void leave(void *own) {
-  ledger *l = own;
-  if (!l)
-    return;
-  free(l->body);
-  free(l->row);
-  free(l);
 }
 
 /* ---- the guard ---- */
@@ -327,16 +327,20 @@ static int worst_body(const ledger *l) {
   return worst;
 }
 
-/* ", NAME as coupling.scheme": a better one, if there is; returns text */
-static const char *better_scheme(const cpl_loop *loop, char *text, size_t size) {
-  const char *better = loop->scheme->better;
-  snprintf(text, size, better ? ", \"%s\" as coupling.scheme" : "", better);
+enum { BETTER = 96 };
+
+/* ", NAME as coupling.scheme": a better one, if there is; in `text` (BETTER bytes) */
+static const char *better_scheme(const cpl_loop *loop, char *text) {
+  text[0] = 0;
+  if (loop->scheme->better)
+    snprintf(text, BETTER, ", \"%s\" as coupling.scheme", loop->scheme->better);
   return text;
 }
 
 /* where the energy came from, and what helps; returns the place in the scene to look at */
 static const char *find_cause(const ledger *l, const cpl_loop *loop, char *text, size_t size) {
   const double rise = l->start + l->balance - l->lowest;
+  char better[BETTER];
   if (!through_exchange(l, rise)) {
     double made[CPL_NROLE];
     for (int r = 0; r < CPL_NROLE; r++)
@@ -350,10 +354,9 @@ static const char *find_cause(const ledger *l, const cpl_loop *loop, char *text,
     return dem ? "dem" : "mbd";
   }
   int worst = worst_body(l);
-  char better[64];
   snprintf(text, size,
            "the exchange made it, most at body \"%.200s\": take a smaller coupling.n%s, or a smaller time.dt",
-           l->settings->body[worst].name[CPL_MBD], better_scheme(loop, better, sizeof better));
+           l->settings->body[worst].name[CPL_MBD], better_scheme(loop, better));
   return "coupling.n";
 }
 
@@ -395,83 +398,109 @@ static tdm_status judge(ledger *l, const cpl_loop *loop, tdm_error *err) {
 
 /* ---- a window ---- */
 
-static tdm_status enter_window(const cpl_loop *loop, void *own, tdm_error *err) {
+static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
   ledger *l = own;
   const double end = loop->t1 - 1e-6 * l->settings->dt; /* times are multiples of two steps, which round apart */
   int k = 0;
   for (; k < loop->nsample && loop->sample_time[k] < end; k++)
     write_row(l, loop->row_time[k]);
+  const tdm_nodes through = cpl_path_through(loop, loop->state_start, loop->state_end);
   for (int i = 0; i < l->nbody; i++) {
-    const double work = enter_body(&l->body[i], loop, loop->through, i);
-    l->worked += loop->paths.prescribed[i] ? 0 : fabs(work);
+    const double work = enter_body(&l->body[i], loop, &through, i);
+    l->worked += loop->prescribed[i] ? 0 : fabs(work);
     cpl_momentum_window(&l->body[i].momentum, loop, i);
   }
   enter_exchange(l, loop);
   judge(l, loop, err);
   for (; k < loop->nsample; k++)
     write_row(l, loop->row_time[k]);
+  if (loop->nsample > 0)
+    cpl_histories_written(&l->histories, err);
   return err->status;
 }
 
 /* ---- the final figures ---- */
 
-static json_t *number(double x) {
-  return isfinite(x) ? json_real(x) : json_null();
-}
-
 /* What the exchange has made is more than coupling.guard.residual of the work that went through it (*share), and no
  * trifle: more than a tenth of the energy that the guard allows. False where a solver does not tell its energy. */
-static bool inexact(const ledger *l, double *share) {
+static bool inexact_run(const ledger *l, double *share) {
   const double most = largest_energy(l);
   *share = l->worked > 0 ? l->residual / l->worked : 0;
   return most > round_off * l->size && l->residual > trifle * l->settings->guard.energy * most &&
          *share > l->settings->guard.residual;
 }
 
-static void end(const cpl_loop *loop, void *own) {
+/* The run has come to its end: tell if it was inexact. */
+static void done(void *own, const cpl_loop *loop) {
   const ledger *l = own;
+  char better[BETTER];
   double share;
-  char better[64];
   for (int i = 0; i < l->nbody; i++)
     cpl_momentum_end(&l->body[i].momentum, loop, i);
-  if (inexact(l, &share))
+  if (inexact_run(l, &share))
     tdm_remark(TDM_WARNING, "inexact", "coupling.n", loop->t1,
                "inexact: the works of the coupling loads on both sides differ by up to %.2g of all that went through "
                "the interface (coupling.guard.residual allows %g); velocities may be off by percents; take a smaller "
                "coupling.n%s",
-               share, l->settings->guard.residual, better_scheme(loop, better, sizeof better));
+               share, l->settings->guard.residual, better_scheme(loop, better));
 }
 
-static void enter(const cpl_loop *loop, const void *own, json_t *summary) {
-  const ledger *l = own;
-  (void)loop;
+static json_t *figures(const ledger *l) {
   json_t *bodies = json_object();
   for (int i = 0; i < l->nbody; i++) {
     const ledger_body *b = &l->body[i];
-    json_object_set_new(bodies, l->settings->body[i].name[CPL_MBD],
-                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "impulse_Ns",
-                                  tdm_numbers_to_json(&b->impulse.force.x, 3), "angular_impulse_Nms",
-                                  tdm_numbers_to_json(&b->impulse.moment.x, 3), "work_dem_J", number(b->work[CPL_DEM]),
-                                  "work_mbd_J", number(b->work[CPL_MBD]), "residual_J", number(residual_of(b)),
-                                  "blending_J", number(b->blending), "largest_drift_m", number(b->most_drift),
-                                  "largest_drift_rad", number(b->most_angle), "impulse_on_mbd_Ns",
-                                  tdm_numbers_to_json(&b->momentum.given.x, 3), "momentum_off",
-                                  number(cpl_momentum_share(&b->momentum, &l->of[i]))));
+    json_object_set_new(
+        bodies, l->settings->body[i].name[CPL_MBD],
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "impulse_Ns",
+                  tdm_numbers_to_json(&b->impulse.force.x, 3), "angular_impulse_Nms",
+                  tdm_numbers_to_json(&b->impulse.moment.x, 3), "work_dem_J", tdm_number_to_json(b->work[CPL_DEM]),
+                  "work_mbd_J", tdm_number_to_json(b->work[CPL_MBD]), "residual_J", tdm_number_to_json(residual_of(b)),
+                  "blending_J", tdm_number_to_json(b->blending), "largest_drift_m", tdm_number_to_json(b->most_drift),
+                  "largest_drift_rad", tdm_number_to_json(b->most_angle), "impulse_on_mbd_Ns",
+                  tdm_numbers_to_json(&b->momentum.given.x, 3), "momentum_off",
+                  tdm_number_to_json(cpl_momentum_share(&b->momentum, &l->of[i]))));
   }
   double share, most = largest_energy(l);
-  const bool is_inexact = inexact(l, &share);
+  const bool inexact = inexact_run(l, &share);
   double scale = most > round_off * l->size ? most : NAN; /* else all of it is round-off */
   double allowed = l->settings->guard.energy * scale;
   bool gained = !isnan(l->gained_at) || l->exchange_rise > lenience * allowed ||
                 l->rise > (through_exchange(l, l->rise) ? allowed : lenience * allowed);
-  json_t *figures =
-      json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "inexact",
-                (int)is_inexact, "residual_share", number(share), "energy_residual", number(l->residual / scale),
-                "energy_rise", number(l->rise / scale), "exchange_rise", number(l->exchange_rise / scale),
-                "largest_energy_J", number(most), "exchange_J", number(l->exchange), "balance_J",
-                l->looks > 0 ? number(l->balance) : json_null(), "gained_at_s", number(l->gained_at), "bodies", bodies);
-  json_object_set_new(summary, "ledger", figures);
+  return json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "gained", (int)gained, "inexact",
+                   (int)inexact, "residual_share", tdm_number_to_json(share), "energy_residual",
+                   tdm_number_to_json(l->residual / scale), "energy_rise", tdm_number_to_json(l->rise / scale),
+                   "exchange_rise", tdm_number_to_json(l->exchange_rise / scale), "largest_energy_J",
+                   tdm_number_to_json(most), "exchange_J", tdm_number_to_json(l->exchange), "balance_J",
+                   l->looks > 0 ? tdm_number_to_json(l->balance) : json_null(), "gained_at_s",
+                   tdm_number_to_json(l->gained_at), "bodies", bodies);
+}
+
+static void enter(const void *own, json_t *summary) {
+  const ledger *l = own;
+  if (l && l->file)
+    json_object_set_new(summary, "ledger", figures(l));
+}
+
+static tdm_status end(void *own, tdm_error *err) {
+  ledger *l = own;
+  return l ? cpl_histories_close(&l->histories, err) : TDM_OK;
+}
+
+static void let_go(void *own) {
+  ledger *l = own;
+  if (l) {
+    free(l->body);
+    free(l->row);
+  }
+  free(l);
 }
 
 const cpl_observer cpl_observer_ledger = {
-    .name = "ledger", .open = begin, .window = enter_window, .end = end, .enter = enter, .close = leave};
+    .name = "ledger",
+    .open = begin,
+    .window = window,
+    .done = done,
+    .close = end,
+    .enter = enter,
+    .free = let_go,
+};

@@ -1,5 +1,5 @@
 /* The ledger: what goes through the interface in every window, whatever the scheme, and whether energy appears from
- * nowhere. An observer (observer.h); docs/theory.md has the equations.
+ * nowhere. README.md has the equations.
  *
  *   impulse    of the load on a body, m0 H from DEM's kicks (mean H from a DEM solver without "interface")
  *   work       of the load that DEM found along DEM's path of the body, and of the load that MBD felt along MBD's;
@@ -17,8 +17,8 @@
  * of the end of the last window that was over at the row's time.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_LOOP_LEDGER_H
-#define CPL_LOOP_LEDGER_H
+#ifndef CPL_OBSERVE_LEDGER_H
+#define CPL_OBSERVE_LEDGER_H
 
 #include "protocol/wire/nodes.h"
 

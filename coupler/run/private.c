@@ -1,6 +1,6 @@
 /* A directory of the server's own for as long as it lives: see private.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/session/private.h"
+#include "coupler/run/private.h"
 
 #include <dirent.h>
 #include <errno.h>

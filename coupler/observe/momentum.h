@@ -7,8 +7,8 @@
  * nothing is said.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_LOOP_MOMENTUM_H
-#define CPL_LOOP_MOMENTUM_H
+#ifndef CPL_OBSERVE_MOMENTUM_H
+#define CPL_OBSERVE_MOMENTUM_H
 
 #include "coupler/loop/loop.h"
 

@@ -4,8 +4,8 @@
  * that was killed has left is removed by the next one.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_SESSION_PRIVATE_H
-#define CPL_SESSION_PRIVATE_H
+#ifndef CPL_RUN_PRIVATE_H
+#define CPL_RUN_PRIVATE_H
 
 #include "protocol/base/status.h"
 

@@ -1,6 +1,8 @@
 /* Extrapolation of window means into the next window: see extrapolate.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/extrapolate.h"
+#include "coupler/scheme/extrapolate.h"
+
+#include "coupler/loop/solve.h"
 
 #include <assert.h>
 #include <string.h>
@@ -62,4 +64,30 @@ int cpl_extrapolate(const cpl_history *h, int n, double t0, double t1, tdm_wrenc
       ((double *)(void *)&out[j])[component] = c[j];
   }
   return n;
+}
+
+size_t cpl_history_memory(int nbody) {
+  return (size_t)nbody * sizeof(cpl_history);
+}
+
+tdm_status cpl_history_begin(cpl_loop *loop, tdm_error *err) {
+  (void)err;
+  cpl_history *history = (cpl_history *)(void *)loop->memory;
+  for (int i = 0; i < loop->nbody; i++)
+    cpl_history_push(&history[i], 0, loop->session->load[i]);
+  return TDM_OK;
+}
+
+tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err) {
+  cpl_history *history = (cpl_history *)(void *)loop->memory;
+  int ncoefficient = 1;
+  for (int i = 0; i < loop->nbody; i++)
+    ncoefficient = cpl_extrapolate(&history[i], nmean, loop->t0, loop->t1, &loop->load[i * TDM_LOAD_MAX]);
+  if (cpl_solve_mbd(loop, ncoefficient, err) != TDM_OK)
+    return err->status;
+  if (cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err) != TDM_OK)
+    return err->status;
+  for (int i = 0; i < loop->nbody; i++)
+    cpl_history_push(&history[i], loop->t1, loop->mean[i]);
+  return TDM_OK;
 }

@@ -1,6 +1,6 @@
 /* Momentum of the coupled bodies against the impulse of their loads: see momentum.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/momentum.h"
+#include "coupler/observe/momentum.h"
 
 #include "protocol/base/remark.h"
 

@@ -1,0 +1,24 @@
+/* The observers of every run (loop/observer.h says how to add one), and the files that they write into the result
+ * directory:
+ *
+ *   record     body_<name>.csv  per coupled body (mbd's name): pose, twist, and the mean load since the row before
+ *              mbd.csv, dem.csv further outputs that the solvers announce (joint reactions, energies, particle sums)
+ *   ledger     ledger.csv       impulse, work, drift and energy (ledger.h)
+ *   progress   on the terminal: how far the run is
+ *
+ * run.c writes scene.json (the scene with all overrides), summary.json and the logs.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CPL_OBSERVE_OBSERVERS_H
+#define CPL_OBSERVE_OBSERVERS_H
+
+#include "coupler/loop/observer.h"
+
+extern const cpl_observer *const cpl_observer_table[]; /* NULL-terminated, in the order of their calls */
+
+extern const cpl_observer cpl_observer_record, cpl_observer_ledger, cpl_observer_progress;
+
+/* The name of the file of a coupled body, by mbd's name for it. Returns out. */
+const char *cpl_record_body_file(const char *body, char *out, size_t size);
+
+#endif

@@ -1,0 +1,106 @@
+/* What the solvers of a session can do, what is asked of them, and the scheme that follows: see session.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/session/scheme.h"
+#include "coupler/session/session.h"
+#include "protocol/base/remark.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char *const cpl_need_names[CPL_NNEED] = {"acceleration", "mobility", "interface", "proxy", "restore"};
+
+const char *cpl_session_name(const cpl_session *session, cpl_role role) {
+  const cpl_partner *p = &session->partner[role];
+  return p->name[0] ? p->name : cpl_role_names[role];
+}
+
+bool cpl_session_has(const cpl_session *s, cpl_role role, const char *capability) {
+  size_t i;
+  json_t *entry;
+  json_array_foreach(s->partner[role].capabilities, i, entry) {
+    const char *name = json_string_value(entry);
+    if (name && strcmp(name, capability) == 0)
+      return true;
+  }
+  return false;
+}
+
+/* The first capability that a scheme needs and a role's solver lacks; NULL: none. */
+static const char *lacks(const cpl_session *s, int role, const cpl_scheme *scheme) {
+  for (int k = 0; k < CPL_NNEED; k++)
+    if (scheme->needs[role] & (1u << k) && !cpl_session_has(s, (cpl_role)role, cpl_need_names[k]))
+      return cpl_need_names[k];
+  return NULL;
+}
+
+const cpl_extra cpl_extras[CPL_NEXTRA] = {
+    {.name = "acceleration", .need = CPL_ACCELERATION, .per_body = true},
+    {.name = "mobility", .need = CPL_MOBILITY},
+    {.name = "interface", .need = CPL_INTERFACE, .always = true, .per_body = true},
+    {.name = "energy", .always = true},
+    {.name = "matched_load", .per_body = true},
+    {.name = "ahead", .always = true, .per_body = true, .may_lack = true}};
+
+/* Further coefficients of the load: of a DEM solver that carries a proxy, if it can and mbd takes so many. */
+static bool matches(const cpl_session *s) {
+  static const char name[] = "matched_load";
+  return s->scheme->needs[CPL_DEM] & CPL_PROXY && cpl_session_has(s, CPL_DEM, name) &&
+         cpl_session_has(s, CPL_MBD, name);
+}
+
+bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
+  if (strcmp(extra, "matched_load") == 0)
+    return role == CPL_DEM && matches(s);
+  for (int i = 0; i < CPL_NEXTRA; i++)
+    if (strcmp(cpl_extras[i].name, extra) == 0)
+      return s->scheme->needs[role] & cpl_extras[i].need || (cpl_extras[i].always && cpl_session_has(s, role, extra));
+  return false;
+}
+
+tdm_interpolation cpl_session_interpolation(const cpl_session *s) {
+  return s->settings->interpolates ? s->settings->interpolation : s->scheme->interpolation;
+}
+
+static bool goes_without(const cpl_scheme *scheme) {
+  return !(scheme->needs[CPL_MBD] & CPL_MOBILITY);
+}
+
+/* The reduced model of all bodies must fit into a message; its size goes with the square of their number. */
+static tdm_status check_size(const cpl_session *s, tdm_error *err) {
+  const size_t room = TDM_FRAME_MAX - (1 << 20); /* the rest of a message: states, samples */
+  int most = s->settings->nbody;
+  char others[256];
+  if (!(s->scheme->needs[CPL_MBD] & CPL_MOBILITY))
+    return TDM_OK;
+  while (8 * tdm_mobility_doubles(&(tdm_mobility){.nbody = most, .nfree = TDM_FREE_MAX}) > room)
+    most--;
+  if (most == s->settings->nbody)
+    return TDM_OK;
+  return tdm_fail(
+      err, TDM_ERR_SCENE, "coupling.bodies",
+      "has %d entries, but the scheme %s sends how every body moves every other one, and a message has room "
+      "for %d; couple fewer bodies (parts that a joint fixes are one), or take %s as coupling.scheme",
+      s->settings->nbody, s->scheme->name, most, cpl_scheme_names(s->settings, goes_without, others, sizeof others));
+}
+
+tdm_status cpl_session_choose(cpl_session *s, tdm_error *err) {
+  const cpl_scheme *wanted = s->settings->scheme, *fallback = s->settings->fallback;
+  s->scheme = wanted;
+  for (int r = 0; r < CPL_NROLE; r++) {
+    const char *missing = lacks(s, r, s->scheme);
+    if (!missing)
+      continue;
+    if (!fallback || s->scheme == fallback)
+      return tdm_fail(err, TDM_ERR_SCENE, s->scheme == wanted ? "coupling.scheme" : "coupling.fallback",
+                      "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or "
+                      "solver%s",
+                      s->scheme->name, missing, cpl_session_name(s, (cpl_role)r),
+                      fallback ? "" : ", or name one that does without it as coupling.fallback");
+    tdm_remark(TDM_NOTICE, "fallback", "coupling.fallback", 0,
+               "the scheme %s needs the capability \"%s\", which %s does not have: %s was taken instead", wanted->name,
+               missing, cpl_session_name(s, (cpl_role)r), fallback->name);
+    s->scheme = fallback;
+    r = -1; /* what it needs, of both */
+  }
+  return check_size(s, err);
+}
