@@ -4,6 +4,7 @@
 
 #include "mbd/adapter/solver.h"
 #include "mbd/integrate/integrator.h"
+#include "mbd/mbd.h"
 #include "protocol/app/plot.h"
 #include "protocol/app/print.h"
 #include "protocol/base/log.h"
@@ -30,6 +31,7 @@ typedef struct {
 
 typedef struct {
   tdm_standalone alone;
+  mbd_engine *engine;
   mbd_run_settings settings;
   uint64_t total_rows;
   int room;            /* rows a window at most */
@@ -95,8 +97,19 @@ static tdm_status open_results(run_state *run, tdm_error *err) {
   return tdm_standalone_open(&run->alone, err);
 }
 
-static tdm_status start_solver(run_state *run, tdm_error *err) {
-  return tdm_standalone_start(&run->alone, run->settings.end, run->settings.window, err);
+static tdm_status start_engine(run_state *run, tdm_error *err) {
+  const tdm_assignment assignment = {
+      .scene = tdm_standalone_section(&run->alone), .time_end = run->settings.end, .dt = run->settings.window, .n = 1};
+  if (mbd_engine_create(&run->engine, &assignment, NULL, err) != TDM_OK)
+    return err->status;
+  const mbd_start *start = mbd_engine_start(run->engine);
+  const tdm_standalone_figures figures = {.nchannel = start->nchannel,
+                                          .channel = start->channel,
+                                          .initial = start->initial,
+                                          .nwarning = start->nwarning,
+                                          .warning = start->warning,
+                                          .report = start->report};
+  return tdm_standalone_loaded(&run->alone, &figures, err);
 }
 
 /* ---- outputs ---- */
@@ -133,19 +146,19 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
 /* one window and the rows in it */
 static tdm_status advance(run_state *run, tdm_error *err) {
   double begin = tdm_clock();
-  tdm_step step = {.window = run->windows, .t0 = run->t, .nstep = 1, .sample_time = run->sample_time};
-  step.t1 = fmin((double)(run->windows + 1) * run->settings.window, run->settings.end);
-  if (run->settings.end - step.t1 < 1e-9 * run->settings.window)
-    step.t1 = run->settings.end;
-  for (uint64_t row = run->alone.nrow; row < run->total_rows && row_time(run, row) <= step.t1; row++)
-    run->sample_time[step.nsample++] = row_time(run, row);
-  tdm_result result = {.nsample = step.nsample, .nchannel = run->alone.figures.nchannel, .channel = run->sample};
-  if (mbd_solver_ops.step(run->alone.solver, &step, &result, err) != TDM_OK)
+  mbd_window window = {.t0 = run->t, .sample_time = run->sample_time};
+  window.t1 = fmin((double)(run->windows + 1) * run->settings.window, run->settings.end);
+  if (run->settings.end - window.t1 < 1e-9 * run->settings.window)
+    window.t1 = run->settings.end;
+  for (uint64_t row = run->alone.nrow; row < run->total_rows && row_time(run, row) <= window.t1; row++)
+    run->sample_time[window.nsample++] = row_time(run, row);
+  const mbd_outcome outcome = {.channel = run->sample};
+  if (mbd_engine_advance(run->engine, &window, &outcome, err) != TDM_OK)
     return err->status;
   run->step += tdm_clock() - begin;
-  run->t = step.t1;
+  run->t = window.t1;
   run->windows++;
-  for (int i = 0; i < step.nsample && err->status == TDM_OK; i++)
+  for (int i = 0; i < window.nsample && err->status == TDM_OK; i++)
     write_row(run, run->sample + i * run->alone.figures.nchannel, err);
   return err->status;
 }
@@ -157,7 +170,7 @@ static tdm_status solve(run_state *run, tdm_error *err) {
     return err->status;
   tdm_progress_begin(&progress, run->settings.end, "steps", false);
   while (run->t < run->settings.end && advance(run, err) == TDM_OK) {
-    tdm_progress_update(&progress, run->t, (uint64_t)mbd_solver_stats(run->alone.solver)->steps);
+    tdm_progress_update(&progress, run->t, (uint64_t)mbd_engine_stats(run->engine)->steps);
     tdm_standalone_tell(&run->alone, progress.terminal);
   }
   tdm_progress_end(&progress);
@@ -205,15 +218,15 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   json_object_update_new(json, own);
   if (run->windows == 0)
     return json;
-  const mbd_stats *c = mbd_solver_stats(run->alone.solver);
-  json_object_set_new(json, "solver", solver_settings(mbd_solver_model(run->alone.solver)));
+  const mbd_stats *c = mbd_engine_stats(run->engine);
+  json_object_set_new(json, "solver", solver_settings(mbd_engine_model(run->engine)));
   json_object_set_new(json, "integrator",
                       json_pack("{s:I, s:I, s:I, s:I, s:I, s:I}", "steps", (json_int_t)c->steps, "residuals",
                                 (json_int_t)c->residuals, "jacobians", (json_int_t)c->jacobians, "error_failures",
                                 (json_int_t)c->error_failures, "convergence_failures",
                                 (json_int_t)c->convergence_failures, "restarts", (json_int_t)c->restarts));
   json_object_set_new(json, "energies", courses(run, "energy."));
-  double share, off = mbd_solver_off(run->alone.solver, &share);
+  double share, off = mbd_engine_energy_off(run->engine, &share);
   json_object_set_new(json, "energy_off",
                       json_pack("{s:o, s:o}", "J", tdm_real_or_null(off), "share", tdm_real_or_null(share)));
   json_object_set_new(json, "constraint_drift", tdm_real_or_null(largest_drift(run)));
@@ -235,7 +248,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);
   json_decref(json);
-  long steps = run->windows > 0 ? mbd_solver_stats(run->alone.solver)->steps : 0;
+  long steps = run->windows > 0 ? mbd_engine_stats(run->engine)->steps : 0;
   snprintf(pairs, sizeof pairs, "steps=%ld simulated=%g wall=%.3f", steps, run->t, wall);
   tdm_standalone_log_end(pairs, err);
   if (run->windows > 0)
@@ -249,12 +262,13 @@ static void let_go(run_state *run) {
   free(run->sample);
   free(run->course);
   tdm_standalone_free(&run->alone);
+  mbd_engine_destroy(&run->engine);
 }
 
 tdm_status mbd_run(const tdm_standalone_options *options, tdm_error *err) {
   double begin = tdm_clock();
   run_state run = {.alone = {.program = &mbd_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK) {
+  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK) {
     run.setup = tdm_clock() - begin;
     solve(&run, err);
   }
@@ -273,7 +287,7 @@ static void print_scene(const run_state *run) {
   printf("  %-28s every %g s: %llu rows of %d channels\n", "time histories", s->interval,
          (unsigned long long)run->total_rows, run->alone.figures.nchannel);
   printf("mbd: %s\n", mbd_solver_ops.software);
-  json_t *solver = solver_settings(mbd_solver_model(run->alone.solver));
+  json_t *solver = solver_settings(mbd_engine_model(run->engine));
   json_object_del(solver, "formulation"); /* the report has it */
   tdm_print_json(solver);
   json_decref(solver);
@@ -283,7 +297,7 @@ static void print_scene(const run_state *run) {
 
 tdm_status mbd_run_check(const tdm_standalone_options *options, tdm_error *err) {
   run_state run = {.alone = {.program = &mbd_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && start_solver(&run, err) == TDM_OK)
+  if (load_scene(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK)
     print_scene(&run);
   tdm_scene_locate(&run.alone.scene, err);
   let_go(&run);

@@ -100,18 +100,16 @@ void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
   memcpy(to->lambda, from->lambda, (size_t)model->nrow * size);
 }
 
-tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err) {
-  if (step->nload > TDM_LOAD_MAX)
+tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, double t0, double t1, int nload,
+                             const tdm_wrench *load, tdm_error *err) {
+  if (nload > TDM_LOAD_MAX)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "the load polynomial has %d coefficients; at most %d are supported",
-                    step->nload, TDM_LOAD_MAX);
-  if (step->nload > 0 && step->nbody != model->ncoupled)
-    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP carries %d bodies, ASSIGN named %d", step->nbody,
-                    model->ncoupled);
-  data->load_t0 = step->t0;
-  data->load_t1 = step->t1;
-  data->nload = step->nload;
-  if (step->nload > 0 && step->nbody > 0)
-    memcpy(data->load, step->load, (size_t)step->nbody * (size_t)step->nload * sizeof *data->load);
+                    nload, TDM_LOAD_MAX);
+  data->load_t0 = t0;
+  data->load_t1 = t1;
+  data->nload = nload;
+  if (nload > 0 && model->ncoupled > 0)
+    memcpy(data->load, load, (size_t)model->ncoupled * (size_t)nload * sizeof *data->load);
   return TDM_OK;
 }
 

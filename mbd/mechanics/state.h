@@ -102,8 +102,10 @@ void mbd_data_destroy(mbd_data **data);
 /* All that a run goes on from, into another data of the same model. The counters stay: they count what was done. */
 void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from);
 
-/* Copy a window's load. TDM_ERR_PROTOCOL when the polynomial has too many coefficients. */
-tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, const tdm_step *step, tdm_error *err);
+/* Copy the load (ncoupled x nload) of a window from t0 to t1 [s], as in mbd_window (mbd/mbd.h). TDM_ERR_PROTOCOL when
+ * the polynomial has too many coefficients. */
+tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, double t0, double t1, int nload,
+                             const tdm_wrench *load, tdm_error *err);
 
 /* Load on coupled body i at time t. */
 tdm_wrench mbd_load_at(const mbd_data *data, int i, double t);

@@ -101,20 +101,6 @@ tdm_status tdm_standalone_loaded(tdm_standalone *run, const tdm_standalone_figur
   return heed_warnings(run, err);
 }
 
-tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err) {
-  const tdm_assignment assignment = {.scene = tdm_standalone_section(run), .time_end = end, .dt = dt, .n = 1};
-  tdm_ready ready = {0};
-  if (run->program->ops->create(&run->solver, &assignment, &ready, NULL, err) != TDM_OK)
-    return err->status;
-  const tdm_standalone_figures figures = {.nchannel = ready.nchannel,
-                                          .channel = ready.channel,
-                                          .initial = ready.initial,
-                                          .nwarning = ready.nwarning,
-                                          .warning = ready.warning,
-                                          .report = ready.report};
-  return tdm_standalone_loaded(run, &figures, err);
-}
-
 /* ---- remarks ---- */
 
 void tdm_standalone_tell(tdm_standalone *run, bool bar) {
@@ -289,7 +275,6 @@ void tdm_standalone_free(tdm_standalone *run) {
   tdm_thin_free(&run->thin);
   tdm_log_open(NULL, run->program->ops->role);
   tdm_results_close(&run->results);
-  run->program->ops->destroy(run->solver);
   json_decref(run->section);
   json_decref(run->warnings);
   free(run->values);

@@ -3,12 +3,12 @@
  *   tdm_standalone_main          the command line: commands, options, the scene's file
  *   tdm_standalone_read          the scene with its overrides
  *   tdm_standalone_open          the result directory: log, scene.json
- *   tdm_standalone_start         the solver, as a participant without a server and without coupled bodies; its warnings
+ *   tdm_standalone_loaded        what the engine says of its start, and its warnings
  *   tdm_standalone_begin/_row    channels.csv, the time histories of all of the solver's channels
  *   tdm_standalone_close/_plot   and its plots
  *   tdm_standalone_summary       what every summary.json holds
  *
- * What runs when, and every other output, is the solver's own (dem/run.c, mbd/run.c).
+ * What runs when, and every other output, is the solver's own (dem/app/run.c, mbd/app/run.c).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_STANDALONE_H
@@ -63,7 +63,6 @@ typedef struct {
   const tdm_standalone_options *options;
   tdm_scene scene;
   tdm_results results;
-  void *solver; /* that tdm_standalone_start made; else NULL */
   tdm_standalone_figures figures;
   int ndoubt;
   tdm_warning doubt[TDM_STANDALONE_DOUBTS]; /* about the sections time and output */
@@ -87,7 +86,7 @@ tdm_status tdm_standalone_read(tdm_standalone *run, tdm_error *err);
  * until tdm_standalone_begin. */
 tdm_status tdm_standalone_open(tdm_standalone *run, tdm_error *err);
 
-/* Doubt a setting of the run, with printf's arguments; TDM_STANDALONE_DOUBTS at most, before tdm_standalone_start. */
+/* Doubt a setting of the run, with printf's arguments; TDM_STANDALONE_DOUBTS at most, before tdm_standalone_loaded. */
 void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* Doubt an interval of the time histories that is longer than the run [s]. */
@@ -99,10 +98,6 @@ json_t *tdm_standalone_section(tdm_standalone *run);
 /* The solver has loaded its section, and says this: doubts about the settings and its warnings are printed, or refused
  * when strict. */
 tdm_status tdm_standalone_loaded(tdm_standalone *run, const tdm_standalone_figures *figures, tdm_error *err);
-
-/* Load the solver's section with the program's table of operations; `end` and `dt` [s] as in a co-simulation with n
- * = 1. Then as tdm_standalone_loaded. */
-tdm_status tdm_standalone_start(tdm_standalone *run, double end, double dt, tdm_error *err);
 
 /* Print remarks that are new; `bar`: there is a progress bar. To be called often. */
 void tdm_standalone_tell(tdm_standalone *run, bool bar);

@@ -41,7 +41,7 @@ const char *const scn_adams_model[] = {"Cylindrical_Case01",
                                        "Universal_Case03",
                                        NULL};
 
-static const double end = 5, tolerance = 1e-10, budget = 20; /* [s], [1], [s] */
+static const double end = 5, tolerance = 1e-10; /* [s], [1] */
 enum { STEPS = 500 };
 /* Share of the table's own error that a difference may have: a tenth more, for the error of the run itself. */
 static const double share_most = 1.1;
@@ -192,7 +192,7 @@ tdm_status scn_adams_compare(scn_adams_difference *d, const char *dir, double rt
   if (m.mbd && cpl_table_read(&m.table, file, err) == TDM_OK) {
     snprintf(file, sizeof file, "%s/error.csv", dir);
     if (cpl_table_read(&m.error, file, err) == TDM_OK)
-      scn_motion_run(&m.motion, m.mbd, &scn_methods[SCN_GGL], rtol, 0, end, STEPS, budget, err);
+      scn_motion_run(&m.motion, m.mbd, &scn_methods[SCN_GGL], rtol, 0, end, STEPS, SCN_MOST_STEPS, err);
   }
   for (int c = 1; c < m.table.ncolumn && !err->status; c++) {
     double share = column_share(&m, c, quantity, err);

@@ -131,7 +131,7 @@ tdm_status scn_case_tightest(const scn_case *c, cpl_verify *v, scn_motion *m, do
   for (*tolerance = 1e-13; *tolerance < 2e-8; *tolerance *= 10) {
     tdm_error failed = {0};
     if (scn_motion_run(m, c->mbd, &scn_methods[SCN_GGL], *tolerance, c->of->absolute, end, c->reference.nrow - 1,
-                       c->of->budget, &failed) == TDM_OK) {
+                       SCN_MOST_STEPS, &failed) == TDM_OK) {
       cpl_verify_alone(v, CPL_MBD, end, m->wall);
       return TDM_OK;
     }
@@ -142,14 +142,14 @@ tdm_status scn_case_tightest(const scn_case *c, cpl_verify *v, scn_motion *m, do
   return TDM_OK;
 }
 
-tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tolerance, double end, scn_motion *m,
-                         double *wall, tdm_error *err) {
+tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tolerance, double end, long most_steps,
+                         scn_motion *m, double *wall, tdm_error *err) {
   enum { REPEATS = 3 };
   const double enough = 0.05; /* [s] long runs are not repeated */
   *wall = INFINITY;
   for (int k = 0; k < REPEATS && (k == 0 || *wall < enough); k++) {
     scn_motion_free(m);
-    if (scn_motion_run(m, c->mbd, method, tolerance, c->of->absolute, end, 1, c->of->budget, err) != TDM_OK)
+    if (scn_motion_run(m, c->mbd, method, tolerance, c->of->absolute, end, 1, most_steps, err) != TDM_OK)
       return err->status;
     *wall = fmin(*wall, m->wall);
   }
@@ -158,18 +158,14 @@ tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tol
 
 /* ---- work and precision ---- */
 
-static const double sweep_budget = 2;   /* wall time of a run [s] */
-static const double sweep_patience = 4; /* of all runs of a method [s] */
+/* steps of a run, and of all runs of a method after which there is no further one */
+enum { SWEEP_STEPS = 100000, SWEEP_PATIENCE = 200000 };
 
-/* one method over all tolerances, as long as they run in time, into its CSV file; its rows */
-static int sweep(const scn_case *given, cpl_verify *v, const scn_method *method, const char *file, tdm_error *err) {
-  scn_mechanism quick = *given->of;
-  scn_case own = *given, *c = &own;
-  quick.budget = fmin(quick.budget, sweep_budget);
-  own.of = &quick;
+/* one method over all tolerances, as long as they take few steps, into its CSV file; its rows */
+static int sweep(const scn_case *c, cpl_verify *v, const scn_method *method, const char *file, tdm_error *err) {
   char path[4352];
   int good = 0;
-  double begin = tdm_clock();
+  long steps = 0;
   snprintf(path, sizeof path, "%s/%s", cpl_verify_dir(v), file);
   FILE *f = fopen(path, "w");
   if (!f) {
@@ -177,17 +173,18 @@ static int sweep(const scn_case *given, cpl_verify *v, const scn_method *method,
     return 0;
   }
   fputs("relative_tolerance,error,wall [s],steps,residuals,jacobians,drift [m]\n", f);
-  for (int k = 4; k <= 13 && err->status == TDM_OK && tdm_clock() - begin < sweep_patience; k++) {
+  for (int k = 4; k <= 13 && err->status == TDM_OK && steps < SWEEP_PATIENCE; k++) {
     scn_motion m = {0};
     double wall, tolerance = pow(10, -k);
     tdm_error failed = {0};
-    bool done = scn_case_time(c, method, tolerance, c->of->at, &m, &wall, &failed) == TDM_OK;
+    bool done = scn_case_time(c, method, tolerance, c->of->at, SWEEP_STEPS, &m, &wall, &failed) == TDM_OK;
     if (done) {
       fprintf(f, "%g,%.4g,%.4g,%ld,%ld,%ld,%.3g\n", tolerance, scn_case_error(c, &m, c->row, false), wall,
               m.stats.steps, m.stats.residuals, m.stats.jacobians, scn_motion_drift(&m));
       good++;
     } else if (failed.status == TDM_ERR_INTERRUPTED)
       *err = failed;
+    steps += m.stats.steps;
     scn_motion_free(&m);
     if (!done && k >= 6) /* tighter ones do not run either */
       break;

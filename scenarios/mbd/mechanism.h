@@ -32,7 +32,6 @@ typedef struct {
   double at;        /* time at which digits are counted, a row of the reference [s] */
   double absolute;  /* absolute tolerance over the relative one: the size of what is near zero now and then; 0: the
                        default */
-  double budget;    /* wall time of one run at most [s] */
   scn_coordinate coordinate[SCN_COORDINATES];
   const char *body; /* whose momentum it is */
   scn_momentum momentum;
@@ -68,8 +67,8 @@ static inline double scn_digits(double error) {
 tdm_status scn_case_tightest(const scn_case *c, cpl_verify *v, scn_motion *m, double *tolerance, tdm_error *err);
 
 /* Wall time [s] of a run to `end` without samples but the last: the least of a few. m is the last of them. */
-tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tolerance, double end, scn_motion *m,
-                         double *wall, tdm_error *err);
+tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tolerance, double end, long most_steps,
+                         scn_motion *m, double *wall, tdm_error *err);
 
 /* Error over run time for every method and tolerance (scn_methods): CSV files, a plot in the scenario's directory. */
 tdm_status scn_work_precision(const scn_case *c, cpl_verify *v, tdm_error *err);

@@ -1,12 +1,8 @@
 /* A mechanism's motion: see motion.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/mbd/motion.h"
-#include "mbd/assembly/assemble.h"
-#include "mbd/scene/scene.h"
 
-#include "mbd/adapter/output.h"
-#include "mbd/integrate/integrator.h"
-#include "protocol/app/command_line.h"
+#include "mbd/mbd.h"
 #include "protocol/base/log.h"
 
 #include <math.h>
@@ -32,6 +28,7 @@ static json_t *with_method(const json_t *mbd, const scn_method *method, double t
   json_t *copy = json_deep_copy(mbd), *solver = json_object_get(copy, "solver");
   json_object_set_new(copy, "formulation", json_string(method->formulation));
   json_object_set_new(copy, "corrector", json_string(method->corrector));
+  json_object_set_new(copy, "guard", json_pack("{s:s}", "action", "off")); /* errors are what is looked for */
   if (!solver) {
     solver = json_object();
     json_object_set_new(copy, "solver", solver);
@@ -42,84 +39,45 @@ static json_t *with_method(const json_t *mbd, const scn_method *method, double t
   return copy;
 }
 
-/* the solver's library at work on one scene */
-typedef struct {
-  scn_motion *motion;
-  mbd_model *model;
-  mbd_data *data;
-  mbd_kkt *kkt;
-  const mbd_integrator_ops *ops;
-  void *integrator;
-  double stop; /* wall clock [s] */
-} engine;
-
-static bool should_stop(void *context) {
-  return tdm_interrupted || tdm_clock() > ((engine *)context)->stop;
-}
-
-static tdm_status take_sample(void *context, int i, double t, const double *y, tdm_error *err) {
-  engine *e = context;
-  scn_motion *m = e->motion;
-  return mbd_output_values(e->model, e->data, e->kkt, t, y, m->value + (i + 1) * m->nchannel, err);
-}
-
-static tdm_status load(engine *e, json_t *mbd, tdm_error *err) {
-  mbd_assembly assembly;
-  if (mbd_model_read(&e->model, mbd, false, err) != TDM_OK || mbd_model_couple(e->model, NULL, 0, err) != TDM_OK)
-    return err->status;
-  e->data = mbd_data_create(e->model);
-  e->kkt = mbd_kkt_create(e->model);
-  e->ops = mbd_formulation_table[e->model->solver.formulation].integrator;
-  if (!e->data || !e->kkt)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  if (mbd_assemble(e->model, e->data, e->kkt, &assembly, err) != TDM_OK)
-    return err->status;
-  e->motion->freedom = assembly.freedom;
-  return e->ops->create(&e->integrator, e->model, e->data, e->kkt, should_stop, e, err);
-}
-
 /* memory for the samples; the first is the start */
-static tdm_status prepare(engine *e, double end, int nstep, tdm_error *err) {
-  scn_motion *m = e->motion;
-  m->nchannel = mbd_output_count(e->model);
+static tdm_status prepare(scn_motion *m, const mbd_start *start, double end, int nstep, tdm_error *err) {
+  const size_t nchannel = (size_t)start->nchannel;
+  m->freedom = start->freedom;
+  m->nchannel = start->nchannel;
   m->nsample = nstep + 1;
-  m->channel = calloc((size_t)m->nchannel, sizeof *m->channel);
+  m->channel = calloc(nchannel, sizeof *m->channel);
   m->time = calloc((size_t)m->nsample, sizeof *m->time);
-  m->value = calloc((size_t)m->nsample * (size_t)m->nchannel, sizeof *m->value);
+  m->value = calloc((size_t)m->nsample * nchannel, sizeof *m->value);
   if (!m->channel || !m->time || !m->value)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i <= nstep; i++)
     m->time[i] = end * i / nstep;
-  mbd_output_names(e->model, m->channel);
-  return take_sample(e, -1, 0, e->data->y, err);
+  memcpy(m->channel, start->channel, nchannel * sizeof *m->channel);
+  memcpy(m->value, start->initial, nchannel * sizeof *m->value);
+  return TDM_OK;
 }
 
-static tdm_status integrate(engine *e, double budget, tdm_error *err) {
-  scn_motion *m = e->motion;
+static tdm_status integrate(scn_motion *m, mbd_engine *engine, long most_steps, tdm_error *err) {
+  const mbd_window window = {.t1 = m->time[m->nsample - 1], .nsample = m->nsample - 1, .sample_time = m->time + 1};
+  const mbd_outcome outcome = {.channel = m->value + m->nchannel};
   double begin = tdm_clock();
-  e->stop = begin + budget;
-  if (e->ops->start(e->integrator, 0, err) == TDM_OK)
-    e->ops->advance(e->integrator, m->time[m->nsample - 1], m->nsample - 1, m->time + 1, take_sample, e, err);
+  mbd_engine_limit_steps(engine, most_steps);
+  mbd_engine_advance(engine, &window, &outcome, err);
   m->wall = tdm_clock() - begin;
-  if (err->status == TDM_ERR_INTERRUPTED && !tdm_interrupted) /* it was the budget */
-    err->status = TDM_ERR_LIMIT;
-  e->ops->stats(e->integrator);
-  m->stats = e->data->stats;
+  m->stats = *mbd_engine_stats(engine);
   return err->status;
 }
 
 tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double absolute,
-                          double end, int nstep, double budget, tdm_error *err) {
+                          double end, int nstep, long most_steps, tdm_error *err) {
   *m = (scn_motion){0};
-  engine e = {.motion = m};
+  mbd_engine *engine = NULL;
   json_t *scene = with_method(mbd, method, tolerance, absolute);
-  if (load(&e, scene, err) == TDM_OK && prepare(&e, end, nstep, err) == TDM_OK)
-    integrate(&e, budget, err);
-  if (e.integrator)
-    e.ops->destroy(e.integrator);
-  mbd_kkt_destroy(&e.kkt);
-  mbd_data_destroy(&e.data);
-  mbd_model_destroy(&e.model);
+  const tdm_assignment assignment = {.scene = scene, .time_end = end, .dt = end, .n = 1};
+  if (mbd_engine_create(&engine, &assignment, NULL, err) == TDM_OK &&
+      prepare(m, mbd_engine_start(engine), end, nstep, err) == TDM_OK)
+    integrate(m, engine, most_steps, err);
+  mbd_engine_destroy(&engine);
   json_decref(scene);
   return err->status;
 }

@@ -27,11 +27,14 @@ typedef struct {
 json_t *scn_motion_section(const char *file, tdm_error *err);
 json_t *scn_motion_scene(cpl_verify *v, const char *name, tdm_error *err);
 
+/* Steps of the integrator that tell a run that does not get on from a good one, which takes a fraction of them. */
+enum { SCN_MOST_STEPS = 300000 };
+
 /* Solve the section `mbd` (borrowed, unchanged) from 0 to `end` with `nstep` equal intervals between samples, at a
- * relative tolerance; the absolute one is `absolute` times that. Refuses to spend more than `budget` [s] of wall time
- * (TDM_ERR_LIMIT). */
+ * relative tolerance; the absolute one is `absolute` times that.
+ * TDM_ERR_LIMIT: it needs more than `most_steps` steps. */
 tdm_status scn_motion_run(scn_motion *m, const json_t *mbd, const scn_method *method, double tolerance, double absolute,
-                          double end, int nstep, double budget, tdm_error *err);
+                          double end, int nstep, long most_steps, tdm_error *err);
 void scn_motion_free(scn_motion *m);
 
 /* Samples of a channel: value[i * nchannel] for sample i. NULL: there is none of that name. */

@@ -26,7 +26,6 @@ static const scn_mechanism pendulum_a01 = {
     .name = "pendulum_a01",
     .at = 10,
     .absolute = 0,
-    .budget = 5,
     .coordinate = {CHANNEL("x", "body.mass.x"), CHANNEL("y", "body.mass.y")},
 };
 
@@ -34,7 +33,6 @@ static const scn_mechanism double_pendulum = {
     .name = "double_pendulum",
     .at = 2,
     .absolute = 0,
-    .budget = 5,
     .coordinate = {{"phi1", SCN_ANGLE, "upper", NULL, M_PI / 2}, {"phi2", SCN_ANGLE, "lower", NULL, M_PI / 2}},
 };
 
@@ -42,7 +40,6 @@ static const scn_mechanism slider_crank = {
     .name = "slider_crank",
     .at = 1,
     .absolute = 0,
-    .budget = 5,
     .coordinate = {{"theta", SCN_ANGLE, "crank", NULL, 0}, CHANNEL("x_slider", "body.slider.x")},
 };
 
@@ -50,7 +47,6 @@ static const scn_mechanism car_axis = {
     .name = "car_axis",
     .at = 3,
     .absolute = 0,
-    .budget = 10,
     .coordinate = {CHANNEL("xl", "body.left.x"), CHANNEL("yl", "body.left.y"), CHANNEL("xr", "body.right.x"),
                    CHANNEL("yr", "body.right.y")},
 };
@@ -59,7 +55,6 @@ static const scn_mechanism heavy_top = {
     .name = "heavy_top",
     .at = 2,
     .absolute = 10,
-    .budget = 10,
     .coordinate = {POINT("top"), ROTATION("top")},
     .body = "top",
     .momentum = SCN_VERTICAL_MOMENTUM,
@@ -70,7 +65,6 @@ static const scn_mechanism regular_precession = {
     .name = "regular_precession",
     .at = 4,
     .absolute = 1,
-    .budget = 10,
     .coordinate = {POINT("top"), ROTATION("top")},
     .body = "top",
     .momentum = SCN_VERTICAL_MOMENTUM,
@@ -81,7 +75,6 @@ static const scn_mechanism torque_free = {
     .name = "torque_free",
     .at = 4, /* after the first flip; later errors grow a hundredfold a flip */
     .absolute = 0,
-    .budget = 10,
     .coordinate = {ROTATION("body")},
     .body = "body",
     .momentum = SCN_WHOLE_MOMENTUM,
@@ -93,7 +86,6 @@ static const scn_mechanism andrews = {
     .name = "andrews",
     .at = 0.03,
     .absolute = 1,
-    .budget = 10,
     .coordinate = {{"q_beta", SCN_ANGLE, "K1", NULL, 0},
                    {"q_theta", SCN_ANGLE, "K2", "K1", 0},
                    {"q_gamma", SCN_ANGLE, "K3", NULL, 0},
@@ -144,7 +136,7 @@ static tdm_status measure_turns(const scn_case *c, cpl_verify *v, double toleran
   scn_motion m = {0};
   char label[64];
   snprintf(label, sizeof label, "100 turns, rtol=%g", tolerance);
-  if (scn_motion_run(&m, c->mbd, &scn_methods[SCN_GGL], tolerance, absolute, c->of->turns, 1000, c->of->budget, err) ==
+  if (scn_motion_run(&m, c->mbd, &scn_methods[SCN_GGL], tolerance, absolute, c->of->turns, 1000, SCN_MOST_STEPS, err) ==
       TDM_OK) {
     cpl_verify_alone(v, CPL_MBD, c->of->turns, m.wall);
     cpl_verify_measure(v, "energy_drift", label, scn_motion_energy_drift(&m), CPL_AT_MOST, limit);
@@ -163,7 +155,7 @@ static tdm_status measure(const scn_case *c, cpl_verify *v, double digits, doubl
   double wall = NAN;
   if (scn_case_tightest(c, v, &m, tolerance, err) == TDM_OK) {
     snprintf(label, sizeof label, "rtol=%g", *tolerance);
-    if (scn_case_time(c, &scn_methods[SCN_GGL], *tolerance, c->of->at, &end, &wall, err) == TDM_OK) {
+    if (scn_case_time(c, &scn_methods[SCN_GGL], *tolerance, c->of->at, SCN_MOST_STEPS, &end, &wall, err) == TDM_OK) {
       cpl_verify_measure(v, "digits", label, scn_digits(scn_case_error(c, &end, c->row, false)), CPL_AT_LEAST, digits);
       cpl_verify_measure(v, "digits_path", label, scn_digits(scn_case_path_error(c, &m)), CPL_NO_LIMIT, 0);
       cpl_verify_measure(v, "constraint_drift_m", label, scn_motion_drift(&m), CPL_AT_MOST, most_drift);
@@ -245,7 +237,7 @@ static void measure_best(const scn_case *c, cpl_verify *v, const scn_method *met
     scn_motion m = {0};
     tdm_error failed = {0};
     double now;
-    if (scn_case_time(c, method, pow(10, -k), c->of->at, &m, &now, &failed) == TDM_OK) {
+    if (scn_case_time(c, method, pow(10, -k), c->of->at, SCN_MOST_STEPS, &m, &now, &failed) == TDM_OK) {
       best = fmax(best, scn_digits(scn_case_error(c, &m, c->row, false)));
       wall = now;
     }
@@ -267,8 +259,9 @@ static void measure_speed(const scn_case *c, cpl_verify *v, double published, do
   for (int k = 6; k <= 13; k++) {
     scn_motion m = {0};
     tdm_error failed = {0};
-    bool good = scn_case_time(c, &scn_methods[SCN_GGL], pow(10, -k), last, &m, &wall, &failed) == TDM_OK &&
-                scn_case_error(c, &m, row, false) <= error;
+    bool good =
+        scn_case_time(c, &scn_methods[SCN_GGL], pow(10, -k), last, SCN_MOST_STEPS, &m, &wall, &failed) == TDM_OK &&
+        scn_case_error(c, &m, row, false) <= error;
     scn_motion_free(&m);
     if (good)
       break;
@@ -287,7 +280,7 @@ tdm_status scn_andrews(cpl_verify *v, tdm_error *err) {
   if (scn_case_read(&c, v, &andrews, err) == TDM_OK && tdm_make_directory(cpl_verify_dir(v), err) == TDM_OK &&
       measure(&c, v, 9.5, &tolerance, err) == TDM_OK && swap_reference(&c, angle, err) == TDM_OK) {
     scn_motion m = {0};
-    if (scn_motion_run(&m, c.mbd, &scn_methods[SCN_GGL], tolerance, andrews.absolute, andrews.at, 1, andrews.budget,
+    if (scn_motion_run(&m, c.mbd, &scn_methods[SCN_GGL], tolerance, andrews.absolute, andrews.at, 1, SCN_MOST_STEPS,
                        err) == TDM_OK)
       cpl_verify_measure(v, "digits", "published", scn_digits(scn_case_error(&c, &m, c.row, false)), CPL_AT_LEAST, 8);
     scn_motion_free(&m);

@@ -2,8 +2,8 @@
  * smooth load and with one that jumps at every window. Not a test: bench_mbd [WINDOWS [FORMULATION]]
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/adapter/solver.h"
 #include "mbd/integrate/integrator.h"
+#include "mbd/mbd.h"
 #include "protocol/base/log.h"
 
 #include <stdio.h>
@@ -23,12 +23,11 @@ static double measure(const char *formulation, long windows, double H, double si
   json_object_set_new(scene, "formulation", json_string(formulation));
   tdm_assigned_body body = {.name = "box"};
   tdm_assignment a = {.scene = scene, .time_end = 1, .dt = H, .n = 1, .nbody = 1, .body = &body};
-  tdm_ready ready = {0};
-  void *self = NULL;
-  if (mbd_solver_ops.create(&self, &a, &ready, NULL, &err))
+  mbd_engine *self = NULL;
+  if (mbd_engine_create(&self, &a, NULL, &err))
     printf("%s: %s\n", err.path, err.message);
   tdm_state state;
-  tdm_result out = {.nbody = 1, .nstate = 1, .state = &state};
+  const mbd_outcome out = {.state = &state};
   unsigned seed = 1;
   double start = tdm_clock();
   for (long k = 0; k < windows && !err.status; k++) {
@@ -36,13 +35,12 @@ static double measure(const char *formulation, long windows, double H, double si
     seed = seed * 1664525u + 1013904223u;
     load[0].force.z = -2500 + 500 * sin(5 * k * H) + size * ((double)(seed >> 8) / (1 << 23) - 1);
     load[1].force.z = 2500 * H * cos(5 * k * H);
-    tdm_step in = {
-        .window = (uint64_t)k, .t0 = k * H, .t1 = (k + 1) * H, .nstep = 1, .nbody = 1, .nload = 3, .load = load};
-    if (mbd_solver_ops.step(self, &in, &out, &err))
+    const mbd_window in = {.t0 = k * H, .t1 = (k + 1) * H, .nload = 3, .load = load};
+    if (mbd_engine_advance(self, &in, &out, &err))
       printf("window %ld: %s\n", k, err.message);
   }
   double us = (tdm_clock() - start) / (double)windows * 1e6;
-  mbd_solver_ops.destroy(self);
+  mbd_engine_destroy(&self);
   json_decref(scene);
   return us;
 }

@@ -11,7 +11,7 @@
  *    steps, error against the exact solution.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/adapter/solver.h"
+#include "mbd/mbd.h"
 #include "protocol/base/log.h"
 
 #include <complex.h>
@@ -141,14 +141,14 @@ static void bounce(int order, double tolerance) {
   json_t *scene = json_loads(scene_text, 0, NULL);
   json_object_set_new(scene, "solver", json_pack("{s:i, s:f}", "max_order", order, "relative_tolerance", tolerance));
   tdm_assignment a = {.scene = scene, .time_end = end_time, .dt = end_time, .n = 1};
-  tdm_ready ready = {0};
-  void *self = NULL;
-  if (mbd_solver_ops.create(&self, &a, &ready, NULL, &err) == TDM_OK) {
+  mbd_engine *self = NULL;
+  if (mbd_engine_create(&self, &a, NULL, &err) == TDM_OK) {
+    const mbd_start ready = *mbd_engine_start(self);
     double *channel = calloc((size_t)ready.nchannel, sizeof *channel), begin = tdm_clock();
-    tdm_step in = {.t1 = end_time, .nstep = 1, .nsample = 1, .sample_time = &end_time};
-    tdm_result out = {.nsample = 1, .nchannel = ready.nchannel, .channel = channel};
-    if (mbd_solver_ops.step(self, &in, &out, &err) == TDM_OK) {
-      const mbd_stats *s = mbd_solver_stats(self);
+    const mbd_window in = {.t1 = end_time, .nsample = 1, .sample_time = &end_time};
+    const mbd_outcome out = {.channel = channel};
+    if (mbd_engine_advance(self, &in, &out, &err) == TDM_OK) {
+      const mbd_stats *s = mbd_engine_stats(self);
       double wall = tdm_clock() - begin, z = NAN;
       int impacts;
       for (int c = 0; c < ready.nchannel; c++)
@@ -163,7 +163,7 @@ static void bounce(int order, double tolerance) {
   }
   if (err.status != TDM_OK)
     printf("%6d %8g %s\n", order, tolerance, err.message);
-  mbd_solver_ops.destroy(self);
+  mbd_engine_destroy(&self);
   json_decref(scene);
 }
 

@@ -1,8 +1,8 @@
 /* The path ahead: what drivers prescribe, exactly; what moves on springs beside them; when no nodes are needed. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/adapter/ahead.h"
 #include "mbd/assembly/assemble.h"
 #include "mbd/assembly/kkt.h"
+#include "mbd/engine/ahead.h"
 #include "mbd/scene/scene.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
@@ -195,17 +195,18 @@ START_TEST(looking_changes_nothing) {
     tdm_assigned_body body = {.name = "deck"};
     tdm_assignment a = {
         .scene = scene, .time_end = 1, .dt = 1e-3, .n = 1, .nbody = 1, .body = &body, .ahead = looks ? 0.0125 : 0};
-    ck_assert_int_eq(mbd_solver_ops.create(&r.self, &a, &r.ready, NULL, &r.err), TDM_OK);
-    ck_assert_int_eq(r.ready.path->nnode > 0, looks);
+    ck_assert_int_eq(mbd_engine_create(&r.self, &a, NULL, &r.err), TDM_OK);
+    ck_assert_int_eq(mbd_engine_start(r.self)->path->nnode > 0, looks);
     for (int k = 0; k < 8; k++) {
       tdm_wrench load = {{0, 0, 10.0 * k}, {0, 0, 0}};
-      tdm_step in = {.t0 = 0.0125 * k, .t1 = 0.0125 * (k + 1), .nstep = 1, .nbody = 1, .nload = 1, .load = &load};
-      tdm_result out = {.nbody = 1, .nstate = 1, .state = &end[looks]};
+      tdm_nodes path = {0};
+      mbd_window in = {.t0 = 0.0125 * k, .t1 = 0.0125 * (k + 1), .nload = 1, .load = &load};
+      const mbd_outcome out = {.state = &end[looks], .path = &path};
       in.ahead = looks ? in.t1 + 0.0125 : 0;
-      ck_assert_msg(mbd_solver_ops.step(r.self, &in, &out, &r.err) == TDM_OK, "%s", r.err.message);
-      ck_assert_int_eq(out.path.nnode > 0, looks);
+      ck_assert_msg(mbd_engine_advance(r.self, &in, &out, &r.err) == TDM_OK, "%s", r.err.message);
+      ck_assert_int_eq(path.nnode > 0, looks);
     }
-    mbd_solver_ops.destroy(r.self);
+    mbd_engine_destroy(&r.self);
     json_decref(scene);
   }
   ck_assert_mem_eq(&end[0], &end[1], sizeof end[0]);

@@ -273,11 +273,11 @@ START_TEST(test_windows) {
       v = stop <= left ? 0 : v + a * h;
       left -= h;
     }
-    ck_assert_int_eq(mbd_solver_ops.save(r.self, 0, &r.err), TDM_OK);
+    ck_assert_int_eq(mbd_engine_save(r.self, 0, &r.err), TDM_OK);
     run_window(&r, H * (k + 1), &astray, 1, 0, NULL);
     tdm_state kept[2];
     for (int again = 0; again < 2; again++) {
-      ck_assert_int_eq(mbd_solver_ops.restore(r.self, 0, &r.err), TDM_OK);
+      ck_assert_int_eq(mbd_engine_restore(r.self, 0, &r.err), TDM_OK);
       r.t = H * k;
       run_window(&r, H * (k + 1), &load, 1, 0, NULL);
       kept[again] = r.state[0];

@@ -570,11 +570,11 @@ START_TEST(test_save) {
     int angle = run_channel(&r, "force.t.angle"), drift = run_channel(&r, "constraint.drift");
     for (int k = 0; k < 200; k++) {
       if (k % 7 == 0 && (detour || _i > 0))
-        ck_assert_int_eq(mbd_solver_ops.save(r.self, k % 3, &err), TDM_OK);
+        ck_assert_int_eq(mbd_engine_save(r.self, k % 3, &err), TDM_OK);
       if (k % 7 == 0 && detour) {
         random_window(&r, k, 5);
         random_window(&r, k + 1, 5);
-        ck_assert_int_eq(mbd_solver_ops.restore(r.self, k % 3, &err), TDM_OK);
+        ck_assert_int_eq(mbd_engine_restore(r.self, k % 3, &err), TDM_OK);
       }
       random_window(&r, k, 0);
       double *to = channels[detour][k];
@@ -583,7 +583,7 @@ START_TEST(test_save) {
       to[6] = r.channel[angle];
       to[7] = r.channel[drift];
     }
-    ck_assert_int_eq(mbd_solver_ops.restore(r.self, 9, &err), TDM_ERR_PROTOCOL);
+    ck_assert_int_eq(mbd_engine_restore(r.self, 9, &err), TDM_ERR_PROTOCOL);
     run_close(&r);
   }
   ck_assert_mem_eq(channels[0], channels[1], sizeof channels[0]);
@@ -618,13 +618,13 @@ START_TEST(test_chain) {
   tdm_state saved = {0};
   for (int k = 0; k < 300; k++) {
     if (k == 250)
-      ck_assert_int_eq(mbd_solver_ops.save(a.self, 2, &a.err), TDM_OK);
+      ck_assert_int_eq(mbd_engine_save(a.self, 2, &a.err), TDM_OK);
     run_to(&a, 1e-3 * (k + 1));
     ck_assert_double_lt(run_value(&a, "constraint.drift"), 1e-10);
   }
   ck_assert_double_lt(apart(a.state[0], b.state[0]), 1e-3);
   saved = a.state[0];
-  ck_assert_int_eq(mbd_solver_ops.restore(a.self, 2, &a.err), TDM_OK);
+  ck_assert_int_eq(mbd_engine_restore(a.self, 2, &a.err), TDM_OK);
   a.t = 0.25;
   for (int k = 250; k < 300; k++)
     run_to(&a, 1e-3 * (k + 1));

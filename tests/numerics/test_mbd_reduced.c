@@ -310,9 +310,8 @@ START_TEST(test_differences) {
   const char *names[] = {"a", "b"};
   open_mechanism(&q, scenes[_i], 2, names);
   tdm_wrench load[2] = {{{30, -20, 10}, {1, 2, 3}}, {{5, 6, -7}, {-4, 2, 1}}};
-  tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = load};
   tdm_error err = {0};
-  ck_assert_int_eq(mbd_data_set_load(q.data, q.model, &step, &err), TDM_OK);
+  ck_assert_int_eq(mbd_data_set_load(q.data, q.model, 0, 1, 1, load, &err), TDM_OK);
   evaluate(&q);
   ck_assert_int_lt(mbd_nunknown(q.model), 128);
   const int f = q.nfree, nv = q.nv;
@@ -388,10 +387,9 @@ START_TEST(test_mobility) {
   }
   for (int e = 0; e < 12; e++) {
     double load[12] = {0};
-    tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = (tdm_wrench *)(void *)load};
     tdm_error err = {0};
     load[e] = 1;
-    ck_assert_int_eq(mbd_data_set_load(q.data, q.model, &step, &err), TDM_OK);
+    ck_assert_int_eq(mbd_data_set_load(q.data, q.model, 0, 1, 1, (tdm_wrench *)(void *)load, &err), TDM_OK);
     evaluate(&q);
     for (int c = 0; c < 12; c++) {
       CLOSE(q.data->acceleration[6 * q.model->coupled[c / 6] + c % 6] - free[c], q.m.Y[12 * c + e], 1e-11);
@@ -423,10 +421,9 @@ START_TEST(test_light_and_heavy) {
   memcpy(Y, q.m.Y, sizeof Y);
   for (int e = 0; e < 12; e++) {
     double load[12] = {0};
-    tdm_step step = {.t0 = 0, .t1 = 1, .nbody = 2, .nload = 1, .load = (tdm_wrench *)(void *)load};
     tdm_error err = {0};
     load[e] = mass;
-    ck_assert_int_eq(mbd_data_set_load(q.data, q.model, &step, &err), TDM_OK);
+    ck_assert_int_eq(mbd_data_set_load(q.data, q.model, 0, 1, 1, (tdm_wrench *)(void *)load, &err), TDM_OK);
     ck_assert(mbd_accelerations(q.model, q.data, q.kkt, 0, q.data->y));
     for (int c = 0; c < 12; c++)
       CLOSE(q.data->acceleration[c] / mass, Y[12 * c + e], 1e-6 * sqrt(Y[13 * c] * Y[13 * e]));

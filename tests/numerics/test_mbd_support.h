@@ -1,11 +1,11 @@
-/* What the tests of mbd/ share: a solver run through mbd_solver_ops without a server, scenes written with single
+/* What the tests of mbd/ share: an engine run through mbd/mbd.h, scenes written with single
  * quotes.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_MBD_SUPPORT_H
 #define TEST_MBD_SUPPORT_H
 
-#include "mbd/adapter/solver.h"
+#include "mbd/mbd.h"
 #include "protocol/base/log.h"
 
 #include <check.h>
@@ -16,11 +16,11 @@
 enum { RUN_BODIES = 4, RUN_SAMPLES = 64 };
 
 typedef struct {
-  void *self;
+  mbd_engine *self;
   json_t *scene;
   tdm_assigned_body body[RUN_BODIES];
   int nbody;
-  tdm_ready ready;
+  mbd_start ready;
   tdm_error err;
   tdm_status status; /* of create */
   double t;
@@ -52,9 +52,10 @@ static inline void run_open(run *r, const char *scene, const char *names) {
     r->nbody++;
   }
   tdm_assignment a = {.scene = r->scene, .time_end = 1, .dt = 1e-3, .n = 1, .nbody = r->nbody, .body = r->body};
-  r->status = mbd_solver_ops.create(&r->self, &a, &r->ready, NULL, &r->err);
+  r->status = mbd_engine_create(&r->self, &a, NULL, &r->err);
   if (r->status)
     return;
+  r->ready = *mbd_engine_start(r->self);
   r->channel = calloc((size_t)(RUN_SAMPLES * r->ready.nchannel), sizeof(double));
   for (int i = 0; i < r->nbody; i++)
     r->state[i] = r->ready.body[i].state;
@@ -66,7 +67,7 @@ static inline void run_open_good(run *r, const char *scene, const char *names) {
 }
 
 static inline void run_close(run *r) {
-  mbd_solver_ops.destroy(r->self);
+  mbd_engine_destroy(&r->self);
   json_decref(r->scene);
   free(r->channel);
 }
@@ -90,21 +91,10 @@ static inline long run_close_steps(run *r) {
 /* One window to t1 with load (nbody x nload) and samples. */
 static inline tdm_status run_step(run *r, double t1, const tdm_wrench *load, int nload, int nsample,
                                   const double *time) {
-  tdm_step in = {.t0 = r->t,
-                 .t1 = t1,
-                 .nstep = 1,
-                 .nbody = r->nbody,
-                 .nload = nload,
-                 .nsample = nsample,
-                 .load = load,
-                 .sample_time = time};
-  tdm_result out = {.nbody = r->nbody, .nstate = r->nbody, .nsample = nsample};
-  out.nchannel = r->ready.nchannel;
-  out.state = r->state;
-  out.sample_state = r->sample;
-  out.channel = r->channel;
+  const mbd_window in = {.t0 = r->t, .t1 = t1, .nload = nload, .load = load, .nsample = nsample, .sample_time = time};
+  const mbd_outcome out = {.state = r->state, .channel = r->channel, .sample_state = r->sample};
   r->t = t1;
-  return mbd_solver_ops.step(r->self, &in, &out, &r->err);
+  return mbd_engine_advance(r->self, &in, &out, &r->err);
 }
 
 static inline void run_window(run *r, double t1, const tdm_wrench *load, int nload, int nsample, const double *time) {

@@ -1,6 +1,6 @@
 /* The path ahead: see ahead.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/adapter/ahead.h"
+#include "mbd/engine/ahead.h"
 
 #include "mbd/assembly/kkt.h"
 

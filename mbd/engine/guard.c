@@ -1,6 +1,6 @@
 /* The guard: see guard.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/adapter/guard.h"
+#include "mbd/engine/guard.h"
 
 #include "protocol/base/remark.h"
 

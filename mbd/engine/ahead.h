@@ -11,8 +11,8 @@
  * the parabola of its start, and no body turns by more than 0.1 rad.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MBD_ADAPTER_AHEAD_H
-#define MBD_ADAPTER_AHEAD_H
+#ifndef MBD_ENGINE_AHEAD_H
+#define MBD_ENGINE_AHEAD_H
 
 #include "mbd/assembly/consistent.h"
 #include "mbd/integrate/integrator.h"

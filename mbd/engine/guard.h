@@ -9,8 +9,8 @@
  * of at any rate. Mechanisms that creep or stand still have no scale: a millionth of a joule per kilogram is the least.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef MBD_ADAPTER_GUARD_H
-#define MBD_ADAPTER_GUARD_H
+#ifndef MBD_ENGINE_GUARD_H
+#define MBD_ENGINE_GUARD_H
 
 #include "mbd/mechanics/energy.h"
 
