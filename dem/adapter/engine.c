@@ -46,14 +46,7 @@ static tdm_status start_from(dem_data *d, tdm_error *err) {
     return err->status;
   if (d->model->settle.wanted)
     dem_lids_away(d);
-  if (!dem_forces_now(d, false))
-    return tdm_fail(err, TDM_ERR_MEMORY, "dem.start", "no memory for the neighbour lists");
-  return TDM_OK;
-}
-
-/* no memory for the neighbour lists */
-static tdm_status evaluate(dem_data *d, tdm_error *err) {
-  return dem_forces_now(d, false) ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  return dem_forces_now(d, false, err);
 }
 
 /* Particles in place and at rest. */
@@ -66,7 +59,7 @@ static tdm_status place_particles(dem_engine *e, dem_settled *settled, int *nbeh
     return err->status;
   if (m->settle.wanted)
     return dem_settle(d, e->participant, settled, err);
-  return !m->start && dem_lids_place(d) ? evaluate(d, err) : TDM_OK;
+  return !m->start && dem_lids_place(d) ? dem_forces_now(d, false, err) : TDM_OK;
 }
 
 /* The means of the output interval before the first sample are what acts at the start. */
@@ -108,8 +101,8 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
     e->load[c] = d->state.body_load[m->coupled_body[c]];
   begin_samples(d);
   int nparticle = d->state.nparticle;
-  if (!dem_flow(d, m->time_start, m->dt))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
+  if (dem_flow(d, m->time_start, m->dt, err))
+    return err->status;
   dem_report_flow(&e->report, d);
   tell_start(e);
   tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,

@@ -7,6 +7,7 @@
 #include "dem/state/data.h"
 #include "dem/state/state_file.h"
 #include "dem/step/step.h"
+#include "dem/watch/energy_balance.h"
 #include "protocol/base/log.h"
 #include "protocol/base/status.h"
 
@@ -317,19 +318,9 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
   e->data->work.nthread = o->threads;
-  if (!dem_forces_now(e->data, false))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  if (dem_forces_now(e->data, false, err))
+    return err->status;
   return refuse_coincident(e->data, b, err);
-}
-
-static double kinetic_energy(const dem_data *d) {
-  double sum = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
-    double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
-    sum += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity);
-    sum += 0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin);
-  }
-  return sum;
 }
 
 /* let the bed fall, with a drag that leaves it at rest */
@@ -349,7 +340,7 @@ static tdm_status settle(engine *e, const options *o, tdm_error *err) {
       d->state.pace[i].velocity = tdm_scale(drag, d->state.pace[i].velocity);
       d->state.pace[i].spin = tdm_scale(drag, d->state.pace[i].spin);
     }
-    if (k % 100 == 0 && (double)k * o->dt > 0.1 && kinetic_energy(d) < quiet)
+    if (k % 100 == 0 && (double)k * o->dt > 0.1 && dem_kinetic_energy(d) < quiet)
       break;
   }
   return TDM_OK;
@@ -506,7 +497,7 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
     long rss = peak_memory(), listed = 0, touching = touching_pairs(d);
     for (size_t k = 0; k < d->lists.pairs.count; k++)
       listed += d->lists.pairs.other[k] < d->state.nparticle;
-    double n = d->state.nparticle, energy = kinetic_energy(d);
+    double n = d->state.nparticle, energy = dem_kinetic_energy(d);
     char law[128];
     snprintf(law, sizeof law, "%s/%s/%s/%s", e.model->normal->head.name, e.model->tangential->head.name,
              e.model->rolling->head.name, e.model->cohesion->head.name);

@@ -230,14 +230,14 @@ static void run_sinks(dem_data *d) {
     dem_data_remove(d, gone);
 }
 
-bool dem_flow(dem_data *d, double t, double dt) {
+tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
   const dem_model *m = d->model;
   if (m->nsink > 0)
     run_sinks(d);
   for (int s = 0; s < m->nsource; s++)
     if (!run_source(d, &m->source[s], &d->state.source[s], t, dt))
-      return false;
-  return true;
+      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
+  return TDM_OK;
 }
 
 /* ---- the open box ---- */

@@ -16,9 +16,9 @@
 
 #include "dem/state/data.h"
 
-/* At the step boundary at time t [s], `dt` after the one before: sinks, then sources, in the order of the scene. False:
- * no memory. */
-bool dem_flow(dem_data *data, double t, double dt);
+/* At the step boundary at time t [s], `dt` after the one before: sinks, then sources, in the order of the scene.
+ * Errors: TDM_ERR_MEMORY. */
+tdm_status dem_flow(dem_data *data, double t, double dt, tdm_error *err);
 
 /* Between two steps: take out what has left the open box dem.domain, and count it (ledger.left). */
 void dem_flow_leave(dem_data *data);

@@ -171,8 +171,8 @@ static tdm_status settle_and_close(dem_data *d, tdm_participant *p, dem_settled 
   dem_lids_place(d);
   if (!any_press(d->model))
     return TDM_OK;
-  if (!dem_forces_now(d, true))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
+  if (dem_forces_now(d, true, err))
+    return err->status;
   return press(d, p, out, err);
 }
 
@@ -198,7 +198,5 @@ tdm_status dem_settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_err
     if (err->status)
       return err->status;
   }
-  if (!dem_forces_now(d, false))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
-  return TDM_OK;
+  return dem_forces_now(d, false, err);
 }

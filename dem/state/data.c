@@ -237,7 +237,8 @@ dem_data *dem_data_create(const dem_model *model) {
     return NULL;
   }
   begin(d);
-  if (!dem_forces_now(d, false)) {
+  tdm_error unused = {0}; /* NULL tells of it */
+  if (dem_forces_now(d, false, &unused)) {
     dem_data_destroy(&d);
     return NULL;
   }

@@ -143,10 +143,10 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
   d->state.restart = true;
 }
 
-bool dem_forces_now(dem_data *d, bool settling) {
+tdm_status dem_forces_now(dem_data *d, bool settling, tdm_error *err) {
   dem_walls_put(d);
   if (!dem_lists_build(d) || !dem_traction_reserve(d))
-    return false;
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_forces_again(d, settling, 0);
-  return true;
+  return TDM_OK;
 }

@@ -8,8 +8,8 @@
 #include "dem/step/integrate.h"
 
 /* Evaluate the forces at the present positions and velocities without advancing anything. `settling`: with the
- * restitution and friction of the settle phase. False: no memory. */
-bool dem_forces_now(dem_data *data, bool settling);
+ * restitution and friction of the settle phase. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_forces_now(dem_data *data, bool settling, tdm_error *err);
 
 /* The same on the lists as they are, histories advanced by dt [s] (0: only evaluate). Particles stay where they are. */
 void dem_forces_again(dem_data *data, bool settling, double dt);

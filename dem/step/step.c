@@ -163,7 +163,5 @@ tdm_status dem_step(dem_data *d, const dem_step_task *s, tdm_error *err) {
     dem_window_sums_add(s->sums, d, s->k, s->n, s->path);
   if (s->guard && watch(d, s, err))
     return err->status;
-  if (s->flow && !dem_flow(d, s->time, s->dt))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
-  return TDM_OK;
+  return s->flow ? dem_flow(d, s->time, s->dt, err) : TDM_OK;
 }

@@ -133,6 +133,13 @@ double dem_particle_energy(const dem_data *d, int i, double *potential) {
   return kinetic + 0.5 * inertia * tdm_dot(p->spin, p->spin);
 }
 
+double dem_kinetic_energy(const dem_data *d) {
+  double sum = 0, potential;
+  for (int i = 0; i < d->state.nparticle; i++)
+    sum += dem_particle_energy(d, i, &potential);
+  return sum;
+}
+
 dem_stored_energy dem_stored_energy_now(const dem_data *d) {
   dem_stored_energy e = {0};
   for (int i = 0; i < d->state.nparticle; i++) {

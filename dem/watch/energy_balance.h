@@ -32,6 +32,9 @@ dem_stored_energy dem_stored_energy_now(const dem_data *data);
 /* Of all particles at the speed that counts as rest (dem.settle.speed) [J]: less than that is no motion to judge by. */
 double dem_rest_energy(const dem_data *data);
 
+/* Kinetic energy of all particles, with rotation [J]. */
+double dem_kinetic_energy(const dem_data *data);
+
 /* Kinetic energy of particle i, and its potential one [J]. */
 double dem_particle_energy(const dem_data *data, int i, double *potential);
 

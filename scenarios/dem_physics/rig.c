@@ -5,6 +5,7 @@
 
 #include "dem/settle/settle.h"
 #include "dem/step/step.h"
+#include "dem/watch/energy_balance.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/results.h"
 #include "protocol/base/log.h"
@@ -75,14 +76,7 @@ void scn_rig_close(scn_rig *rig) {
 }
 
 double scn_rig_kinetic(const scn_rig *rig) {
-  const dem_data *d = rig->data;
-  double sum = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
-    double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
-    sum += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity) +
-           0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin);
-  }
-  return sum;
+  return dem_kinetic_energy(rig->data);
 }
 
 /* ---- impacts ---- */

@@ -299,10 +299,10 @@ START_TEST(test_mass_that_changes) {
   for (int i = 0; i < 3; i++) {
     const double Y[36] = {[0] = 1 / masses[i], [7] = 1 / masses[i], [14] = 1 / masses[i]};
     dem_set_body_mobility(r->data, 0, Y);
-    ck_assert(dem_forces_now(r->data, false));
+    forces_now(r->data, false);
     double away = -r->data->state.body_load[0].force.z;
     r->data->state.pace[0].velocity.z = 0;
-    ck_assert(dem_forces_now(r->data, false));
+    forces_now(r->data, false);
     damping[i] = away + r->data->state.body_load[0].force.z; /* what the approach adds */
     r->data->state.pace[0].velocity.z = -1;
     effective[i] = masses[i] / (1 + masses[i]);

@@ -5,6 +5,7 @@
 
 #include "dem/adapter/solver.h"
 #include "dem/bodies/path.h"
+#include "dem/flow/flow.h"
 #include "dem/state/data.h"
 #include "dem/step/step.h"
 
@@ -87,6 +88,16 @@ static inline void one_step(dem_data *d, const dem_path *path, double dt) {
   tdm_error err = {0};
   ck_assert_msg(dem_step(d, &(dem_step_task){.dt = dt, .path = path, .k = 1, .n = 1}, &err) == TDM_OK, "%s",
                 err.message);
+}
+
+static inline void forces_now(dem_data *d, bool settling) {
+  tdm_error err = {0};
+  ck_assert_msg(dem_forces_now(d, settling, &err) == TDM_OK, "%s", err.message);
+}
+
+static inline void flow_now(dem_data *d, double t, double dt) {
+  tdm_error err = {0};
+  ck_assert_msg(dem_flow(d, t, dt, &err) == TDM_OK, "%s", err.message);
 }
 
 /* n steps with the bodies where they are */

@@ -133,7 +133,7 @@ START_TEST(a_ball_rests_in_it) {
   ck_near(d->state.sphere[0].position.x, 0, 1e-3);
   ck_near(d->state.sphere[0].position.y, 0, 1e-3);
   ck_near(d->state.sphere[0].position.z, 1 - length, 1e-5);
-  ck_assert(dem_forces_now(r->data, false));
+  forces_now(r->data, false);
   ck_relative(d->state.body_load[0].force.z, -9.81 * d->state.mass[0], 0.02);
   rig_free(r);
 }
