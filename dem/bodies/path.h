@@ -5,7 +5,7 @@
  * ends' positions and velocities. The twist is the derivative of the path, not the solver's own twist at the ends:
  * otherwise the works of the two sides disagree.
  *
- * Where the path comes with nodes it goes through them instead (protocol/nodes.h), its angular velocity too.
+ * Where the path comes with nodes it goes through them instead (protocol/wire/nodes.h), its angular velocity too.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_PATH_H

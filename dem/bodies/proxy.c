@@ -87,8 +87,9 @@ static bool reserve(dem_proxy *x, int f) {
   double *at = x->block = calloc(all, sizeof *x->block);
   for (size_t i = 0; i < narray && at; at += arrays[i++].n)
     *arrays[i].at = at;
-  x->capacity = f;
-  return x->block && x->L && x->exponential;
+  const bool good = x->block && x->L && x->exponential;
+  x->capacity = good ? f : -1;
+  return good;
 }
 
 /* radius of gyration; 1 m for a body that cannot be moved */

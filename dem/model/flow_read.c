@@ -8,8 +8,7 @@
 
 enum { NAME_MAX_LENGTH = 40 }; /* so that "source.NAME.waiting" is a channel's name */
 
-/* "name", which becomes part of channel names; NULL when memory runs out. `taken` is the index of an entry that has it,
- * -1: none. */
+/* "name", which becomes part of channel names; NULL and an error when memory runs out. */
 static char *read_name(tdm_object *o) {
   const char *name = tdm_get_string(o, "name", NULL);
   size_t n = strlen(name);
@@ -20,7 +19,7 @@ static char *read_name(tdm_object *o) {
   if (!good && !o->err->status)
     tdm_object_fail(o, "name", "\"%s\" must be 1 to %d letters, digits and underscores: it names output channels", name,
                     NAME_MAX_LENGTH);
-  return strdup(name);
+  return dem_copy_text(name, o->err);
 }
 
 static void refuse_same(tdm_object *o, const char *name, int same, const char *array) {

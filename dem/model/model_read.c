@@ -124,7 +124,7 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   if (same >= 0)
     tdm_object_fail(o, "name", "\"%s\" is the name of dem.bodies[%d] already; give each body its own", name, same);
   dem_body *body = &m->body[index];
-  body->name = strdup(name);
+  body->name = dem_copy_text(name, o->err);
   body->material = dem_read_material(m, o);
   body->coupled = -1;
   body->mass = INFINITY;
@@ -227,7 +227,7 @@ static void read_settle(dem_model *m, tdm_object *section) {
   const char *store = tdm_has(&o, "store") ? tdm_get_string(&o, "store", NULL) : NULL;
   if (store && !store[0])
     tdm_object_fail(&o, "store", "is empty; give the file that keeps the settled bed, or remove the key");
-  m->settle.store = store ? strdup(store) : NULL;
+  m->settle.store = store ? dem_copy_text(store, o.err) : NULL;
   tdm_object_close(&o);
 }
 
@@ -295,7 +295,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
     dem_domain_check(m, dem_largest_radius(m), err);
   read_guard(m, &o);
   const char *start = tdm_has(&o, "start") ? tdm_get_string(&o, "start", NULL) : NULL;
-  m->start = start ? strdup(start) : NULL;
+  m->start = start ? dem_copy_text(start, err) : NULL;
   if (m->start && m->settle.store)
     tdm_object_fail(&o, "start", "excludes dem.settle.store, which would keep a bed of other particles; remove one");
   if (m->start && m->npouring > 0)

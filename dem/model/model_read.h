@@ -15,6 +15,9 @@ void dem_check_mass(tdm_object *o, const char *key, double mass);
  * there. `key` gives it. */
 void dem_check_place(tdm_object *o, const char *key, tdm_vec3 place, double radius);
 
+/* A copy of a text, the caller's to free; NULL and an error when memory runs out. */
+char *dem_copy_text(const char *text, tdm_error *err);
+
 /* The key "material" of an object as an index; 0 after an error. */
 int dem_read_material(const dem_model *model, tdm_object *o);
 

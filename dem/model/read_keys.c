@@ -5,6 +5,14 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+char *dem_copy_text(const char *text, tdm_error *err) {
+  char *copy = strdup(text);
+  if (!copy)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a text of the scene");
+  return copy;
+}
 
 int dem_read_material(const dem_model *m, tdm_object *o) {
   const char *name = tdm_get_string(o, "material", NULL);
