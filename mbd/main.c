@@ -1,9 +1,7 @@
 /* tandem-mbd: the solver process of a co-simulation, and the command line of scenes of bodies alone. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/app/run.h"
-#include "protocol/base/gsl_errors.h"
 
 int main(int argc, char **argv) {
-  tdm_gsl_return_errors();
   return tdm_standalone_main(&mbd_program, argc, argv);
 }

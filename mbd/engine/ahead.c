@@ -3,6 +3,7 @@
 #include "mbd/engine/ahead.h"
 
 #include "mbd/assembly/kkt.h"
+#include "protocol/base/hermite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -85,8 +86,6 @@ tdm_status mbd_ahead_create(mbd_ahead **out, const mbd_model *model, const mbd_d
   a->state = calloc((size_t)TDM_NODES_MAX * (size_t)model->ncoupled + 1, sizeof *a->state);
   if (!a->data || !a->kkt || !a->prescribed || !a->time || !a->node_time || !a->state)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the path ahead");
-  a->data->ndependent = data->ndependent;
-  memcpy(a->data->dependent, data->dependent, (size_t)model->nrow * sizeof *data->dependent);
   mbd_data_copy(model, a->data, data);
   if (!find_prescribed(a))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no accelerations at the start; check joints and masses");
@@ -114,10 +113,9 @@ static bend bend_of(const tdm_motion *law, double t1, double t2, int n) {
   for (int k = 0; k < n; k++) {
     const tdm_motion_value to = tdm_motion_at(law, t1 + (k + 1) * h);
     for (int i = 0; i <= NLOOK; i++) {
-      const double s = i < NLOOK ? looks[i] : 1, r = 1 - s, tau = (k + s) * h;
+      const double s = i < NLOOK ? looks[i] : 1, tau = (k + s) * h;
       const double x = i < NLOOK ? tdm_motion_at(law, t1 + tau).value : to.value;
-      const double cubic =
-          r * r * (1 + 2 * s) * from.value + s * s * (3 - 2 * s) * to.value + s * r * h * (r * from.rate - s * to.rate);
+      const double cubic = tdm_hermite(s, h, from.value, from.rate, to.value, to.rate);
       b.parabola = fmax(b.parabola, fabs(x - first.value - tau * (first.rate + 0.5 * tau * first.acceleration)));
       b.cubics = fmax(b.cubics, fabs(x - cubic));
       least = fmin(least, x);

@@ -546,16 +546,13 @@ bool mbd_alpha_step(mbd_alpha *s, double t, double t1) {
 }
 
 void mbd_alpha_copy(const mbd_alpha *s, mbd_alpha_memory *to, const mbd_alpha_memory *from) {
-  const size_t nv = (size_t)s->nv * sizeof(double), nrow = (size_t)s->model->nrow * sizeof(double);
-  memcpy(to->w, from->w, nv);
-  memcpy(to->slope, from->slope, nv);
-  memcpy(to->a, from->a, nv);
-  memcpy(to->lambda, from->lambda, nrow);
-  memcpy(to->lambda_slope, from->lambda_slope, nrow);
-  memcpy(to->speed, from->speed, (size_t)s->model->nbody * sizeof(double));
-  to->last = from->last;
-  to->wanted = from->wanted;
-  to->started = from->started;
+  const mbd_model *m = s->model;
+#define COPY_SCALAR(type, name) to->name = from->name;
+#define COPY_ARRAY(type, name, count) memcpy(to->name, from->name, (size_t)(count) * sizeof *to->name);
+  MBD_ALPHA_SCALARS(COPY_SCALAR)
+  MBD_ALPHA_ARRAYS(COPY_ARRAY)
+#undef COPY_SCALAR
+#undef COPY_ARRAY
 }
 
 void mbd_alpha_accept(mbd_alpha *s, double t1, double h) {

@@ -37,18 +37,27 @@ typedef struct {
   double G[MBD_ROWS_MAX][MBD_PAIR];
 } mbd_alpha_rows;
 
-/* what the next step needs beside data's state; kept and given back by save and restore */
+/* What the next step needs beside data's state, in two lists as those of mbd_data (mechanics/state.h): kept and given
+ * back by save and restore. `m` is the model. */
+#define MBD_ALPHA_SCALARS(X)                                                  \
+  X(double, last)   /* length of the last step [s], 0: none */                \
+  X(double, wanted) /* the longest next step by the error test [s], 0: any */ \
+  X(bool, started)  /* no step was made since the start: slope is that of there yet */
+
+#define MBD_ALPHA_ARRAYS(X)                                                              \
+  X(double, w, 6 * m->nbody)       /* at the end of the last step */                     \
+  X(double, slope, 6 * m->nbody)   /* its mean rate in it; after a start: there */       \
+  X(double, a, 6 * m->nbody)       /* the method's own, of a step as long as the last */ \
+  X(double, lambda, m->nrow)       /* as w: reactions without l */                       \
+  X(double, lambda_slope, m->nrow) /* as slope */                                        \
+  X(double, speed, m->nbody)       /* largest so far, turns by their kinetic energy [m/s] */
+
 typedef struct {
-  double *w, *slope;             /* (nv) at the end of the last step, and its mean rate in it; after a start: there */
-  double *a;                     /* (nv) the method's own, of a step as long as the last */
-  double *lambda, *lambda_slope; /* (nrow) as w: reactions without l */
-  double *speed;                 /* (nbody) largest so far, turns by their kinetic energy [m/s] */
-  double last;                   /* length of the last step [s], 0: none */
-  double wanted;                 /* the longest next step by the error test [s], 0: any */
-  bool started;                  /* no step was made since the start: slope is that of there yet */
-  mbd_lu *step;                  /* factors of Newton's matrix */
-  mbd_lu *mass;                  /* of [M G^T; G 0] */
-  double step_length;            /* of `step` [s], 0: to be made anew */
+  MBD_ALPHA_SCALARS(MBD_SCALAR_FIELD)
+  MBD_ALPHA_ARRAYS(MBD_ARRAY_FIELD)
+  mbd_lu *step;       /* factors of Newton's matrix */
+  mbd_lu *mass;       /* of [M G^T; G 0] */
+  double step_length; /* of `step` [s], 0: to be made anew */
   bool mass_made;
 } mbd_alpha_memory;
 

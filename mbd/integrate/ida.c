@@ -595,4 +595,10 @@ static void stats(void *self) {
   count(self);
 }
 
-const mbd_integrator_ops mbd_ida = {create, start, advance, stats, destroy, NULL, NULL, NULL};
+const mbd_integrator_ops mbd_ida = {
+    .create = create,
+    .start = start,
+    .advance = advance,
+    .stats = stats,
+    .destroy = destroy,
+};

@@ -5,9 +5,9 @@
 #include <stdio.h>
 
 const mbd_formulation mbd_formulation_table[MBD_FORMULATIONS] = {
-    [MBD_GGL] = {"ggl", &mbd_ida},
-    [MBD_INDEX3] = {"index3", &mbd_ida},
-    [MBD_ONE_STEP] = {"one_step", &mbd_one_step},
+    [MBD_GGL] = {.name = "ggl", .integrator = &mbd_ida},
+    [MBD_INDEX3] = {.name = "index3", .integrator = &mbd_ida},
+    [MBD_ONE_STEP] = {.name = "one_step", .integrator = &mbd_one_step},
 };
 
 void mbd_advise(const mbd_model *m, char *out, size_t size) {

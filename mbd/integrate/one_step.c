@@ -5,6 +5,7 @@
 #include "mbd/assembly/work.h"
 #include "mbd/integrate/alpha.h"
 #include "mbd/integrate/integrator.h"
+#include "protocol/base/hermite.h"
 #include "protocol/base/log.h"
 
 #include <math.h>
@@ -22,29 +23,25 @@ static double *array(int n) {
   return calloc((size_t)n + 1, sizeof(double));
 }
 
-static bool memory_create(mbd_alpha_memory *m, const mbd_model *model, int nv, bool factors) {
-  m->w = array(nv);
-  m->a = array(nv);
-  m->slope = array(nv);
-  m->lambda = array(model->nrow);
-  m->lambda_slope = array(model->nrow);
-  m->speed = array(model->nbody);
+static bool memory_create(mbd_alpha_memory *to, const mbd_model *m, bool factors) {
+  const int n = 6 * m->nbody + m->nrow;
+  bool good = true;
+#define ALLOCATE(type, name, count) good = (to->name = calloc((size_t)(count) + 1, sizeof *to->name)) && good;
+  MBD_ALPHA_ARRAYS(ALLOCATE)
+#undef ALLOCATE
   if (factors) {
-    m->step = mbd_lu_create(nv + model->nrow);
-    m->mass = mbd_lu_create(nv + model->nrow);
+    to->step = mbd_lu_create(n);
+    to->mass = mbd_lu_create(n);
   }
-  return m->w && m->a && m->slope && m->lambda && m->lambda_slope && m->speed && (!factors || (m->step && m->mass));
+  return good && (!factors || (to->step && to->mass));
 }
 
-static void memory_free(mbd_alpha_memory *m) {
-  free(m->w);
-  free(m->a);
-  free(m->slope);
-  free(m->speed);
-  free(m->lambda);
-  free(m->lambda_slope);
-  mbd_lu_destroy(&m->step);
-  mbd_lu_destroy(&m->mass);
+static void memory_free(mbd_alpha_memory *from) {
+#define RELEASE(type, name, count) free(from->name);
+  MBD_ALPHA_ARRAYS(RELEASE)
+#undef RELEASE
+  mbd_lu_destroy(&from->step);
+  mbd_lu_destroy(&from->mass);
 }
 
 static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd_kkt *kkt, mbd_stop_fn stop,
@@ -69,7 +66,7 @@ static tdm_status create(void **out, const mbd_model *model, mbd_data *data, mbd
   s->n = s->nv + model->nrow;
   double **arrays[] = {&s->vdot1, &s->guess, &s->move, &s->Q,  &s->lambda0, &s->lambda1, &s->g, &s->g_t,
                        &s->r,     &s->x,     &s->dx,   &s->X0, &s->X1,      &s->P,       &s->S};
-  bool good = memory_create(&s->now, model, s->nv, true) && memory_create(&s->before, model, s->nv, false);
+  bool good = memory_create(&s->now, model, true) && memory_create(&s->before, model, false);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     good = (*arrays[i] = array(s->n)) && good;
   s->normal = array(model->nfriction);
@@ -103,12 +100,6 @@ static void destroy(void *self) {
 
 /* ---- dense output ---- */
 
-/* f(s) of the cubic with values f0, f1 and derivatives d0, d1 by s */
-static double cubic(double s, double f0, double d0, double f1, double d1) {
-  double r = 1 - s;
-  return r * r * (1 + 2 * s) * f0 + s * s * (3 - 2 * s) * f1 + s * r * (r * d0 - s * d1);
-}
-
 /* The state at t + s h inside the step that was just accepted, into s->work. Orientations by the rotation vector from
  * the start; its rate at the end is w - 1/2 D x w + 1/12 D x (D x w) + ... [rad]. */
 static void interpolate(mbd_alpha *s, double at, double h) {
@@ -120,9 +111,9 @@ static void interpolate(mbd_alpha *s, double at, double h) {
     mbd_set3(end, mbd_get3(u1 + MBD_V));
     mbd_set3(end + 3, tdm_axpy(1.0 / 12, tdm_cross(turn, across), tdm_axpy(-0.5, across, w)));
     for (int i = 0; i < 6; i++) {
-      move[6 * b + i] = cubic(at, 0, h * u0[MBD_V + i], D[i], h * end[i]);
+      move[6 * b + i] = tdm_hermite(at, 1, 0, h * u0[MBD_V + i], D[i], h * end[i]);
       s->work[MBD_BODY_UNKNOWNS * b + MBD_V + i] =
-          cubic(at, u0[MBD_V + i], h * s->Q[6 * b + i], u1[MBD_V + i], h * s->vdot1[6 * b + i]);
+          tdm_hermite(at, 1, u0[MBD_V + i], h * s->Q[6 * b + i], u1[MBD_V + i], h * s->vdot1[6 * b + i]);
     }
   }
   mbd_alpha_place(s->model, s->work, s->y0, move);
@@ -397,7 +388,7 @@ static tdm_status save(const void *self, void **kept, tdm_error *err) {
   const mbd_alpha *s = self;
   if (!*kept) {
     *kept = calloc(1, sizeof(mbd_alpha_memory));
-    if (*kept && !memory_create(*kept, s->model, s->nv, true)) {
+    if (*kept && !memory_create(*kept, s->model, true)) {
       release(*kept);
       *kept = NULL;
     }
@@ -414,4 +405,13 @@ static tdm_status restore(void *self, const void *kept, tdm_error *err) {
   return TDM_OK;
 }
 
-const mbd_integrator_ops mbd_one_step = {create, start, advance, stats, destroy, save, restore, release};
+const mbd_integrator_ops mbd_one_step = {
+    .create = create,
+    .start = start,
+    .advance = advance,
+    .stats = stats,
+    .destroy = destroy,
+    .save = save,
+    .restore = restore,
+    .release = release,
+};

@@ -2,9 +2,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/linear/sparse.h"
 
+#include <klu.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+struct mbd_factors {
+  klu_common common;
+  klu_symbolic *symbolic;
+  klu_numeric *numeric;
+};
 
 mbd_sparse *mbd_sparse_create(int n) {
   mbd_sparse *m = calloc(1, sizeof *m);
@@ -12,18 +19,21 @@ mbd_sparse *mbd_sparse_create(int n) {
     return NULL;
   m->n = n;
   m->column = calloc((size_t)n + 1, sizeof *m->column);
-  if (!m->column)
+  m->factors = calloc(1, sizeof *m->factors);
+  if (!m->column || !m->factors)
     mbd_sparse_destroy(&m);
   else
-    klu_defaults(&m->common);
+    klu_defaults(&m->factors->common);
   return m;
 }
 
 static void drop_factors(mbd_sparse *m) {
-  if (m->numeric)
-    klu_free_numeric(&m->numeric, &m->common);
-  if (m->symbolic)
-    klu_free_symbolic(&m->symbolic, &m->common);
+  if (!m->factors)
+    return;
+  if (m->factors->numeric)
+    klu_free_numeric(&m->factors->numeric, &m->factors->common);
+  if (m->factors->symbolic)
+    klu_free_symbolic(&m->factors->symbolic, &m->factors->common);
 }
 
 void mbd_sparse_destroy(mbd_sparse **matrix) {
@@ -36,6 +46,7 @@ void mbd_sparse_destroy(mbd_sparse **matrix) {
   free(m->value);
   free(m->slot);
   free(m->new_entry);
+  free(m->factors);
   free(m);
   *matrix = NULL;
 }
@@ -163,15 +174,17 @@ mbd_sparse_end_state mbd_sparse_end(mbd_sparse *m) {
 
 bool mbd_sparse_factor(mbd_sparse *m) {
   const double worst = 1e-12; /* reciprocal pivot growth below which old pivots are given up */
-  if (!m->symbolic && !(m->symbolic = klu_analyze(m->n, m->column, m->row, &m->common)))
+  if (!m->factors->symbolic && !(m->factors->symbolic = klu_analyze(m->n, m->column, m->row, &m->factors->common)))
     return false;
-  if (m->numeric && klu_refactor(m->column, m->row, m->value, m->symbolic, m->numeric, &m->common) &&
-      klu_rgrowth(m->column, m->row, m->value, m->symbolic, m->numeric, &m->common) && m->common.rgrowth > worst)
+  if (m->factors->numeric &&
+      klu_refactor(m->column, m->row, m->value, m->factors->symbolic, m->factors->numeric, &m->factors->common) &&
+      klu_rgrowth(m->column, m->row, m->value, m->factors->symbolic, m->factors->numeric, &m->factors->common) &&
+      m->factors->common.rgrowth > worst)
     return true;
-  if (m->numeric)
-    klu_free_numeric(&m->numeric, &m->common);
-  m->numeric = klu_factor(m->column, m->row, m->value, m->symbolic, &m->common);
-  return m->numeric && m->common.status == KLU_OK;
+  if (m->factors->numeric)
+    klu_free_numeric(&m->factors->numeric, &m->factors->common);
+  m->factors->numeric = klu_factor(m->column, m->row, m->value, m->factors->symbolic, &m->factors->common);
+  return m->factors->numeric && m->factors->common.status == KLU_OK;
 }
 
 bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from) {
@@ -191,7 +204,7 @@ bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from) {
 }
 
 bool mbd_sparse_solve(mbd_sparse *m, double *x) {
-  if (!klu_solve(m->symbolic, m->numeric, m->n, 1, x, &m->common))
+  if (!klu_solve(m->factors->symbolic, m->factors->numeric, m->n, 1, x, &m->factors->common))
     return false;
   for (int i = 0; i < m->n; i++)
     if (!isfinite(x[i]))
@@ -213,5 +226,7 @@ void mbd_sparse_residual(const mbd_sparse *m, const double *x, const double *b, 
 }
 
 double mbd_sparse_spread(mbd_sparse *m) {
-  return m->numeric && klu_rcond(m->symbolic, m->numeric, &m->common) ? m->common.rcond : 0;
+  return m->factors->numeric && klu_rcond(m->factors->symbolic, m->factors->numeric, &m->factors->common)
+             ? m->factors->common.rcond
+             : 0;
 }

@@ -9,7 +9,6 @@
 #ifndef MBD_LINEAR_SPARSE_H
 #define MBD_LINEAR_SPARSE_H
 
-#include <klu.h>
 #include <stdbool.h>
 
 typedef struct {
@@ -29,10 +28,7 @@ typedef struct {
   int nnew, new_room; /* entries outside the pattern */
   mbd_entry *new_entry;
   bool out_of_memory;
-  /* factors */
-  klu_common common;
-  klu_symbolic *symbolic;
-  klu_numeric *numeric;
+  struct mbd_factors *factors; /* KLU's, known to sparse.c alone */
 } mbd_sparse;
 
 /* NULL: out of memory. */

@@ -8,47 +8,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A zeroed array of n doubles; never of size 0. */
-static double *array(int n) {
-  return calloc((size_t)n + 1, sizeof(double));
-}
-
-mbd_data *mbd_data_create(const mbd_model *model) {
+mbd_data *mbd_data_create(const mbd_model *m) {
   mbd_data *d = calloc(1, sizeof *d);
   if (!d)
     return NULL;
-  int n = mbd_nunknown(model);
-  size_t nbody = (size_t)model->nbody;
-  d->y = array(n);
-  d->yp = array(n);
-  d->angle = array(model->nforce);
-  d->turn = array(model->njoint);
-  d->g = array(model->nrow);
-  d->stick = calloc((size_t)model->nfriction + 1, sizeof *d->stick);
-  d->dependent = calloc((size_t)model->nrow + 1, sizeof *d->dependent);
-  d->acceleration = array(6 * model->nbody);
-  d->lambda = array(model->nrow);
-  d->wrench = array(6 * model->nbody);
-  d->shift = array(6 * model->nbody);
-  d->load = calloc((size_t)model->ncoupled * TDM_LOAD_MAX + 1, sizeof *d->load);
-  d->kin = calloc(nbody + 1, sizeof *d->kin);
-  d->quaternion = calloc(nbody + 1, sizeof *d->quaternion);
-  d->response = array(model->nreacting * (6 * model->nbody + model->nrow));
-  if (!d->response || !d->stick || !d->y || !d->yp || !d->angle || !d->turn || !d->g || !d->dependent ||
-      !d->acceleration || !d->lambda || !d->wrench || !d->shift || !d->load || !d->kin || !d->quaternion) {
+  bool good = true;
+#define ALLOCATE(type, name, count) good = (d->name = calloc((size_t)(count) + 1, sizeof *d->name)) && good;
+  MBD_STATE_ARRAYS(ALLOCATE)
+  MBD_WORK_ARRAYS(ALLOCATE)
+#undef ALLOCATE
+  if (!good) {
     mbd_data_destroy(&d);
     return NULL;
   }
-  for (int b = 0; b < model->nbody; b++)
-    mbd_set_body_state(d->y, b, &model->body[b].start);
-  for (int k = 0; k < model->nfriction; k++) {
-    const mbd_rubbing *r = model->force[model->friction[k]].rubbing;
+  for (int b = 0; b < m->nbody; b++)
+    mbd_set_body_state(d->y, b, &m->body[b].start);
+  for (int k = 0; k < m->nfriction; k++) {
+    const mbd_rubbing *r = m->force[m->friction[k]].rubbing;
     d->stick[k].normal = r->base;
     d->dependent[r->row] = true;
   }
   d->kin[0].A = tdm_m3_identity();
   d->open_row = d->turned = -1;
-  d->index3 = model->solver.formulation == MBD_INDEX3;
+  d->index3 = m->solver.formulation == MBD_INDEX3;
   return d;
 }
 
@@ -56,48 +38,21 @@ void mbd_data_destroy(mbd_data **data) {
   mbd_data *d = data ? *data : NULL;
   if (!d)
     return;
-  free(d->y);
-  free(d->yp);
-  free(d->angle);
-  free(d->turn);
-  free(d->g);
-  free(d->stick);
-  free(d->dependent);
-  free(d->acceleration);
-  free(d->lambda);
-  free(d->wrench);
-  free(d->shift);
-  free(d->load);
-  free(d->kin);
-  free(d->quaternion);
-  free(d->response);
+#define RELEASE(type, name, count) free(d->name);
+  MBD_STATE_ARRAYS(RELEASE)
+  MBD_WORK_ARRAYS(RELEASE)
+#undef RELEASE
   free(d);
   *data = NULL;
 }
 
-void mbd_data_copy(const mbd_model *model, mbd_data *to, const mbd_data *from) {
-  const size_t size = sizeof(double), n = (size_t)mbd_nunknown(model), nbody = (size_t)model->nbody;
-  to->t = from->t;
-  to->drift = from->drift;
-  to->open_row = from->open_row;
-  to->turned = from->turned;
-  to->turned_at = from->turned_at;
-  to->energy_start = from->energy_start;
-  to->guard = from->guard;
-  to->work = from->work;
-  to->load_t0 = from->load_t0;
-  to->load_t1 = from->load_t1;
-  to->nload = from->nload;
-  memcpy(to->y, from->y, n * size);
-  memcpy(to->yp, from->yp, n * size);
-  memcpy(to->angle, from->angle, (size_t)model->nforce * size);
-  memcpy(to->turn, from->turn, (size_t)model->njoint * size);
-  memcpy(to->stick, from->stick, (size_t)model->nfriction * sizeof *to->stick);
-  for (int k = model->nrow - model->nfriction; k < model->nrow; k++)
-    to->dependent[k] = from->dependent[k];
-  memcpy(to->load, from->load, (size_t)model->ncoupled * TDM_LOAD_MAX * sizeof *to->load);
-  memcpy(to->acceleration, from->acceleration, 6 * nbody * size);
-  memcpy(to->lambda, from->lambda, (size_t)model->nrow * size);
+void mbd_data_copy(const mbd_model *m, mbd_data *to, const mbd_data *from) {
+#define COPY_SCALAR(type, name) to->name = from->name;
+#define COPY_ARRAY(type, name, count) memcpy(to->name, from->name, (size_t)(count) * sizeof *to->name);
+  MBD_STATE_SCALARS(COPY_SCALAR)
+  MBD_STATE_ARRAYS(COPY_ARRAY)
+#undef COPY_SCALAR
+#undef COPY_ARRAY
 }
 
 tdm_status mbd_data_set_load(mbd_data *data, const mbd_model *model, double t0, double t1, int nload,

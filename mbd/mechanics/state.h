@@ -43,42 +43,56 @@ typedef struct {
   double normal; /* the force that its coefficient multiplies, at the last evaluation [N], of a torque [N m] */
 } mbd_stick;
 
+/* Three lists make mbd_data. What a run goes on from stands in the first two, X(type, name) and X(type, name, count),
+ * by which it is allocated, copied (saved, restored) and freed; `m` is the model. A field that is in none of them but
+ * in mbd_data itself is workspace, which every evaluation makes anew. */
+#define MBD_STATE_SCALARS(X)                                                                                        \
+  X(double, t)              /* [s] */                                                                               \
+  X(int, ndependent)        /* constraint rows that others imply, but rows of frictions; mbd_assemble finds them */ \
+  X(int, open_row)          /* a dependent row that the motion has opened: not implied after all; -1: none */       \
+  X(int, turned)            /* the first force whose rotation came near half a turn, -1: none */                    \
+  X(double, turned_at)      /* when [s] */                                                                          \
+  X(double, energy_start)   /* all energies at the start [J] */                                                     \
+  X(mbd_guard_state, guard) /* what the guard has seen */                                                           \
+  X(mbd_work, work)         /* up to t, or up to the sample that is being handed out */                             \
+  X(double, drift)          /* largest constraint violation |g| over the steps since it was last read */            \
+  X(double, load_t0)        /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) [s] */ \
+  X(double, load_t1)        /* [s] */                                                                               \
+  X(int, nload)             /* coefficients, 0: no load */
+
+#define MBD_STATE_ARRAYS(X)                                                                                       \
+  X(double, y, mbd_nunknown(m))                  /* at t */                                                       \
+  X(double, yp, mbd_nunknown(m))                 /* their time derivatives */                                     \
+  X(double, angle, m->nforce)                    /* continuous angle of torsional forces at t [rad] */            \
+  X(double, turn, m->njoint)                     /* about each joint's axis at t, counted over turns [rad] */     \
+  X(mbd_stick, stick, m->nfriction)              /* modes of the frictions */                                     \
+  X(bool, dependent, m->nrow)                    /* rows that others imply, and of frictions that do not stick */ \
+  X(tdm_wrench, load, m->ncoupled *TDM_LOAD_MAX) /* (ncoupled x nload) */                                         \
+  X(double, acceleration, 6 * m->nbody)          /* of the last acceleration-level solve */                       \
+  X(double, lambda, m->nrow)                     /* of the same */
+
+#define MBD_WORK_ARRAYS(X)                                                                             \
+  X(mbd_kin, kin, m->nbody + 1)                               /* ground first; body b is kin[b + 1] */ \
+  X(double, wrench, 6 * m->nbody)                             /* generalised forces */                 \
+  X(double, shift, 6 * m->nbody)                              /* G^T mu */                             \
+  X(double, g, m->nrow)                                       /* constraint violations */              \
+  X(mbd_turn_map, quaternion, m->nbody)                       /* dtheta = T dp */                      \
+  X(double, response, m->nreacting *(6 * m->nbody + m->nrow)) /* accelerations and lambda by 1 N of a friction */
+
+typedef double mbd_turn_map[3][4];
+
+#define MBD_SCALAR_FIELD(type, name) type name;
+#define MBD_ARRAY_FIELD(type, name, count) type *name;
+
 /* The mutable state of a run with its workspace. */
 typedef struct {
-  double t;            /* [s] */
-  double *y;           /* (nunknown) at t */
-  double *yp;          /* (nunknown) their time derivatives */
-  double *angle;       /* (nforce) continuous angle of torsional forces at t [rad] */
-  double *turn;        /* (njoint) angle about each joint's axis at t, counted over turns [rad] */
-  mbd_stick *stick;    /* (nfriction) */
-  int ndependent;      /* constraint rows that others imply, but rows of frictions; mbd_assemble finds them */
-  bool *dependent;     /* (nrow) these, and rows of frictions that do not stick */
-  bool index3;         /* the residual leaves the velocity constraints out: formulation "index3", where it can */
-  int open_row;        /* a dependent row that the motion has opened: the others do not imply it after all; -1: none */
-  int turned;          /* the first force whose rotation came near half a turn, -1: none */
-  double turned_at;    /* when [s] */
-  double energy_start; /* all energies at the start [J] */
-  mbd_guard_state guard;
-  mbd_work work; /* up to t, or up to the sample that is being handed out */
-  double drift;  /* largest constraint violation |g| over the steps since it was last read */
-
-  /* load from outside: W(s) = sum_j load[i nload + j] s^j, s = (t - t0)/(t1 - t0) */
-  double load_t0, load_t1; /* [s] */
-  int nload;               /* coefficients, 0: no load */
-  tdm_wrench *load;        /* (ncoupled x TDM_LOAD_MAX) */
-
-  double *acceleration; /* (6 nbody) of the last acceleration-level solve */
-  double *lambda;       /* (nrow) of the same */
-
-  /* workspace of one evaluation */
-  double now;                 /* time of the evaluation [s] */
-  mbd_kin *kin;               /* (nbody + 1) ground first; body b is kin[b + 1] */
-  double *wrench, *shift;     /* (6 nbody) generalised forces, G^T mu */
-  double *g;                  /* (nrow) constraint violations */
-  double (*quaternion)[3][4]; /* (nbody) dtheta = T dp */
-  mbd_rows rows;              /* of one joint or driver */
-  mbd_force_value force;      /* of one force */
-  double *response;           /* (nreacting x (6 nbody + nrow)) accelerations and lambda by 1 N or N m of a friction */
+  MBD_STATE_SCALARS(MBD_SCALAR_FIELD)
+  MBD_STATE_ARRAYS(MBD_ARRAY_FIELD)
+  MBD_WORK_ARRAYS(MBD_ARRAY_FIELD)
+  bool index3;           /* the residual leaves the velocity constraints out: formulation "index3", where it can */
+  double now;            /* time of the evaluation [s] */
+  mbd_rows rows;         /* of one joint or driver */
+  mbd_force_value force; /* of one force */
   mbd_stats stats;
 } mbd_data;
 

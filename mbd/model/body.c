@@ -9,16 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Principal moments (ascending) and axes (columns). */
-static void principal(const tdm_mat3 *inertia, double e[3], tdm_mat3 *axes) {
+/* Principal moments (ascending) and axes (columns). false: out of memory. */
+static bool principal(const tdm_mat3 *inertia, double e[3], tdm_mat3 *axes) {
   double a[9];
   memcpy(a, inertia->m, sizeof a);
   gsl_matrix_view matrix = gsl_matrix_view_array(a, 3, 3), vectors = gsl_matrix_view_array(axes->m[0], 3, 3);
   gsl_vector_view value = gsl_vector_view_array(e, 3);
   gsl_eigen_symmv_workspace *work = gsl_eigen_symmv_alloc(3);
+  if (!work)
+    return false;
   gsl_eigen_symmv(&matrix.matrix, &value.vector, &vectors.matrix, work);
   gsl_eigen_symmv_free(work);
   gsl_eigen_symmv_sort(&value.vector, &vectors.matrix, GSL_EIGEN_SORT_VAL_ASC);
+  return true;
 }
 
 /* Principal moments must not be negative and fulfil the triangle inequality: no rigid body violates them. One may be
@@ -26,7 +29,10 @@ static void principal(const tdm_mat3 *inertia, double e[3], tdm_mat3 *axes) {
 static void check_inertia(tdm_object *o, const char *key, mbd_body *b) {
   double e[3];
   tdm_mat3 axes;
-  principal(&b->inertia, e, &axes);
+  if (!principal(&b->inertia, e, &axes)) {
+    tdm_fail(o->err, TDM_ERR_MEMORY, o->path, "no memory to check \"%s\"", key);
+    return;
+  }
   b->slim = fabs(e[0]) <= 1e-14 * e[2] && e[1] > 0;
   b->axis = tdm_v3(axes.m[0][0], axes.m[1][0], axes.m[2][0]);
   if (e[0] == 0 && e[2] == 0)
@@ -95,6 +101,8 @@ static void load_shape(tdm_object *o, mbd_body *b) {
   if (o->err->status || !shape.file)
     return;
   b->mesh = strdup(shape.file);
+  if (!b->mesh)
+    tdm_fail(o->err, TDM_ERR_MEMORY, o->path, "no memory for the name of the mesh");
   b->scale = shape.scale;
   b->origin = tdm_scale(-1, shape.centre);
 }

@@ -3,7 +3,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/adapter/solver.h"
 
-#include <gsl/gsl_errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +10,6 @@ int main(int argc, char **argv) {
   const char *capability[16];
   const char *lacks = getenv("LACKS") ? getenv("LACKS") : "matched_load";
   tdm_solver_ops ops = mbd_solver_ops;
-  gsl_set_error_handler_off();
   ops.ncapability = 0;
   for (int i = 0; i < mbd_solver_ops.ncapability && i < 16; i++)
     if (strcmp(mbd_solver_ops.capabilities[i], lacks) != 0)

@@ -158,6 +158,19 @@ static inline void reference_row(const char *file, double t, double *out, int n)
   ck_abort_msg("no t = %g in %s", t, file);
 }
 
+static inline double apart(tdm_state a, tdm_state b) {
+  double d = tdm_norm(tdm_sub(a.pose.position, b.pose.position));
+  tdm_quat turn = tdm_quat_mul(a.pose.orientation, tdm_quat_conj(b.pose.orientation));
+  d = fmax(d, tdm_norm(tdm_quat_to_rotvec(turn)));
+  d = fmax(d, tdm_norm(tdm_sub(a.twist.velocity, b.twist.velocity)));
+  return fmax(d, tdm_norm(tdm_sub(a.twist.angular, b.twist.angular)));
+}
+
+static inline double noise(unsigned *seed) {
+  *seed = *seed * 1664525u + 1013904223u;
+  return (double)(*seed >> 8) / (1 << 23) - 1;
+}
+
 #define CLOSE(x, y, tol)                                                                                        \
   ck_assert_msg(fabs((x) - (y)) <= (tol), "%s = %.15g, expected %.15g within %g", #x, (double)(x), (double)(y), \
                 (double)(tol))

@@ -129,11 +129,6 @@ START_TEST(test_jumps) {
 }
 END_TEST
 
-static double noise(unsigned *seed) {
-  *seed = *seed * 1664525u + 1013904223u;
-  return (double)(*seed >> 8) / (1 << 23) - 1;
-}
-
 /* Nothing holds these two bodies, that a hinge and a spring tie together: under another polynomial in each window their
  * momentum is the impulse of the loads, whatever the formulation, the window and the number of its steps. */
 START_TEST(test_momentum) {
