@@ -236,7 +236,7 @@ static tdm_vec3 vector_of(const mbd_model *model, json_t *json, bool direction, 
     return of_marker(model, json_string_value(json), direction, path, err);
   json_t *wrapped = json_pack("{s:O?}", key, json);
   tdm_error inner = {0};
-  tdm_object o = tdm_object_open(wrapped, "", &inner);
+  tdm_object o = tdm_object_open(wrapped, "(value)", &inner); /* what fails is told with `path` below */
   tdm_vec3 out = tdm_get_vec3(&o, key, NULL);
   if (inner.status)
     tdm_fail(err, inner.status, path, "%s", inner.message);

@@ -40,6 +40,26 @@ tdm_object tdm_object_open(json_t *json, const char *path, tdm_error *err) {
   return o;
 }
 
+/* ---- who hears what readers ask for ---- */
+
+static _Thread_local struct {
+  tdm_key_listener *tell;
+  void *arg;
+} listener;
+
+void tdm_scene_listen(tdm_key_listener *tell, void *arg) {
+  listener.tell = tell;
+  listener.arg = arg;
+}
+
+/* Tell of a key; the reference to its default is stolen. */
+static void tell(const tdm_object *o, const char *key, json_t *fallback) {
+  listener.tell(listener.arg, o->path, key, fallback);
+  json_decref(fallback);
+}
+
+/* ---- values ---- */
+
 /* the value under key, or NULL; notes that the loader knows the key */
 static json_t *ask(tdm_object *o, const char *key) {
   for (int i = 0; i < o->nasked; i++)
@@ -47,6 +67,8 @@ static json_t *ask(tdm_object *o, const char *key) {
       return json_object_get(o->json, key);
   assert(o->nasked < TDM_KEYS_MAX);
   o->asked[o->nasked++] = key;
+  if (listener.tell)
+    tell(o, key, NULL);
   return json_object_get(o->json, key);
 }
 
@@ -106,6 +128,8 @@ tdm_object tdm_get_object(tdm_object *o, const char *key, bool required) {
 }
 
 double tdm_get_number(tdm_object *o, const char *key, double fallback, tdm_range range) {
+  if (listener.tell && isfinite(fallback))
+    tell(o, key, json_real(fallback));
   json_t *value = ask(o, key);
   if (!value) {
     if (isnan(fallback))
@@ -133,6 +157,8 @@ double tdm_get_number(tdm_object *o, const char *key, double fallback, tdm_range
 }
 
 long tdm_get_integer(tdm_object *o, const char *key, long fallback, long least) {
+  if (listener.tell && fallback != TDM_REQUIRED_INT)
+    tell(o, key, json_integer(fallback));
   json_t *value = ask(o, key);
   if (!value) {
     if (fallback == TDM_REQUIRED_INT)
@@ -155,6 +181,8 @@ long tdm_get_integer(tdm_object *o, const char *key, long fallback, long least) 
 }
 
 bool tdm_get_bool(tdm_object *o, const char *key, bool fallback) {
+  if (listener.tell)
+    tell(o, key, json_boolean(fallback));
   json_t *value = ask(o, key);
   if (value && !json_is_boolean(value))
     wrong_type(o, key, "true or false", value);
@@ -162,6 +190,8 @@ bool tdm_get_bool(tdm_object *o, const char *key, bool fallback) {
 }
 
 const char *tdm_get_string(tdm_object *o, const char *key, const char *fallback) {
+  if (listener.tell && fallback)
+    tell(o, key, json_string(fallback));
   json_t *value = ask(o, key);
   if (value && json_is_string(value))
     return json_string_value(value);
@@ -173,6 +203,8 @@ const char *tdm_get_string(tdm_object *o, const char *key, const char *fallback)
 }
 
 int tdm_get_choice(tdm_object *o, const char *key, const char *const *choices, int nchoice, int fallback) {
+  if (listener.tell && fallback >= 0)
+    tell(o, key, json_string(choices[fallback]));
   if (!ask(o, key)) {
     if (fallback < 0) {
       char list[256] = "one of";
@@ -225,6 +257,8 @@ bool tdm_get_numbers(tdm_object *o, const char *key, double *out, int n, bool re
 }
 
 tdm_vec3 tdm_get_vec3(tdm_object *o, const char *key, const tdm_vec3 *fallback) {
+  if (listener.tell && fallback)
+    tell(o, key, json_pack("[f,f,f]", fallback->x, fallback->y, fallback->z));
   double v[3] = {0, 0, 0};
   if (tdm_get_numbers(o, key, v, 3, fallback == NULL) || !fallback)
     return tdm_v3(v[0], v[1], v[2]);

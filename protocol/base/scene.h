@@ -120,6 +120,13 @@ tdm_quat tdm_get_orientation(tdm_object *o, const char *key);
  * one is refused. */
 void tdm_check_gravity(tdm_object *root);
 
+/* What tools and tests hear of the keys that readers ask for: the object's path, the key, and its default (borrowed),
+ * once for every question that has a constant one; NULL: required, or the reader computes it. */
+typedef void tdm_key_listener(void *arg, const char *path, const char *key, const json_t *fallback);
+
+/* Tell this thread's readers to whom they talk; NULL: nobody, as at the start. */
+void tdm_scene_listen(tdm_key_listener *listener, void *arg);
+
 /* The array under `key` (borrowed; NULL when missing, an error if required or not an array). */
 json_t *tdm_get_array(tdm_object *o, const char *key, bool required);
 
