@@ -9,10 +9,10 @@
 #include "mbd/adapter/solver.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
+#include "protocol/base/gsl_errors.h"
 #include "protocol/version.h"
 #include "scenarios/table.h"
 
-#include <gsl/gsl_errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -235,7 +235,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   tdm_catch_signals();
-  gsl_set_error_handler_off(); /* GSL's own aborts */
+  tdm_gsl_return_errors();
   size_t k = 0;
   while (k < NCOMMAND && strcmp(argv[1], commands[k].name) != 0)
     k++;

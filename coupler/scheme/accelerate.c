@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/scheme/accelerate.h"
 
+#include "protocol/base/gsl_errors.h"
+
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -29,6 +31,7 @@ struct cpl_accelerator {
   double *value, *residual; /* (size) c + R and R of the iteration before */
   int ncolumn;
   column column[COLUMNS_MAX]; /* the newest first */
+  double *matrix;             /* (size x COLUMNS_MAX) for least squares */
   double *block;              /* what the pointers above point into */
 };
 
@@ -38,7 +41,7 @@ cpl_accelerator *cpl_accelerator_create(cpl_accelerator_kind kind, int size, int
   if (!a)
     return NULL;
   *a = (cpl_accelerator){.kind = kind, .size = size, .reuse = reuse, .first = true, .factor = 1};
-  a->block = calloc(2 * (COLUMNS_MAX + 1) * n + 1, sizeof *a->block);
+  a->block = calloc((2 * (COLUMNS_MAX + 1) + COLUMNS_MAX) * n + 1, sizeof *a->block);
   if (!a->block) {
     free(a);
     return NULL;
@@ -49,6 +52,8 @@ cpl_accelerator *cpl_accelerator_create(cpl_accelerator_kind kind, int size, int
     a->column[i].residual = a->block + (2 + 2 * (size_t)i) * n;
     a->column[i].value = a->column[i].residual + n;
   }
+  a->matrix = a->block + 2 * (COLUMNS_MAX + 1) * n;
+  tdm_gsl_return_errors();
   return a;
 }
 
@@ -126,33 +131,28 @@ static void keep_difference(cpl_accelerator *a, const double *c, const double *r
   }
 }
 
-/* alpha (ncolumn): smallest |V alpha + residual|; false when there is no memory, or GSL finds no singular values */
-static bool least_squares(const cpl_accelerator *a, const double *residual, double *alpha) {
+/* alpha (ncolumn): smallest |V alpha + residual|; false when GSL finds no singular values. Its matrices lie in
+ * memory that is there: nothing is allocated in a window. */
+static bool least_squares(cpl_accelerator *a, const double *residual, double *alpha) {
   const size_t m = (size_t)a->size, n = (size_t)a->ncolumn;
-  gsl_matrix *U = gsl_matrix_alloc(m, n), *Q = gsl_matrix_alloc(n, n);
-  gsl_vector *s = gsl_vector_alloc(n), *work = gsl_vector_alloc(n);
-  double length[COLUMNS_MAX];
-  bool good = U && Q && s && work;
-  for (size_t j = 0; good && j < n; j++) {
+  double length[COLUMNS_MAX], right[COLUMNS_MAX * COLUMNS_MAX], values[COLUMNS_MAX], work[COLUMNS_MAX];
+  gsl_matrix_view U = gsl_matrix_view_array(a->matrix, m, n), Q = gsl_matrix_view_array(right, n, n);
+  gsl_vector_view s = gsl_vector_view_array(values, n), w = gsl_vector_view_array(work, n);
+  for (size_t j = 0; j < n; j++) {
     length[j] = sqrt(dot(a->size, a->column[j].residual, a->column[j].residual));
     for (size_t i = 0; i < m; i++)
-      gsl_matrix_set(U, i, j, a->column[j].residual[i] / length[j]);
+      gsl_matrix_set(&U.matrix, i, j, a->column[j].residual[i] / length[j]);
   }
-  good = good && gsl_linalg_SV_decomp(U, Q, s, work) == GSL_SUCCESS;
-  if (good) {
-    for (size_t j = 0; j < n; j++)
-      if (gsl_vector_get(s, j) < rank_tolerance * gsl_vector_get(s, 0))
-        gsl_vector_set(s, j, 0);
-    gsl_vector_const_view b = gsl_vector_const_view_array(residual, m);
-    gsl_vector_view x = gsl_vector_view_array(alpha, n);
-    good = gsl_linalg_SV_solve(U, Q, s, &b.vector, &x.vector) == GSL_SUCCESS;
-    for (size_t j = 0; j < n; j++)
-      alpha[j] /= -length[j];
-  }
-  gsl_matrix_free(U);
-  gsl_matrix_free(Q);
-  gsl_vector_free(s);
-  gsl_vector_free(work);
+  if (gsl_linalg_SV_decomp(&U.matrix, &Q.matrix, &s.vector, &w.vector) != GSL_SUCCESS)
+    return false;
+  for (size_t j = 0; j < n; j++)
+    if (values[j] < rank_tolerance * values[0])
+      values[j] = 0;
+  gsl_vector_const_view b = gsl_vector_const_view_array(residual, m);
+  gsl_vector_view x = gsl_vector_view_array(alpha, n);
+  const bool good = gsl_linalg_SV_solve(&U.matrix, &Q.matrix, &s.vector, &b.vector, &x.vector) == GSL_SUCCESS;
+  for (size_t j = 0; j < n; j++)
+    alpha[j] /= -length[j];
   return good;
 }
 

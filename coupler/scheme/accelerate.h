@@ -13,7 +13,8 @@ typedef enum { CPL_IQN_ILS, CPL_AITKEN } cpl_accelerator_kind;
 
 typedef struct cpl_accelerator cpl_accelerator;
 
-/* For c of `size` components; NULL: out of memory. IQN-ILS keeps the differences of `reuse` >= 0 windows before. */
+/* For c of `size` components; NULL: out of memory. IQN-ILS keeps the differences of `reuse` >= 0 windows before.
+ * Switches off GSL's error handler, which would end the process. */
 cpl_accelerator *cpl_accelerator_create(cpl_accelerator_kind kind, int size, int reuse);
 void cpl_accelerator_destroy(cpl_accelerator **accelerator);
 

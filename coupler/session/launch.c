@@ -142,7 +142,9 @@ tdm_status cpl_launch_thread(cpl_child **child, const tdm_solver_ops *ops, const
   c->def.context = context;
   c->def.timeout = timeout;
   int failure = 0;
-  if (!c->sink)
+  if (!c->endpoint)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  else if (!c->sink)
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", log, strerror(errno));
   else if ((failure = pthread_create(&c->thread, NULL, thread_main, c)) != 0)
     tdm_fail(err, TDM_ERR_SYSTEM, NULL, "cannot start a thread for %s: %s", ops->role, strerror(failure));

@@ -116,6 +116,8 @@ static void choose_dir(const cpl_sweep_options *o, const char *full_name, cpl_ce
 static tdm_status fill_cell(const cpl_sweep_options *o, int index, cpl_cell *cell, tdm_error *err) {
   int value[CPL_AXES_MAX];
   char *name = strdup("");
+  if (!name)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int a = o->naxis - 1; a >= 0; a--) {
     value[a] = index % o->axis[a].nvalue;
     index /= o->axis[a].nvalue;
@@ -123,9 +125,12 @@ static tdm_status fill_cell(const cpl_sweep_options *o, int index, cpl_cell *cel
   for (int a = 0; a < o->naxis && name; a++) {
     const cpl_axis *axis = &o->axis[a];
     const char *last = strrchr(axis->path, '.') ? strrchr(axis->path, '.') + 1 : axis->path;
-    char *longer = NULL;
-    if (asprintf(&longer, "%s%s%s=%s", name, a ? " " : "", last, axis->value[value[a]]) < 0 ||
-        asprintf(&cell->assignment[a], "%s=%s", axis->path, axis->value[value[a]]) < 0)
+    char *longer;
+    if (asprintf(&longer, "%s%s%s=%s", name, a ? " " : "", last, axis->value[value[a]]) < 0)
+      longer = NULL;
+    if (asprintf(&cell->assignment[a], "%s=%s", axis->path, axis->value[value[a]]) < 0)
+      cell->assignment[a] = NULL;
+    if (!longer || !cell->assignment[a])
       tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     cell->set[a] = cell->assignment[a];
     free(name);
@@ -155,8 +160,9 @@ static void share_bed(const cpl_sweep_options *o, cpl_cell *cell) {
       json_object_del(scene.root, others[i]);
     char *text = ours ? json_dumps(scene.root, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     if (text && asprintf(&cell->assignment[o->naxis], "dem.settle.store=%s/bed_%016llx", o->out,
-                         (unsigned long long)hash_text(text)) > 0)
-      cell->set[o->naxis] = cell->assignment[o->naxis];
+                         (unsigned long long)hash_text(text)) < 0)
+      cell->assignment[o->naxis] = NULL; /* every cell settles its own */
+    cell->set[o->naxis] = cell->assignment[o->naxis];
     free(text);
   }
   tdm_scene_destroy(&scene);

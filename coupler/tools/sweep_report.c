@@ -63,9 +63,11 @@ static cpl_table read_published(const cpl_sweep_options *o) {
   return t;
 }
 
+/* The paper's own value for a cell; NaN where it has none. Its scheme is the one that we name after its author. */
 static double published(const cpl_table *t, const json_t *row, const char *name) {
+  static const char scheme[] = "lommen"; /* [L18] */
   char column[64];
-  if (strcmp(text_of(row, "scheme"), "lommen") != 0)
+  if (strcmp(text_of(row, "scheme"), scheme) != 0)
     return NAN;
   snprintf(column, sizeof column, "r2_%s", name);
   const double *dt = cpl_table_column(t, "dt", NULL), *n = cpl_table_column(t, "n", NULL);

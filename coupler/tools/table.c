@@ -35,8 +35,10 @@ static double *read_rows(cpl_table *t, FILE *f, char **line, size_t *size, int *
   while (rows && getline(line, size, f) > 0) {
     if (used + (size_t)t->ncolumn > capacity) {
       double *larger = realloc(rows, 2 * capacity * sizeof *rows);
-      if (!larger)
-        break;
+      if (!larger) {
+        free(rows);
+        return NULL;
+      }
       rows = larger;
       capacity *= 2;
     }

@@ -7,6 +7,7 @@
 #include "dem/geometry/wall/mesh_wall.h"
 #include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
+#include "protocol/base/json.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -221,11 +222,6 @@ static void warn_speed(dem_report *r, const dem_data *d, double speed) {
 
 /* ---- figures ---- */
 
-/* a number for the report: null when it is not finite */
-static json_t *number(double x) {
-  return isfinite(x) ? json_real(x) : json_null();
-}
-
 static json_t *vector(tdm_vec3 v) {
   return json_pack("[f,f,f]", v.x, v.y, v.z);
 }
@@ -233,9 +229,9 @@ static json_t *vector(tdm_vec3 v) {
 static json_t *report_fill(const dem_data *d, const dem_fill *fill) {
   json_t *inertia = json_array(), *r = json_object();
   for (int k = 0; k < 9; k++)
-    json_array_append_new(inertia, number(fill->inertia.m[k / 3][k % 3]));
+    json_array_append_new(inertia, tdm_number_to_json(fill->inertia.m[k / 3][k % 3]));
   json_object_set_new(r, "number", json_integer(d->state.nparticle));
-  json_object_set_new(r, "mass", number(fill->mass));
+  json_object_set_new(r, "mass", tdm_number_to_json(fill->mass));
   json_object_set_new(r, "com", vector(fill->com));
   json_object_set_new(r, "inertia", inertia);
   return r;
@@ -244,20 +240,20 @@ static json_t *report_fill(const dem_data *d, const dem_fill *fill) {
 /* one limit: the time, the share of it that the step takes, and the share it may take */
 static json_t *report_limit(double time, double dt, double most) {
   json_t *r = json_object();
-  json_object_set_new(r, "time", number(time));
-  json_object_set_new(r, "share", number(dt / time));
-  json_object_set_new(r, "recommended", number(most));
+  json_object_set_new(r, "time", tdm_number_to_json(time));
+  json_object_set_new(r, "share", tdm_number_to_json(dt / time));
+  json_object_set_new(r, "recommended", tdm_number_to_json(most));
   json_object_set_new(r, "kept", json_boolean(!(dt > most * time)));
   return r;
 }
 
 static void report_limits(dem_report *r, const dem_model *m, const dem_limits *limits) {
-  json_object_set_new(r->json, "rayleigh_step", number(limits->rayleigh));
-  json_object_set_new(r->json, "contact_time", number(limits->contact));
-  json_object_set_new(r->json, "contact_speed", number(limits->speed));
-  json_object_set_new(r->json, "steps_per_contact", number(limits->contact / m->dt));
-  json_object_set_new(r->json, "eigen_step", number(limits->eigen));
-  json_object_set_new(r->json, "step_limit", number(limits->step));
+  json_object_set_new(r->json, "rayleigh_step", tdm_number_to_json(limits->rayleigh));
+  json_object_set_new(r->json, "contact_time", tdm_number_to_json(limits->contact));
+  json_object_set_new(r->json, "contact_speed", tdm_number_to_json(limits->speed));
+  json_object_set_new(r->json, "steps_per_contact", tdm_number_to_json(limits->contact / m->dt));
+  json_object_set_new(r->json, "eigen_step", tdm_number_to_json(limits->eigen));
+  json_object_set_new(r->json, "step_limit", tdm_number_to_json(limits->step));
   json_t *all = json_object();
   json_object_set_new(all, "rayleigh", report_limit(limits->rayleigh, m->dt, DEM_RAYLEIGH_SHARE));
   json_object_set_new(all, "eigenfrequency", report_limit(limits->eigen, m->dt, DEM_EIGEN_SHARE));
@@ -287,9 +283,9 @@ static void report_ratios(dem_report *r, const dem_data *d, double mass) {
     const dem_body *b = &m->body[m->coupled_body[c]];
     json_t *one = json_object();
     json_object_set_new(one, "body", json_string(b->name));
-    json_object_set_new(one, "mass", number(b->mass));
-    json_object_set_new(one, "all_particles", number(mass / b->mass));
-    json_object_set_new(one, "heaviest_particle", number(heaviest / b->mass));
+    json_object_set_new(one, "mass", tdm_number_to_json(b->mass));
+    json_object_set_new(one, "all_particles", tdm_number_to_json(mass / b->mass));
+    json_object_set_new(one, "heaviest_particle", tdm_number_to_json(heaviest / b->mass));
     json_array_append_new(all, one);
     if (mass > b->mass && !m->proxy) /* which feels the mass within the window */
       note(r,
@@ -318,7 +314,7 @@ static void report_lids(dem_report *r, const dem_data *d) {
     json_object_set_new(one, "body", json_string(m->body[wall->body].name));
     json_object_set_new(one, "point", vector(at));
     json_object_set_new(one, "outward", vector(tdm_scale(-1, wall->normal)));
-    json_object_set_new(one, "over_face", number(d->state.lid[w]));
+    json_object_set_new(one, "over_face", tdm_number_to_json(d->state.lid[w]));
     json_array_append_new(all, one);
   }
   json_object_set_new(r->json, "lids", all);
@@ -382,7 +378,7 @@ tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *
   if (dem_limits_expected(d, &r->limits, err))
     return err->status;
   json_object_set_new(r->json, "particles", json_integer(d->state.nparticle));
-  json_object_set_new(r->json, "particle_mass", number(fill.mass));
+  json_object_set_new(r->json, "particle_mass", tdm_number_to_json(fill.mass));
   json_object_set_new(r->json, "fill", report_fill(d, &fill));
   json_object_set_new(r->json, "bodies", json_integer(m->nbody));
   json_object_set_new(r->json, "walls", json_integer(m->nwall));
@@ -394,7 +390,7 @@ tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
   json_object_set_new(r->json, "integrator", json_string(m->integrator->name));
   json_object_set_new(r->json, "simd", json_string(m->simd));
-  json_object_set_new(r->json, "skin", m->skin > 0 ? number(m->skin) : json_string("auto"));
+  json_object_set_new(r->json, "skin", m->skin > 0 ? tdm_number_to_json(m->skin) : json_string("auto"));
   warn_start(r, d, settled, nbehind);
   warn_behind(r, d);
   warn_repeats(r, d);

@@ -8,6 +8,7 @@
 #include "dem/state/state_file.h"
 #include "dem/step/step.h"
 #include "dem/watch/energy_balance.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/status.h"
 
@@ -509,7 +510,7 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
                   (json_int_t)(d->lists.nrebuild - rebuilds), "rss_bytes", (json_int_t)rss, "kinetic_energy", energy);
     double error;
     if (find_force_error(d, o, &error, err) == TDM_OK)
-      json_object_set_new(*out, "force_error", isfinite(error) ? json_real(error) : json_null());
+      json_object_set_new(*out, "force_error", tdm_number_to_json(error));
   }
   engine_destroy(&e);
   return err->status;

@@ -10,6 +10,7 @@
 #include "dem/watch/check.h"
 #include "protocol/app/plot.h"
 #include "protocol/app/print.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 
@@ -232,20 +233,20 @@ static tdm_status solve(run_state *run, tdm_error *err) {
 
 static json_t *repose(const run_state *run) {
   dem_repose r = dem_repose_of(&run->snapshot, run->settings.repose_along);
-  return json_pack("{s:o, s:o, s:o}", "mean_deg", tdm_real_or_null(r.mean), "low_side_deg", tdm_real_or_null(r.low),
-                   "high_side_deg", tdm_real_or_null(r.high));
+  return json_pack("{s:o, s:o, s:o}", "mean_deg", tdm_number_to_json(r.mean), "low_side_deg", tdm_number_to_json(r.low),
+                   "high_side_deg", tdm_number_to_json(r.high));
 }
 
 static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   const dem_data *d = run->engine ? dem_engine_data(run->engine) : NULL;
   json_t *json = tdm_standalone_summary(&run->alone, err);
-  json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings",
-                          "time.end", s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps",
-                          (json_int_t)run->nstep, "simulated_s", (double)run->nstep * s->time.dt, "particles",
-                          d ? d->state.nparticle : 0, "particle_steps", run->particle_steps, "particle_steps_per_s",
-                          tdm_real_or_null(run->particle_steps / run->step), "wall_s", "all", wall, "setup", run->setup,
-                          "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures", run->pictures.drawn);
+  json_t *own = json_pack(
+      "{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings", "time.end", s->time.end,
+      "time.dt", s->time.dt, "output.interval", s->interval, "steps", (json_int_t)run->nstep, "simulated_s",
+      (double)run->nstep * s->time.dt, "particles", d ? d->state.nparticle : 0, "particle_steps", run->particle_steps,
+      "particle_steps_per_s", tdm_number_to_json(run->particle_steps / run->step), "wall_s", "all", wall, "setup",
+      run->setup, "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures", run->pictures.drawn);
   json_object_update_new(json, own);
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));

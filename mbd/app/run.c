@@ -7,6 +7,7 @@
 #include "mbd/mbd.h"
 #include "protocol/app/plot.h"
 #include "protocol/app/print.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 
@@ -188,9 +189,9 @@ static json_t *courses(const run_state *run, const char *of) {
     const course *k = &run->course[c];
     if (strncmp(name, of, strlen(of)) == 0)
       json_object_set_new(json, name,
-                          json_pack("{s:o, s:o, s:o, s:o}", "start", tdm_real_or_null(k->start), "end",
-                                    tdm_real_or_null(k->end), "least", tdm_real_or_null(k->least), "greatest",
-                                    tdm_real_or_null(k->greatest)));
+                          json_pack("{s:o, s:o, s:o, s:o}", "start", tdm_number_to_json(k->start), "end",
+                                    tdm_number_to_json(k->end), "least", tdm_number_to_json(k->least), "greatest",
+                                    tdm_number_to_json(k->greatest)));
   }
   return json;
 }
@@ -228,8 +229,8 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   json_object_set_new(json, "energies", courses(run, "energy."));
   double share, off = mbd_engine_energy_off(run->engine, &share);
   json_object_set_new(json, "energy_off",
-                      json_pack("{s:o, s:o}", "J", tdm_real_or_null(off), "share", tdm_real_or_null(share)));
-  json_object_set_new(json, "constraint_drift", tdm_real_or_null(largest_drift(run)));
+                      json_pack("{s:o, s:o}", "J", tdm_number_to_json(off), "share", tdm_number_to_json(share)));
+  json_object_set_new(json, "constraint_drift", tdm_number_to_json(largest_drift(run)));
   return json;
 }
 

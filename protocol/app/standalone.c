@@ -230,10 +230,6 @@ tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, cons
 
 /* ---- end ---- */
 
-json_t *tdm_real_or_null(double x) {
-  return isfinite(x) ? json_real(x) : json_null();
-}
-
 json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err) {
   struct utsname machine = {0};
   char name[4096];

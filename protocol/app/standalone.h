@@ -116,9 +116,6 @@ tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, cons
  * remarks, and how often each came. */
 json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err);
 
-/* A number of a summary; null when it is not finite. */
-json_t *tdm_real_or_null(double x);
-
 /* The last line of the log: `pairs` after a good end, else the error. */
 void tdm_standalone_log_end(const char *pairs, const tdm_error *err);
 

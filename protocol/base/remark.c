@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/base/remark.h"
 
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 
 #include <math.h>
@@ -67,17 +68,13 @@ void tdm_remarks_copy(tdm_remarks *dst, const tdm_remarks *src) {
 
 /* ---- as JSON ---- */
 
-static json_t *time_to_json(double t) {
-  return isfinite(t) ? json_real(t) : json_null();
-}
-
 json_t *tdm_remarks_to_json(const tdm_remarks *table, const char *from) {
   json_t *all = json_array();
   for (int i = 0; i < table->count; i++) {
     const tdm_remark_entry *e = &table->entry[i];
     json_t *entry = json_pack("{s:s, s:s, s:s, s:s, s:I, s:o, s:o}", "event", e->event, "level", levels[e->level],
                               "path", e->path, "message", e->message, "count", (json_int_t)e->count, "first_s",
-                              time_to_json(e->first), "last_s", time_to_json(e->last));
+                              tdm_number_to_json(e->first), "last_s", tdm_number_to_json(e->last));
     if (entry && from)
       json_object_set_new(entry, "from", json_string(from));
     json_array_append_new(all, entry);

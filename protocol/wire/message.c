@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/wire/message.h"
 
+#include "protocol/base/json.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -148,7 +150,7 @@ tdm_status tdm_control_read(const tdm_header *header, json_t **json, tdm_error *
 json_t *tdm_numbers_to_json(const double *values, int n) {
   json_t *array = json_array();
   for (int i = 0; i < n; i++)
-    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
+    json_array_append_new(array, tdm_number_to_json(values[i]));
   return array;
 }
 

@@ -3,6 +3,7 @@
 #include "protocol/wire/participant.h"
 
 #include "protocol/base/interrupt.h"
+#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 #include "protocol/base/remark.h"
@@ -322,7 +323,7 @@ static json_t *ready_bodies(const tdm_participant *p, const tdm_ready *ready) {
   json_t *bodies = json_array();
   for (int i = 0; p->is_mbd && i < p->nbody; i++) {
     const tdm_assigned_body *b = &ready->body[i];
-    json_t *mass = isfinite(b->mass) ? json_real(b->mass) : json_null();
+    json_t *mass = tdm_number_to_json(b->mass);
     json_t *body = json_pack("{s:s, s:o, s:o, s:o}", "name", b->name, "mass", mass, "inertia",
                              tdm_numbers_to_json(&b->inertia.m[0][0], 9), "state",
                              tdm_numbers_to_json((const double *)(const void *)&b->state, TDM_STATE_DOUBLES));
@@ -360,7 +361,7 @@ static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
     const tdm_channel *c = &ready->channel[i];
     double initial = ready->initial[i];
     json_array_append_new(channels, json_pack("{s:s, s:s, s:o}", "name", c->name, "unit", c->unit, "initial",
-                                              isfinite(initial) ? json_real(initial) : json_null()));
+                                              tdm_number_to_json(initial)));
   }
   for (int i = 0; i < ready->nwarning; i++)
     json_array_append_new(
