@@ -123,17 +123,12 @@ START_TEST(a_coupled_ball) {
 END_TEST
 
 static void ck_refused(const char *body, const char *path, const char *words) {
-  tdm_error err = {0};
-  dem_model *m = NULL;
   json_t *json = scene_json("{'contact':{" SMOOTH
                             "},'materials':[{'name':'m','density':1}],'bodies':[{'name':'b','material':'m','shapes':["
                             "{'type':'sphere',%s}]}]}",
                             body);
-  dem_model_load(&m, &(tdm_assignment){.scene = json, .time_end = 1, .dt = 1e-5, .n = 1}, &err);
-  ck_assert_msg(err.status == TDM_ERR_SCENE && strstr(err.path, path) && strstr(err.message, words), "%s: %s", err.path,
-                err.message);
-  dem_model_destroy(&m);
-  json_decref(json);
+  tdm_error err = rig_refused(json, NULL);
+  ck_assert_msg(strstr(err.path, path) && strstr(err.message, words), "%s: %s", err.path, err.message);
 }
 
 START_TEST(refused) {

@@ -291,16 +291,10 @@ END_TEST
 
 /* load what must be refused; the error */
 static tdm_error refused(const char *domain, const char *more) {
-  dem_model *m = NULL;
-  tdm_error err = {0};
-  json_t *json = scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1]%s},'particles':[{'type':'list',"
-                            "'material':'a','radius':0.1,'positions':[[0.5,0.5,0.5]]}]%s}",
-                            0.5, domain, more);
-  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-4, .n = 1};
-  ck_assert_int_eq(dem_model_load(&m, &a, &err), TDM_ERR_SCENE);
-  dem_model_destroy(&m);
-  json_decref(json);
-  return err;
+  return rig_refused(scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1]%s},'particles':[{'type':'list',"
+                                "'material':'a','radius':0.1,'positions':[[0.5,0.5,0.5]]}]%s}",
+                                0.5, domain, more),
+                     NULL);
 }
 
 START_TEST(test_refused) {

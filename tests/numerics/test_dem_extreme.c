@@ -180,16 +180,6 @@ END_TEST
 
 /* ---- the guard ---- */
 
-/* run until the guard stops it; its error, or TDM_OK after n steps */
-static tdm_error guarded(rig *r, long n, long *steps) {
-  tdm_error err = {0};
-  for (*steps = 0; *steps < n && !err.status; ++*steps) {
-    rig_steps(r, 1);
-    dem_guard(r->data, (double)r->data->state.nstep * r->model->dt, r->model->dt, &err);
-  }
-  return err;
-}
-
 START_TEST(test_through_a_wall) {
   /* a wall 1 mm thick, a particle that goes 50 mm a step: said at once, with particle, place, time and step */
   for (int stop = 0; stop < 2; stop++) {
@@ -203,7 +193,7 @@ START_TEST(test_through_a_wall) {
                                  stop ? "stop" : "warn"),
                       1e-4, 0, NULL);
     long steps;
-    tdm_error err = guarded(r, 100, &steps);
+    tdm_error err = rig_guarded(r, 100, &steps);
     if (stop) {
       ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
       ck_assert_int_eq(steps, 1);
@@ -241,7 +231,7 @@ START_TEST(test_fast_but_no_leap) {
     for (size_t k = 0; k < sizeof speeds / sizeof speeds[0]; k++) {
       rig *r = shot(walls[w], speeds[k], 1e-5);
       long steps;
-      tdm_error err = guarded(r, 2000, &steps);
+      tdm_error err = rig_guarded(r, 2000, &steps);
       bool behind = r->data->state.sphere[0].position.z < 0.005;
       ck_assert_msg(err.status == TDM_ERR_NUMERIC || !behind, "wall %d, %g m/s: at %g m", w, speeds[k],
                     r->data->state.sphere[0].position.z);
@@ -263,7 +253,7 @@ START_TEST(test_head_on) {
                           "}]}"),
                1e-5, 0, NULL);
   long steps;
-  tdm_error err = guarded(r, 500, &steps);
+  tdm_error err = rig_guarded(r, 500, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_ptr_nonnull(strstr(err.message, "overlaps particle id"));
   ck_assert(r->data->state.sphere[0].position.x < r->data->state.sphere[1].position.x);
@@ -277,12 +267,12 @@ START_TEST(test_lost) {
   rig *r = drop_make(c, 1e-5);
   dem_guard_begin(r->data);
   long steps;
-  tdm_error err = guarded(r, 5000, &steps);
+  tdm_error err = rig_guarded(r, 5000, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_ptr_nonnull(strstr(err.message, "went through a plane of \"floor\""));
   ck_assert_str_eq(err.path, "dem.particles[0]");
   err = (tdm_error){0};
-  err = guarded(r, 300, &steps); /* once */
+  err = rig_guarded(r, 300, &steps); /* once */
   ck_assert_int_eq(err.status, TDM_OK);
   rig_free(r);
 }
@@ -294,7 +284,7 @@ START_TEST(test_fast_body) {
                 "{'amplitude':[0,0,0.1],'frequency':1e5}}}",
                 0, 1e-5);
   long steps;
-  tdm_error err = guarded(r, 200, &steps);
+  tdm_error err = rig_guarded(r, 200, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_ptr_nonnull(strstr(err.message, "\"f\" moves up to 0.628 m in a step"));
   rig_free(r);
@@ -316,7 +306,7 @@ START_TEST(test_energy_of_a_motion) {
                             motions[k]),
                  1e-5, 0, NULL);
     long steps;
-    tdm_error err = guarded(r, 5000, &steps);
+    tdm_error err = rig_guarded(r, 5000, &steps);
     ck_assert_msg(err.status == TDM_OK, "%d: %s", k, err.message);
     ck_assert(r->data->state.sphere[0].position.z > 0.012);
     rig_free(r);
@@ -329,7 +319,7 @@ START_TEST(test_overlap) {
   drop c = {0.01, 2500, 1e4, 0.9, 0, 1, ",'guard':{'action':'stop','every':1,'overlap':0.2}"};
   rig *r = drop_make(c, 1e-5);
   long steps;
-  tdm_error err = guarded(r, 5000, &steps);
+  tdm_error err = rig_guarded(r, 5000, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   double share = 1 - r->data->state.sphere[0].position.z / 0.01;
   ck_assert(share > 0.2 && share < 0.202);
@@ -338,7 +328,7 @@ START_TEST(test_overlap) {
   rig_free(r);
   c.more = ",'guard':{'action':'stop','every':1,'overlap':2}"; /* as much as you like */
   r = drop_make(c, 1e-5);
-  ck_assert_int_eq(guarded(r, 5000, &steps).status, TDM_OK);
+  ck_assert_int_eq(rig_guarded(r, 5000, &steps).status, TDM_OK);
   rig_free(r);
 }
 END_TEST
@@ -367,7 +357,7 @@ START_TEST(test_step_and_energy) {
                                  cases[k].energy),
                       cases[k].dt, 0, NULL);
     long steps;
-    tdm_error err = guarded(r, k < 2 ? 20000 : 3000, &steps);
+    tdm_error err = rig_guarded(r, k < 2 ? 20000 : 3000, &steps);
     if (!cases[k].says)
       ck_assert_msg(err.status == TDM_OK, "%zu: %s", k, err.message);
     else if (cases[k].says[0] == 'a')
@@ -405,9 +395,9 @@ START_TEST(test_energy_of_a_push) {
                                "'radius':0.1,'mass':2,'positions':[[0,0,0]],'velocity':[1,0,0]}]}"),
                     1e-4, 0, NULL);
   long steps;
-  ck_assert_int_eq(guarded(r, 105, &steps).status, TDM_OK);
+  ck_assert_int_eq(rig_guarded(r, 105, &steps).status, TDM_OK);
   r->data->state.pace[0].velocity.x = 3; /* 1 J becomes 9 J */
-  tdm_error err = guarded(r, 10, &steps);
+  tdm_error err = rig_guarded(r, 10, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_ptr_nonnull(strstr(err.message, "rose by 8 J"));
   rig_free(r);
@@ -422,9 +412,9 @@ START_TEST(test_no_number) {
                           "[[0,0,0],[0,0,0.2],[5,5,5]]}]}"),
                1e-4, 0, NULL);
   long steps;
-  ck_assert_int_eq(guarded(r, 15, &steps).status, TDM_OK);
+  ck_assert_int_eq(rig_guarded(r, 15, &steps).status, TDM_OK);
   r->data->state.pace[0].velocity.y = NAN;
-  tdm_error err = guarded(r, 10, &steps);
+  tdm_error err = rig_guarded(r, 10, &steps);
   ck_assert_int_eq(err.status, TDM_ERR_NUMERIC);
   ck_assert_int_eq(steps, 5); /* at step 20 */
   ck_assert_ptr_nonnull(strstr(err.message, "no number at t = 0.002 s, step 20"));

@@ -179,17 +179,8 @@ static void ck_refused(const char *body, const char *path, const char *says) {
   snprintf(text, sizeof text, SCENE("%s"), body);
   json_t *json = scene_json("%s", text);
   tdm_assigned_body coupled = {.name = (char *)"b", .mass = 1, .state = state_at(0, 0, 0)};
-  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-5, .n = 1};
-  if (strstr(says, "coupled")) {
-    a.nbody = 1;
-    a.body = &coupled;
-  }
-  dem_model *m;
-  tdm_error err = {0};
-  ck_assert_int_ne(dem_model_load(&m, &a, &err), TDM_OK);
+  tdm_error err = rig_refused(json, strstr(says, "coupled") ? &coupled : NULL);
   ck_assert_msg(strcmp(err.path, path) == 0 && strstr(err.message, says), "%s: %s", err.path, err.message);
-  dem_model_destroy(&m);
-  json_decref(json);
 }
 
 #define SHAPE(x) "'shapes':[{" x "}]"

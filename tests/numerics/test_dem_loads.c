@@ -358,16 +358,6 @@ END_TEST
 
 /* ---- the guard ---- */
 
-/* run until the guard stops it; TDM_OK after n steps */
-static tdm_error guarded(rig *r, long n) {
-  tdm_error err = {0};
-  for (long k = 0; k < n && !err.status; k++) {
-    rig_steps(r, 1);
-    dem_guard(r->data, (double)r->data->state.nstep * r->model->dt, r->model->dt, &err);
-  }
-  return err;
-}
-
 START_TEST(test_guard_of_each_law) {
   /* a ball that bounces does not alarm it; the same ball given three times its speed does, with the amount */
   for (size_t k = 0; k < sizeof laws / sizeof laws[0]; k++) {
@@ -378,12 +368,12 @@ START_TEST(test_guard_of_each_law) {
                                  "[0,0,0.0505]],'velocity':[0,0,-1]}]}",
                                  laws[k].pair, laws[k].contact),
                       1e-5, 0, NULL);
-    tdm_error err = guarded(r, 5000);
+    tdm_error err = rig_guarded(r, 5000, NULL);
     ck_assert_msg(err.status == TDM_OK, "%zu: %s", k, err.message);
     double v = r->data->state.pace[0].velocity.z;
     ck_assert(v > 0.1 && r->data->state.ncontact == 0);
     r->data->state.pace[0].velocity.z = 3 * v;
-    err = guarded(r, 5);
+    err = rig_guarded(r, 5, NULL);
     char says[64];
     snprintf(says, sizeof says, "rose by %.3g J", 8 * v * v);
     ck_assert_msg(strstr(err.message, says) != NULL, "%zu: %s, not in: %s", k, says, err.message);
@@ -399,7 +389,7 @@ START_TEST(test_guard_of_a_belt) {
                                "'surface_velocity':[1,0,0]}]}],'particles':[{'type':'list','material':'a','radius':"
                                "0.05,'positions':[[0,0,0.05]]}]}"),
                     1e-5, 0, NULL);
-  tdm_error err = guarded(r, 10000);
+  tdm_error err = rig_guarded(r, 10000, NULL);
   ck_assert_msg(err.status == TDM_OK, "%s", err.message);
   ck_assert(r->data->state.pace[0].velocity.x > 0.1);
   rig_free(r);

@@ -8,6 +8,7 @@
 #include "dem/flow/flow.h"
 #include "dem/state/data.h"
 #include "dem/step/step.h"
+#include "dem/watch/guard.h"
 
 #include <check.h>
 #include <math.h>
@@ -76,6 +77,19 @@ static inline rig *rig_make(json_t *json, double dt, int nbody, const tdm_assign
   return r;
 }
 
+/* Load a scene that must be refused, with a coupled body (NULL: none); the scene is decrefed. */
+static inline tdm_error rig_refused(json_t *json, const tdm_assigned_body *body) {
+  tdm_assigned_body copy = body ? *body : (tdm_assigned_body){0};
+  tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-5, .n = 1, .nbody = body != NULL, .body = &copy};
+  tdm_error err = {0};
+  dem_model *model = NULL;
+  dem_model_load(&model, &a, &err);
+  ck_assert_msg(err.status == TDM_ERR_SCENE || err.status == TDM_ERR_FILE, "not refused: %s", err.message);
+  dem_model_destroy(&model);
+  json_decref(json);
+  return err;
+}
+
 static inline void rig_free(rig *r) {
   dem_data_destroy(&r->data);
   dem_model_destroy(&r->model);
@@ -104,6 +118,19 @@ static inline void flow_now(dem_data *d, double t, double dt) {
 static inline void rig_steps(rig *r, long n) {
   for (long k = 0; k < n; k++)
     one_step(r->data, NULL, r->model->dt);
+}
+
+/* Step until the guard stops it: its error, or TDM_OK after n steps. *steps: how many were made (NULL: not wanted). */
+static inline tdm_error rig_guarded(rig *r, long n, long *steps) {
+  tdm_error err = {0};
+  long k = 0;
+  for (; k < n && !err.status; k++) {
+    rig_steps(r, 1);
+    dem_guard(r->data, (double)r->data->state.nstep * r->model->dt, r->model->dt, &err);
+  }
+  if (steps)
+    *steps = k;
+  return err;
 }
 
 #endif
