@@ -50,7 +50,7 @@ typedef struct {
   tdm_energy energy;          /* of the particles and contacts [J]; NaN where it cannot be accounted for */
   double rest;                /* energy below which all is at rest [J] */
   tdm_vec3 gravity;           /* [m/s2] */
-  json_t *report;             /* figures of the start: dem/README.md */
+  json_t *report;             /* figures of the start: docs/dem.md */
 } dem_start;
 
 const dem_start *dem_engine_start(const dem_engine *engine);

@@ -54,7 +54,7 @@ typedef struct {
   tdm_energy energy;          /* [J] */
   tdm_vec3 gravity;           /* [m/s2] */
   int freedom;                /* degrees of freedom that joints and drivers leave */
-  json_t *report;             /* figures of the start: mbd/README.md */
+  json_t *report;             /* figures of the start: docs/mbd.md */
 } mbd_start;
 
 const mbd_start *mbd_engine_start(const mbd_engine *engine);

@@ -1,5 +1,5 @@
 /* How far two states of a body, or what two solvers make of a window, are apart: all as lengths; and the length of the
- * next window that follows from it ("n": "auto"; coupler/README.md). */
+ * next window that follows from it ("n": "auto"; docs/theory/coupling.md). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_LOOP_MISMATCH_H
 #define CPL_LOOP_MISMATCH_H

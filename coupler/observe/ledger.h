@@ -1,5 +1,5 @@
 /* The ledger: what goes through the interface in every window, whatever the scheme, and whether energy appears from
- * nowhere. README.md has the equations.
+ * nowhere. docs/theory/coupling.md has the equations.
  *
  *   impulse    of the load on a body, m0 H from DEM's kicks (mean H from a DEM solver without "interface")
  *   work       of the load that DEM found along DEM's path of the body, and of the load that MBD felt along MBD's;

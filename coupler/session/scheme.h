@@ -1,8 +1,8 @@
 /* Coupling schemes: who goes first in a window, and with which load.
  *
  * To add one: a file scheme/<name>.c with its equations at the head, one row in scheme/table.c, its key in
- * scenarios/scene.schema.json, its paragraph in coupler/README.md. A scheme moves the loop over one window with the
- * operations of loop/solve.h. It owns its settings, what it keeps, its remarks and what summary.json says of it.
+ * scenarios/scene.schema.json, its paragraph in docs/theory/coupling.md. A scheme moves the loop over one window with
+ * the operations of loop/solve.h. It owns its settings, what it keeps, its remarks and what summary.json says of it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SESSION_SCHEME_H

@@ -1,4 +1,4 @@
-/* The report of READY: see report.h. Its keys are in README.md. */
+/* The report of READY: see report.h. Its keys are in docs/dem.md. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/report.h"
 

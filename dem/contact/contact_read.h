@@ -1,4 +1,4 @@
-/* Reading the scene's materials, contact laws and pairs: keys in README.md. */
+/* Reading the scene's materials, contact laws and pairs: keys in docs/scene.md. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_CONTACT_READ_H
 #define DEM_CONTACT_CONTACT_READ_H

@@ -7,7 +7,7 @@
  * the file and compiles its loops, with each tangential law, once for each instruction set.
  * To add a law of another family: a file tangential/NAME.h and so on, like tangential/coulomb.h, and its name beside
  * its #include in families.h.
- * What a law reads from a scene is described in README.md and in scenarios/scene.schema.json.
+ * What a law reads from a scene is described in scenarios/scene.schema.json.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LAW_H

@@ -1,4 +1,4 @@
-/* Reading dem.sources and dem.sinks: see README.md for their keys. */
+/* Reading dem.sources and dem.sinks: see docs/scene.md for their keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model_read.h"
 

@@ -1,6 +1,6 @@
 /* The model: what a scene fixes. Immutable after loading, shared as `const dem_model *`.
  *
- * The scene section "dem" is described in README.md; model_read.c reads it, fill.c makes the particles.
+ * The scene section "dem" is described in docs/scene.md; model_read.c reads it, fill.c makes the particles.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_MODEL_H

@@ -1,4 +1,4 @@
-/* Reading the scene section "dem": see README.md for its keys. */
+/* Reading the scene section "dem": see docs/scene.md for its keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model_read.h"
 

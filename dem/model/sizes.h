@@ -1,7 +1,7 @@
 /* Size distributions: the radii of the particles that an entry of the scene makes (its key "radius").
  *
  * A radius is the quantile of a number in [0, 1): the inverse of the distribution function, so that a draw takes one
- * number, always ends, and stays between min and max. The keys are in README.md.
+ * number, always ends, and stays between min and max. The keys are in docs/scene.md.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_SIZES_H

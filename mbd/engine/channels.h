@@ -1,4 +1,4 @@
-/* Output channels: what the solver reports beside the coupled bodies' states. README.md lists them.
+/* Output channels: what the solver reports beside the coupled bodies' states. docs/mbd.md lists them.
  *
  * Reactions come from an acceleration-level solve at the sample's own state and load, not from interpolated
  * multipliers: these are a derivative order less accurate than the positions.

@@ -1,5 +1,5 @@
 /* The force types. To add one: a file that defines its ops, its name below, and a line in ../CMakeLists.txt and in
- * ../README.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene there.
+ * docs/mbd.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene there.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/table.h"

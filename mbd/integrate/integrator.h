@@ -1,6 +1,6 @@
 /* What an integrator does, and the table of formulations that a scene may choose (key "formulation"): each is solved by
  * one integrator. To add one: a file that defines its operations, a row in integrator.c, a line in CMakeLists.txt and
- * in README.md.
+ * in docs/theory/mbd.md.
  *
  * An integrator never steps past the end of a window: the load ends there.
  */

@@ -1,5 +1,5 @@
 /* The joint types. To add one: a file that defines its ops (fixed.c is the shortest), its name below, and a line in
- * ../CMakeLists.txt and in ../README.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene
+ * ../CMakeLists.txt and in docs/mbd.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene
  * there.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */

@@ -1,4 +1,4 @@
-/* Reading a body of a scene: mass and inertia (given, or of a shape), start, markers. README.md lists the keys. */
+/* Reading a body of a scene: mass and inertia (given, or of a shape), start, markers. docs/scene.md lists the keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MODEL_BODY_H
 #define MBD_MODEL_BODY_H

@@ -1,4 +1,4 @@
-/* Reading the scene section into a model: see scene.h. README.md lists the keys. */
+/* Reading the scene section into a model: see scene.h. docs/scene.md lists the keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/scene/scene.h"
 

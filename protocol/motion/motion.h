@@ -3,7 +3,7 @@
  *
  * A law must be continuous with its rate (a jump of the rate is only possible before the run starts), and its
  * acceleration should be. To add one: a file with its parameters, their reader and its ops (constant_rate.c is short),
- * its name in the table of motion.c, a line in ../CMakeLists.txt and in mbd/README.md.
+ * its name in the table of motion.c, a line in ../CMakeLists.txt and in docs/mbd.md.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_MOTION_MOTION_H

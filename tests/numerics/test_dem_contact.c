@@ -1,5 +1,5 @@
 /* Contact laws against closed forms: Hertz impact, restitution, rolling, sliding, effective mass.
- * Closed forms: Johnson, Contact Mechanics (1985), 11.4; Maw, Barber & Fawcett (1976); see dem/README.md. */
+ * Closed forms: Johnson, Contact Mechanics (1985), 11.4; Maw, Barber & Fawcett (1976); see docs/theory/dem.md. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 

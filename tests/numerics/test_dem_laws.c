@@ -1,5 +1,5 @@
 /* Each contact law against its closed form: friction, rolling, adhesion; and sets of laws that are refused.
- * Equations and sources: dem/README.md. */
+ * Equations and sources: docs/theory/dem.md. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
