@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/contact_read.h"
 
-#include "dem/contact/restitution.h"
 #include "dem/contact/table.h"
 
 #include <stdio.h>
@@ -34,7 +33,7 @@ static void read_simd(dem_model *m, tdm_object *section) {
   m->simd = set < 0 ? dem_simd_best() : dem_simd_names[set];
   if (dem_simd_here(m->simd))
     return;
-  tdm_object_fail(section, "simd", "this machine has no \"%s\"; remove the key, or use \"%s\"", m->simd,
+  tdm_object_fail(section, "simd", "this machine, or this build, has no \"%s\"; remove the key, or use \"%s\"", m->simd,
                   dem_simd_best());
   m->simd = "plain";
 }
@@ -134,53 +133,6 @@ void dem_materials_read(dem_model *m, json_t *array, tdm_error *err) {
 }
 
 /* ---- coefficients of a pair ---- */
-
-double dem_need(tdm_object *o, const char *key, const char *family, const char *law, tdm_range range) {
-  bool before = o->err->status != TDM_OK, missing = !tdm_has(o, key);
-  double value = tdm_get_number(o, key, TDM_REQUIRED, range);
-  if (missing && !before) {
-    char *message = o->err->message;
-    size_t used = strlen(message);
-    snprintf(message + used, sizeof o->err->message - used, " (%s \"%s\" needs it)", family, law);
-  }
-  return value;
-}
-
-bool dem_one_of(tdm_object *o, const char *first, const char *second, const char *law) {
-  if (tdm_has(o, first) && tdm_has(o, second))
-    tdm_object_fail(o, second, "excludes \"%s\"; normal \"%s\" takes one of them", first, law);
-  return tdm_has(o, first) || !tdm_has(o, second);
-}
-
-static double read_restitution(tdm_object *o, double fallback) {
-  double e = tdm_get_number(o, "restitution", fallback, TDM_UNIT_INTERVAL);
-  if (e <= 0)
-    tdm_object_fail(o, "restitution",
-                    "is 0 but must be greater than 0 and at most 1; a small value such as 0.01 "
-                    "takes nearly all the energy");
-  return e > 0 ? e : 1;
-}
-
-/* all that follows from restitution; false after an error */
-static bool set_restitution(const dem_model *m, dem_pair *p, double e, tdm_error *err, const char *path) {
-  p->restitution = e;
-  p->beta = dem_beta_keep(e);
-  p->viscosity = 0;
-  if (!m->normal->damp(m, p))
-    tdm_fail(err, TDM_ERR_SCENE, path, "is %g, too small for \"tail\": \"clip\"; give at least 0.001", e);
-  if (m->tangential->damp)
-    m->tangential->damp(m, p);
-  return !err->status;
-}
-
-void dem_read_restitution(const dem_model *m, tdm_object *o, dem_pair *p) {
-  char place[TDM_PATH_MAX];
-  double e = read_restitution(o, TDM_REQUIRED);
-  if (!o->err->status)
-    set_restitution(m, p, e, o->err, tdm_path(place, o, "restitution", -1));
-}
-
-/* ---- the other families ---- */
 
 /* "friction": one number, or {"static", "dynamic"} */
 static void read_friction(tdm_object *o, const dem_tangential_law *law, double *dynamic, double *hold) {
@@ -324,7 +276,7 @@ void dem_pairs_check(const dem_model *m, tdm_error *err) {
 void dem_settle_pairs_read(dem_model *m, tdm_object *o) {
   const dem_tangential_law *law = m->tangential;
   bool keep = m->normal->settles_as_it_is && !tdm_has(o, "restitution"), rubs = tdm_has(o, "friction");
-  double e = read_restitution(o, 0.3), dynamic = 0, hold = 0;
+  double e = dem_get_restitution(o, 0.3), dynamic = 0, hold = 0;
   if (rubs && !law->friction)
     tdm_object_fail(o, "friction", "is not read by tangential \"%s\"; remove it", law->head.name);
   else if (rubs)
@@ -335,7 +287,7 @@ void dem_settle_pairs_read(dem_model *m, tdm_object *o) {
     if (rubs)
       pair->friction = dynamic, pair->static_friction = hold;
     if (!keep && pair->given)
-      set_restitution(m, pair, e, o->err, "dem.settle.restitution");
+      dem_set_restitution(m, pair, e, o->err, "dem.settle.restitution");
   }
 }
 

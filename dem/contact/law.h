@@ -66,8 +66,9 @@ typedef struct dem_normal_law {
   /* The coefficients of a pair, whose elastic constants are there. */
   void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair);
 
-  /* The coefficients that follow from pair.restitution; false: it is too small for "tail": "clip". */
-  bool (*damp)(const dem_model *model, dem_pair *pair);
+  /* Optional: the coefficients that follow from pair.restitution. TDM_ERR_NUMERIC: it is too small for "tail": "clip".
+   */
+  tdm_status (*damp)(const dem_model *model, dem_pair *pair);
 
   /* Optional: this pair has terms that only the loops with all terms have. */
   bool (*needs_all_terms)(const dem_pair *pair);
@@ -113,7 +114,7 @@ typedef struct dem_cohesion_law {
   double (*reach)(const dem_pair *pair, double radius); /* optional: gap over which a contact holds [m] */
 } dem_cohesion_law;
 
-/* ---- reading, for the laws' own readers ---- */
+/* ---- what readers share ---- */
 
 /* A number that the law needs; the message says so when it is missing. */
 double dem_need(tdm_object *pair_of_scene, const char *key, const char *family, const char *law, tdm_range range);
@@ -121,7 +122,13 @@ double dem_need(tdm_object *pair_of_scene, const char *key, const char *family, 
 /* Exactly one of two keys, of a normal law. True: the first. */
 bool dem_one_of(tdm_object *pair_of_scene, const char *first, const char *second, const char *law);
 
-/* The key "restitution" and all that follows from it. */
+/* The key "restitution", 0 < e <= 1; 1 after an error. */
+double dem_get_restitution(tdm_object *object, double fallback);
+
+/* All that follows from a restitution; path: of its key, for errors. */
+void dem_set_restitution(const dem_model *model, dem_pair *pair, double restitution, tdm_error *err, const char *path);
+
+/* Both: the key "restitution" and all that follows from it. */
 void dem_read_restitution(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair);
 
 #endif

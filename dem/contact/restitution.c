@@ -27,15 +27,10 @@ static int impact_rate(double t, const double y[], double dydt[], void *params) 
   return GSL_SUCCESS;
 }
 
-double dem_restitution_clip(double beta) {
-  if (beta <= 0)
-    return 1;
+/* Speed at the end of the impact: adaptive steps until the force is negative; then back, with steps that halve until
+ * they vanish. */
+static double end_speed(double beta, gsl_odeiv2_step *step, gsl_odeiv2_control *control, gsl_odeiv2_evolve *evolve) {
   gsl_odeiv2_system system = {impact_rate, NULL, 2, &beta};
-  gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2);
-  gsl_odeiv2_control *control = gsl_odeiv2_control_y_new(1e-12, 1e-12);
-  gsl_odeiv2_evolve *evolve = gsl_odeiv2_evolve_alloc(2);
-
-  /* adaptive steps until the force is negative; then back, with steps that halve until they vanish */
   double t = 0, y[2] = {0, 1}, h = 1e-8;
   bool closing = false;
   for (int i = 0; i < 100000 && h > 1e-13; i++) {
@@ -51,34 +46,49 @@ double dem_restitution_clip(double beta) {
     if (closing)
       h = taken / 2;
   }
-  gsl_odeiv2_evolve_free(evolve);
-  gsl_odeiv2_control_free(control);
-  gsl_odeiv2_step_free(step);
   return -y[1];
+}
+
+double dem_restitution_clip(double beta) {
+  if (beta <= 0)
+    return 1;
+  gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2);
+  gsl_odeiv2_control *control = gsl_odeiv2_control_y_new(1e-12, 1e-12);
+  gsl_odeiv2_evolve *evolve = gsl_odeiv2_evolve_alloc(2);
+  double e = step && control && evolve ? end_speed(beta, step, control, evolve) : NAN;
+  if (evolve)
+    gsl_odeiv2_evolve_free(evolve);
+  if (control)
+    gsl_odeiv2_control_free(control);
+  if (step)
+    gsl_odeiv2_step_free(step);
+  return e;
 }
 
 static double miss(double beta, void *params) {
   return dem_restitution_clip(beta) - *(double *)params;
 }
 
-bool dem_beta_clip(double restitution, double *beta) {
+tdm_status dem_beta_clip(double restitution, double *beta) {
   *beta = 0;
   if (restitution >= 1)
-    return true;
+    return TDM_OK;
   /* clipping raises e, so the beta with tail is too small: search upwards from there */
   double low = dem_beta_keep(restitution), high = 2 * low;
   if (dem_restitution_clip(low) <= restitution) { /* e so near 1 that the two do not differ */
     *beta = low;
-    return true;
+    return TDM_OK;
   }
   while (high < 1000 && dem_restitution_clip(high) > restitution) {
     low = high;
     high *= 2;
   }
   if (high >= 1000)
-    return false;
+    return TDM_ERR_NUMERIC;
   gsl_function f = {miss, &restitution};
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  if (!solver)
+    return TDM_ERR_MEMORY;
   gsl_root_fsolver_set(solver, &f, low, high);
   for (int i = 0; i < 100; i++) {
     gsl_root_fsolver_iterate(solver);
@@ -87,7 +97,8 @@ bool dem_beta_clip(double restitution, double *beta) {
       break;
   }
   gsl_root_fsolver_free(solver);
-  return fabs(miss(*beta, &restitution)) < 1e-8;
+  double off = fabs(miss(*beta, &restitution));
+  return isnan(off) ? TDM_ERR_MEMORY : off < 1e-8 ? TDM_OK : TDM_ERR_NUMERIC;
 }
 
 /* ---- linear, and Hunt and Crossley ---- */

@@ -15,11 +15,13 @@
 /* beta when the attractive tail is kept: -ln e / sqrt(ln^2 e + pi^2), e in (0, 1]. */
 double dem_beta_keep(double restitution);
 
-/* e of an impact that ends when the force falls to 0, integrated with GSL (relative accuracy about 1e-9). */
+/* e of an impact that ends when the force falls to 0, integrated with GSL (relative accuracy about 1e-9). NaN: no
+ * memory. */
 double dem_restitution_clip(double beta);
 
-/* beta for which dem_restitution_clip gives e, to 1e-9 in e. Returns false when it cannot be found (e below 0.001). */
-bool dem_beta_clip(double restitution, double *beta);
+/* beta for which dem_restitution_clip gives e, to 1e-9 in e. TDM_ERR_NUMERIC: it cannot be found (e below 0.001);
+ * TDM_ERR_MEMORY. */
+tdm_status dem_beta_clip(double restitution, double *beta);
 
 /* Damping ratio zeta of a linear contact for e in (0, 1]. */
 double dem_linear_ratio(double restitution, bool clip);

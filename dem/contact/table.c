@@ -77,6 +77,8 @@ bool dem_loops_choose(dem_model *m) {
     set = m->normal->loops[DEM_PLAIN];
   const dem_loops *with = &set->with[m->place.tangential];
   m->loops = m->all_terms ? &set->all_terms : with;
+  m->nsum = set->nsum;
+  m->sum_loops = set->nsum > 0 ? &set->sums : NULL;
   return with->pairs != NULL;
 }
 

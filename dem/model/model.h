@@ -176,6 +176,8 @@ typedef struct dem_model {
   const struct dem_cohesion_law *cohesion;
   double normal_setting[DEM_SETTINGS_MAX]; /* of dem.contact, named in the normal law's file */
   const struct dem_loops *loops;           /* over contacts with these laws */
+  const struct dem_loops *sum_loops;       /* before these, the sums over the contacts of a particle; NULL: none */
+  int nsum;                                /* how many, of a law that has them */
   bool all_terms;                          /* of the loops: those with all families and energies */
   struct {
     int tangential, rolling, twisting, cohesion;

@@ -131,6 +131,9 @@ bool dem_crossings_reserve(dem_data *d, int count) {
     bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
     if (!grow_push(d, &d->state.push, capacity, count) || (two && !grow_push(d, &d->state.spare_push, capacity, count)))
       return false;
+    size_t nsum = (size_t)d->model->nsum;
+    if (nsum > 0 && !grow(&d->work.contact_sum, (size_t)capacity * nsum, 0, sizeof *d->work.contact_sum))
+      return false;
     d->work.push_capacity = capacity;
   }
   dem_crossings *c = &d->lists.crossings;
@@ -336,6 +339,7 @@ void dem_data_destroy(dem_data **data) {
                     d->lists.crossings.order,
                     d->state.push,
                     d->state.spare_push,
+                    d->work.contact_sum,
                     d->work.particle_block,
                     d->work.block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

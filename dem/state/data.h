@@ -237,6 +237,7 @@ typedef struct {
 
   int *number;          /* (nparticle) scratch, where particles can leave; else none */
   int capacity;         /* room for so many particles */
+  double *contact_sum;  /* (places of push x model.nsum) over the contacts of a particle, for laws that have them */
   int push_capacity;    /* entries of push */
   void *particle_block; /* the arrays of particles */
   void *block;          /* the arrays of fixed size */

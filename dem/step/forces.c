@@ -42,9 +42,35 @@ static void geometry_loads(dem_loop_task *task) {
   }
 }
 
+/* Sums over the contacts of each particle, of laws that have them: of all contacts, with the geometry that the forces
+ * will see. Reactions from other chunks come after those of the particle's own, as forces do. */
+static void sum_contacts(dem_data *d, bool settling) {
+  const dem_model *m = d->model;
+  const dem_crossings *x = &d->lists.crossings;
+  const size_t nsum = (size_t)m->nsum;
+  memset(d->work.contact_sum, 0, (size_t)(d->state.nparticle + 1 + x->count) * nsum * sizeof *d->work.contact_sum);
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++) {
+    dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling};
+    task.wall_first = d->lists.walls.chunk[c];
+    task.wall_end = d->lists.walls.chunk[c + 1];
+    m->sum_loops->pairs(&task);
+    m->sum_loops->walls(&task);
+  }
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++)
+    for (int k = x->chunk[c]; k < x->chunk[c + 1]; k++) {
+      size_t slot = (size_t)(d->state.nparticle + 1 + x->order[k]), particle = (size_t)x->particle[x->order[k]];
+      for (size_t q = 0; q < nsum; q++)
+        d->work.contact_sum[particle * nsum + q] += d->work.contact_sum[slot * nsum + q];
+    }
+}
+
 /* One thread ends the step of each chunk at once, while it is in the cache: what other chunks add to it came before. */
 void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {
   const dem_model *m = d->model;
+  if (m->sum_loops)
+    sum_contacts(d, settling);
   tdm_vec3 *entry_force = dem_traction_entries(d);
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)

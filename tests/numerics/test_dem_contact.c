@@ -70,15 +70,15 @@ START_TEST(test_damping_ratio) {
     rows++;
     ck_near(dem_restitution_clip(dem_beta_keep(e)), out, 1e-7);
     double beta;
-    ck_assert(dem_beta_clip(out, &beta));
+    ck_assert_int_eq(dem_beta_clip(out, &beta), TDM_OK);
     ck_near(beta, dem_beta_keep(e), 1e-6);
   }
   fclose(file);
   ck_assert_int_eq(rows, 12);
   double beta;
-  ck_assert(dem_beta_clip(0.05, &beta));
+  ck_assert_int_eq(dem_beta_clip(0.05, &beta), TDM_OK);
   ck_near(dem_restitution_clip(beta), 0.05, 1e-8);
-  ck_assert(!dem_beta_clip(1e-9, &beta));
+  ck_assert_int_eq(dem_beta_clip(1e-9, &beta), TDM_ERR_NUMERIC);
 }
 END_TEST
 

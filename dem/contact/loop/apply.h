@@ -160,6 +160,25 @@ DEM_KERNEL outcome law(dem_loop_task *task, dem_contact *c, vd3 velocity, double
   return out;
 }
 
+/* a contact of which the lanes are still to be filled */
+DEM_INLINE dem_contact contact_of(const dem_loop_task *task, const row r) {
+  const dem_model *m = task->model;
+  dem_contact c = {.dt = task->dt, .model = m, .all_terms = r.all_terms};
+  c.pair.table = task->settling ? m->settle_pair : m->pair;
+  c.pair.one = m->nmaterial == 1;
+  return c;
+}
+
+/* the sums of the particles of the lanes, for the law's kernel; nothing without a law that has them */
+DEM_INLINE void load_sums(const dem_data *d, const int *particle, vd sum[]) {
+  for (int q = 0; q < DEM_LAW_SUMS; q++) {
+    double lane[DEM_W];
+    for (int l = 0; l < DEM_W; l++)
+      lane[l] = d->work.contact_sum[(size_t)particle[l] * DEM_LAW_SUMS + (size_t)q];
+    sum[q] = vd_load(lane);
+  }
+}
+
 /* the row as it is: with all terms the columns are the scene's */
 DEM_INLINE row row_of(const dem_model *m, row r) {
   if (r.all_terms) {

@@ -36,6 +36,11 @@ typedef struct {
   dem_coefficients pair;
   const dem_model *model;
 
+  /* of a law with sums over the contacts of a particle */
+  vd radii[2];          /* of the particle and of its partner, infinite of a wall [m] */
+  const vd *own_sums;   /* (DEM_LAW_SUMS) of the particle; not while they are summed */
+  const vd *other_sums; /* likewise of the partner, 0 of a wall */
+
   bool all_terms;     /* constant in each loop: the fields below are there */
   vd3 spin;           /* angular velocity of the particle against the partner [rad/s] */
   vd inverse_inertia; /* of rolling, 1/I_r: sum of 1/(I + m R^2) [1/(kg m2)] */

@@ -5,6 +5,8 @@
  *   #define DEM_LAW_KERNEL kernel    void kernel(dem_contact *, vd *history)
  *   #define DEM_LAW_COLUMNS 0        of history, unless none
  *   #define DEM_LAW_CIRCLE true      if the kernel fills contact.circle
+ *   #define DEM_LAW_SUMS 3           sums over the contacts of a particle, unless none
+ *   #define DEM_LAW_SUMS_KERNEL sum  void sum(const dem_contact *, vd of[]): what a contact adds to those of a particle
  *   #include "dem/contact/loop/loops.h"
  * It makes dem_loops_hooke_avx512, or what else the file is compiled for; DEM_LAW_LOOPS are those of all instruction
  * sets, for the law's row.
@@ -15,14 +17,16 @@
  * Forces are added lane after lane, in the order of the list, so the sums are those of a loop over one contact at a
  * time.
  *
+ * With sums there is a pass over all contacts before that of the forces: it adds up what the second kernel makes of the
+ * geometry of each contact (the upper part of dem_contact, without rate, slip and spins), for both particles with the
+ * normal that points to them. The first kernel then has the sums of both. This is the place of multi-contact laws
+ * (Brodu, Dijksman & Behringer 2015). Laws without sums pay nothing.
+ *
  * apply.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LOOP_LOOPS_H
 #define DEM_CONTACT_LOOP_LOOPS_H
-
-#include "dem/contact/loop/pair_loop.h"
-#include "dem/contact/loop/wall_loop.h"
 
 #ifndef DEM_LAW_COLUMNS
 #define DEM_LAW_COLUMNS 0
@@ -30,6 +34,13 @@
 #ifndef DEM_LAW_CIRCLE
 #define DEM_LAW_CIRCLE false
 #endif
+#ifndef DEM_LAW_SUMS
+#define DEM_LAW_SUMS 0
+#endif
+
+#include "dem/contact/loop/pair_loop.h"
+#include "dem/contact/loop/sums.h"
+#include "dem/contact/loop/wall_loop.h"
 
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
@@ -73,6 +84,27 @@ static void walls_all_terms(dem_loop_task *task) {
   wall_loop(task, ROW_ALL_TERMS);
 }
 
+/* ---- sums ---- */
+
+#if DEM_LAW_SUMS > 0
+static __attribute__((noinline)) void batch_sums(dem_loop_task *task, batch *b) {
+  sum_batch(task, b, DEM_LAW_SUMS_KERNEL);
+}
+
+static void pairs_sums(dem_loop_task *task) {
+  sum_pairs(task, DEM_LAW_SUMS_KERNEL);
+}
+
+static void walls_sums(dem_loop_task *task) {
+  wall_loop(task, (row){.flush = batch_sums});
+}
+#define LOOPS_SUMS \
+  { pairs_sums, walls_sums }
+#else
+#define LOOPS_SUMS \
+  { NULL, NULL }
+#endif
+
 /* ---- for the row ---- */
 
 #define DEM_LAW_LOOPS_FOR(set) JOIN(JOIN(dem_loops_, DEM_LAW), set)
@@ -85,6 +117,7 @@ static void walls_all_terms(dem_loop_task *task) {
 #endif
 extern const dem_loop_set DEM_LAW_LOOPS_FOR(_avx512), DEM_LAW_LOOPS_FOR(_avx2), DEM_LAW_LOOPS_FOR(_plain);
 
-const dem_loop_set DEM_ISA(JOIN(dem_loops_, DEM_LAW)) = {with, {pairs_all_terms, walls_all_terms}};
+const dem_loop_set DEM_ISA(JOIN(dem_loops_, DEM_LAW)) = {
+    .with = with, .all_terms = {pairs_all_terms, walls_all_terms}, .nsum = DEM_LAW_SUMS, .sums = LOOPS_SUMS};
 
 #endif

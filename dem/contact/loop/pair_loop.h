@@ -72,6 +72,50 @@ DEM_INLINE void add_box_power(dem_loop_task *task, const vd boxes[3], vm touchin
     task->flux.box_power += power[l];
 }
 
+/* The contact of pairs with the differences s (vd_sphere_difference), the sums of the surface velocities and of radii.
+ * Returns the arms of the contact point as a share of the radii: it divides the distance of the centres as they do,
+ * arms r_i r / (r_i + r_j). */
+DEM_KERNEL vd pair_geometry(const dem_data *d, const int *i, const int *j, const vd s[8], vd3 surface, vd sum,
+                            dem_contact *c) {
+  const dem_model *m = c->model;
+  vd3 x = {s[0], s[1], s[2]};
+  /* one division for the three reciprocals of the distance, the sum of the radii and of the inverse masses */
+  vd r2 = vd3_dot(x, x), r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
+  vd per_all = vd_set(1) / (both * s[7]), per_r = per_all * (sum * s[7]), per_sum = per_all * (r * s[7]);
+  c->normal = vd3_scale(per_r, x);
+  c->normal.z = vd_pick(vm_equal(r2, vd_set(0)), vd_set(1), c->normal.z); /* coincident centres: any direction */
+  c->overlap = sum - r;
+  c->radius = vd_set(0.25) * (sum * sum - s[3] * s[3]) * per_sum;
+  c->inverse_mass = s[7];
+  c->mass = per_all * both;
+  c->turn = vd3_dot(surface, c->normal) * per_sum;
+  if (!c->pair.one)
+    for (int l = 0; l < DEM_W; l++)
+      c->pair.index[l] = d->state.material[i[l]] * m->nmaterial + d->state.material[j[l]];
+  if (DEM_LAW_SUMS > 0)
+    c->radii[0] = vd_radii(d->state.sphere, i), c->radii[1] = vd_radii(d->state.sphere, j);
+  return r * per_sum;
+}
+
+/* what the laws gave, on the particles and, with energies, into the balance */
+DEM_KERNEL void push_pair(dem_loop_task *task, size_t k, const dem_contact *c, const outcome *out, vd share,
+                          const vd boxes[3], const row constants) {
+  const dem_model *m = task->model;
+  dem_data *d = task->data;
+  const dem_pairs *list = &d->lists.pairs;
+  const int *i = list->one + k, *slot = list->reaction_slot + k;
+  if (constants.all_terms && m->energy && m->domain.strained)
+    add_box_power(task, boxes, c->touching, out->force);
+  vd force[3] = {out->force.x, out->force.y, out->force.z};
+  vd3 twist = vd3_scale(share, out->twist);
+  if (constants.all_terms && m->couples)
+    push_couples(d, i, list->other + k, slot, vm_bits(c->touching), out->force, twist, out->couple);
+  else if (constants.rubs)
+    vd_push_pairs(d->state.push, i, slot, force, (vd[3]){twist.x, twist.y, twist.z});
+  else
+    vd_push_forces(d->state.push, i, slot, force);
+}
+
 DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
   const dem_model *m = task->model;
   const row law_row = row_of(m, constants);
@@ -80,11 +124,8 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
   const dem_pairs *list = &d->lists.pairs;
   const dem_sphere *sphere = d->state.sphere;
   const dem_rotor *rotor = d->state.rotor;
-  dem_push *push = d->state.push;
-  dem_contact c = {.dt = task->dt, .model = m, .all_terms = constants.all_terms};
+  dem_contact c = contact_of(task, constants);
   const vd reach = vd_set(constants.all_terms ? m->reach : 0);
-  c.pair.table = task->settling ? m->settle_pair : m->pair;
-  c.pair.one = m->nmaterial == 1;
   const bool repeats = m->domain.repeats, shared = constants.all_terms && task->share != DEM_ALL;
   const bool many = d->state.nparticle > 20000; /* more than a cache of the second level holds */
   long touching = 0;
@@ -103,10 +144,10 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     if (repeats)
       nearest_image(d, s, boxes);
     vd3 x = {s[0], s[1], s[2]};
-    vd r2 = vd3_dot(x, x), sum = b[3], far = sum;
+    vd far = b[3];
     if (constants.all_terms)
       far = far + reach;
-    c.touching = vm_less(r2, far * far);
+    c.touching = vm_less(vd3_dot(x, x), far * far);
     vm own = c.touching;
     vd kept[DEM_HISTORY_MAX];
     if (shared) { /* the histories of the other contacts stay */
@@ -122,28 +163,15 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
       close_history(list->history + k, list->capacity, ncolumn);
       continue;
     }
-    /* one division for the three reciprocals of the distance, the sum of the radii and of the inverse masses */
-    vd r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
-    vd per_all = vd_set(1) / (both * s[7]), per_r = per_all * (sum * s[7]), per_sum = per_all * (r * s[7]);
-    c.normal = vd3_scale(per_r, x);
-    c.normal.z = vd_pick(vm_equal(r2, vd_set(0)), vd_set(1), c.normal.z); /* coincident centres: any direction */
-    c.overlap = sum - r;
-    c.radius = vd_set(0.25) * (sum * sum - s[3] * s[3]) * per_sum;
-    c.inverse_mass = s[7];
-    c.mass = per_all * both;
-    if (!c.pair.one)
-      for (int l = 0; l < DEM_W; l++)
-        c.pair.index[l] = d->state.material[i[l]] * m->nmaterial + d->state.material[j[l]];
-
-    /* the contact divides the distance of the centres as the radii: arms r_i r / (r_i + r_j) */
-    vd share = r * per_sum;
-    vd3 surface = {b[0], b[1], b[2]};
-    c.turn = vd3_dot(surface, c.normal) * per_sum;
-    vd3 velocity = {s[4], s[5], s[6]};
+    vd3 surface = {b[0], b[1], b[2]}, velocity = {s[4], s[5], s[6]};
+    vd share = pair_geometry(d, i, j, s, surface, b[3], &c), sums[2][DEM_LAW_SUMS + 1];
     if (constants.rubs)
       velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), velocity);
     if (constants.all_terms)
       pair_spins(d, i, j, &c);
+    load_sums(d, i, sums[0]);
+    load_sums(d, j, sums[1]);
+    c.own_sums = sums[0], c.other_sums = sums[1];
     if (!constants.all_terms)
       touching += __builtin_popcount(vm_bits(c.touching));
     outcome out = law(task, &c, velocity, list->history + k, list->capacity, law_row, 0);
@@ -153,18 +181,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     }
     if (constants.all_terms) /* cohesion may have opened some */
       touching += __builtin_popcount(vm_bits(c.touching));
-    if (constants.all_terms && m->energy && m->domain.strained)
-      add_box_power(task, boxes, c.touching, out.force);
-    if (constants.all_terms && m->couples) {
-      push_couples(d, i, j, list->reaction_slot + k, vm_bits(c.touching), out.force, vd3_scale(share, out.twist),
-                   out.couple);
-    } else if (constants.rubs) {
-      vd3 twist = vd3_scale(share, out.twist);
-      vd_push_pairs(push, i, list->reaction_slot + k, (vd[3]){out.force.x, out.force.y, out.force.z},
-                    (vd[3]){twist.x, twist.y, twist.z});
-    } else {
-      vd_push_forces(push, i, list->reaction_slot + k, (vd[3]){out.force.x, out.force.y, out.force.z});
-    }
+    push_pair(task, k, &c, &out, share, boxes, constants);
   }
   task->touching += touching;
 }

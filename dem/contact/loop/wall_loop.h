@@ -30,27 +30,47 @@ DEM_KERNEL void push_wall_couples(dem_loop_task *task, const batch *b, int l, td
     task->flux.wall_power += tdm_dot(force, b->velocity[l]) + tdm_dot(couple, b->angular[l]);
 }
 
-DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
-  const dem_model *m = task->model;
-  dem_data *d = task->data;
-  const dem_wall_contacts *list = &d->lists.walls;
-  const int ncolumn = r.ncolumn;
-  dem_contact c = {.dt = task->dt, .touching = vm_first(b->count), .model = m, .all_terms = r.all_terms};
-  c.pair.table = task->settling ? m->settle_pair : m->pair;
-  c.pair.one = m->nmaterial == 1;
-  memcpy(c.pair.index, b->index, sizeof b->index);
+DEM_KERNEL dem_contact batch_contact(const dem_loop_task *task, batch *b, const row r) {
+  dem_contact c = contact_of(task, r);
   double(*v)[DEM_W] = b->number;
+  c.touching = vm_first(b->count);
+  memcpy(c.pair.index, b->index, sizeof b->index);
   c.normal = (vd3){vd_load(v[NX]), vd_load(v[NY]), vd_load(v[NZ])};
   c.overlap = vd_load(v[OVERLAP]);
   c.radius = vd_load(v[RADIUS]);
   c.inverse_mass = vd_load(v[PER_MASS]);
   c.mass = vd_set(1) / c.inverse_mass;
   c.turn = vd_load(v[TURN]);
-  vd3 velocity = {vd_load(v[VX]), vd_load(v[VY]), vd_load(v[VZ])};
   if (r.all_terms) {
     c.spin = (vd3){vd_load(v[SX]), vd_load(v[SY]), vd_load(v[SZ])};
     c.inverse_inertia = vd_load(v[PER_INERTIA]);
   }
+  if (DEM_LAW_SUMS > 0)
+    c.radii[0] = c.radius, c.radii[1] = vd_set(INFINITY);
+  return c;
+}
+
+/* the sums of the particles of the batch and of its walls, which have none */
+DEM_INLINE void batch_load_sums(const dem_data *d, const batch *b, vd sums[2][DEM_LAW_SUMS + 1]) {
+  int particle[DEM_W];
+  for (int l = 0; l < DEM_W; l++)
+    particle[l] = l < b->count ? d->lists.walls.entry[b->entry[l]].particle : d->state.nparticle;
+  load_sums(d, particle, sums[0]);
+  for (int q = 0; q < DEM_LAW_SUMS; q++)
+    sums[1][q] = vd_set(0);
+}
+
+DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->lists.walls;
+  const int ncolumn = r.ncolumn;
+  double(*v)[DEM_W] = b->number;
+  dem_contact c = batch_contact(task, b, r);
+  vd3 velocity = {vd_load(v[VX]), vd_load(v[VY]), vd_load(v[VZ])};
+  vd sums[2][DEM_LAW_SUMS + 1];
+  if (DEM_LAW_SUMS > 0)
+    batch_load_sums(d, b, sums);
+  c.own_sums = sums[0], c.other_sums = sums[1];
   outcome out = law(task, &c, velocity, b->history[0], DEM_W, r, DEM_ENERGY_WALL_NORMAL);
 
   double f[6][DEM_W], couple[3][DEM_W];
@@ -195,9 +215,7 @@ DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r
   int w = list->entry[begin].wall, body = m->wall[w].body;
   tdm_vec3 normal = d->state.wall[w].normal, on = d->state.wall[w].point, center = d->state.pose[body].position;
   tdm_twist now = d->state.twist[body];
-  dem_contact c = {.dt = task->dt, .model = m};
-  c.pair.table = task->settling ? m->settle_pair : m->pair;
-  c.pair.one = m->nmaterial == 1;
+  dem_contact c = contact_of(task, r);
   c.normal = (vd3){vd_set(normal.x), vd_set(normal.y), vd_set(normal.z)};
   c.turn = vd_set(tdm_dot(now.angular, normal));
   const vd3 spin = {vd_set(now.angular.x), vd_set(now.angular.y), vd_set(now.angular.z)};
@@ -350,7 +368,7 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     if (wall->shape->touches) {
       wall_with_parts(task, &b, k, next, r);
     } else {
-      bool whole = !constants.all_terms && wall->shape->half_space && !wall->moves && !m->driven;
+      bool whole = DEM_LAW_SUMS == 0 && !constants.all_terms && wall->shape->half_space && !wall->moves && !m->driven;
       size_t rest = whole ? next - (next - k) % DEM_W : k;
       plane(task, k, rest, r);
       simple_wall(task, &b, rest, next, r);

@@ -33,10 +33,10 @@ DEM_KERNEL void kernel(dem_contact *c, vd *history) {
 
 #if DEM_SIMD == 0
 
-static bool damp(const dem_model *m, dem_pair *p) {
-  bool good = !m->clip || dem_beta_clip(p->restitution, &p->beta);
+static tdm_status damp(const dem_model *m, dem_pair *p) {
+  tdm_status status = m->clip ? dem_beta_clip(p->restitution, &p->beta) : TDM_OK;
   p->normal_damping = 2 * sqrt(5.0 / 6) * p->beta;
-  return good;
+  return status;
 }
 
 static void read(const dem_model *m, tdm_object *o, dem_pair *p) {

@@ -32,9 +32,9 @@ DEM_KERNEL void kernel(dem_contact *c, vd *history) {
 
 #if DEM_SIMD == 0
 
-static bool damp(const dem_model *m, dem_pair *p) {
+static tdm_status damp(const dem_model *m, dem_pair *p) {
   p->normal_damping = 2 * dem_linear_ratio(p->restitution, m->clip);
-  return true;
+  return TDM_OK;
 }
 
 static void read(const dem_model *m, tdm_object *o, dem_pair *p) {

@@ -64,10 +64,10 @@ static void read_settings(dem_model *m, tdm_object *o) {
                     m->tangential->head.name, of[EXPONENT]);
 }
 
-static bool damp(const dem_model *m, dem_pair *p) {
+static tdm_status damp(const dem_model *m, dem_pair *p) {
   double e = p->restitution;
   p->normal_damping = m->normal_setting[PRINTED] != 0 ? 0.75 * (1 - e * e) : dem_hunt_damping(e);
-  return true;
+  return TDM_OK;
 }
 
 static void read(const dem_model *m, tdm_object *o, dem_pair *p) {

@@ -37,11 +37,11 @@ DEM_KERNEL void kernel(dem_contact *c, vd *history) {
 
 #if DEM_SIMD == 0
 
-static bool damp(const dem_model *m, dem_pair *p) {
+static tdm_status damp(const dem_model *m, dem_pair *p) {
   (void)m;
   p->normal[UNLOADING] = p->stiffness / (p->restitution * p->restitution);
   p->normal[PLASTIC] = 1 - p->stiffness / p->normal[UNLOADING];
-  return true;
+  return TDM_OK;
 }
 
 static void read(const dem_model *m, tdm_object *o, dem_pair *p) {

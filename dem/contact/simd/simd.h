@@ -19,6 +19,9 @@
 #error "DEM_SIMD is set by the build: 512, 256 or 0"
 #endif
 
+/* no vector is passed to or from a function that is compiled otherwise */
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 /* a name for each instruction set */
 #define DEM_ISA(name) DEM_ISA_(name)
 #define DEM_INLINE static inline __attribute__((always_inline, unused))

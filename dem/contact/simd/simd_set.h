@@ -14,7 +14,7 @@ extern const char *const dem_simd_names[];
 /* The fastest that this machine has. */
 const char *dem_simd_best(void);
 
-/* The set of a name, DEM_SIMD_SETS: this machine, or this build, has not. */
+/* The set of a name; DEM_SIMD_SETS: this machine, or this build, has none. */
 dem_simd_set dem_simd_find(const char *name);
 
 static inline bool dem_simd_here(const char *name) {
