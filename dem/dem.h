@@ -24,6 +24,7 @@
 #include "dem/bodies/path.h"
 #include "protocol/wire/participant.h"
 
+/* A scene of particles that is being computed. */
 typedef struct dem_engine dem_engine;
 
 /* ---- create ---- */
@@ -53,6 +54,7 @@ typedef struct {
   json_t *report;             /* figures of the start: docs/dem.md */
 } dem_start;
 
+/* Lives as long as the engine. */
 const dem_start *dem_engine_start(const dem_engine *engine);
 
 /* ---- advance ---- */
@@ -78,6 +80,7 @@ typedef struct {
   tdm_wrench *sample_load; /* (nsample x ncoupled) mean loads since the sample before */
 } dem_outcome;
 
+/* Compute one window, up to the first error. */
 tdm_status dem_engine_advance(dem_engine *engine, const dem_window *window, const dem_outcome *outcome, tdm_error *err);
 
 /* ---- save and restore ---- */

@@ -15,6 +15,7 @@
 extern "C" {
 #endif
 
+/* How grave a line is. */
 typedef enum { TDM_LOG_DEBUG, TDM_LOG_INFO, TDM_LOG_WARNING, TDM_LOG_ERROR } tdm_log_level;
 
 /* Send this thread's log to `sink` (borrowed, line-buffered by the caller's choice; NULL: no log) as `part`

@@ -16,20 +16,24 @@
 extern "C" {
 #endif
 
+/* A quaternion; w is its scalar part. */
 typedef struct {
   double w, x, y, z;
 } tdm_quat;
 
+/* Where a body is, and how it is turned. */
 typedef struct {
   tdm_vec3 position;    /* [m] */
   tdm_quat orientation; /* unit */
 } tdm_pose;
 
+/* How a body moves. */
 typedef struct {
   tdm_vec3 velocity; /* [m/s] */
   tdm_vec3 angular;  /* [rad/s] */
 } tdm_twist;
 
+/* A load on a body. */
 typedef struct {
   tdm_vec3 force;  /* [N] */
   tdm_vec3 moment; /* about the centre of mass [N m] */
@@ -51,25 +55,30 @@ typedef struct {
   double phi, theta, psi;
 } tdm_euler313;
 
+/* No rotation; the product, which turns by b first; the conjugate, which is the inverse of a unit quaternion; a vector
+ * turned. */
 tdm_quat tdm_quat_identity(void);
 tdm_quat tdm_quat_mul(tdm_quat a, tdm_quat b);
 tdm_quat tdm_quat_conj(tdm_quat q);
-tdm_quat tdm_quat_unit(tdm_quat q); /* normalised; a zero quaternion becomes the identity */
 tdm_vec3 tdm_quat_rotate(tdm_quat q, tdm_vec3 v);
+
+tdm_quat tdm_quat_unit(tdm_quat q);                  /* normalised; a zero quaternion becomes the identity */
 tdm_quat tdm_quat_from_rotvec(tdm_vec3 r);           /* rotation vector: axis times angle [rad] */
 tdm_vec3 tdm_quat_to_rotvec(tdm_quat q);             /* the short way, |r| <= pi */
 tdm_vec3 tdm_quat_turn(tdm_quat from, tdm_quat to);  /* rotation vector between two orientations, world axes */
 tdm_quat tdm_quat_turned(tdm_quat q, tdm_vec3 turn); /* q turned by a rotation vector in world axes; unit */
-tdm_mat3 tdm_quat_to_matrix(tdm_quat q);
-tdm_quat tdm_quat_from_matrix(tdm_mat3 m); /* m orthonormal; w >= 0 */
+tdm_mat3 tdm_quat_to_matrix(tdm_quat q);             /* v_world = m v_body */
+tdm_quat tdm_quat_from_matrix(tdm_mat3 m);           /* m orthonormal; w >= 0 */
 
 /* SLERP (Shoemake 1985), s in [0,1], the short way; equal and opposite quaternions are handled. */
 tdm_quat tdm_quat_slerp(tdm_quat a, tdm_quat b, double s);
 
+/* The rotation with these angles. */
 tdm_mat3 tdm_euler313_to_matrix(tdm_euler313 e);
 tdm_quat tdm_euler313_to_quat(tdm_euler313 e);
-/* theta in [0, pi], phi and psi in (-pi, pi]. At theta = 0 only phi + psi is defined, at theta = pi only phi - psi:
- * psi = 0 is returned there. */
+
+/* The angles of a rotation: theta in [0, pi], phi and psi in (-pi, pi]. At theta = 0 only phi + psi is defined, at
+ * theta = pi only phi - psi: psi = 0 is returned there. */
 tdm_euler313 tdm_euler313_from_matrix(tdm_mat3 m);
 tdm_euler313 tdm_euler313_from_quat(tdm_quat q);
 

@@ -18,8 +18,10 @@
 extern "C" {
 #endif
 
+/* How grave a remark is. */
 typedef enum { TDM_NOTICE, TDM_WARNING } tdm_remark_level;
 
+/* What is known of an event. */
 typedef struct {
   char event[96]; /* "overlap"; of several of a kind with its name: "source_waits.inlet" */
   tdm_remark_level level;
@@ -75,6 +77,7 @@ void tdm_remarks_tell(tdm_teller *teller, const json_t *remarks, const char *bef
 /* At the end: how often what was told came, where it was more than once. */
 void tdm_remarks_tell_counts(const tdm_teller *teller, const json_t *remarks);
 
+/* *teller is as new. */
 void tdm_teller_free(tdm_teller *teller);
 
 #ifdef __cplusplus

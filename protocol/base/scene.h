@@ -29,6 +29,7 @@ extern "C" {
 
 /* ---- the file ---- */
 
+/* A scene file that was read. */
 typedef struct {
   char *file;   /* its name as given */
   char *text;   /* its text, for positions */
@@ -58,12 +59,14 @@ bool tdm_scene_place(const char *text, const char *path, int *line, int *column)
 /* Put "file:line:column: path: " in front of the message of an error that has a path. */
 void tdm_scene_locate(const tdm_scene *scene, tdm_error *err);
 
+/* Free what a scene holds; *scene is as new. */
 void tdm_scene_destroy(tdm_scene *scene);
 
 /* ---- objects ---- */
 
 enum { TDM_KEYS_MAX = 64 };
 
+/* An object that a reader asks for its keys. */
 typedef struct {
   json_t *json; /* borrowed; NULL when there is no such object: every key is missing then */
   char path[TDM_PATH_MAX];
@@ -77,6 +80,7 @@ typedef enum { TDM_ANY, TDM_POSITIVE, TDM_NOT_NEGATIVE, TDM_UNIT_INTERVAL } tdm_
 
 /* default value that means: the key must be there */
 #define TDM_REQUIRED ((double)NAN)
+/* the same of a whole number */
 #define TDM_REQUIRED_INT (-2147483647L)
 
 /* Open `json` (borrowed) as an object at `path`; anything else is an error. NULL opens as an empty object. */

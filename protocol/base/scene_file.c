@@ -85,6 +85,8 @@ static tdm_status anchor_files(tdm_scene *scene, tdm_error *err) {
 
 tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err) {
   *scene = (tdm_scene){.file = strdup(file)};
+  if (!scene->file)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "%s: out of memory", file);
   size_t size = 0;
   scene->text = read_file(file, &size, err);
   if (!scene->text)

@@ -28,6 +28,7 @@ extern "C" {
   X(TDM_ERR_LIMIT, "a verification limit was missed")   \
   X(TDM_ERR_SYSTEM, "the operating system refused")
 
+/* What became of an operation. */
 typedef enum {
 #define X(name, text) name,
   TDM_STATUS_LIST(X)

@@ -6,10 +6,12 @@
 
 #include <math.h>
 
+/* A vector. */
 typedef struct {
   double x, y, z;
 } tdm_vec3;
 
+/* A matrix. */
 typedef struct {
   double m[3][3]; /* row, column */
 } tdm_mat3;

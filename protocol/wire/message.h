@@ -36,6 +36,7 @@ extern "C" {
   X(HEARTBEAT, 11, "both")   \
   X(REMARKS, 12, "solver")
 
+/* Types of messages, with their numbers on the wire. */
 typedef enum {
 #define X(name, number, from) TDM_##name = number,
   TDM_MESSAGE_LIST(X)
@@ -54,6 +55,7 @@ enum {
   TDM_INTERFACE_DOUBLES = 3 * TDM_WRENCH_DOUBLES + TDM_STATE_DOUBLES + 2 /* of a tdm_interface */
 };
 
+/* The header of a frame that was received. */
 typedef struct {
   tdm_message_type type;
   uint64_t window;        /* window that the message belongs to, from 0 */
@@ -67,6 +69,7 @@ typedef struct {
   size_t size, capacity;
 } tdm_frame;
 
+/* Free the buffer; *frame is as new. */
 void tdm_frame_free(tdm_frame *frame);
 
 /* Name of a message type ("STEP"), "?" when it is none. */
@@ -191,12 +194,14 @@ void tdm_mobility_point(tdm_mobility *mobility, double *block);
 /* Copy all numbers of a reduced model to a block of so many. */
 void tdm_mobility_copy(double *block, const tdm_mobility *mobility);
 
+/* Encode a STEP into frame. */
 tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *step, tdm_error *err);
 
 /* The arrays of *step point into `store`, which is grown as needed (aligned copies; the caller frees it). Refuses
  * numbers that are not finite, and windows that run backwards. */
 tdm_status tdm_step_read(tdm_step *step, const tdm_header *header, tdm_frame *store, tdm_error *err);
 
+/* Encode a RESULT into frame. */
 tdm_status tdm_result_write(tdm_frame *frame, const tdm_result *result, tdm_error *err);
 /* As tdm_step_read; numbers that are not finite pass here: the server names the body and the solver. */
 tdm_status tdm_result_read(tdm_result *result, const tdm_header *header, tdm_frame *store, tdm_error *err);

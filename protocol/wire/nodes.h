@@ -20,6 +20,7 @@ extern "C" {
 
 enum { TDM_NODES_MAX = 64 }; /* of a window */
 
+/* A path: states of the bodies at a few times. */
 typedef struct {
   int nnode, nbody;
   double *time;     /* (nnode) [s], ascending; where the path begins is known elsewhere and is no node */

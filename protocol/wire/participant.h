@@ -28,8 +28,10 @@
 extern "C" {
 #endif
 
+/* A connection to a server, from HELLO to the end. */
 typedef struct tdm_participant tdm_participant;
 
+/* How a participant introduces itself, and where to. */
 typedef struct {
   const char *name;                /* shown in messages and logs */
   const char *role;                /* "dem" or "mbd" */
@@ -41,6 +43,7 @@ typedef struct {
   double timeout; /* the partner counts as lost after this silence [s] until ASSIGN sets it */
 } tdm_participant_def;
 
+/* A definition with defaults; role and endpoint are to be set. */
 tdm_participant_def tdm_participant_default_def(void);
 
 /* A body that both solvers share. */
@@ -63,6 +66,7 @@ void tdm_part_write(const tdm_assigned_body *body, json_t *json);
 /* Path of a coupled body's position between the two ends of a window; the orientation goes by SLERP in both. */
 typedef enum { TDM_LINEAR, TDM_HERMITE } tdm_interpolation;
 
+/* What the server assigns: the scene, the bodies, and what messages are to carry. */
 typedef struct {
   json_t *scene;                   /* the solver's own section, borrowed; its JSON path is `role` */
   double time_start, time_end;     /* [s] */
@@ -85,6 +89,7 @@ typedef struct {
   char unit[16]; /* "N" */
 } tdm_channel;
 
+/* A doubtful setting: its JSON path, and what is wrong with the cure. */
 typedef struct {
   char path[TDM_PATH_MAX];
   char message[TDM_MESSAGE_MAX];
@@ -124,6 +129,7 @@ tdm_status tdm_participant_ready(tdm_participant *p, const tdm_ready *ready, tdm
  * saved in is its error (TDM_ERR_PROTOCOL). */
 enum { TDM_SLOTS_MAX = 16 };
 
+/* How a solver keeps its state and brings it back. */
 typedef struct {
   void *self;
   tdm_status (*save)(void *self, int slot, tdm_error *err);
@@ -155,6 +161,7 @@ void tdm_participant_finalize(tdm_participant **p, const tdm_error *err);
 
 /* ---- a solver as a table of operations ---- */
 
+/* A solver: what it is, what it can, what it does. */
 typedef struct {
   const char *role, *software;
   const char *const *capabilities;
