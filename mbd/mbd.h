@@ -24,6 +24,7 @@
 #include "mbd/mechanics/state.h"
 #include "protocol/wire/participant.h"
 
+/* A multibody system that is being computed. */
 typedef struct mbd_engine mbd_engine;
 
 /* ---- create ---- */
@@ -57,6 +58,7 @@ typedef struct {
   json_t *report;             /* figures of the start: docs/mbd.md */
 } mbd_start;
 
+/* Lives as long as the engine. */
 const mbd_start *mbd_engine_start(const mbd_engine *engine);
 
 /* ---- advance ---- */
@@ -82,6 +84,7 @@ typedef struct {
   tdm_state *sample_state; /* (nsample x ncoupled) */
 } mbd_outcome;
 
+/* Compute one window, up to the first error. */
 tdm_status mbd_engine_advance(mbd_engine *engine, const mbd_window *window, const mbd_outcome *outcome, tdm_error *err);
 
 /* Let the integrator make no more than so many steps from now on; 0: no limit. A window that needs more ends with
