@@ -13,10 +13,10 @@
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
+#include "protocol/base/gsl_errors.h"
 #include "protocol/base/log.h"
 
 #include <assert.h>
-#include <gsl/gsl_errno.h>
 #include <stdlib.h>
 
 /* ---- the start ---- */
@@ -138,7 +138,7 @@ static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_
 tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignment, tdm_participant *participant,
                              tdm_error *err) {
   assert(!*engine);
-  gsl_set_error_handler_off(); /* GSL would abort the process; what its functions return is looked at */
+  tdm_gsl_return_errors();
   dem_engine *e = calloc(1, sizeof *e);
   if (!e)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM engine");

@@ -170,13 +170,14 @@ static bool wiggle(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double 
   return true;
 }
 
-/* The first row that is dependent at the start but not beside it: the start is a singular position. -1: none. */
+/* The first row that is dependent at the start but not beside it: the start is a singular position. -1: none; -2: out
+ * of memory. */
 static int singular_row(const mbd_model *model, mbd_data *data, mbd_kkt *kkt) {
   size_t n = (size_t)mbd_nunknown(model);
   double *y = malloc(n * sizeof *y);
   bool *beside = calloc((size_t)model->nrow + 1, sizeof *beside);
-  int number = data->ndependent, row = -1, near;
-  if (y && beside) {
+  int number = data->ndependent, row = y && beside ? -1 : -2, near;
+  if (row == -1) {
     memcpy(y, data->y, n * sizeof *y);
     if (wiggle(model, data, kkt, y) && mbd_project_positions(model, data, kkt, data->t, y) < 1e-9) {
       mbd_kinematics(model, data, data->t, y);
@@ -210,6 +211,8 @@ static tdm_status find_dependent(const mbd_model *model, mbd_data *data, mbd_kkt
   if (!mbd_rank(model, data, data->dependent, &data->ndependent, near))
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd.joints", "no memory for %d constraint rows", model->nrow);
   int singular = data->ndependent > 0 ? singular_row(model, data, kkt) : -1;
+  if (singular == -2)
+    return tdm_fail(err, TDM_ERR_MEMORY, "mbd.joints", "no memory for %d constraint rows", model->nrow);
   if (singular >= 0) {
     mbd_origin o = mbd_origin_of(model, singular);
     return tdm_fail(err, TDM_ERR_SCENE, o.path,

@@ -596,9 +596,4 @@ static void stats(void *self) {
 }
 
 const mbd_integrator_ops mbd_ida = {
-    .create = create,
-    .start = start,
-    .advance = advance,
-    .stats = stats,
-    .destroy = destroy,
-};
+    .create = create, .start = start, .advance = advance, .stats = stats, .destroy = destroy};

@@ -6,8 +6,18 @@
 #include "mbd/model/read.h"
 
 const mbd_coordinate_words mbd_coordinate_table[] = {
-    [MBD_ANGLE] = {"torque", "N m", "angle", "rad", "rate", "rad/s"},
-    [MBD_TRANSLATION] = {"force", "N", "translation", "m", "speed", "m/s"},
+    [MBD_ANGLE] = {.effort = "torque",
+                   .effort_unit = "N m",
+                   .name = "angle",
+                   .unit = "rad",
+                   .rate = "rate",
+                   .rate_unit = "rad/s"},
+    [MBD_TRANSLATION] = {.effort = "force",
+                         .effort_unit = "N",
+                         .name = "translation",
+                         .unit = "m",
+                         .rate = "speed",
+                         .rate_unit = "m/s"},
 };
 
 tdm_mat3 mbd_triad(tdm_vec3 axis) {

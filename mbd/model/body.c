@@ -55,7 +55,7 @@ static void check_inertia(tdm_object *o, const char *key, mbd_body *b) {
         b->name, e[0], e[1], e[2]);
 }
 
-static double load_mass(tdm_object *o, const char *name) {
+static double read_mass(tdm_object *o, const char *name) {
   double mass = tdm_get_number(o, "mass", TDM_REQUIRED, TDM_ANY);
   if (!o->err->status && !(mass > 0))
     tdm_object_fail(o, "mass",
@@ -66,9 +66,9 @@ static double load_mass(tdm_object *o, const char *name) {
 }
 
 /* Given mass and inertia. */
-static void load_inertia(tdm_object *o, mbd_body *b) {
+static void read_inertia(tdm_object *o, mbd_body *b) {
   double i[6] = {0};
-  b->mass = load_mass(o, b->name);
+  b->mass = read_mass(o, b->name);
   json_t *array = tdm_get_array(o, "inertia", true);
   bool full = json_array_size(array) == 6;
   tdm_get_numbers(o, "inertia", i, full ? 6 : 3, true);
@@ -78,7 +78,7 @@ static void load_inertia(tdm_object *o, mbd_body *b) {
 }
 
 /* Mass and inertia of a shape, and the file of a mesh. */
-static void load_shape(tdm_object *o, mbd_body *b) {
+static void read_shape(tdm_object *o, mbd_body *b) {
   mbd_shape shape = mbd_shape_read(o);
   if (tdm_has(o, "inertia"))
     tdm_object_fail(o, "inertia", "stands beside \"shape\"; keep one of the two");
@@ -89,7 +89,7 @@ static void load_shape(tdm_object *o, mbd_body *b) {
   else if (!o->err->status && !tdm_has(o, "mass"))
     tdm_object_fail(o, "mass", "is missing; give it, or a \"density\" in \"shape\"");
   else
-    b->mass = load_mass(o, b->name);
+    b->mass = read_mass(o, b->name);
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)
       b->inertia.m[i][k] = b->mass * shape.gyration.m[i][k];
@@ -108,7 +108,7 @@ static void load_shape(tdm_object *o, mbd_body *b) {
 }
 
 /* Points and axes of the body, given from its centre of mass in its axes or in the world at the start. */
-static void load_marker(mbd_body *b, json_t *json, const char *path, tdm_error *err) {
+static void read_marker(mbd_body *b, json_t *json, const char *path, tdm_error *err) {
   static const char *const frames[] = {"body", "world"};
   const tdm_vec3 zero = {0, 0, 0};
   tdm_object o = tdm_object_open(json, path, err);
@@ -130,7 +130,7 @@ static void load_marker(mbd_body *b, json_t *json, const char *path, tdm_error *
   b->nmarker++;
 }
 
-static void load_markers(mbd_body *b, tdm_object *o) {
+static void read_markers(mbd_body *b, tdm_object *o) {
   json_t *array = tdm_get_array(o, "markers", false);
   size_t n = json_array_size(array);
   b->marker = calloc(n + 1, sizeof *b->marker);
@@ -138,7 +138,7 @@ static void load_markers(mbd_body *b, tdm_object *o) {
     tdm_object_fail(o, "markers", "no memory for %zu markers", n);
   for (size_t i = 0; i < n && !o->err->status; i++) {
     char path[TDM_PATH_MAX];
-    load_marker(b, json_array_get(array, i), tdm_path(path, o, "markers", (int)i), o->err);
+    read_marker(b, json_array_get(array, i), tdm_path(path, o, "markers", (int)i), o->err);
   }
 }
 
@@ -148,9 +148,9 @@ void mbd_body_read(mbd_model *model, json_t *json, const char *path, tdm_error *
   const tdm_vec3 zero = {0, 0, 0};
   mbd_read_name(&o, b->name);
   if (tdm_has(&o, "shape"))
-    load_shape(&o, b);
+    read_shape(&o, b);
   else
-    load_inertia(&o, b);
+    read_inertia(&o, b);
   if (!err->status && !b->slim)
     b->inverse_inertia = tdm_m3_inverse(b->inertia);
   b->start.pose.orientation = tdm_get_orientation(&o, "orientation");
@@ -164,6 +164,6 @@ void mbd_body_read(mbd_model *model, json_t *json, const char *path, tdm_error *
   else if (!err->status && mbd_model_find_body(model, b->name) != -2)
     tdm_object_fail(&o, "name", "a second body is called \"%s\"; give every body its own name", b->name);
   model->nbody++;
-  load_markers(b, &o);
+  read_markers(b, &o);
   tdm_object_close(&o);
 }

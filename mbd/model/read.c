@@ -1,4 +1,4 @@
-/* What the loaders of bodies, joints, drivers and forces share: see read.h. */
+/* What the readers of bodies, joints, drivers and forces share: see read.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/read.h"
 
@@ -54,7 +54,7 @@ void mbd_read_bodies(tdm_object *o, const mbd_model *model, int body[2]) {
     body[i] = body_of(model, json_string_value(json_array_get(array, (size_t)i)), true, tdm_path(path, o, "bodies", i),
                       o->err);
     if (o->err->status) {
-      body[i] = MBD_GROUND; /* the loader reads on */
+      body[i] = MBD_GROUND; /* the reader goes on */
       return;
     }
   }
@@ -246,7 +246,7 @@ static tdm_vec3 vector_of(const mbd_model *model, json_t *json, bool direction, 
   return direction ? tdm_unit(out) : out;
 }
 
-static tdm_vec3 load_vector(tdm_object *o, const mbd_model *model, const char *key, bool direction) {
+static tdm_vec3 read_vector(tdm_object *o, const mbd_model *model, const char *key, bool direction) {
   char path[TDM_PATH_MAX];
   const tdm_vec3 nothing = {0, 0, 0};
   if (o->err->status)
@@ -256,11 +256,11 @@ static tdm_vec3 load_vector(tdm_object *o, const mbd_model *model, const char *k
   return vector_of(model, json_object_get(o->json, key), direction, key, tdm_path(path, o, key, -1), o->err);
 }
 
-static void load_vectors(tdm_object *o, const mbd_model *model, const char *single, const char *twice, bool direction,
+static void read_vectors(tdm_object *o, const mbd_model *model, const char *single, const char *twice, bool direction,
                          tdm_vec3 out[2]) {
   out[0] = out[1] = tdm_v3(0, 0, 0);
   if (single && !tdm_has(o, twice)) {
-    out[0] = out[1] = load_vector(o, model, single, direction);
+    out[0] = out[1] = read_vector(o, model, single, direction);
     return;
   }
   json_t *array = tdm_get_array(o, twice, true);
@@ -277,18 +277,18 @@ static void load_vectors(tdm_object *o, const mbd_model *model, const char *sing
 }
 
 tdm_vec3 mbd_read_point(tdm_object *o, const mbd_model *model, const char *key) {
-  return load_vector(o, model, key, false);
+  return read_vector(o, model, key, false);
 }
 
 tdm_vec3 mbd_read_direction(tdm_object *o, const mbd_model *model, const char *key) {
-  return load_vector(o, model, key, true);
+  return read_vector(o, model, key, true);
 }
 
 void mbd_read_points(tdm_object *o, const mbd_model *model, const char *single, const char *twice, tdm_vec3 out[2]) {
-  load_vectors(o, model, single, twice, false, out);
+  read_vectors(o, model, single, twice, false, out);
 }
 
 void mbd_read_directions(tdm_object *o, const mbd_model *model, const char *single, const char *twice,
                          tdm_vec3 out[2]) {
-  load_vectors(o, model, single, twice, true, out);
+  read_vectors(o, model, single, twice, true, out);
 }

@@ -1,4 +1,4 @@
-/* What the loaders of bodies, joints, drivers and forces share: names, references to bodies, joints and markers, points
+/* What the readers of bodies, joints, drivers and forces share: names, references to bodies, joints and markers, points
  * and directions.
  *
  * Points and directions are world coordinates in the start configuration. Each may be given by a marker instead:
