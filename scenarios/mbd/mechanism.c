@@ -159,7 +159,7 @@ tdm_status scn_case_time(const scn_case *c, const scn_method *method, double tol
 /* ---- work and precision ---- */
 
 /* steps of a run, and of all runs of a method after which there is no further one */
-enum { SWEEP_STEPS = 100000, SWEEP_PATIENCE = 200000 };
+enum { SWEEP_STEPS = 60000, SWEEP_PATIENCE = 120000 };
 
 /* one method over all tolerances, as long as they take few steps, into its CSV file; its rows */
 static int sweep(const scn_case *c, cpl_verify *v, const scn_method *method, const char *file, tdm_error *err) {
