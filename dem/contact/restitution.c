@@ -2,8 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/contact/restitution.h"
 
-#include "dem/contact/theory.h"
-
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_roots.h>
@@ -102,6 +100,21 @@ tdm_status dem_beta_clip(double restitution, double *beta) {
 }
 
 /* ---- linear, and Hunt and Crossley ---- */
+
+/* x'' + 2 zeta x' + x = 0, x(0) = 0, x'(0) = 1. Kept, it ends at x = 0; clipped, at x'' = 0, where with zeta = sin a
+ * the phase is pi - 2a and the speed exp(-zeta t). */
+double dem_linear_time(double zeta, bool clip) {
+  if (zeta < 1)
+    return (clip ? M_PI - 2 * asin(zeta) : M_PI) / sqrt(1 - zeta * zeta);
+  if (!clip)
+    return INFINITY;
+  double b = acosh(zeta);
+  return b > 0 ? 2 * b / sinh(b) : 2;
+}
+
+double dem_linear_restitution(double zeta, bool clip) {
+  return exp(-zeta * dem_linear_time(zeta, clip));
+}
 
 /* the root of f, which falls, in [low, high], by bisection to the last bit */
 static double falling_root(double (*f)(double x, double e), double e, double low, double high) {

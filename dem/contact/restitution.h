@@ -23,6 +23,10 @@ double dem_restitution_clip(double beta);
  * TDM_ERR_MEMORY. */
 tdm_status dem_beta_clip(double restitution, double *beta);
 
+/* Damped linear impact, damping ratio zeta, kept or clipped tail: duration times the undamped frequency, and e. */
+double dem_linear_time(double zeta, bool clip);
+double dem_linear_restitution(double zeta, bool clip);
+
 /* Damping ratio zeta of a linear contact for e in (0, 1]. */
 double dem_linear_ratio(double restitution, bool clip);
 

@@ -4,23 +4,6 @@
 
 #include <math.h>
 
-/* ---- linear ---- */
-
-/* x'' + 2 zeta x' + x = 0, x(0) = 0, x'(0) = 1. Kept, it ends at x = 0; clipped, at x'' = 0, where with zeta = sin a
- * the phase is pi - 2a and the speed exp(-zeta t). */
-double dem_linear_time(double zeta, bool clip) {
-  if (zeta < 1)
-    return (clip ? M_PI - 2 * asin(zeta) : M_PI) / sqrt(1 - zeta * zeta);
-  if (!clip)
-    return INFINITY;
-  double b = acosh(zeta);
-  return b > 0 ? 2 * b / sinh(b) : 2;
-}
-
-double dem_linear_restitution(double zeta, bool clip) {
-  return exp(-zeta * dem_linear_time(zeta, clip));
-}
-
 /* ---- Hertz ---- */
 
 double dem_contact_time(double mass, double radius, double young, double speed) {

@@ -37,10 +37,6 @@ double dem_normal_elastic(const dem_model *model, const dem_pair *pair, dem_impa
 /* Duration of an undamped Hertz impact [s]; inf for v = 0. */
 double dem_contact_time(double mass, double radius, double young, double speed);
 
-/* Damped linear impact, damping ratio zeta, kept or clipped tail: duration times the undamped frequency, and e. */
-double dem_linear_time(double zeta, bool clip);
-double dem_linear_restitution(double zeta, bool clip);
-
 /* JKR, work of adhesion w [J/m2]: gap at which a contact that was closed opens [m], and largest pull [N]. */
 double dem_jkr_reach(double radius, double young, double adhesion);
 double dem_jkr_pull(double radius, double adhesion);

@@ -10,7 +10,6 @@
 #include "dem/contact/law.h"
 #include "dem/contact/loop/contact.h"
 #include "dem/contact/restitution.h"
-#include "dem/contact/theory.h"
 
 /* of pair.normal; pair.stiffness is k_p, pair.viscosity c_p, pair.normal_damping 2 zeta */
 enum { STIFFNESS_PER_MASS }; /* q [1/s2] */
