@@ -10,6 +10,7 @@
 #include "dem/contact/energy.h"
 #include "dem/flow/flow.h"
 #include "dem/model/group_options.h"
+#include "dem/state/field.h"
 
 #include <stdio.h>
 #include <stdlib.h>

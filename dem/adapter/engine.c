@@ -6,10 +6,12 @@
 #include "dem/contact/energy.h"
 #include "dem/flow/flow.h"
 #include "dem/model/group_options.h"
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 #include "dem/settle/settle.h"
-#include "dem/state/state_file.h"
+#include "dem/state/create.h"
+#include "dem/state/field.h"
 #include "dem/step/forces.h"
+#include "dem/store/state_file.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
@@ -132,7 +134,7 @@ static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_
   e->proxy = dem_proxy_create(e->model, assignment);
   if (!e->data || !e->load || !e->initial || !e->before || !e->proxy)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", e->model->nparticle);
-  return TDM_OK;
+  return dem_forces_begin(e->data, err);
 }
 
 tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignment, tdm_participant *participant,

@@ -4,9 +4,13 @@
 
 #include "dem/contact/law.h"
 #include "dem/search/pairs.h"
+#include "dem/state/create.h"
 #include "dem/state/data.h"
-#include "dem/state/state_file.h"
+#include "dem/state/field.h"
+#include "dem/state/particles.h"
+#include "dem/step/forces.h"
 #include "dem/step/step.h"
+#include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
@@ -319,7 +323,7 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
   e->data->work.nthread = o->threads;
-  if (dem_forces_now(e->data, false, err))
+  if (dem_forces_begin(e->data, err))
     return err->status;
   return refuse_coincident(e->data, b, err);
 }

@@ -44,9 +44,3 @@ void dem_traction_add(dem_data *d, double share) {
     *sum = tdm_axpy(-share, t->entry_force[k], *sum);
   }
 }
-
-void dem_traction_free(dem_data *d) {
-  free(d->work.traction.force);
-  free(d->work.traction.entry_force);
-  d->work.traction = (dem_traction){0};
-}

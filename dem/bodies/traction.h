@@ -20,6 +20,4 @@ void dem_traction_clear(dem_data *data);
 /* Add a share of the forces of the entries to those of their triangles, in the order of the list. */
 void dem_traction_add(dem_data *data, double share);
 
-void dem_traction_free(dem_data *data);
-
 #endif

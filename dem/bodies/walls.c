@@ -5,6 +5,8 @@
 #include "dem/contact/theory.h"
 #include "dem/state/wall_gap.h"
 
+#include <assert.h>
+
 /* where wall w is now */
 static void put(dem_data *d, int w) {
   dem_wall wall = d->model->wall[w];
@@ -51,19 +53,22 @@ void dem_bodies_drive(dem_data *d, double t) {
       put(d, w);
 }
 
-bool dem_behind(const dem_data *d, int i, int w) {
-  return d->model->wall[w].endless && dem_gap(d, i, w, NULL) <= -d->state.sphere[i].radius;
-}
-
-void dem_mark_front(dem_data *d, int first) {
-  int nwall = d->model->nwall;
-  for (int i = first; i < d->state.nparticle; i++)
-    for (int w = 0; w < nwall; w++)
-      d->state.front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
-}
-
-bool dem_through(const dem_data *d, int i, int w) {
-  return d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
+void dem_set_body_mobility(dem_data *d, int coupled, const double Y[36]) {
+  const dem_model *m = d->model;
+  assert(coupled >= 0 && coupled < m->ncoupled);
+  if (m->wall_mass > 0)
+    return;
+  int b = m->coupled_body[coupled];
+  dem_mobility *y = &d->state.mobility[b];
+  y->full = false;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      y->vv.m[i][j] = Y[6 * i + j];
+      y->wv.m[i][j] = Y[6 * (3 + i) + j];
+      y->ww.m[i][j] = Y[6 * (3 + i) + 3 + j];
+      y->full = y->full || y->vv.m[i][j] != 0 || y->wv.m[i][j] != 0 || y->ww.m[i][j] != 0;
+    }
+  y->per_mass = y->full ? 1 / m->body[b].mass : 0;
 }
 
 long dem_count_lost(const dem_data *d) {

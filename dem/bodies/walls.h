@@ -18,14 +18,9 @@ void dem_coupled_walls_put(dem_data *data);
 /* Put the walls of all bodies where the poses say. */
 void dem_walls_put(dem_data *data);
 
-/* Is particle i altogether behind plane w? False for walls that are no planes. */
-bool dem_behind(const dem_data *data, int i, int w);
-
-/* Note which planes the particles from `first` on are in front of: the reference for dem_count_lost. */
-void dem_mark_front(dem_data *data, int first);
-
-/* Is particle i behind plane w, which it began in front of? */
-bool dem_through(const dem_data *data, int i, int w);
+/* Mobility Y of coupled body `coupled` now, row by row. Used from the next force on; all zero: it cannot be moved.
+ * Ignored when the scene gives contact.wall_mass. */
+void dem_set_body_mobility(dem_data *data, int coupled, const double Y[36]);
 
 /* Particles that are behind a plane that they began in front of: they went through it and feel it no more. */
 long dem_count_lost(const dem_data *data);

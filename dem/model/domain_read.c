@@ -1,6 +1,6 @@
 /* Reading the box dem.domain. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 
 #include <stdio.h>
 

@@ -8,7 +8,7 @@
 #include "dem/model/fill.h"
 
 #include "dem/model/group_options.h"
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>

@@ -1,6 +1,6 @@
 /* Reading dem.sources and dem.sinks: see docs/scene.md for their keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/group_options.h"
 
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 
 #include <stdio.h>
 
@@ -52,33 +52,4 @@ void dem_put_in_plane(dem_model *m, tdm_error *err) {
         return;
       }
     }
-}
-
-tdm_vec3 dem_fixed_force(const dem_data *d) {
-  tdm_vec3 sum = {0, 0, 0};
-  for (int i = 0; d->model->fixes && i < d->state.nparticle; i++)
-    if (d->state.sphere[i].inverse_mass == 0) {
-      sum = tdm_add(sum, d->state.push[i].force);
-      if (d->state.spare_push)
-        sum = tdm_add(sum, d->state.spare_push[i].force);
-    }
-  return sum;
-}
-
-void dem_drive_particles(dem_data *d) {
-  const dem_model *m = d->model;
-  for (int i = 0; m->driven && i < d->state.nparticle; i++) {
-    d->state.drive[i] = (dem_pace){0};
-    d->state.sphere[i].inverse_mass = 1 / d->state.mass[i];
-    for (int g = 0; g < m->ngroup; g++) {
-      const dem_group *group = &m->group[g];
-      if (d->state.id[i] < (uint64_t)group->first || d->state.id[i] >= (uint64_t)(group->first + group->count))
-        continue;
-      d->state.drive[i].velocity = tdm_axpy(1 / d->state.mass[i], group->force, group->acceleration);
-      if (!group->fixed)
-        continue;
-      d->state.drive[i].velocity = tdm_scale(-1, m->gravity); /* nothing is left of gravity, exactly */
-      d->state.sphere[i].inverse_mass = 0;
-    }
-  }
 }

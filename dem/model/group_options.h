@@ -3,7 +3,7 @@
 #ifndef DEM_MODEL_GROUP_OPTIONS_H
 #define DEM_MODEL_GROUP_OPTIONS_H
 
-#include "dem/state/data.h"
+#include "dem/model/model.h"
 
 /* Read "force", "acceleration" and "fixed" of an entry of dem.particles into its group, whose particles are there. */
 void dem_read_group_extras(dem_model *model, dem_group *group, tdm_object *entry);
@@ -13,17 +13,6 @@ void dem_read_dimension(dem_model *model, tdm_object *section);
 
 /* Put the particles at the start into the plane; refuse motion out of it. */
 void dem_put_in_plane(dem_model *model, tdm_error *err);
-
-/* Accelerations of their own, and infinite masses, of the particles by the groups that their ids belong to. */
-void dem_drive_particles(dem_data *data);
-
-/* What accelerates particle i besides contacts [m/s2]. */
-static inline tdm_vec3 dem_field(const dem_data *d, int i) {
-  return d->model->driven ? tdm_add(d->model->gravity, d->state.drive[i].velocity) : d->model->gravity;
-}
-
-/* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */
-tdm_vec3 dem_fixed_force(const dem_data *data);
 
 /* v with `at` for the component along which particles do not move. */
 static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {

@@ -6,8 +6,8 @@
 #ifndef DEM_MODEL_MODEL_H
 #define DEM_MODEL_MODEL_H
 
-#include "dem/bodies/driven.h"
 #include "dem/geometry/wall/wall.h"
+#include "dem/model/driven.h"
 #include "dem/model/sizes.h"
 #include "protocol/wire/participant.h"
 

@@ -1,12 +1,13 @@
 /* Reading the scene section "dem": see docs/scene.md for its keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 
 #include "dem/contact/contact_read.h"
 #include "dem/geometry/wall/shape.h"
 #include "dem/model/fill.h"
 #include "dem/model/group_options.h"
-#include "dem/step/integrate.h"
+#include "dem/model/integrator.h"
+#include "dem/search/search.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
-/* Keys that several objects of the section "dem" have: see model_read.h. */
+/* Keys that several objects of the section "dem" have: see read_keys.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/model/model_read.h"
+#include "dem/model/read_keys.h"
 
 #include <float.h>
 #include <math.h>

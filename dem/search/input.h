@@ -3,17 +3,11 @@
 #ifndef DEM_SEARCH_INPUT_H
 #define DEM_SEARCH_INPUT_H
 
+#include "dem/state/near.h"
 #include "dem/state/scratch.h"
 #include "dem/state/sphere.h"
 
 #include <stdbool.h>
-
-/* The box that repeats. One image of a neighbour is enough: a length is at least 2 (2 r_max + skin), which whoever
- * makes the domain sees to. */
-typedef struct {
-  bool periodic[3];
-  double low[3], length[3]; /* [m]; positions are kept in [low, low + length) in a periodic direction */
-} dem_domain;
 
 typedef struct {
   const dem_sphere *sphere; /* (n) */

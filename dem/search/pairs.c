@@ -3,6 +3,8 @@
 #include "dem/search/pairs.h"
 
 #include "dem/search/order.h"
+#include "dem/search/search.h"
+#include "dem/state/particles.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
@@ -378,6 +380,7 @@ static bool choose_search(dem_data *d) {
     return true;
   dem_search_destroy(&d->work.search);
   d->work.search = dem_search_create(name);
+  d->work.search_destroy = dem_search_destroy;
   return d->work.search != NULL;
 }
 
@@ -444,5 +447,7 @@ bool dem_lists_build(dem_data *d) {
 
 bool dem_lists_update(dem_data *d, double moved2) {
   bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
+  if (!d->work.search && !choose_search(d)) /* of a copy */
+    return false;
   return (!sort && lists_hold(d, moved2)) || dem_lists_build(d);
 }

@@ -15,10 +15,6 @@
 
 #include "dem/state/data.h"
 
-/* Steps after which more than one chunk of particles is put in the order of places again. A fixed number, so that the
- * order of sums depends on no list, skin or search. */
-enum { DEM_SORT_STEPS = 1000 };
-
 /* The common displacement u since the lists were built [m]. */
 tdm_vec3 dem_lists_shift(const dem_data *data);
 

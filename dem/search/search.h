@@ -15,13 +15,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Pairs in CSR form: the partners of i are other[first[i]] ... other[first[i+1] - 1], ascending, all greater than i. */
-typedef struct {
-  int *first; /* (n + 1) */
-  int *other; /* (count) */
-  size_t count;
-} dem_rows;
-
 /* What a search keeps between calls to speed the next one up ("sweep": as long as particles keep their numbers).
  * Nothing in it decides the result. */
 typedef struct dem_search dem_search;

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/settle/bed.h"
 
-#include "dem/state/state_file.h"
+#include "dem/store/state_file.h"
 
 #include <errno.h>
 #include <libgen.h>

@@ -5,6 +5,8 @@
 #include "dem/flow/free_space.h"
 #include "dem/model/fill.h"
 #include "dem/model/group_options.h"
+#include "dem/state/field.h"
+#include "dem/state/particles.h"
 #include "protocol/base/random.h"
 
 #include <stdio.h>

@@ -10,12 +10,13 @@
 #ifndef DEM_STATE_DATA_H
 #define DEM_STATE_DATA_H
 
-#include "dem/bodies/mobility.h"
 #include "dem/contact/energy.h"
 #include "dem/model/model.h"
-#include "dem/search/search.h"
 #include "dem/state/exact_sum.h"
+#include "dem/state/mobility.h"
+#include "dem/state/near.h"
 #include "dem/state/scratch.h"
+#include "dem/state/sphere.h"
 #include "dem/state/timers.h"
 
 #include <stdint.h>
@@ -137,6 +138,10 @@ typedef struct {
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
 
+/* Steps after which more than one chunk of particles is put in the order of places again. A fixed number, so that the
+ * order of sums depends on no list, skin or search. */
+enum { DEM_SORT_STEPS = 1000 };
+
 static inline int dem_chunks(int nparticle) {
   return nparticle > 0 ? (nparticle + DEM_CHUNK - 1) / DEM_CHUNK : 1;
 }
@@ -229,11 +234,12 @@ typedef struct {
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
 
   /* a rebuild of the lists */
-  dem_search *search;            /* owned; NULL until the first list */
-  dem_rows rows;                 /* what the search found */
-  dem_scratch scratch;           /* the memory of push */
-  dem_wall_contacts spare_walls; /* the list of before */
-  size_t *chunk_spare;           /* (nchunk + 1) */
+  struct dem_search *search;                    /* owned; NULL until the first list */
+  void (*search_destroy)(struct dem_search **); /* of who made it */
+  dem_rows rows;                                /* what the search found */
+  dem_scratch scratch;                          /* the memory of push */
+  dem_wall_contacts spare_walls;                /* the list of before */
+  size_t *chunk_spare;                          /* (nchunk + 1) */
 
   int *number;          /* (nparticle) scratch, where particles can leave; else none */
   int capacity;         /* room for so many particles */
@@ -251,32 +257,13 @@ typedef struct dem_data {
   dem_workspace work;
 } dem_data;
 
-/* The state at the start of the model: particles and bodies as the scene gives them, forces evaluated with closed
- * histories. NULL when memory runs out. The model must outlive the data. */
-dem_data *dem_data_create(const dem_model *model);
+/* Room for a scene, all zero (create.h makes its start). NULL when memory runs out. The model must outlive the data. */
+dem_data *dem_data_allocate(const dem_model *model);
 
 /* Make dst the same state as src; both belong to one model. It then goes on bit-identically. False: no memory. */
 bool dem_data_copy(dem_data *dst, const dem_data *src);
 
 void dem_data_destroy(dem_data **data);
-
-typedef struct {
-  tdm_vec3 position, velocity; /* world [m], [m/s] */
-  double radius, mass;         /* [m], [kg] */
-  int material;                /* material */
-} dem_newcomer;
-
-/* Append a particle between two steps: without spin and contacts, with the next id. The lists are rebuilt at the next
- * step. Pointers into the data's particle arrays become invalid. False: no memory. */
-bool dem_data_add(dem_data *data, const dem_newcomer *newcomer);
-
-/* Remove the particles with gone[i] >= 0 (nparticle) between two steps. The others keep their order, contacts and
- * histories. */
-void dem_data_remove(dem_data *data, const int *gone);
-
-/* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers, and push loses
- * what it has: they are to be built next. False: no memory. */
-bool dem_data_permute(dem_data *data, const int *from);
 
 /* Put the particle that is none behind the last. */
 void dem_data_end(dem_data *data);

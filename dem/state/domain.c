@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/domain.h"
 
-#include "dem/model/group_options.h"
-#include "dem/step/integrate.h"
+#include "dem/model/integrator.h"
+#include "dem/state/field.h"
 
 void dem_domain_put(dem_data *d) {
   const dem_domain_def *box = &d->model->domain;

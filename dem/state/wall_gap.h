@@ -22,4 +22,22 @@ static inline bool dem_touches_at(const dem_data *d, int w, tdm_vec3 x, double r
   return dem_wall_touches(&d->model->wall[w], dem_gap_at(d, w, x, NULL), radius);
 }
 
+/* Is particle i altogether behind plane w? False for walls that are no planes. */
+static inline bool dem_behind(const dem_data *d, int i, int w) {
+  return d->model->wall[w].endless && dem_gap(d, i, w, NULL) <= -d->state.sphere[i].radius;
+}
+
+/* Is particle i behind plane w, which it began in front of? */
+static inline bool dem_through(const dem_data *d, int i, int w) {
+  return d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
+}
+
+/* Note which planes the particles from `first` on are in front of: the reference for dem_through. */
+static inline void dem_mark_front(dem_data *d, int first) {
+  int nwall = d->model->nwall;
+  for (int i = first; i < d->state.nparticle; i++)
+    for (int w = 0; w < nwall; w++)
+      d->state.front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
+}
+
 #endif

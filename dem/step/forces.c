@@ -5,6 +5,7 @@
 #include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
 #include "dem/search/pairs.h"
+#include "dem/state/wall_gap.h"
 
 #include <string.h>
 
@@ -174,5 +175,14 @@ tdm_status dem_forces_now(dem_data *d, bool settling, tdm_error *err) {
   if (!dem_lists_build(d) || !dem_traction_reserve(d))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_forces_again(d, settling, 0);
+  return TDM_OK;
+}
+
+tdm_status dem_forces_begin(dem_data *d, tdm_error *err) {
+  dem_bodies_drive(d, d->model->time_start);
+  dem_lids_away(d);
+  if (dem_forces_now(d, false, err))
+    return err->status;
+  dem_mark_front(d, 0);
   return TDM_OK;
 }

@@ -7,6 +7,10 @@
 #include "dem/state/data.h"
 #include "dem/step/integrate.h"
 
+/* The start of a run, after dem_data_create: driven bodies and walls in their places, lids away, lists built, forces
+ * evaluated with closed histories. TDM_ERR_MEMORY. */
+tdm_status dem_forces_begin(dem_data *data, tdm_error *err);
+
 /* Evaluate the forces at the present positions and velocities without advancing anything. `settling`: with the
  * restitution and friction of the settle phase. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_forces_now(dem_data *data, bool settling, tdm_error *err);

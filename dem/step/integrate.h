@@ -27,10 +27,8 @@
 #ifndef DEM_STEP_INTEGRATE_H
 #define DEM_STEP_INTEGRATE_H
 
+#include "dem/model/integrator.h"
 #include "dem/state/data.h"
-
-/* What an integrator keeps besides positions and velocities. */
-typedef enum { DEM_KEEPS_NOTHING, DEM_KEEPS_VELOCITY, DEM_KEEPS_PLACE, DEM_KEEPS_FAST_FORCES } dem_keeping;
 
 /* name in a scene, its functions' names, what it keeps */
 #define DEM_INTEGRATOR_LIST(X)                  \
@@ -39,33 +37,13 @@ typedef enum { DEM_KEEPS_NOTHING, DEM_KEEPS_VELOCITY, DEM_KEEPS_PLACE, DEM_KEEPS
   X("stormer-verlet", stormer, DEM_KEEPS_PLACE) \
   X("multi-step", multi, DEM_KEEPS_FAST_FORCES)
 
-typedef struct {
+typedef struct dem_stride {
   double dt;      /* [s] */
   double lead;    /* multi-step: how long the slow forces still act until the end of the substep, j h - dt/2 [s] */
   tdm_vec3 shift; /* of dem_lists_shift [m] */
 } dem_stride;
 
-typedef struct dem_integrator {
-  const char *name;
-  bool driven; /* with body forces, fixed particles and two dimensions */
-  dem_keeping keeps;
-  /* First half of a step for chunk c: kick, drift, forces zeroed. Returns the largest |x - x_list - shift|^2 [m2], NaN
-   * when a position is no number. */
-  double (*begin)(dem_data *data, int chunk, const dem_stride *stride);
-  /* Second half: reactions from other chunks added, kick. */
-  void (*end)(dem_data *data, int chunk, double dt);
-  /* What is kept for steps of dt, made from velocities and forces, for particles first ... end - 1; NULL: nothing. */
-  void (*remember)(dem_data *data, int first, int end, double dt);
-  /* multi-step: half a kick of the slow forces, which are in push; NULL: none */
-  void (*kick)(dem_data *data, int chunk, double dt);
-} dem_integrator;
-
 /* each ended by a row of NULLs */
 extern const dem_integrator dem_integrators_avx512[], dem_integrators_avx2[], dem_integrators_plain[];
-
-extern const char *const dem_integrator_names[]; /* NULL-terminated */
-
-/* The one of this name compiled for an instruction set of dem_simd_names; NULL: no such name. */
-const dem_integrator *dem_integrator_find(const char *simd, const char *name, bool driven);
 
 #endif

@@ -4,8 +4,8 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/contact/theory.h"
-#include "dem/model/group_options.h"
 #include "dem/state/domain.h"
+#include "dem/state/field.h"
 #include "dem/state/wall_gap.h"
 
 /* ---- stored ---- */
@@ -124,22 +124,6 @@ double dem_rest_energy(const dem_data *d) {
   return 0.5 * mass * d->model->settle.speed * d->model->settle.speed;
 }
 
-double dem_particle_energy(const dem_data *d, int i, double *potential) {
-  const dem_sphere *s = &d->state.sphere[i];
-  const dem_pace *p = &d->state.pace[i];
-  double inertia = 0.4 * d->state.mass[i] * s->radius * s->radius,
-         kinetic = 0.5 * d->state.mass[i] * tdm_dot(p->velocity, p->velocity);
-  *potential = -d->state.mass[i] * tdm_dot(dem_field(d, i), s->position);
-  return kinetic + 0.5 * inertia * tdm_dot(p->spin, p->spin);
-}
-
-double dem_kinetic_energy(const dem_data *d) {
-  double sum = 0, potential;
-  for (int i = 0; i < d->state.nparticle; i++)
-    sum += dem_particle_energy(d, i, &potential);
-  return sum;
-}
-
 dem_stored_energy dem_stored_energy_now(const dem_data *d) {
   dem_stored_energy e = {0};
   for (int i = 0; i < d->state.nparticle; i++) {
@@ -190,11 +174,6 @@ void dem_energy_balance_step(dem_data *d, double dt) {
   double power = power_of_bodies(d);
   d->state.energy_balance.driven += 0.5 * dt * (d->state.energy_balance.power + power);
   d->state.energy_balance.power = power;
-}
-
-void dem_energy_balance_flow(dem_data *d, int i, double sign) {
-  double potential, kinetic = dem_particle_energy(d, i, &potential);
-  d->state.energy_balance.flow += sign * (kinetic + potential);
 }
 
 tdm_energy dem_energy_balance_look(dem_data *d) {

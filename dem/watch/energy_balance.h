@@ -32,12 +32,6 @@ dem_stored_energy dem_stored_energy_now(const dem_data *data);
 /* Of all particles at the speed that counts as rest (dem.settle.speed) [J]: less than that is no motion to judge by. */
 double dem_rest_energy(const dem_data *data);
 
-/* Kinetic energy of all particles, with rotation [J]. */
-double dem_kinetic_energy(const dem_data *data);
-
-/* Kinetic energy of particle i, and its potential one [J]. */
-double dem_particle_energy(const dem_data *data, int i, double *potential);
-
 /* Can the energy of this scene be accounted for? */
 bool dem_energy_balance_known(const dem_model *model);
 
@@ -46,9 +40,6 @@ void dem_energy_balance_begin(dem_data *data);
 
 /* After a step of dt, in scenes with driven bodies. */
 void dem_energy_balance_step(dem_data *data, double dt);
-
-/* Particle i came (+1) or goes (-1). */
-void dem_energy_balance_flow(dem_data *data, int i, double sign);
 
 /* Stored and supplied at the end of a window. Looked at every dem.guard.every steps at most (DEM_LOOK_STEPS if the
  * guard is off), else and in scenes that cannot be accounted for: stored NaN. */

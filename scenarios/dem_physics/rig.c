@@ -4,6 +4,9 @@
 #include "scenarios/dem_physics/rig.h"
 
 #include "dem/settle/settle.h"
+#include "dem/state/create.h"
+#include "dem/state/field.h"
+#include "dem/step/forces.h"
 #include "dem/step/step.h"
 #include "dem/watch/energy_balance.h"
 #include "protocol/app/command_line.h"
@@ -49,6 +52,8 @@ tdm_status scn_rig_open(scn_rig *rig, cpl_verify *v, double dt, tdm_error *err, 
   rig->data = dem_data_create(rig->model);
   if (!rig->data)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", rig->model->nparticle);
+  if (dem_forces_begin(rig->data, err))
+    return err->status;
   dem_settled settled;
   return rig->model->settle.wanted ? dem_settle(rig->data, NULL, &settled, err) : TDM_OK;
 }

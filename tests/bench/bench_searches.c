@@ -8,7 +8,9 @@
  * radius (1.97 m) are not given either.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/state/create.h"
 #include "dem/state/data.h"
+#include "dem/step/forces.h"
 #include "dem/step/step.h"
 
 #include <stdio.h>
@@ -69,7 +71,7 @@ static bool run(const char *name, int group, long steps) {
   dem_model *model = NULL;
   dem_data *d = dem_model_load(&model, &assignment, &err) == TDM_OK ? dem_data_create(model) : NULL;
   dem_timers timers = {0};
-  bool good = d != NULL;
+  bool good = d && dem_forces_begin(d, &err) == TDM_OK;
   if (!good)
     fprintf(stderr, "%s: %s\n", err.path, err.message);
   if (good) {

@@ -3,6 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
+#include "dem/bodies/walls.h"
 #include "dem/contact/restitution.h"
 #include "dem/watch/limits.h"
 #include "tests/test_main.h"

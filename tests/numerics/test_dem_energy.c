@@ -6,7 +6,9 @@
 #include "dem/contact/law.h"
 #include "dem/model/group_options.h"
 #include "dem/search/search.h"
-#include "dem/state/state_file.h"
+#include "dem/state/create.h"
+#include "dem/state/field.h"
+#include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
 #include "tests/test_main.h"
 

@@ -6,6 +6,7 @@
 #include "dem/geometry/wall/rows.h"
 #include "dem/search/pairs.h"
 #include "dem/settle/settle.h"
+#include "dem/state/create.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"
 #include "tests/test_main.h"

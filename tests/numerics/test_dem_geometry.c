@@ -1,11 +1,11 @@
 /* Cylinders and cones against a search for the nearest point, driven bodies against differences, shapes from scenes. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/report.h"
-#include "dem/bodies/driven.h"
 #include "dem/bodies/walls.h"
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/mesh_contact.h"
 #include "dem/geometry/wall/mesh_wall.h"
+#include "dem/model/driven.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"
 #include "test_random.h"

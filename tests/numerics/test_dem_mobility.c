@@ -5,7 +5,9 @@
 #include "tests/test_main.h"
 
 #include "dem/bodies/wall_stiffness.h"
+#include "dem/bodies/walls.h"
 #include "dem/contact/simd/simd_set.h"
+#include "dem/state/create.h"
 
 #include <unistd.h>
 

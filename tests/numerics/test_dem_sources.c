@@ -3,6 +3,7 @@
 #include "test_flow_support.h"
 
 #include "dem/flow/free_space.h"
+#include "dem/search/search.h"
 #include "protocol/base/log.h"
 #include "protocol/base/random.h"
 #include "tests/test_main.h"

@@ -3,7 +3,8 @@
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"
-#include "dem/state/state_file.h"
+#include "dem/state/particles.h"
+#include "dem/store/state_file.h"
 #include "tests/test_main.h"
 
 #include <sys/stat.h>

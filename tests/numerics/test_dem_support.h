@@ -6,7 +6,9 @@
 #include "dem/adapter/solver.h"
 #include "dem/bodies/path.h"
 #include "dem/flow/flow.h"
+#include "dem/state/create.h"
 #include "dem/state/data.h"
+#include "dem/step/forces.h"
 #include "dem/step/step.h"
 #include "dem/watch/guard.h"
 
@@ -73,7 +75,7 @@ static inline rig *rig_make(json_t *json, double dt, int nbody, const tdm_assign
   dem_model_load(&r->model, &r->assignment, &err);
   ck_assert_msg(err.status == TDM_OK, "%s: %s", err.path, err.message);
   r->data = dem_data_create(r->model);
-  ck_assert_ptr_nonnull(r->data);
+  ck_assert(r->data && dem_forces_begin(r->data, &err) == TDM_OK);
   return r;
 }
 

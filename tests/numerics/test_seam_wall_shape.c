@@ -5,7 +5,7 @@
 #include "dem/geometry/wall/shape.h"
 #include "dem/output/polygon.h"
 #include "dem/settle/settle.h"
-#include "dem/state/fingerprint.h"
+#include "dem/store/fingerprint.h"
 #include "dem/watch/energy_balance.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"

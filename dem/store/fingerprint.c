@@ -1,9 +1,9 @@
 /* Fingerprints of a model: see fingerprint.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/state/fingerprint.h"
+#include "dem/store/fingerprint.h"
 
 #include "dem/contact/table.h"
-#include "dem/step/integrate.h"
+#include "dem/model/integrator.h"
 
 #include <stddef.h>
 #include <string.h>

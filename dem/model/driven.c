@@ -1,6 +1,6 @@
 /* Driven bodies: see driven.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/bodies/driven.h"
+#include "dem/model/driven.h"
 
 dem_drive dem_drive_read(tdm_object *body, const tdm_pose *pose) {
   static const tdm_vec3 zero = {0, 0, 0};

@@ -1,8 +1,8 @@
 /* Numbers that change when what a stored state depends on does. What a new law, shape or key adds to a scene is to be
  * hashed here. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STATE_FINGERPRINT_H
-#define DEM_STATE_FINGERPRINT_H
+#ifndef DEM_STORE_FINGERPRINT_H
+#define DEM_STORE_FINGERPRINT_H
 
 #include "dem/model/model.h"
 

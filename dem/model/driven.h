@@ -6,8 +6,8 @@
  * so the motion begins at the body's own pose. Before `start` and from `end` on the body rests.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_BODIES_DRIVEN_H
-#define DEM_BODIES_DRIVEN_H
+#ifndef DEM_MODEL_DRIVEN_H
+#define DEM_MODEL_DRIVEN_H
 
 #include "protocol/motion/harmonic.h"
 

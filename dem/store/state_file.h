@@ -8,8 +8,8 @@
  * For a state in memory that is only to be gone back to in the same process, dem_data_copy is faster.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STATE_STATE_FILE_H
-#define DEM_STATE_STATE_FILE_H
+#ifndef DEM_STORE_STATE_FILE_H
+#define DEM_STORE_STATE_FILE_H
 
 #include "dem/state/data.h"
 

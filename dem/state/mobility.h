@@ -7,14 +7,12 @@
  * and a contact of a particle there has the effective mass m*, 1/m* = 1/m_p + n Y_c n.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_BODIES_MOBILITY_H
-#define DEM_BODIES_MOBILITY_H
+#ifndef DEM_STATE_MOBILITY_H
+#define DEM_STATE_MOBILITY_H
 
 #include "protocol/base/vec3.h"
 
 #include <stdbool.h>
-
-struct dem_data;
 
 typedef struct {
   double per_mass;     /* 1/mass of the body [1/kg]; 0: it cannot be moved */
@@ -22,10 +20,6 @@ typedef struct {
   tdm_mat3 vv, wv, ww; /* acceleration by force [1/kg], angular acceleration by force [1/(kg m)] and by moment
                           [1/(kg m2)] */
 } dem_mobility;
-
-/* Mobility Y of coupled body `coupled` now, row by row. Used from the next force on; all zero: it cannot be moved.
- * Ignored when the scene gives contact.wall_mass. */
-void dem_set_body_mobility(struct dem_data *data, int coupled, const double Y[36]);
 
 /* n Y_c n [1/kg] */
 static inline double dem_mobility_along(const dem_mobility *y, tdm_vec3 lever, tdm_vec3 n) {

@@ -1,7 +1,7 @@
 /* What the readers of the scene section "dem" share. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_MODEL_MODEL_READ_H
-#define DEM_MODEL_MODEL_READ_H
+#ifndef DEM_MODEL_READ_KEYS_H
+#define DEM_MODEL_READ_KEYS_H
 
 #include "dem/model/model.h"
 

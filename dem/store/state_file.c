@@ -1,13 +1,14 @@
 /* Stored states: see state_file.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/state/state_file.h"
+#include "dem/store/state_file.h"
 
 #include "dem/bodies/walls.h"
 #include "dem/model/group_options.h"
+#include "dem/model/integrator.h"
 #include "dem/search/pairs.h"
 #include "dem/state/domain.h"
-#include "dem/state/fingerprint.h"
-#include "dem/step/integrate.h"
+#include "dem/state/field.h"
+#include "dem/store/fingerprint.h"
 #include "protocol/base/input.h"
 
 #include <errno.h>
