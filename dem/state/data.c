@@ -15,44 +15,31 @@ static void *place(char *block, size_t *used, size_t bytes) {
   return array;
 }
 
-#define PLACE(field, n) d->field = place(block, &used, (n) * sizeof *d->field)
+#define PLACE(field, n) d->field = place(block, &used, (n) * sizeof *d->field);
 
 /* Lay the arrays of fixed size out in one block; returns its size. */
 static size_t layout(dem_data *d, char *block) {
   size_t nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall, nl = (size_t)d->model->nload, used = 0;
-  PLACE(state.pose, nb);
-  PLACE(state.twist, nb);
-  PLACE(state.body_load, nl);
-  PLACE(state.mobility, nb);
-  PLACE(lists.pose_at_list, nb);
-  PLACE(lists.margin, nb);
-  PLACE(lists.reach, nb);
-  PLACE(work.fast_load, nl);
-  PLACE(state.wall, nw);
-  PLACE(state.lid, nw);
-  PLACE(state.sample_sum, nl + 1);
-  PLACE(state.sample_mean, nl + 1);
-  PLACE(state.source, (size_t)d->model->nsource);
-  PLACE(state.sink, (size_t)d->model->nsink);
+  DEM_FIXED_STATE(PLACE)
   return used;
 }
 
 /* The same for the arrays of particles, with room for d->work.capacity and the particle that is none. */
 static size_t layout_particles(dem_data *d, char *block) {
   size_t np = (size_t)d->work.capacity + 1, used = 0;
-#define X(field, n, name) PLACE(field, np *(size_t)(n));
+#define X(field, n, name) PLACE(field, np *(size_t)(n))
   DEM_PARTICLE_STATE(X)
 #undef X
-  PLACE(lists.pairs.first, np);
-  PLACE(work.number, d->model->nsink > 0 || d->model->domain.open ? np : 0);
+  PLACE(lists.pairs.first, np)
+  PLACE(work.number, d->model->nsink > 0 || d->model->domain.open ? np : 0)
   size_t nchunk = (size_t)dem_chunks(d->work.capacity);
-  PLACE(lists.pairs.chunk, nchunk + 1);
-  PLACE(lists.walls.chunk, nchunk + 1);
-  PLACE(work.spare_walls.chunk, nchunk + 1);
-  PLACE(work.chunk_spare, nchunk + 1);
-  PLACE(lists.crossings.chunk, nchunk + 1);
-  PLACE(work.chunk_load, nchunk * (size_t)d->model->nload);
-  PLACE(work.chunk_flux, nchunk);
+  PLACE(lists.pairs.chunk, nchunk + 1)
+  PLACE(lists.walls.chunk, nchunk + 1)
+  PLACE(work.spare_walls.chunk, nchunk + 1)
+  PLACE(work.chunk_spare, nchunk + 1)
+  PLACE(lists.crossings.chunk, nchunk + 1)
+  PLACE(work.chunk_load, nchunk * (size_t)d->model->nload)
+  PLACE(work.chunk_flux, nchunk)
   return used;
 }
 
@@ -64,11 +51,14 @@ static void *zeroed(size_t size) {
   return block;
 }
 
-/* the particles' state, rows of pairs and chunks included, from one layout to another that is large enough */
+/* Numbers, the particles' state, rows of pairs and chunks, from one layout to another that is large enough. */
 static void copy_particles(dem_data *dst, const dem_data *d) {
   size_t np = (size_t)d->state.nparticle;
-  dst->state.nparticle = d->state.nparticle;
-  dst->lists.nchunk = d->lists.nchunk;
+#define X(object, field, ...) memcpy(&dst->object.field, &d->object.field, sizeof d->object.field);
+  DEM_NUMBER_STATE(X)
+  DEM_DERIVED_STATE(X)
+  DEM_LIST_NUMBERS(X)
+#undef X
 #define X(field, n, name)   \
   if (np * (size_t)(n) > 0) \
     memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
@@ -245,36 +235,18 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   memcpy(dst->work.block, src->work.block, src->work.block_size);
   copy_particles(dst, src);
   dem_data_end(dst);
-  if (!copy_lists(dst, src))
+  if (!copy_lists(dst, src)) {
+    dst->lists.valid = false;
     return false;
-  memcpy(dst->state.push, src->state.push, (size_t)src->state.nparticle * sizeof *src->state.push);
-  memset(dst->state.push + src->state.nparticle, 0, (size_t)(src->lists.crossings.count + 1) * sizeof *src->state.push);
-  if (src->state.spare_push) {
-    memcpy(dst->state.spare_push, src->state.spare_push, (size_t)src->state.nparticle * sizeof *src->state.push);
-    memset(dst->state.spare_push + src->state.nparticle, 0,
-           (size_t)(src->lists.crossings.count + 1) * sizeof *src->state.push);
   }
-  dst->state.nstep = src->state.nstep;
-  dst->state.since_sort = src->state.since_sort;
-  dst->lists.since_list = src->lists.since_list;
-  dst->lists.skin = src->lists.skin;
-  dst->state.memory_dt = src->state.memory_dt;
-  dst->state.restart = src->state.restart;
-  dst->state.domain = src->state.domain;
-  memcpy(dst->state.domain_rate, src->state.domain_rate, sizeof src->state.domain_rate);
-  memcpy(dst->lists.length_at_list, src->lists.length_at_list, sizeof src->lists.length_at_list);
-  dst->state.strained = src->state.strained;
-  dst->state.strain_steps = src->state.strain_steps;
-  dst->state.strain_dt = src->state.strain_dt;
-  dst->state.guard = src->state.guard;
-  dst->state.ledger = src->state.ledger;
-  dst->state.energy_balance = src->state.energy_balance;
-  dst->lists.valid = src->lists.valid;
-  dst->lists.stale = src->lists.stale;
-  dst->lists.nrebuild = src->lists.nrebuild;
-  dst->state.ncontact = src->state.ncontact;
-  dst->state.energy = src->state.energy;
-  dst->state.sample_steps = src->state.sample_steps;
+  size_t np = (size_t)src->state.nparticle, behind = (size_t)src->lists.crossings.count + 1;
+#define X(field, name)                                       \
+  if (src->field) {                                          \
+    memcpy(dst->field, src->field, np * sizeof *src->field); \
+    memset(dst->field + np, 0, behind * sizeof *src->field); \
+  }
+  DEM_FORCE_STATE(X)
+#undef X
   return true;
 }
 

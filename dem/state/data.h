@@ -13,6 +13,7 @@
 #include "dem/contact/energy.h"
 #include "dem/model/model.h"
 #include "dem/state/exact_sum.h"
+#include "dem/state/fields.h"
 #include "dem/state/mobility.h"
 #include "dem/state/near.h"
 #include "dem/state/scratch.h"
@@ -57,21 +58,6 @@ typedef struct {
   int *chunk;    /* (nchunk + 1) first of a chunk in order */
   int count, capacity;
 } dem_crossings;
-
-/* The arrays of particles that are state: X(field, entries a particle, name in stored states). A new one only needs its
- * row. */
-#define DEM_PARTICLE_STATE(X)                      \
-  X(state.sphere, 1, "sphere")                     \
-  X(state.rotor, 1, "rotor")                       \
-  X(state.pace, 1, "pace")                         \
-  X(lists.position_at_list, 1, "position_at_list") \
-  X(state.mass, 1, "mass")                         \
-  X(state.material, 1, "kind")                     \
-  X(state.id, 1, "id")                             \
-  X(state.touched, 1, "touched")                   \
-  X(state.drive, d->model->driven, "drive")        \
-  X(state.memory, d->model->remembers, "memory")   \
-  X(state.front, d->model->nwall, "front")
 
 /* How far a source is. */
 typedef struct {
@@ -147,7 +133,7 @@ static inline int dem_chunks(int nparticle) {
 }
 
 /* The state: what a run changes and another run needs to go on from here bit-identically, with the histories in the
- * lists. It is copied, stored and restored. */
+ * lists. It is copied, stored and restored by the lists of fields.h, in which every member has its row. */
 typedef struct {
   uint64_t nstep; /* steps since the start of the run */
   dem_ledger ledger;
@@ -155,6 +141,7 @@ typedef struct {
 
   /* particles, (nparticle) each, room for (work.capacity) */
   int nparticle;
+  int restart;          /* 1: memory is to be made anew */
   uint64_t *id;         /* order of creation, ascending; never used twice */
   int *material;        /* index of model.material */
   uint32_t *touched;    /* bit s: sink s waits until the particle has left its body again */
@@ -181,7 +168,6 @@ typedef struct {
   dem_sink_state *sink;     /* (nsink) */
 
   double memory_dt; /* step for which memory was made [s] */
-  bool restart;     /* memory is to be made anew */
 
   dem_domain domain;     /* where the box is now; all 0 when the scene has none */
   double domain_rate[3]; /* how fast its lengths grow now [m/s] */

@@ -11,6 +11,7 @@
 #include "dem/store/fingerprint.h"
 #include "protocol/base/input.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -43,18 +44,16 @@ typedef struct {
   uint64_t size; /* [bytes] */
 } section;
 
-/* numbers of dem_data that are no arrays */
+/* numbers and records of the state */
 typedef struct {
-  uint64_t nstep, since_sort, ncontact;
-  double sample_steps;
-  uint64_t restart, strain_steps;
-  double skin;
-  double memory_dt, strained, strain_dt;
-  dem_ledger ledger;
-  dem_energy_balance energy_balance;
-  dem_guard_state guard;
-  dem_energy energy;
+#define X(object, field, type) type field;
+  DEM_NUMBER_STATE(X)
+#undef X
 } counters;
+
+#define X(object, field, type) static_assert(sizeof(type) >= sizeof((dem_data *)0)->object.field, "too small: " #field);
+DEM_NUMBER_STATE(X)
+#undef X
 
 /* a contact with a history; the columns follow */
 typedef struct {
@@ -154,20 +153,18 @@ static void put_histories(writer *w, const dem_data *d) {
 }
 
 static counters counters_of(const dem_data *d) {
-  return (counters){.nstep = d->state.nstep,
-                    .since_sort = d->state.since_sort,
-                    .skin = d->lists.skin,
-                    .ncontact = (uint64_t)d->state.ncontact,
-                    .sample_steps = d->state.sample_steps,
-                    .restart = d->state.restart,
-                    .strain_steps = d->state.strain_steps,
-                    .memory_dt = d->state.memory_dt,
-                    .strained = d->state.strained,
-                    .strain_dt = d->state.strain_dt,
-                    .ledger = d->state.ledger,
-                    .energy_balance = d->state.energy_balance,
-                    .guard = d->state.guard,
-                    .energy = d->state.energy};
+  counters c;
+  memset(&c, 0, sizeof c);
+#define X(object, field, type) memcpy(&c.field, &d->object.field, sizeof d->object.field); /* little-endian */
+  DEM_NUMBER_STATE(X)
+#undef X
+  return c;
+}
+
+static void take_counters(dem_data *d, const counters *c) {
+#define X(object, field, type) memcpy(&d->object.field, &c->field, sizeof d->object.field);
+  DEM_NUMBER_STATE(X)
+#undef X
 }
 
 static bool save(const dem_data *d, const void *note, size_t note_size, void **bytes, size_t *size) {
@@ -185,8 +182,9 @@ static bool save(const dem_data *d, const void *note, size_t note_size, void **b
 #define X(field, n, name) put_section(&w, name, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
 #undef X
-  put_section(&w, "push", d->state.push, np * sizeof *d->state.push);
-  put_section(&w, "spare_push", d->state.spare_push, d->state.spare_push ? np * sizeof *d->state.push : 0);
+#define X(field, name) put_section(&w, name, d->field, d->field ? np * sizeof *d->field : 0);
+  DEM_FORCE_STATE(X)
+#undef X
   put_histories(&w, d);
   put_section(&w, "lid", d->state.lid, (size_t)m->nwall * sizeof *d->state.lid);
   put_section(&w, "block", d->work.block, d->work.block_size);
@@ -317,12 +315,15 @@ static bool get_particles(const reader *r, dem_data *d) {
   return good;
 }
 
-/* the forces, after the lists, which are built in their memory */
+/* The forces, after the lists, which are built in their memory. Those of multi-step may be missing unless the scene is
+ * the same. */
 static bool get_forces(const reader *r, dem_data *d) {
-  size_t bytes = (size_t)d->state.nparticle * sizeof *d->state.push;
-  bool good = get(r, "push", d->state.push, bytes);
-  if (d->state.spare_push && !get(r, "spare_push", d->state.spare_push, bytes))
-    good = good && r->use != DEM_STATE_WHOLE;
+  bool good = true;
+#define X(field, name)                                                                    \
+  if (d->field && !get(r, name, d->field, (size_t)d->state.nparticle * sizeof *d->field)) \
+    good = good && r->use != DEM_STATE_WHOLE && (void *)d->field == (void *)d->state.spare_push;
+  DEM_FORCE_STATE(X)
+#undef X
   return good;
 }
 
@@ -364,18 +365,7 @@ static bool get_histories(const reader *r, dem_data *d, bool of_wall) {
 static bool get_run(const reader *r, dem_data *d, counters *c) {
   if (!get(r, "block", d->work.block, d->work.block_size))
     return false;
-  d->state.nstep = c->nstep;
-  d->state.ncontact = (long)c->ncontact;
-  d->state.sample_steps = c->sample_steps;
-  d->state.restart = c->restart != 0;
-  d->state.memory_dt = c->memory_dt;
-  d->state.strained = c->strained;
-  d->state.strain_steps = c->strain_steps;
-  d->state.strain_dt = c->strain_dt;
-  d->state.ledger = c->ledger;
-  d->state.energy_balance = c->energy_balance;
-  d->state.guard = c->guard;
-  d->state.energy = c->energy;
+  take_counters(d, c);
   dem_domain_put(d);
   return true;
 }

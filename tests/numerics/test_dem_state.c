@@ -57,6 +57,82 @@ static void same(const dem_data *a, const dem_data *b) {
   ck_assert(dem_balance_number(b) == 0 && dem_balance_mass(b) == 0);
 }
 
+/* ---- the list of the state's members ---- */
+
+/* Every byte of dem_state belongs to a member that has its row in fields.h. */
+START_TEST(test_every_member_has_a_row) {
+  static char listed[sizeof(dem_state)];
+#define NUMBER(object, field, ...)                                                   \
+  if (offsetof(dem_data, object.field) < offsetof(dem_data, lists))                  \
+    memset(listed + offsetof(dem_data, object.field) - offsetof(dem_data, state), 1, \
+           sizeof((dem_data *)0)->object.field);
+#define ARRAY(field, ...)                                    \
+  if (offsetof(dem_data, field) < offsetof(dem_data, lists)) \
+    memset(listed + offsetof(dem_data, field) - offsetof(dem_data, state), 1, sizeof(void *));
+  DEM_NUMBER_STATE(NUMBER)
+  DEM_DERIVED_STATE(NUMBER)
+  DEM_PARTICLE_STATE(ARRAY)
+  DEM_FIXED_STATE(ARRAY)
+  DEM_FORCE_STATE(ARRAY)
+  for (size_t k = 0; k < sizeof listed; k++)
+    ck_assert_msg(listed[k], "byte %zu of dem_state belongs to no row of fields.h", k);
+}
+
+/* bytes that no member has by chance */
+static void scramble(dem_data *d) {
+  size_t np = (size_t)d->state.nparticle, nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall,
+         nl = (size_t)d->model->nload;
+#define NUMBER_(object, field, ...) memset(&d->object.field, 0x5a, sizeof d->object.field);
+#define PARTICLES_(field, n, name) memset(d->field, 0x5a, np *(size_t)(n) * sizeof *d->field);
+#define FIXED_(field, n) memset(d->field, 0x5a, (n) * sizeof *d->field);
+#define FORCES_(field, name) memset(d->field, 0x5a, d->field ? np * sizeof *d->field : 0);
+  DEM_NUMBER_STATE(NUMBER_)
+  DEM_PARTICLE_STATE(PARTICLES_)
+  DEM_FIXED_STATE(FIXED_)
+  DEM_FORCE_STATE(FORCES_)
+}
+
+/* every member of the state, bit by bit */
+static void same_members(const dem_data *a, const dem_data *d) {
+  ck_assert_int_eq(a->state.nparticle, d->state.nparticle);
+  size_t np = (size_t)d->state.nparticle, nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall,
+         nl = (size_t)d->model->nload;
+#define IS(at, field, size)                            \
+  if (strncmp(#field, "state.", 6) == 0 && (size) > 0) \
+    ck_assert_msg(memcmp(at a->field, at d->field, size) == 0, "%s is another one", #field);
+#define NUMBER_IS(object, field, ...) IS(&, object.field, sizeof d->object.field)
+#define PARTICLES_ARE(field, n, name) IS(, field, np *(size_t)(n) * sizeof *d->field)
+#define FIXED_IS(field, n) IS(, field, (n) * sizeof *d->field)
+#define FORCES_ARE(field, name) IS(, field, d->field ? np * sizeof *d->field : 0)
+  DEM_NUMBER_STATE(NUMBER_IS)
+  DEM_DERIVED_STATE(NUMBER_IS)
+  DEM_PARTICLE_STATE(PARTICLES_ARE)
+  DEM_FIXED_STATE(FIXED_IS)
+  DEM_FORCE_STATE(FORCES_ARE)
+}
+
+START_TEST(test_every_member_comes_back) {
+  for (int k = 0; k < 4; k++) {
+    rig *r = rig_make(everything(k, ""), 1e-4, 0, NULL), *other = rig_make(everything(k, ""), 1e-4, 0, NULL);
+    go_on(r, 503);
+    void *bytes;
+    size_t size;
+    tdm_error err = {0};
+    ck_assert(dem_state_save(r->data, &bytes, &size));
+    scramble(other->data);
+    ck_assert_msg(!dem_state_load(other->data, bytes, size, &err), "%s", err.message);
+    same_members(r->data, other->data);
+    dem_data *copy = dem_data_create(r->model);
+    scramble(copy);
+    ck_assert(dem_data_copy(copy, r->data));
+    same_members(r->data, copy);
+    dem_data_destroy(&copy);
+    free(bytes);
+    rig_free(r);
+    rig_free(other);
+  }
+}
+
 START_TEST(test_goes_on) {
   for (int k = 0; k < 4; k++) {
     rig *r = rig_make(everything(k, ""), 1e-4, 0, NULL), *other = rig_make(everything(k, ""), 1e-4, 0, NULL);
@@ -231,4 +307,5 @@ START_TEST(test_start) {
 }
 END_TEST
 
-TEST_MAIN("dem state", test_goes_on, test_many, test_damage, test_start)
+TEST_MAIN("dem state", test_every_member_has_a_row, test_every_member_comes_back, test_goes_on, test_many, test_damage,
+          test_start)
