@@ -89,7 +89,7 @@ tdm_status dem_engine_advance(dem_engine *engine, const dem_window *window, cons
 tdm_status dem_engine_save(dem_engine *engine, int slot, tdm_error *err);
 
 /* Go back to the state of a slot: what follows has the same bits. TDM_ERR_PROTOCOL: nothing was saved there. A whole
- * state as bytes or a file: state/state_file.h. */
+ * state as bytes or a file: store/state_file.h. */
 tdm_status dem_engine_restore(dem_engine *engine, int slot, tdm_error *err);
 
 /* ---- observe ---- */
