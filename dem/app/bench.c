@@ -12,6 +12,7 @@
 #include "dem/step/step.h"
 #include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
+#include "protocol/app/results.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/status.h"
@@ -22,7 +23,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static const char usage[] =
@@ -359,9 +359,8 @@ static void cache_name(char name[PATH_MAX], const options *o) {
     snprintf(folder, sizeof folder, "%s", cache);
   else if (home && home[0])
     snprintf(folder, sizeof folder, "%s/.cache", home);
-  mkdir(folder, 0755);
   strncat(folder, "/tandem", sizeof folder - strlen(folder) - 1);
-  mkdir(folder, 0755);
+  tdm_make_directory(folder, NULL); /* where that fails, writing the bed says so */
   snprintf(name, PATH_MAX, "%s/bed_%d_%g_%g_%g.txt", folder, o->particles, o->radius[0], o->radius[1], o->box);
 }
 
