@@ -25,7 +25,7 @@
 
 static const char magic[8] = {'T', 'N', 'D', 'M', 'D', 'E', 'M', '\n'};
 
-/* Raise it when the format changes, or when the same inputs give another state. */
+/* Raise it when the format or what the fingerprints are made of changes, or when the same inputs give another state. */
 enum { STATE_VERSION = 6 };
 
 typedef struct {
