@@ -3,7 +3,6 @@
 #include "dem/app/bench.h"
 #include "dem/app/run.h"
 
-#include <gsl/gsl_errno.h>
 #include <malloc.h>
 #include <string.h>
 
@@ -11,7 +10,6 @@ int main(int argc, char **argv) {
   /* Large arrays in pages of their own, also after some were freed: they grow without a copy, and what is freed goes.
    */
   mallopt(M_MMAP_THRESHOLD, 1 << 18);
-  gsl_set_error_handler_off(); /* GSL's own aborts */
   if (argc > 1 && strcmp(argv[1], "bench") == 0)
     return dem_bench_main(argc - 2, argv + 2);
   return tdm_standalone_main(&dem_program, argc, argv);

@@ -5,6 +5,7 @@
 
 #include "coupler/observe/observers.h"
 #include "protocol/app/command_line.h"
+#include "protocol/base/hash.h"
 #include "protocol/base/log.h"
 
 #include <ctype.h>
@@ -87,14 +88,6 @@ static bool shares_bed(const char *path) {
   return strncmp(path, "time.", 5) == 0 || strncmp(path, "coupling.", 9) == 0 || strncmp(path, "output.", 7) == 0;
 }
 
-/* FNV-1a, 64 bits */
-static uint64_t hash_text(const char *text) {
-  uint64_t h = 0xcbf29ce484222325u;
-  for (; *text; text++)
-    h = (h ^ (unsigned char)*text) * 0x100000001b3u;
-  return h;
-}
-
 /* The directory of a cell: its name with other characters for those that are awkward; a long one is cut and gets its
  * hash, so that cells stay apart. */
 static void choose_dir(const cpl_sweep_options *o, const char *full_name, cpl_cell *cell) {
@@ -109,7 +102,8 @@ static void choose_dir(const cpl_sweep_options *o, const char *full_name, cpl_ce
       *c = '_';
     }
   if (awkward)
-    snprintf(cell->dir + strlen(cell->dir), 20, "_%08x", (unsigned)hash_text(full_name));
+    snprintf(cell->dir + strlen(cell->dir), 20, "_%08x",
+             (unsigned)tdm_hash_bytes(TDM_HASH_START, full_name, strlen(full_name)));
 }
 
 /* Cell number -> values of its axes; the first axis runs slowest. */
@@ -160,7 +154,7 @@ static void share_bed(const cpl_sweep_options *o, cpl_cell *cell) {
       json_object_del(scene.root, others[i]);
     char *text = ours ? json_dumps(scene.root, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     if (text && asprintf(&cell->assignment[o->naxis], "dem.settle.store=%s/bed_%016llx", o->out,
-                         (unsigned long long)hash_text(text)) < 0)
+                         (unsigned long long)tdm_hash_bytes(TDM_HASH_START, text, strlen(text))) < 0)
       cell->assignment[o->naxis] = NULL; /* every cell settles its own */
     cell->set[o->naxis] = cell->assignment[o->naxis];
     free(text);

@@ -13,6 +13,7 @@
 #include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
 #include "protocol/app/results.h"
+#include "protocol/base/gsl_errors.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/status.h"
@@ -520,6 +521,7 @@ static tdm_status measure(const options *o, bed *b, json_t **out, tdm_error *err
 }
 
 int dem_bench_main(int argc, char **argv) {
+  tdm_gsl_return_errors();
   options o = {.particles = 10000, .threads = 1, .dt = 8.6e-5, .radius = {0.005, 0.005}};
   tdm_error err = {0};
   bed b = {0};

@@ -4,6 +4,7 @@
 
 #include "dem/geometry/mesh_data.h"
 #include "dem/geometry/mesh_tree.h"
+#include "protocol/base/hash.h"
 #include "protocol/base/surface.h"
 
 #include <stdint.h>
@@ -343,18 +344,11 @@ const dem_mesh_report *dem_mesh_figures(const dem_mesh *m) {
   return &m->report;
 }
 
-static uint64_t hash_bytes(uint64_t h, const void *bytes, size_t n) {
-  const unsigned char *b = bytes;
-  for (size_t i = 0; i < n; i++)
-    h = (h ^ b[i]) * 0x100000001b3u;
-  return h;
-}
-
 unsigned long long dem_mesh_hash(const dem_mesh *m) {
-  uint64_t h = hash_bytes(0xcbf29ce484222325u, &m->facet_angle, sizeof m->facet_angle);
-  h = hash_bytes(h, m->vertex, (size_t)m->nvertex * sizeof *m->vertex);
+  uint64_t h = tdm_hash_bytes(TDM_HASH_START, &m->facet_angle, sizeof m->facet_angle);
+  h = tdm_hash_bytes(h, m->vertex, (size_t)m->nvertex * sizeof *m->vertex);
   for (int t = 0; t < m->nface; t++)
-    h = hash_bytes(h, m->face[t].vertex, sizeof m->face[t].vertex);
+    h = tdm_hash_bytes(h, m->face[t].vertex, sizeof m->face[t].vertex);
   return h;
 }
 

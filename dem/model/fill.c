@@ -223,6 +223,10 @@ static void read_random(filler *f) {
   }
   dem_fewer_cells(n, fmax(CELLS_MANY, 2 * (double)count));
   gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+  if (!rng) {
+    tdm_fail(o->err, TDM_ERR_MEMORY, NULL, "out of memory");
+    return;
+  }
   gsl_rng_set(rng, (unsigned long)f->seed);
   scatter(f, rng, low, size, n, count);
   gsl_rng_free(rng);

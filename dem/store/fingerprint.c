@@ -4,27 +4,18 @@
 
 #include "dem/contact/table.h"
 #include "dem/model/integrator.h"
+#include "protocol/base/hash.h"
 
 #include <stddef.h>
 #include <string.h>
 
-/* FNV-1a, 64 bits */
-static uint64_t hash_bytes(uint64_t h, const void *bytes, size_t n) {
-  const unsigned char *b = bytes;
-  for (size_t i = 0; i < n; i++)
-    h = (h ^ b[i]) * 0x100000001b3u;
-  return h;
-}
-
 static uint64_t hash_numbers(uint64_t h, const double *x, size_t n) {
-  return hash_bytes(h, x, n * sizeof *x);
+  return tdm_hash_bytes(h, x, n * sizeof *x);
 }
 
 static uint64_t hash_vectors(uint64_t h, const tdm_vec3 *x, size_t n) {
-  return hash_bytes(h, x, n * sizeof *x);
+  return tdm_hash_bytes(h, x, n * sizeof *x);
 }
-
-static const uint64_t hash_start = 0xcbf29ce484222325u;
 
 static uint64_t hash_walls(uint64_t h, const dem_model *m) {
   for (int w = 0; w < m->nwall; w++) {
@@ -43,7 +34,7 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
                            wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
     h = hash_numbers(h, more, sizeof more / sizeof *more);
     unsigned long long data = wall->shape->hash ? wall->shape->hash(wall) : 0;
-    h = hash_bytes(h, &data, sizeof data);
+    h = tdm_hash_bytes(h, &data, sizeof data);
   }
   for (int k = 0; k < m->nbox; k++) {
     const double lid[] = {m->box[k].lid, m->box[k].gap, m->box[k].press};
@@ -53,7 +44,7 @@ static uint64_t hash_walls(uint64_t h, const dem_model *m) {
 }
 
 static uint64_t hash_name(uint64_t h, const char *name) {
-  return hash_bytes(h, name, strlen(name) + 1);
+  return tdm_hash_bytes(h, name, strlen(name) + 1);
 }
 
 static uint64_t hash_laws(uint64_t h, const dem_model *m) {
@@ -90,7 +81,7 @@ static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pairs
     const double given = p->given;
     h = hash_numbers(h, &given, 1);
     if (p->given) /* all coefficients, doubles from the first on */
-      h = hash_bytes(h, &p->restitution, sizeof *p - offsetof(dem_pair, restitution));
+      h = tdm_hash_bytes(h, &p->restitution, sizeof *p - offsetof(dem_pair, restitution));
   }
   return h;
 }
@@ -111,8 +102,8 @@ static uint64_t hash_pourings(uint64_t h, const dem_model *m) {
     const dem_pouring *p = &m->pouring[k];
     const double numbers[] = {p->first, p->count, p->largest};
     h = hash_numbers(h, numbers, 3);
-    h = hash_bytes(h, &p->seed, sizeof p->seed);
-    h = hash_bytes(h, &p->frame, sizeof p->frame);
+    h = tdm_hash_bytes(h, &p->seed, sizeof p->seed);
+    h = tdm_hash_bytes(h, &p->frame, sizeof p->frame);
     h = hash_vectors(h, &p->low, 1);
     h = hash_vectors(h, &p->high, 1);
   }
@@ -138,7 +129,7 @@ static uint64_t hash_surfaces(uint64_t h, const dem_model *m) {
 /* bodies are held while settling: their twists do not count */
 static uint64_t hash_poses(uint64_t h, const dem_model *m) {
   for (int b = 0; b < m->nbody; b++)
-    h = hash_bytes(h, &m->body[b].start.pose, sizeof m->body[b].start.pose);
+    h = tdm_hash_bytes(h, &m->body[b].start.pose, sizeof m->body[b].start.pose);
   return h;
 }
 
@@ -147,7 +138,7 @@ static uint64_t hash_particles(uint64_t h, const dem_model *m) {
   h = hash_numbers(h, (const double[]){m->nparticle}, 1);
   h = hash_numbers(h, m->radius, np);
   h = hash_numbers(h, m->mass, np);
-  h = hash_bytes(h, m->particle_material, np * sizeof *m->particle_material);
+  h = tdm_hash_bytes(h, m->particle_material, np * sizeof *m->particle_material);
   h = hash_vectors(h, m->position, np);
   h = hash_vectors(h, m->velocity, np);
   return hash_vectors(h, m->spin, np);
@@ -167,29 +158,29 @@ void dem_fingerprint_bed_parts(const dem_model *m, uint64_t part[DEM_BED_PARTS])
   const dem_settling *s = &m->settle;
   const double settle[] = {s->speed, s->max_time, s->dt, s->drag};
   const double counts[] = {m->nmaterial, m->nbody, m->nwall};
-  part[DEM_BED_LAWS] = hash_laws(hash_start, m);
-  part[DEM_BED_BOX] = hash_box(hash_start, m);
-  part[DEM_BED_SETTLE] = hash_numbers(hash_start, settle, sizeof settle / sizeof *settle);
-  part[DEM_BED_GRAVITY] = hash_vectors(hash_start, &m->gravity, 1);
-  part[DEM_BED_MATERIALS] = hash_body_materials(hash_materials(hash_start, m), m);
-  part[DEM_BED_PAIRS] = hash_pairs(hash_start, m, m->settle_pair);
-  part[DEM_BED_POSES] = hash_poses(hash_start, m);
-  part[DEM_BED_SHAPES] = hash_walls(hash_numbers(hash_start, counts, 3), m);
-  part[DEM_BED_POURED] = hash_pourings(hash_start, m);
-  part[DEM_BED_PARTICLES] = hash_particles(hash_start, m);
-  part[DEM_BED_GROUPS] = hash_groups(hash_start, m);
+  part[DEM_BED_LAWS] = hash_laws(TDM_HASH_START, m);
+  part[DEM_BED_BOX] = hash_box(TDM_HASH_START, m);
+  part[DEM_BED_SETTLE] = hash_numbers(TDM_HASH_START, settle, sizeof settle / sizeof *settle);
+  part[DEM_BED_GRAVITY] = hash_vectors(TDM_HASH_START, &m->gravity, 1);
+  part[DEM_BED_MATERIALS] = hash_body_materials(hash_materials(TDM_HASH_START, m), m);
+  part[DEM_BED_PAIRS] = hash_pairs(TDM_HASH_START, m, m->settle_pair);
+  part[DEM_BED_POSES] = hash_poses(TDM_HASH_START, m);
+  part[DEM_BED_SHAPES] = hash_walls(hash_numbers(TDM_HASH_START, counts, 3), m);
+  part[DEM_BED_POURED] = hash_pourings(TDM_HASH_START, m);
+  part[DEM_BED_PARTICLES] = hash_particles(TDM_HASH_START, m);
+  part[DEM_BED_GROUPS] = hash_groups(TDM_HASH_START, m);
 }
 
 uint64_t dem_fingerprint_bed(const dem_model *m) {
   uint64_t part[DEM_BED_PARTS];
   dem_fingerprint_bed_parts(m, part);
-  return hash_bytes(hash_start, part, sizeof part);
+  return tdm_hash_bytes(TDM_HASH_START, part, sizeof part);
 }
 
 uint64_t dem_fingerprint_start(const dem_model *m) {
   const double counts[] = {m->nmaterial,         m->nbody, m->nwall, m->domain.periodic[0], m->domain.periodic[1],
                            m->domain.periodic[2]};
-  uint64_t h = hash_numbers(hash_laws(hash_start, m), counts, 6);
+  uint64_t h = hash_numbers(hash_laws(TDM_HASH_START, m), counts, 6);
   return hash_walls(hash_materials(h, m), m);
 }
 
@@ -210,7 +201,7 @@ uint64_t dem_fingerprint_whole(const dem_model *m) {
     h = hash_vectors(h, &source->low, 1);
     h = hash_vectors(h, &source->high, 1);
     h = hash_vectors(h, &source->velocity, 1);
-    h = hash_bytes(h, &source->seed, sizeof source->seed);
+    h = tdm_hash_bytes(h, &source->seed, sizeof source->seed);
   }
   for (int s = 0; s < m->nsink; s++) { /* what a sink has counted is by its classes */
     const double classes = m->sink[s].nedge;

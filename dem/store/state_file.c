@@ -9,6 +9,7 @@
 #include "dem/state/domain.h"
 #include "dem/state/field.h"
 #include "dem/store/fingerprint.h"
+#include "protocol/base/hash.h"
 #include "protocol/base/input.h"
 
 #include <assert.h>
@@ -59,17 +60,6 @@ DEM_NUMBER_STATE(X)
 typedef struct {
   int32_t particle, other, part, unused; /* other: particle or wall */
 } contact;
-
-/* FNV-1a over words of 8 bytes; n is a multiple of 8 */
-static uint64_t checksum(const void *bytes, size_t n) {
-  const char *b = bytes;
-  uint64_t h = 0xcbf29ce484222325u, word;
-  for (size_t i = 0; i < n; i += sizeof word) {
-    memcpy(&word, b + i, sizeof word);
-    h = (h ^ word) * 0x100000001b3u;
-  }
-  return h;
-}
 
 /* ---- writing ---- */
 
@@ -194,7 +184,7 @@ static bool save(const dem_data *d, const void *note, size_t note_size, void **b
   uint64_t total = w.size + sizeof total;
   if (!w.failed)
     memcpy(w.bytes + offsetof(header, size), &total, sizeof total);
-  uint64_t sum = w.failed ? 0 : checksum(w.bytes, w.size);
+  uint64_t sum = w.failed ? 0 : tdm_hash_words(TDM_HASH_START, w.bytes, w.size);
   put(&w, &sum, sizeof sum);
   if (w.failed) {
     free(w.bytes);
@@ -292,7 +282,7 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
     return refuse(r, err, "is cut short");
   uint64_t sum;
   memcpy(&sum, r->bytes + r->size - sizeof sum, sizeof sum);
-  if (h.size != r->size || r->size % 8 != 0 || sum != checksum(r->bytes, r->size - sizeof sum) ||
+  if (h.size != r->size || r->size % 8 != 0 || sum != tdm_hash_words(TDM_HASH_START, r->bytes, r->size - sizeof sum) ||
       h.nparticle > (uint64_t)INT_MAX / 2)
     return refuse(r, err, "is damaged");
   r->nparticle = (int)h.nparticle;

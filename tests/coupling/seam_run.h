@@ -6,9 +6,8 @@
 #include "coupler/run/run.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
+#include "protocol/base/gsl_errors.h"
 #include "tests/command.h"
-
-#include <gsl/gsl_errno.h>
 
 /* A box on a spring, around a sphere that both of its faces press on; ' stands for ". */
 static const char seam_scene[] =
@@ -34,7 +33,7 @@ static inline tdm_status seam_run(const char *dir, const char *out, const char *
                                   const cpl_scheme *const *schemes, const cpl_observer *const *observers,
                                   cpl_run_result *result, tdm_error *err) {
   char scene[256], results[256];
-  gsl_set_error_handler_off();
+  tdm_gsl_return_errors();
   snprintf(scene, sizeof scene, "%s/scene.json", dir);
   snprintf(results, sizeof results, "%s/%s", dir, out);
   const cpl_run_options options = {

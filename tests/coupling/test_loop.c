@@ -5,6 +5,7 @@
 #include "coupler/scheme/schemes.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
+#include "protocol/base/gsl_errors.h"
 #include "tests/coupling/seam_run.h"
 #include "tests/test_main.h"
 
@@ -48,7 +49,7 @@ typedef struct {
 static void set_up(stage *s, const cpl_scheme *const *schemes, const char *set) {
   char file[256];
   const tdm_solver_ops *const ops[] = {[CPL_MBD] = &mbd_solver_ops, [CPL_DEM] = &dem_solver_ops};
-  gsl_set_error_handler_off();
+  tdm_gsl_return_errors();
   *s = (stage){.dir = directory_with_scene(vibrating), .context = tdm_context_create()};
   snprintf(file, sizeof file, "%s/scene.json", s->dir);
   OK(tdm_scene_read(&s->scene, file, &s->err));

@@ -4,9 +4,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
+#include "protocol/base/gsl_errors.h"
 #include "protocol/base/log.h"
 
-#include <gsl/gsl_errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,6 +114,6 @@ int main(int argc, char **argv) {
   ops.create = create;
   ops.step = step;
   ops.software = "liar 1.0";
-  gsl_set_error_handler_off();
+  tdm_gsl_return_errors();
   return tdm_solver_main(&ops, argc, argv);
 }

@@ -4,6 +4,7 @@
 
 #include "dem/geometry/wall/rows.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { SHAPES_MAX = 32 };
@@ -17,8 +18,9 @@ static const dem_shape *shapes[SHAPES_MAX + 1] = {
 
 bool dem_shape_add(const dem_shape *shape) {
   int n = 0;
+  assert(shape->type && shape->read);
   for (; shapes[n]; n++)
-    if (strcmp(shapes[n]->type, shape->type) == 0)
+    if ((shapes[n]->type && strcmp(shapes[n]->type, shape->type) == 0) || shapes[n]->number == shape->number)
       return false;
   if (n == SHAPES_MAX)
     return false;
