@@ -60,15 +60,15 @@ static tdm_vec3 velocity_of(const dem_data *d, const dem_source *s) {
 }
 
 /* the places that the source's particles can take in this step, of length dt */
-static bool open_room(dem_free_space *room, const dem_data *d, const dem_source *s, double dt) {
+static bool open_space(dem_free_space *space, const dem_data *d, const dem_source *s, double dt) {
   double flight = dt * (tdm_norm(velocity_of(d, s)) + 0.5 * dt * tdm_norm(d->model->gravity));
   tdm_vec3 margin = tdm_v3(flight, flight, flight);
-  return dem_free_space_open(room, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
+  return dem_free_space_open(space, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
 }
 
 /* The source's next particle, which was due `late` [s] ago, if there is room for it. */
-static bool find_room(const dem_data *d, dem_free_space *room, const dem_source *s, dem_source_state *now, double late,
-                      dem_newcomer *out) {
+static bool find_place(const dem_data *d, dem_free_space *space, const dem_source *s, dem_source_state *now,
+                       double late, dem_newcomer *out) {
   const dem_model *m = d->model;
   bool point = s->low.x == s->high.x && s->low.y == s->high.y && s->low.z == s->high.z;
   out->radius = dem_sizes_draw(&s->sizes, s->seed, now->made);
@@ -81,7 +81,7 @@ static bool find_room(const dem_data *d, dem_free_space *room, const dem_source 
     out->position = tdm_axpy(0.5 * late * late, m->gravity, tdm_axpy(late, v, x));
     out->position = dem_flatten(m, out->position, m->flat_at);
     now->tried++;
-    if (dem_free_space_free(room, d, out->position, out->radius))
+    if (dem_free_space_free(space, d, out->position, out->radius))
       return true;
   }
   return false;
@@ -125,7 +125,7 @@ static void note_room(const dem_source *s, dem_source_state *now, double t) {
 }
 
 /* make what is due, as far as there is room; false: no memory */
-static bool make_due(dem_data *d, dem_free_space *room, const dem_source *s, dem_source_state *now, double t,
+static bool make_due(dem_data *d, dem_free_space *space, const dem_source *s, dem_source_state *now, double t,
                      double dt) {
   const double round_off = ROUND_OFF * dt;
   while (now->made < now->due) {
@@ -134,12 +134,12 @@ static bool make_due(dem_data *d, dem_free_space *room, const dem_source *s, dem
     if (now->blocked || late < round_off || late > dt - round_off)
       late = 0;
     dem_newcomer newcomer;
-    if (!find_room(d, room, s, now, late, &newcomer)) {
+    if (!find_place(d, space, s, now, late, &newcomer)) {
       note_wait(s, now, t);
       return true;
     }
     note_room(s, now, t);
-    if (!dem_data_add(d, &newcomer) || !dem_free_space_add(room, d, d->state.nparticle - 1))
+    if (!dem_data_add(d, &newcomer) || !dem_free_space_add(space, d, d->state.nparticle - 1))
       return false;
     now->made++;
     now->made_mass += newcomer.mass;
@@ -152,11 +152,11 @@ static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, 
   advance_due(d->model, s, now, t, ROUND_OFF * dt);
   if (now->made == now->due)
     return true;
-  dem_free_space room;
-  if (!open_room(&room, d, s, dt))
+  dem_free_space space;
+  if (!open_space(&space, d, s, dt))
     return false;
-  bool good = make_due(d, &room, s, now, t, dt);
-  dem_free_space_close(&room);
+  bool good = make_due(d, &space, s, now, t, dt);
+  dem_free_space_close(&space);
   return good;
 }
 

@@ -30,14 +30,14 @@ typedef struct {
 
 /* For spheres of up to `radius` with centres in the box [low, high]. False: no memory (then there is nothing to
  * close). */
-bool dem_free_space_open(dem_free_space *room, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
-void dem_free_space_close(dem_free_space *room);
+bool dem_free_space_open(dem_free_space *space, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
+void dem_free_space_close(dem_free_space *space);
 
 /* Has a sphere at x, in the box, room: does it overlap neither a particle nor a wall? One that is altogether behind a
  * plane is not in it. */
-bool dem_free_space_free(dem_free_space *room, const dem_data *data, tdm_vec3 x, double radius);
+bool dem_free_space_free(dem_free_space *space, const dem_data *data, tdm_vec3 x, double radius);
 
 /* Particle i, of no more than the radius of dem_free_space_open, has come. False: no memory. */
-bool dem_free_space_add(dem_free_space *room, const dem_data *data, int i);
+bool dem_free_space_add(dem_free_space *space, const dem_data *data, int i);
 
 #endif

@@ -261,15 +261,21 @@ static void multi_kick_driven(dem_data *d, int chunk, double dt) {
   kick_multi(d, chunk, dt, true);
 }
 
-#define verlet_optional(suffix) NULL, NULL
-#define leap_frog_optional(suffix) leap_frog_remember##suffix, NULL
-#define stormer_optional(suffix) stormer_remember##suffix, NULL
-#define multi_optional(suffix) NULL, multi_kick##suffix
+/* what not all integrators have */
+#define verlet_optional(suffix) .remember = NULL
+#define leap_frog_optional(suffix) .remember = leap_frog_remember##suffix
+#define stormer_optional(suffix) .remember = stormer_remember##suffix
+#define multi_optional(suffix) .kick = multi_kick##suffix
+#define ROW(title, integrator, keeping, with, suffix) \
+  {.name = title,                                     \
+   .driven = with,                                    \
+   .keeps = keeping,                                  \
+   .begin = integrator##_begin##suffix,               \
+   .end = integrator##_end##suffix,                   \
+   integrator##_optional(suffix)},
 
 const dem_integrator DEM_ISA(dem_integrators)[] = {
-#define X(title, name, keeps)                                         \
-  {title, false, keeps, name##_begin, name##_end, name##_optional()}, \
-      {title, true, keeps, name##_begin_driven, name##_end_driven, name##_optional(_driven)},
+#define X(title, name, keeps) ROW(title, name, keeps, false, ) ROW(title, name, keeps, true, _driven)
     DEM_INTEGRATOR_LIST(X)
 #undef X
         {0}};

@@ -1,4 +1,4 @@
-/* The coupled loop's data: see loop.h. */
+/* The life of a loop, from its beginning to its end, and its way back: see loop.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/loop.h"
 
