@@ -4,6 +4,7 @@
 
 #include "dem/search/order.h"
 #include "dem/search/search.h"
+#include "dem/state/crossings.h"
 #include "dem/state/particles.h"
 #include "dem/state/wall_gap.h"
 
@@ -129,7 +130,7 @@ static void fill_chunk(dem_data *d, int c) {
 static bool place_crossings(dem_data *d) {
   dem_pairs *list = &d->lists.pairs;
   dem_crossings *x = &d->lists.crossings;
-  int count = 0, first = d->state.nparticle + 1;
+  int count = 0;
   for (int c = 0; c < d->lists.nchunk - 1; c++)
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
       count += list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;
@@ -142,7 +143,7 @@ static bool place_crossings(dem_data *d) {
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
       if (list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK) {
         x->particle[place] = list->other[k];
-        list->reaction_slot[k] = first + place++;
+        list->reaction_slot[k] = dem_crossing_slot(d, place++);
         x->chunk[list->other[k] / DEM_CHUNK + 1]++;
       }
   for (int c = 0; c < d->lists.nchunk; c++)

@@ -4,17 +4,11 @@
 
 #include "dem/model/group_options.h"
 #include "dem/model/integrator.h"
+#include "dem/state/crossings.h"
 #include "dem/state/field.h"
 #include "dem/state/wall_gap.h"
 
 #include <string.h>
-
-/* The places of the crossings follow the last particle: they are no longer where they were. All of them are empty
- * between steps, and the lists that are made next place them anew. */
-static void forget_crossings(dem_data *d) {
-  d->lists.crossings.count = 0;
-  memset(d->lists.crossings.chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *d->lists.crossings.chunk);
-}
 
 /* the energy of particle i, which came (1) or goes (-1) */
 static void note_flow(dem_data *d, int i, double sign) {
@@ -49,7 +43,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   dem_mark_front(d, i);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
   d->lists.pairs.first[i + 1] = d->lists.pairs.first[i];
-  forget_crossings(d);
+  dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
   d->lists.stale = true;
   return true;
 }
@@ -121,7 +115,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
 #undef X
   }
   d->state.nparticle = after;
-  forget_crossings(d);
+  dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
   dem_data_end(d);
   d->state.push[after] = (dem_push){0};
   if (d->state.spare_push)

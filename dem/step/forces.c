@@ -5,6 +5,7 @@
 #include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
 #include "dem/search/pairs.h"
+#include "dem/state/crossings.h"
 #include "dem/state/wall_gap.h"
 
 #include <string.h>
@@ -49,7 +50,7 @@ static void sum_contacts(dem_data *d, bool settling) {
   const dem_model *m = d->model;
   const dem_crossings *x = &d->lists.crossings;
   const size_t nsum = (size_t)m->nsum;
-  memset(d->work.contact_sum, 0, (size_t)(d->state.nparticle + 1 + x->count) * nsum * sizeof *d->work.contact_sum);
+  memset(d->work.contact_sum, 0, dem_push_count(d) * nsum * sizeof *d->work.contact_sum);
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int c = 0; c < d->lists.nchunk; c++) {
     dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling};
@@ -61,7 +62,7 @@ static void sum_contacts(dem_data *d, bool settling) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int c = 0; c < d->lists.nchunk; c++)
     for (int k = x->chunk[c]; k < x->chunk[c + 1]; k++) {
-      size_t slot = (size_t)(d->state.nparticle + 1 + x->order[k]), particle = (size_t)x->particle[x->order[k]];
+      size_t slot = (size_t)dem_crossing_slot(d, x->order[k]), particle = (size_t)x->particle[x->order[k]];
       for (size_t q = 0; q < nsum; q++)
         d->work.contact_sum[particle * nsum + q] += d->work.contact_sum[slot * nsum + q];
     }
@@ -148,12 +149,13 @@ static void add_both(dem_data *d, bool settling, double dt) {
 /* ---- without a step ---- */
 
 void dem_forces_frozen(dem_data *d, double dt) {
-  memset(d->state.push, 0, (size_t)(d->state.nparticle + 1 + d->lists.crossings.count) * sizeof *d->state.push);
+  memset(d->state.push, 0, dem_push_count(d) * sizeof *d->state.push);
   dem_forces_add(d, DEM_ALL, false, dt, NULL);
 }
 
 void dem_forces_again(dem_data *d, bool settling, double dt) {
-  memset(d->state.push + d->state.nparticle, 0, (size_t)(1 + d->lists.crossings.count) * sizeof *d->state.push);
+  memset(d->state.push + d->state.nparticle, 0,
+         (dem_push_count(d) - (size_t)d->state.nparticle) * sizeof *d->state.push);
   for (int i = 0; i < d->state.nparticle; i++) {
     d->state.sphere[i].velocity = d->state.pace[i].velocity;
     d->state.rotor[i].surface = tdm_scale(d->state.sphere[i].radius, d->state.pace[i].spin);

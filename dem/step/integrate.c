@@ -3,6 +3,7 @@
 #include "dem/step/integrate.h"
 
 #include "dem/contact/simd/simd.h"
+#include "dem/state/crossings.h"
 
 typedef double v8 __attribute__((vector_size(64)));
 typedef double v4 __attribute__((vector_size(32)));
@@ -94,7 +95,7 @@ static void add_crossings(dem_data *d, int chunk) {
   const dem_crossings *x = &d->lists.crossings;
   for (int k = x->chunk[chunk]; k < x->chunk[chunk + 1]; k++) {
     int place = x->order[k];
-    dem_push *from = &d->state.push[d->state.nparticle + 1 + place], *to = &d->state.push[x->particle[place]];
+    dem_push *from = &d->state.push[dem_crossing_slot(d, place)], *to = &d->state.push[x->particle[place]];
     v8 zero = {0};
     store8(to, load8(to) + load8(from));
     store8(from, zero);

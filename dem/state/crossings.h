@@ -1,0 +1,43 @@
+/* The seam between chunks: all that one chunk needs of others, and gives to others. Chunks that live in other processes
+ * will meet here.
+ *
+ * A contact belongs to the chunk of its first particle, i; its second, j > i, may belong to a later chunk: then the
+ * contact crosses. Between two builds of the lists (search/pairs.c) the crossings are the same.
+ *
+ *   a chunk reads of others, before the forces    sphere[j], rotor[j], material[j] of its crossings' partners (those of
+ *                                                 pairs.other in later chunks); the walls' places, which all have
+ *   ... where laws have sums                      contact_sum[j] of the same, when all sums are complete
+ *   it gives to others                            the reaction on j, in a place of its own behind the particles, until
+ *                                                 j's chunk takes it (dem_crossing_slot); sums of laws likewise
+ *   it gives to all                               chunk_load, chunk_flux and the largest way, added up in the order of
+ *                                                 the chunks, so that the bits do not depend on who worked when
+ *
+ * Who does it: search/pairs.c numbers the crossings; the pair loops write by pairs.reaction_slot; step/integrate.c
+ * takes reactions at the end of each chunk's step, step/forces.c takes sums of laws. Each of a chunk's takings is in
+ * the order of crossings.order, ascending, so it may come from anywhere.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_STATE_CROSSINGS_H
+#define DEM_STATE_CROSSINGS_H
+
+#include "dem/state/data.h"
+
+#include <string.h>
+
+/* Where crossing k has its place in push and contact_sum: behind the particles and the one that is none. */
+static inline int dem_crossing_slot(const dem_data *d, int k) {
+  return d->state.nparticle + 1 + k;
+}
+
+/* Entries of push and contact_sum in use: particles, the one that is none, crossings. */
+static inline size_t dem_push_count(const dem_data *d) {
+  return (size_t)dem_crossing_slot(d, d->lists.crossings.count);
+}
+
+/* There are no crossings until the lists are built next. */
+static inline void dem_crossings_forget(dem_data *d) {
+  d->lists.crossings.count = 0;
+  memset(d->lists.crossings.chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *d->lists.crossings.chunk);
+}
+
+#endif
