@@ -55,7 +55,7 @@ typedef struct {
 
 enum { DEM_HISTORY_MAX = 10, DEM_SETTINGS_MAX = 4 };
 
-/* A geometry: walls that move as one rigid body. */
+/* A body: walls that move as one rigid body. */
 typedef struct {
   char *name;
   int material;
@@ -74,7 +74,7 @@ typedef struct {
 /* Makes particles during the run (flow.h). */
 typedef struct {
   char *name;
-  int material; /* material */
+  int material;
   dem_sizes sizes;
   double mass;        /* of one particle [kg], 0: from the density */
   double rate;        /* [1/s], 0: mass_rate decides */

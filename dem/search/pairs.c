@@ -263,7 +263,7 @@ static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
   }
 }
 
-/* the list of before with new numbers (NULL: the same); to ascend again it is sorted, histories with it */
+/* the previous list with new numbers (NULL: the same); to ascend again it is sorted, histories with it */
 static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
   size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
   if (n == 0 || ncolumn == 0)

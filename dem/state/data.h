@@ -224,7 +224,7 @@ typedef struct {
   void (*search_destroy)(struct dem_search **); /* of who made it */
   dem_rows rows;                                /* what the search found */
   dem_scratch scratch;                          /* the memory of push */
-  dem_wall_contacts spare_walls;                /* the list of before */
+  dem_wall_contacts spare_walls;                /* the previous list */
   size_t *chunk_spare;                          /* (nchunk + 1) */
 
   int *number;          /* (nparticle) scratch, where particles can leave; else none */

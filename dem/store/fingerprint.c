@@ -54,7 +54,7 @@ static uint64_t hash_laws(uint64_t h, const dem_model *m) {
   return hash_numbers(h, m->normal_setting, DEM_SETTINGS_MAX);
 }
 
-/* dimension and domain; as ever when the scene has neither */
+/* dimension and domain; unchanged where the scene has neither */
 static uint64_t hash_box(uint64_t h, const dem_model *m) {
   const dem_domain_def *box = &m->domain;
   const double flat[] = {m->flat, m->flat_at};
@@ -96,7 +96,7 @@ static uint64_t hash_groups(uint64_t h, const dem_model *m) {
   return h;
 }
 
-/* the particles that fall in while settling; as ever when there are none */
+/* the particles that fall in while settling; unchanged where there are none */
 static uint64_t hash_pourings(uint64_t h, const dem_model *m) {
   for (int k = 0; k < m->npouring; k++) {
     const dem_pouring *p = &m->pouring[k];

@@ -83,7 +83,7 @@ static const dem_normal_law confined = {
     .loops = {[DEM_PLAIN] = &dem_loops_confined_plain},
 };
 
-/* ---- what it is to give ---- */
+/* ---- the expected forces, from closed forms ---- */
 
 #include "test_dem_support.h"
 
