@@ -78,14 +78,19 @@ START_TEST(test_every_member_has_a_row) {
     ck_assert_msg(listed[k], "byte %zu of dem_state belongs to no row of fields.h", k);
 }
 
-/* bytes that no member has by chance */
+/* bytes that no member has by chance; an array that the scene does not have is NULL */
+static void scramble_array(void *array, size_t size) {
+  if (array)
+    memset(array, 0x5a, size);
+}
+
 static void scramble(dem_data *d) {
   size_t np = (size_t)d->state.nparticle, nb = (size_t)d->model->nbody, nw = (size_t)d->model->nwall,
          nl = (size_t)d->model->nload;
 #define NUMBER_(object, field, ...) memset(&d->object.field, 0x5a, sizeof d->object.field);
-#define PARTICLES_(field, n, name) memset(d->field, 0x5a, np *(size_t)(n) * sizeof *d->field);
-#define FIXED_(field, n) memset(d->field, 0x5a, (n) * sizeof *d->field);
-#define FORCES_(field, name) memset(d->field, 0x5a, d->field ? np * sizeof *d->field : 0);
+#define PARTICLES_(field, n, name) scramble_array(d->field, np *(size_t)(n) * sizeof *d->field);
+#define FIXED_(field, n) scramble_array(d->field, (n) * sizeof *d->field);
+#define FORCES_(field, name) scramble_array(d->field, np * sizeof *d->field);
   DEM_NUMBER_STATE(NUMBER_)
   DEM_PARTICLE_STATE(PARTICLES_)
   DEM_FIXED_STATE(FIXED_)

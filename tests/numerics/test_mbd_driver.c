@@ -129,6 +129,7 @@ START_TEST(test_law_ends) {
   CLOSE(tdm_motion_at(&m, 5).value, 3, 0);
   CLOSE(tdm_motion_at(&m, 5).rate, 0, 0);
   tdm_error err = {0};
+  tdm_motion_clear(&m);
   m = motion_of("{'motion':{'type':'table','times':[0,1,2,3],'values':[0,2,2,0],'interpolation':'periodic'}}");
   for (int k = -2; k <= 2; k++)
     CLOSE(tdm_motion_at(&m, 0.37 + 3 * k).value, tdm_motion_at(&m, 0.37).value, 1e-14);
@@ -179,10 +180,12 @@ START_TEST(test_law) {
   CLOSE(tdm_motion_at(&m, 10).value, w * (10 - T / 2), 1e-13);
   CLOSE(tdm_motion_at(&m, 10).rate, w, 0);
 
+  tdm_motion_clear(&m);
   m = motion_of("{'motion':{'type':'constant_rate','rate':2,'start':'step'}}");
   CLOSE(tdm_motion_at(&m, 0).rate, 2, 0);
   CLOSE(tdm_motion_at(&m, 1.5).value, 3, 0);
   CLOSE(tdm_motion_at(&m, 1.5).acceleration, 0, 0);
+  tdm_motion_clear(&m);
 }
 END_TEST
 
@@ -233,6 +236,7 @@ static void turn(const char *scene, double end, double rise, double limit) {
     drift = fmax(drift, run_value(&r, "constraint.drift"));
   }
   long steps = run_close_steps(&r);
+  tdm_motion_clear(&law);
   printf(
       "rise %g s: forces and torque %.2g, angle %.2g rad, rate %.2g rad/s, position %.2g m, drift %.2g, %ld steps in "
       "%ld windows\n",
@@ -294,6 +298,7 @@ START_TEST(test_long_windows) {
       }
     }
     long steps = run_close_steps(&r);
+    tdm_motion_clear(&law);
     printf("long windows: %.2g, %ld steps over 20 s\n", worst, steps);
     ck_assert_msg(worst < 1e-6 && steps < 2000, "%g, %ld steps", worst, steps);
   }
@@ -356,6 +361,7 @@ START_TEST(test_rotors) {
   }
   ck_assert_double_lt(run_value(&r, "driver.motor.angle"), -10 * M_PI / 2); /* over several turns */
   run_close(&r);
+  tdm_motion_clear(&law);
 }
 END_TEST
 
