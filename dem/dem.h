@@ -10,7 +10,7 @@
  * coupled bodies (ncoupled) stand in the order of the assignment. Arrays are packed, the last index runs fastest.
  *
  * Errors come as a status and a message in err that names place, cause and cure: TDM_ERR_SCENE and TDM_ERR_JSON for
- * what a scene says, TDM_ERR_FILE, TDM_ERR_MEMORY, TDM_ERR_NUMERIC when the guard or a number that is none stops the
+ * what a scene says, TDM_ERR_FILE, TDM_ERR_MEMORY, TDM_ERR_NUMERIC when the guard or a NaN stops the
  * run, TDM_ERR_INTERRUPTED, TDM_ERR_PROTOCOL for what another solver sent. After an error in advance or restore the
  * engine can be looked at and destroyed, not stepped.
  *

@@ -28,7 +28,7 @@ typedef enum {
 /* The key output.pictures. */
 typedef struct {
   int ntime;
-  int late;       /* times that are after the end of the run and left away */
+  int late;       /* times that are after the end of the run and left out */
   double *time;   /* (ntime) ascending [s] */
   int across, up; /* axes of the picture: 0, 1, 2 */
   dem_color color;

@@ -38,7 +38,7 @@ static void read_open(tdm_object *o, bool closed[6]) {
   }
 }
 
-/* "lid": the face that is left away while settling, -1: none */
+/* "lid": the face that is left out while settling, -1: none */
 static int read_lid(tdm_object *o, const bool closed[6], dem_box *box) {
   if (!tdm_has(o, "lid"))
     return -1;
