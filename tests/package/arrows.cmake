@@ -3,12 +3,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 cmake_minimum_required(VERSION 3.16)
 
-# What a room includes besides itself, protocol/base, protocol/motion and protocol/wire; rooms that are not named may
+# What a room includes besides itself, protocol/base, protocol/motion, protocol/view and protocol/wire; rooms that are not named may
 # include anything. In dem/: model <- state <- search, contact, geometry <- bodies <- step <- settle <- adapter <- app.
-set(shared protocol/base protocol/motion protocol/wire)
+set(shared protocol/base protocol/motion protocol/view protocol/wire)
 set(may_protocol/base "")
 set(may_protocol/motion protocol/base)
-set(may_protocol/wire protocol/base)
+set(may_protocol/view protocol/base)
+set(may_protocol/wire protocol/base protocol/view)
 set(may_protocol/app ${shared})
 set(may_dem/geometry ${shared})
 # the laws and searches that a scene can name have readers of their own, which know of the model at most
