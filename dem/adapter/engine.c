@@ -187,7 +187,7 @@ tdm_status dem_engine_save(dem_engine *e, int slot, tdm_error *err) {
   dem_data **kept = &e->slot[slot];
   if (!*kept)
     *kept = dem_data_create(e->model);
-  if (!*kept || !dem_data_copy(*kept, e->data))
+  if (!*kept || dem_data_copy(*kept, e->data))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->state.nparticle);
   return TDM_OK;
 }
@@ -196,7 +196,7 @@ tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
   assert(slot >= 0 && slot < TDM_SLOTS_MAX);
   if (!e->slot[slot])
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
-  if (!dem_data_copy(e->data, e->slot[slot]))
+  if (dem_data_copy(e->data, e->slot[slot]))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->state.nparticle);
   return TDM_OK;
 }

@@ -265,7 +265,7 @@ static void engine_destroy(engine *e) {
   dem_model_destroy(&e->model);
 }
 
-static bool add_ball(engine *e, ball s) {
+static tdm_status add_ball(engine *e, ball s) {
   double mass = e->model->material[0].density * 4.0 / 3 * M_PI * s.radius * s.radius * s.radius;
   return dem_data_add(e->data, &(dem_newcomer){.position = s.position, .radius = s.radius, .mass = mass});
 }
@@ -311,7 +311,7 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   if (!(o->skin > 0))
     e->model->mean_radius = b->mean; /* the scene has no particles; the first skin is a share of it */
   e->data = dem_data_create(e->model);
-  bool good = e->data && dem_data_reserve(e->data, b->n);
+  bool good = e->data && !dem_data_reserve(e->data, b->n);
   rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {
     ball s = {0};
@@ -319,7 +319,7 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
       s = next_of_lattice(b);
     else if (!next_line(b, &s, err))
       return err->status ? err->status : tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" changed while it was read", b->name);
-    good = add_ball(e, s);
+    good = !add_ball(e, s);
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
@@ -432,7 +432,7 @@ static tdm_status make_referee(engine *referee, dem_data *d, const options *o, t
   if (load_model(referee, &plain, err))
     return err->status;
   referee->data = dem_data_create(referee->model);
-  if (!referee->data || !dem_state_save(d, &bytes, &size))
+  if (!referee->data || dem_state_save(d, &bytes, &size))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", d->state.nparticle);
   if (dem_state_load(referee->data, bytes, size, err) == TDM_OK)
     dem_forces_again(referee->data, false, 0);

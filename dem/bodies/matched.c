@@ -73,9 +73,9 @@ static void release(dem_matched *m) {
 }
 
 /* Room for f independent velocities. */
-static bool reserve(dem_matched *m, int f) {
+static tdm_status reserve(dem_matched *m, int f) {
   if (m->f == f)
-    return true;
+    return TDM_OK;
   release(m);
   const size_t two = 2 * (size_t)f, k = (size_t)m->k6;
   m->B = calloc((size_t)f * k, sizeof *m->B);
@@ -99,7 +99,7 @@ static bool reserve(dem_matched *m, int f) {
   }
   m->next = m->y + two;
   m->f = good ? f : 0;
-  return good;
+  return good ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 dem_matched *dem_matched_create(int k) {
@@ -147,16 +147,16 @@ static double swing(const tdm_mobility *model, double H) {
   return H * fmax(sqrt(row_norm(f, model->stiffness)), row_norm(f, model->damping));
 }
 
-bool dem_matched_begin(dem_matched *m, const tdm_mobility *model, uint64_t n, double dt, const double *E) {
+tdm_status dem_matched_begin(dem_matched *m, const tdm_mobility *model, uint64_t n, double dt, const double *E) {
   const int f = model->nfree, k = m->k6;
   const double H = (double)n * dt;
   double most = 0;
   m->on = f > 0 && k > 0 && n > PARABOLA + 1 && swing(model, H) > least_swing;
   if (!m->on)
-    return true;
-  if (!reserve(m, f)) {
+    return TDM_OK;
+  if (reserve(m, f)) {
     m->on = false;
-    return false;
+    return TDM_ERR_MEMORY;
   }
   m->n = n;
   m->step = 0;
@@ -175,7 +175,7 @@ bool dem_matched_begin(dem_matched *m, const tdm_mobility *model, uint64_t n, do
       gsl_matrix_set(m->X, (size_t)(f + j), (size_t)i, m->scale[i] > 0 ? kick / m->scale[i] : 0);
     }
   }
-  return true;
+  return TDM_OK;
 }
 
 /* P_0 ... P_8 at x */

@@ -34,8 +34,8 @@ void dem_matched_destroy(dem_matched **matched);
 
 /* A window of n steps of dt [s] begins. E (2f x 2f, borrowed until the end of the window) is the flow of
  * (delta u, dt delta u') over a step. Where the parabola is good enough (the mechanism hardly swings, no reduced model,
- * fewer than five steps) the window is left out: dem_matched_end gives zeros. false: no memory. */
-bool dem_matched_begin(dem_matched *matched, const tdm_mobility *model, uint64_t n, double dt, const double *E);
+ * fewer than five steps) the window is left out: dem_matched_end gives zeros. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_matched_begin(dem_matched *matched, const tdm_mobility *model, uint64_t n, double dt, const double *E);
 
 /* Half a kick by the loads W (6k) on the bodies; the flow over a step. */
 void dem_matched_half_kick(dem_matched *matched, const double *W);

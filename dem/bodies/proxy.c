@@ -61,9 +61,9 @@ struct dem_proxy {
 /* ---- memory ---- */
 
 /* Room for f independent velocities. */
-static bool reserve(dem_proxy *x, int f) {
+static tdm_status reserve(dem_proxy *x, int f) {
   if (x->block && f <= x->capacity)
-    return true;
+    return TDM_OK;
   const size_t k = (size_t)x->k6, n = (size_t)f;
   free(x->block);
   gsl_matrix_free(x->L);
@@ -89,7 +89,7 @@ static bool reserve(dem_proxy *x, int f) {
     *arrays[i].at = at;
   const bool good = x->block && x->L && x->exponential;
   x->capacity = good ? f : -1;
-  return good;
+  return good ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 /* radius of gyration; 1 m for a body that cannot be moved */
@@ -191,7 +191,7 @@ static bool turns_with(tdm_vec3 omega, const double *a, const double *rate, int 
 }
 
 /* The reduced model; without one the mobility alone stands for a mechanism of 6k independent velocities. */
-static bool take_model(dem_proxy *x, const tdm_step *step) {
+static tdm_status take_model(dem_proxy *x, const tdm_step *step) {
   const tdm_proxy *in = &step->proxy;
   const tdm_mobility *m = &in->mobility;
   const int k = x->k6;
@@ -202,8 +202,8 @@ static bool take_model(dem_proxy *x, const tdm_step *step) {
   const int f = alone ? k : m->nfree;
   x->turned_so = x->turned_so && f == x->f;
   x->f = f;
-  if (!reserve(x, f))
-    return false;
+  if (reserve(x, f))
+    return TDM_ERR_MEMORY;
   memset(x->J, 0, 4 * (size_t)(k * f) * sizeof(double)); /* J, B and their rates */
   if (alone) {
     memcpy(x->B, m->Y, (size_t)(k * k) * sizeof(double));
@@ -220,7 +220,7 @@ static bool take_model(dem_proxy *x, const tdm_step *step) {
     memcpy(x->u1, m->velocity, (size_t)f * sizeof(double));
   }
   memset(x->z, 0, 2 * (size_t)f * sizeof(double));
-  return true;
+  return TDM_OK;
 }
 
 /* What drivers prescribe: V - J u', and its rate a - J u'' - (dJ/dt) u'. */
@@ -301,7 +301,7 @@ tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step
   x->H = dt * (double)step->nstep;
   x->tau = 0;
   x->blend_time = fmax(x->H, fmax(isfinite(contact_time) ? 0.5 * contact_time : 0, 10 * dt));
-  if (!take_model(x, step))
+  if (take_model(x, step))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a mechanism of %d degrees of freedom", x->f);
   const double *u2 = step->proxy.mobility.nfree > 0 ? step->proxy.mobility.acceleration : step->proxy.acceleration;
   memcpy(x->W0, step->proxy.load, (size_t)x->k6 * sizeof(double));
@@ -316,7 +316,7 @@ tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step
   }
   if (x->f > 0)
     take_flow(x, &step->proxy.mobility, u2);
-  if (x->matched && !dem_matched_begin(x->matched, &step->proxy.mobility, step->nstep, dt, x->E))
+  if (x->matched && dem_matched_begin(x->matched, &step->proxy.mobility, step->nstep, dt, x->E))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a mechanism of %d degrees of freedom", x->f);
   take_drift(x, d, step);
   gather(x, d);

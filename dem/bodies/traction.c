@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool dem_traction_reserve(dem_data *d) {
+tdm_status dem_traction_reserve(dem_data *d) {
   dem_traction *t = &d->work.traction;
   if (!t->wanted)
-    return true;
+    return TDM_OK;
   if (!t->force)
     t->force = calloc((size_t)d->model->ntriangle, sizeof *t->force);
   if (!t->entry_force || t->capacity < d->lists.walls.count) {
@@ -17,7 +17,7 @@ bool dem_traction_reserve(dem_data *d) {
     t->capacity = d->lists.walls.capacity + 1;
     t->entry_force = malloc(t->capacity * sizeof *t->entry_force);
   }
-  return t->force && t->entry_force;
+  return t->force && t->entry_force ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 tdm_vec3 *dem_traction_entries(dem_data *d) {

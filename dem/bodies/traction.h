@@ -8,8 +8,8 @@
 
 #include "dem/state/data.h"
 
-/* Room for the present walls' list, before an evaluation. False: no memory. */
-bool dem_traction_reserve(dem_data *data);
+/* Room for the present walls' list, before an evaluation. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_traction_reserve(dem_data *data);
 
 /* Where the loops put the forces of entries, zeroed; NULL: they are not wanted. */
 tdm_vec3 *dem_traction_entries(dem_data *data);

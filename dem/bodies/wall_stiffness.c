@@ -107,9 +107,9 @@ static void scale_body(const matrix6 L, int nfree, double *J, double *B, size_t 
     }
 }
 
-/* Largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: numbers that are none. False: no memory. */
-static bool largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product, double *value,
-                          double *out) {
+/* Largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: numbers that are none. */
+static tdm_status largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product,
+                                double *value, double *out) {
   for (size_t i = 0; i < wide; i++)
     for (size_t j = 0; j < wide; j++) {
       double sum = 0;
@@ -119,7 +119,7 @@ static bool largest_eigen(int nfree, const double *J, const double *B, size_t wi
     }
   gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(wide);
   if (!work)
-    return false;
+    return TDM_ERR_MEMORY;
   gsl_matrix_view matrix = gsl_matrix_view_array(product, wide, wide);
   gsl_vector_view values = gsl_vector_view_array(value, wide);
   int status = gsl_eigen_symm(&matrix.matrix, &values.vector, work);
@@ -128,7 +128,7 @@ static bool largest_eigen(int nfree, const double *J, const double *B, size_t wi
   for (size_t i = 0; i < wide; i++)
     largest = value[i] <= largest ? largest : value[i]; /* keeps a NaN */
   *out = status == GSL_SUCCESS ? largest : NAN;
-  return true;
+  return TDM_OK;
 }
 
 /* The eigenvalues of B K J that are not 0 are those of L^T J B L, K = L L^T, which is symmetric. */
@@ -150,7 +150,7 @@ tdm_status dem_walls_rate2(const dem_data *d, int nfree, const double *J, const 
       factor(K[c]);
       scale_body(K[c], nfree, left + 6 * c * (size_t)nfree, right + 6 * c, wide);
     }
-    good = largest_eigen(nfree, left, right, wide, product, value, rate2);
+    good = !largest_eigen(nfree, left, right, wide, product, value, rate2);
   }
   free(K);
   free(room);

@@ -60,7 +60,7 @@ static tdm_vec3 velocity_of(const dem_data *d, const dem_source *s) {
 }
 
 /* the places that the source's particles can take in this step, of length dt */
-static bool open_space(dem_free_space *space, const dem_data *d, const dem_source *s, double dt) {
+static tdm_status open_space(dem_free_space *space, const dem_data *d, const dem_source *s, double dt) {
   double flight = dt * (tdm_norm(velocity_of(d, s)) + 0.5 * dt * tdm_norm(d->model->gravity));
   tdm_vec3 margin = tdm_v3(flight, flight, flight);
   return dem_free_space_open(space, d, tdm_sub(s->low, margin), tdm_add(s->high, margin), s->sizes.max);
@@ -124,9 +124,9 @@ static void note_room(const dem_source *s, dem_source_state *now, double t) {
   now->blocked = 0;
 }
 
-/* make what is due, as far as there is room; false: no memory */
-static bool make_due(dem_data *d, dem_free_space *space, const dem_source *s, dem_source_state *now, double t,
-                     double dt) {
+/* make what is due, as far as there is room */
+static tdm_status make_due(dem_data *d, dem_free_space *space, const dem_source *s, dem_source_state *now, double t,
+                           double dt) {
   const double round_off = ROUND_OFF * dt;
   while (now->made < now->due) {
     /* one that waited, or queued behind one, starts where the source is */
@@ -136,28 +136,28 @@ static bool make_due(dem_data *d, dem_free_space *space, const dem_source *s, de
     dem_newcomer newcomer;
     if (!find_place(d, space, s, now, late, &newcomer)) {
       note_wait(s, now, t);
-      return true;
+      return TDM_OK;
     }
     note_room(s, now, t);
-    if (!dem_data_add(d, &newcomer) || !dem_free_space_add(space, d, d->state.nparticle - 1))
-      return false;
+    if (dem_data_add(d, &newcomer) || dem_free_space_add(space, d, d->state.nparticle - 1))
+      return TDM_ERR_MEMORY;
     now->made++;
     now->made_mass += newcomer.mass;
     now->tried = 0;
   }
-  return true;
+  return TDM_OK;
 }
 
-static bool run_source(dem_data *d, const dem_source *s, dem_source_state *now, double t, double dt) {
+static tdm_status run_source(dem_data *d, const dem_source *s, dem_source_state *now, double t, double dt) {
   advance_due(d->model, s, now, t, ROUND_OFF * dt);
   if (now->made == now->due)
-    return true;
+    return TDM_OK;
   dem_free_space space;
-  if (!open_space(&space, d, s, dt))
-    return false;
-  bool good = make_due(d, &space, s, now, t, dt);
+  if (open_space(&space, d, s, dt))
+    return TDM_ERR_MEMORY;
+  tdm_status status = make_due(d, &space, s, now, t, dt);
   dem_free_space_close(&space);
-  return good;
+  return status;
 }
 
 /* ---- sinks ---- */
@@ -236,7 +236,7 @@ tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
   if (m->nsink > 0)
     run_sinks(d);
   for (int s = 0; s < m->nsource; s++)
-    if (!run_source(d, &m->source[s], &d->state.source[s], t, dt))
+    if (run_source(d, &m->source[s], &d->state.source[s], t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
   return TDM_OK;
 }

@@ -12,30 +12,30 @@ enum { SCANS = 12 }; /* looks at all members that cost as much as making cells *
 
 /* ---- members ---- */
 
-static bool grow(dem_free_space *r) {
+static tdm_status grow(dem_free_space *r) {
   int capacity = 2 * r->capacity + 64;
   dem_occupant *member = realloc(r->member, (size_t)capacity * sizeof *member);
   r->member = member ? member : r->member;
   int *next = member && r->first ? realloc(r->next, (size_t)capacity * sizeof *next) : NULL;
   r->next = next ? next : r->next;
   if (!member || (r->first && !next))
-    return false;
+    return TDM_ERR_MEMORY;
   r->capacity = capacity;
-  return true;
+  return TDM_OK;
 }
 
-bool dem_free_space_open(dem_free_space *r, const dem_data *d, tdm_vec3 low, tdm_vec3 high, double radius) {
+tdm_status dem_free_space_open(dem_free_space *r, const dem_data *d, tdm_vec3 low, tdm_vec3 high, double radius) {
   const dem_model *m = d->model;
   *r = (dem_free_space){.low = dem_flatten(m, low, m->flat_at),
                         .high = dem_flatten(m, high, m->flat_at),
                         .radius = radius,
                         .largest = radius};
   for (int i = 0; i < d->state.nparticle; i++)
-    if (!dem_free_space_add(r, d, i)) {
+    if (dem_free_space_add(r, d, i)) {
       dem_free_space_close(r);
-      return false;
+      return TDM_ERR_MEMORY;
     }
-  return true;
+  return TDM_OK;
 }
 
 void dem_free_space_close(dem_free_space *r) {
@@ -107,17 +107,17 @@ static void find_images(const dem_free_space *r, const dem_data *d, const dem_sp
   }
 }
 
-static bool add_member(dem_free_space *r, tdm_vec3 x, double radius) {
-  if (r->count == r->capacity && !grow(r))
-    return false;
+static tdm_status add_member(dem_free_space *r, tdm_vec3 x, double radius) {
+  if (r->count == r->capacity && grow(r))
+    return TDM_ERR_MEMORY;
   r->largest = fmax(r->largest, radius);
   r->member[r->count++] = (dem_occupant){x, radius};
   if (r->first)
     put_in_cell(r, r->count - 1);
-  return true;
+  return TDM_OK;
 }
 
-bool dem_free_space_add(dem_free_space *r, const dem_data *d, int i) {
+tdm_status dem_free_space_add(dem_free_space *r, const dem_data *d, int i) {
   const dem_sphere *s = &d->state.sphere[i];
   double from[3], to[3];
   find_images(r, d, s, from, to);
@@ -126,10 +126,10 @@ bool dem_free_space_add(dem_free_space *r, const dem_data *d, int i) {
       for (double a = from[0]; a <= to[0]; a++) {
         tdm_vec3 shift =
             tdm_v3(a * d->state.domain.length[0], b * d->state.domain.length[1], c * d->state.domain.length[2]);
-        if (!add_member(r, tdm_add(s->position, shift), s->radius))
-          return false;
+        if (add_member(r, tdm_add(s->position, shift), s->radius))
+          return TDM_ERR_MEMORY;
       }
-  return true;
+  return TDM_OK;
 }
 
 /* ---- asking ---- */

@@ -28,16 +28,16 @@ typedef struct {
   int *next;             /* (capacity) the next member of its cell, -1: none */
 } dem_free_space;
 
-/* For spheres of up to `radius` with centres in the box [low, high]. False: no memory (then there is nothing to
+/* For spheres of up to `radius` with centres in the box [low, high]. TDM_ERR_MEMORY (then there is nothing to
  * close). */
-bool dem_free_space_open(dem_free_space *space, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
+tdm_status dem_free_space_open(dem_free_space *space, const dem_data *data, tdm_vec3 low, tdm_vec3 high, double radius);
 void dem_free_space_close(dem_free_space *space);
 
 /* Has a sphere at x, in the box, room: does it overlap neither a particle nor a wall? One that is altogether behind a
  * plane is not in it. */
 bool dem_free_space_free(dem_free_space *space, const dem_data *data, tdm_vec3 x, double radius);
 
-/* Particle i, of no more than the radius of dem_free_space_open, has come. False: no memory. */
-bool dem_free_space_add(dem_free_space *space, const dem_data *data, int i);
+/* Particle i, of no more than the radius of dem_free_space_open, has come. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_free_space_add(dem_free_space *space, const dem_data *data, int i);
 
 #endif

@@ -43,10 +43,10 @@ static int by_place(const void *pa, const void *pb) {
 }
 
 /* the triangles that have an area, their corners merged where equal */
-static bool make_vertices(dem_mesh *m, const tdm_stl *stl) {
+static tdm_status make_vertices(dem_mesh *m, const tdm_stl *stl) {
   corner *all = malloc(3 * (size_t)stl->count * sizeof *all);
   if (!all)
-    return false;
+    return TDM_ERR_MEMORY;
   for (int t = 0; t < stl->count; t++) {
     const tdm_vec3 *c = &stl->corner[3 * (size_t)t];
     if (degenerate(c)) {
@@ -66,7 +66,7 @@ static bool make_vertices(dem_mesh *m, const tdm_stl *stl) {
     m->face[all[i].face].vertex[all[i].k] = m->nvertex - 1;
   }
   free(all);
-  return true;
+  return TDM_OK;
 }
 
 typedef struct {
@@ -89,7 +89,7 @@ static triple triple_of(const dem_face *f, int face) {
 }
 
 /* drop triangles with the corners of an earlier one */
-static bool drop_duplicates(dem_mesh *m) {
+static tdm_status drop_duplicates(dem_mesh *m) {
   triple *all = malloc((size_t)m->nface * sizeof *all);
   bool *drop = calloc((size_t)m->nface, sizeof *drop);
   bool good = all && drop;
@@ -107,7 +107,7 @@ static bool drop_duplicates(dem_mesh *m) {
   m->nface = good ? kept : m->nface;
   free(all);
   free(drop);
-  return good;
+  return good ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 static void set_normals(dem_mesh *m) {
@@ -189,11 +189,11 @@ static void finish_edge(dem_mesh *m, int edge) {
     m->flat[e->a] = m->flat[e->b] = false;
 }
 
-static bool make_edges(dem_mesh *m) {
+static tdm_status make_edges(dem_mesh *m) {
   size_t n = 3 * (size_t)m->nface;
   side *all = malloc(n * sizeof *all);
   if (!all)
-    return false;
+    return TDM_ERR_MEMORY;
   for (int t = 0; t < m->nface; t++)
     for (int k = 0; k < 3; k++) {
       int a = m->face[t].vertex[k], b = m->face[t].vertex[(k + 1) % 3];
@@ -215,16 +215,16 @@ static bool make_edges(dem_mesh *m) {
     m->flat[v] = true;
   for (int e = 0; e < m->nedge; e++)
     finish_edge(m, e);
-  return true;
+  return TDM_OK;
 }
 
 /* ---- the report ---- */
 
-/* what the whole file says of the surface; false: no memory */
-static bool look_at_surface(dem_mesh *m, const tdm_stl *stl) {
+/* what the whole file says of the surface */
+static tdm_status look_at_surface(dem_mesh *m, const tdm_stl *stl) {
   tdm_error none = {0};
   tdm_surface s;
-  bool good = tdm_surface_look(&s, stl, NULL, &none) == TDM_OK;
+  tdm_status status = tdm_surface_look(&s, stl, NULL, &none);
   m->report.closed = s.closed;
   m->report.oriented = s.oriented;
   m->report.parts = s.parts;
@@ -232,7 +232,7 @@ static bool look_at_surface(dem_mesh *m, const tdm_stl *stl) {
   m->report.volume = s.volume;
   m->report.centre = s.centre;
   tdm_surface_destroy(&s);
-  return good;
+  return status;
 }
 
 static void set_report(dem_mesh *m) {
@@ -274,7 +274,7 @@ json_t *dem_mesh_report_json(const dem_mesh *m) {
 
 /* ---- life ---- */
 
-static bool allocate(dem_mesh *m, const char *name, int count) {
+static tdm_status allocate(dem_mesh *m, const char *name, int count) {
   size_t n = (size_t)count;
   m->name = strdup(name);
   m->vertex = malloc(3 * n * sizeof *m->vertex);
@@ -287,21 +287,22 @@ static bool allocate(dem_mesh *m, const char *name, int count) {
   m->rim = calloc(3 * n, sizeof *m->rim);
   m->node = malloc(2 * n * sizeof *m->node);
   m->order = malloc(n * sizeof *m->order);
-  return m->name && m->vertex && m->face && m->edge && m->edge_face && m->vertex_first && m->vertex_face && m->flat &&
-         m->rim && m->node && m->order;
+  bool good = m->name && m->vertex && m->face && m->edge && m->edge_face && m->vertex_first && m->vertex_face &&
+              m->flat && m->rim && m->node && m->order;
+  return good ? TDM_OK : TDM_ERR_MEMORY;
 }
 
-static bool build(dem_mesh *m, const tdm_stl *stl) {
-  if (!make_vertices(m, stl))
-    return false;
+static tdm_status build(dem_mesh *m, const tdm_stl *stl) {
+  if (make_vertices(m, stl))
+    return TDM_ERR_MEMORY;
   if (m->nface == 0)
-    return true;
-  if (!drop_duplicates(m))
-    return false;
+    return TDM_OK;
+  if (drop_duplicates(m))
+    return TDM_ERR_MEMORY;
   set_normals(m);
   join_vertices(m);
-  if (!make_edges(m))
-    return false;
+  if (make_edges(m))
+    return TDM_ERR_MEMORY;
   set_report(m);
   return dem_mesh_plant(m);
 }
@@ -312,7 +313,7 @@ dem_mesh *dem_mesh_make(const tdm_stl *stl, const char *name, double facet_angle
     m->facet_angle = facet_angle;
     m->facet_cos = cos(fmax(facet_angle, DEM_MESH_FLAT)); /* round-off is no angle */
   }
-  if (!m || !allocate(m, name, stl->count) || !build(m, stl) || !look_at_surface(m, stl))
+  if (!m || allocate(m, name, stl->count) || build(m, stl) || look_at_surface(m, stl))
     tdm_fail(err, TDM_ERR_MEMORY, path, "no memory for the %d triangles of \"%s\"", stl->count, name);
   else if (m->nface == 0)
     tdm_fail(err, TDM_ERR_FILE, path,

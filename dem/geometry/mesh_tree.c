@@ -86,17 +86,17 @@ static void grow(planter *p, int first, int count) {
   m->node[self] = node;
 }
 
-bool dem_mesh_plant(dem_mesh *m) {
+tdm_status dem_mesh_plant(dem_mesh *m) {
   planter p = {.mesh = m, .center = malloc((size_t)m->nface * sizeof *p.center)};
   if (!p.center)
-    return false;
+    return TDM_ERR_MEMORY;
   for (int t = 0; t < m->nface; t++) {
     p.center[t] = tdm_add(tdm_add(dem_corner(m, t, 0), dem_corner(m, t, 1)), dem_corner(m, t, 2));
     m->order[t] = t;
   }
   grow(&p, 0, m->nface);
   free(p.center);
-  return true;
+  return TDM_OK;
 }
 
 /* ---- asking ---- */

@@ -4,9 +4,10 @@
 #define DEM_GEOMETRY_MESH_TREE_H
 
 #include "dem/geometry/mesh_report.h"
+#include "protocol/base/status.h"
 
-/* Build the tree. False: no memory. */
-bool dem_mesh_plant(dem_mesh *mesh);
+/* Build the tree. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_mesh_plant(dem_mesh *mesh);
 
 /* The triangles nearer to x than `range`, ascending. Returns how many there are; if that is more than `max`, out
  * holds nothing useful: call again with more room. */

@@ -41,30 +41,29 @@ typedef struct {
 } filler;
 
 /* Let *array hold n items. */
-static bool grow(void *array, size_t n, size_t size) {
+static tdm_status grow(void *array, size_t n, size_t size) {
   void *p;
   memcpy(&p, array, sizeof p);
   p = realloc(p, n * size);
   if (p)
     memcpy(array, &p, sizeof p);
-  return p != NULL;
+  return p ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 /* room for n more particles */
-static bool make_room(filler *f, long n) {
+static tdm_status make_room(filler *f, long n) {
   dem_model *m = f->m;
   if (n > PARTICLES_MAX - m->nparticle) {
     tdm_object_fail(f->o, NULL, "makes %ld particles; at most %d in all are supported", n, PARTICLES_MAX);
-    return false;
+    return f->o->err->status;
   }
   size_t total = (size_t)(m->nparticle + n) + 1;
-  bool good = grow(&m->radius, total, sizeof *m->radius) && grow(&m->mass, total, sizeof *m->mass) &&
-              grow(&m->particle_material, total, sizeof *m->particle_material) &&
-              grow(&m->position, total, sizeof *m->position) && grow(&m->velocity, total, sizeof *m->velocity) &&
-              grow(&m->spin, total, sizeof *m->spin);
-  if (!good)
-    tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
-  return good;
+  if (grow(&m->radius, total, sizeof *m->radius) || grow(&m->mass, total, sizeof *m->mass) ||
+      grow(&m->particle_material, total, sizeof *m->particle_material) ||
+      grow(&m->position, total, sizeof *m->position) || grow(&m->velocity, total, sizeof *m->velocity) ||
+      grow(&m->spin, total, sizeof *m->spin))
+    return tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
+  return TDM_OK;
 }
 
 static double mass_of(const filler *f, double radius) {
@@ -94,7 +93,7 @@ static void read_list(filler *f) {
   tdm_object *o = f->o;
   json_t *positions = tdm_get_array(o, "positions", true);
   size_t n = json_array_size(positions);
-  if (o->err->status || !make_room(f, (long)n))
+  if (o->err->status || make_room(f, (long)n))
     return;
   for (size_t i = 0; i < n; i++) {
     json_t *entry = json_array_get(positions, i);
@@ -130,7 +129,7 @@ static void read_block(filler *f) {
     tdm_object_fail(o, "spacing", "is %g m, so that particles of radius %g m overlap; give at least %g", spacing,
                     radius, 2 * radius);
   double n = count[0] * count[1] * count[2];
-  if (o->err->status || !make_room(f, n > PARTICLES_MAX ? PARTICLES_MAX + 1L : (long)n))
+  if (o->err->status || make_room(f, n > PARTICLES_MAX ? PARTICLES_MAX + 1L : (long)n))
     return;
   uint64_t number = 0;
   for (int k = 0; k < (int)count[2]; k++)
@@ -210,7 +209,7 @@ static void read_random(filler *f) {
   tdm_vec3 low, high;
   read_region(o, largest, &low, &high);
   double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
-  if (o->err->status || count == 0 || !make_room(f, count))
+  if (o->err->status || count == 0 || make_room(f, count))
     return;
   if (!choose_cells(size, 2 * largest, count, n)) {
     double room = cells_of(size, 2 * largest, n), layer = n[0] * n[1];
@@ -277,7 +276,7 @@ static void read_poured(filler *f) {
   p.largest = f->sizes.max;
   read_region(o, p.largest, &p.low, &p.high);
   check_pouring(o, f, &p);
-  if (o->err->status || !make_room(f, count))
+  if (o->err->status || make_room(f, count))
     return;
   p.count = (int)count;
   for (int k = 0; k < p.count; k++)

@@ -103,8 +103,8 @@ tdm_status dem_vtp_particles(const tdm_results *r, int number, const dem_snapsho
   return close_file(r, name, f, err);
 }
 
-/* force, pressure and shear of each polygon; false: no memory */
-static bool write_forces(FILE *f, const dem_polygons *all) {
+/* force, pressure and shear of each polygon */
+static tdm_status write_forces(FILE *f, const dem_polygons *all) {
   size_t n = (size_t)all->count;
   tdm_vec3 *force = malloc((2 * n + 1) * sizeof *force), *shear = force ? force + n : NULL;
   double *pressure = malloc((n + 1) * sizeof *pressure);
@@ -125,7 +125,7 @@ static bool write_forces(FILE *f, const dem_polygons *all) {
   }
   free(force);
   free(pressure);
-  return good;
+  return good ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 tdm_status dem_vtp_walls(const tdm_results *r, int number, const dem_polygons *all, tdm_error *err) {
@@ -149,7 +149,7 @@ tdm_status dem_vtp_walls(const tdm_results *r, int number, const dem_polygons *a
     fprintf(f, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfPolys=\"%zu\">\n<CellData Scalars=\"body\">\n",
             npoint, npolygon);
     write_array(f, "Int32", "body", 1, body, npolygon, sizeof(int32_t));
-    if (all->forces && !write_forces(f, all))
+    if (all->forces && write_forces(f, all))
       tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d walls", all->count);
     fputs("</CellData>\n<Points>\n", f);
     write_array(f, "Float64", "position", 3, point, npoint, sizeof(double));

@@ -119,18 +119,18 @@ static void choose_grid(dem_bins *bins, const dem_search_input *input, const int
   }
 }
 
-static bool take(dem_bins *bins, dem_scratch *scratch, size_t n, size_t ncell) {
+static tdm_status take(dem_bins *bins, dem_scratch *scratch, size_t n, size_t ncell) {
   n += DEM_LANES;
   bins->first = dem_scratch_take(scratch, (ncell + 1) * sizeof *bins->first);
   bins->x = dem_scratch_take(scratch, 4 * n * sizeof *bins->x);
   bins->index = dem_scratch_take(scratch, 2 * n * sizeof *bins->index);
   if (!bins->first || !bins->x || !bins->index)
-    return false;
+    return TDM_ERR_MEMORY;
   bins->y = bins->x + n;
   bins->z = bins->y + n;
   bins->r = bins->z + n;
   bins->cell = bins->index + n;
-  return true;
+  return TDM_OK;
 }
 
 typedef struct {
@@ -162,11 +162,11 @@ static void place(dem_bins *bins, const dem_search_input *input, const int *memb
   bins->r[at] = s->radius;
 }
 
-bool dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
+tdm_status dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
   choose_grid(bins, input, member, n, edge);
   size_t ncell = (size_t)bins->count[0] * (size_t)bins->count[1] * (size_t)bins->count[2];
-  if (!take(bins, input->scratch, (size_t)n, ncell))
-    return false;
+  if (take(bins, input->scratch, (size_t)n, ncell))
+    return TDM_ERR_MEMORY;
   bins->n = n;
   int nthread = dem_search_threads(input, n);
   dem_search_parallel(nthread, find_cells, &(binning){bins, input, member, nthread});
@@ -186,7 +186,7 @@ bool dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *mem
   /* every entry now stands at the start of the next cell: shift by one */
   memmove(bins->first + 1, bins->first, ncell * sizeof *bins->first);
   bins->first[0] = 0;
-  return true;
+  return TDM_OK;
 }
 
 /* the bins next to b in a direction of n bins, without repeating one */
@@ -316,7 +316,7 @@ DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, 
         at = run[k].begin;
     }
     for (int p = own.begin; p < own.end; p++) {
-      if (!dem_found_reserve(found, BATCH))
+      if (dem_found_reserve(found, BATCH))
         return;
       uint64_t hits = compare(&with, from, p, near, periodic);
       if (later)

@@ -32,8 +32,8 @@ typedef struct {
 enum { DEM_MOST_RUNS = 18 }; /* nine rows of cells, each of which may cross the end of the grid */
 
 /* Sort n spheres into cells of at least `edge` [m]; the arrays lie in the input's scratch memory. `member`: which of
- * the input's (n, ascending), NULL: all, n of them. False: no memory. */
-bool dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge);
+ * the input's (n, ascending), NULL: all, n of them. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge);
 
 /* The cell of a position in each direction. */
 void dem_bins_cell(const dem_bins *bins, const double x[3], int cell[3]);

@@ -22,15 +22,15 @@ static void find_part(void *context, int t) {
   dem_bins_pairs(f->bins, &f->near, t, f->nthread, &f->found[t]);
 }
 
-static bool find(void *state, const dem_search_input *input, dem_found *found) {
+static tdm_status find(void *state, const dem_search_input *input, dem_found *found) {
   (void)state;
   dem_bins bins;
   if (input->n < 2)
-    return true;
-  if (!dem_bins_fill(&bins, input, NULL, input->n, 2 * largest_radius(input) + input->skin))
-    return false;
+    return TDM_OK;
+  if (dem_bins_fill(&bins, input, NULL, input->n, 2 * largest_radius(input) + input->skin))
+    return TDM_ERR_MEMORY;
   dem_search_parallel(input->nthread, find_part, &(finding){&bins, dem_near_make(input), input->nthread, found});
-  return true;
+  return TDM_OK;
 }
 
 const dem_search_method dem_search_cells = {.find = find};

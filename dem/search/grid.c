@@ -98,7 +98,7 @@ static int choose_levels(const sizes class[CLASSES], int level_of[CLASSES], size
 }
 
 /* Sort the spheres by level and fill each level's cells. */
-static bool fill_levels(levels *grid, const dem_search_input *input) {
+static tdm_status fill_levels(levels *grid, const dem_search_input *input) {
   sizes class[CLASSES] = {0}, level[CLASSES];
   double smallest = smallest_radius(input);
   for (int i = 0; i < input->n; i++) {
@@ -115,21 +115,21 @@ static bool fill_levels(levels *grid, const dem_search_input *input) {
   for (int i = 0; i < input->n; i++)
     grid->member[at[level_of[class_of(radius_of(input, i), smallest)]]++] = i;
   for (int l = 0; l < grid->nlevel; l++)
-    if (!dem_bins_fill(&grid->level[l], input, grid->member + at[l] - level[l].count, level[l].count,
-                       2 * level[l].largest))
-      return false;
-  return true;
+    if (dem_bins_fill(&grid->level[l], input, grid->member + at[l] - level[l].count, level[l].count,
+                      2 * level[l].largest))
+      return TDM_ERR_MEMORY;
+  return TDM_OK;
 }
 
-static bool find(void *state, const dem_search_input *input, dem_found *found) {
+static tdm_status find(void *state, const dem_search_input *input, dem_found *found) {
   (void)state;
   if (input->n < 2)
-    return true;
+    return TDM_OK;
   levels grid = {.member = dem_scratch_take(input->scratch, (size_t)input->n * sizeof *grid.member)};
-  if (!grid.member || !fill_levels(&grid, input))
-    return false;
+  if (!grid.member || fill_levels(&grid, input))
+    return TDM_ERR_MEMORY;
   dem_search_parallel(input->nthread, find_part, &(finding){&grid, dem_near_make(input), input->nthread, found});
-  return true;
+  return TDM_OK;
 }
 
 const dem_search_method dem_search_grid = {.find = find};

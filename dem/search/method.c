@@ -5,18 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool dem_found_grow(dem_found *pairs, size_t more) {
+tdm_status dem_found_grow(dem_found *pairs, size_t more) {
   size_t capacity = (pairs->count + more) + (pairs->count + more) / 4 + 64;
   dem_found_pair *pair = realloc(pairs->own, capacity * sizeof *pair);
   if (!pair) {
     pairs->failed = true;
-    return false;
+    return TDM_ERR_MEMORY;
   }
   if (!pairs->own && pairs->count > 0)
     memcpy(pair, pairs->pair, pairs->count * sizeof *pair);
   pairs->pair = pairs->own = pair;
   pairs->capacity = capacity;
-  return true;
+  return TDM_OK;
 }
 
 void dem_search_parallel(int nthread, void (*work)(void *context, int t), void *context) {

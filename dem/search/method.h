@@ -9,6 +9,7 @@
 #define DEM_SEARCH_METHOD_H
 
 #include "dem/search/input.h"
+#include "protocol/base/status.h"
 
 #include <stddef.h>
 
@@ -30,17 +31,18 @@ typedef struct {
  * taken of input->scratch (there always is one) is given back by dem_search_run. */
 typedef struct {
   size_t state_size;
-  bool (*find)(void *state, const dem_search_input *input, dem_found *found); /* false: no memory for the state */
-  void (*release)(void *state);                                               /* may be NULL: nothing to free */
-  double skin_radii; /* the search's own skin in largest radii; 0: the one that is asked for */
-  int interval;      /* steps; 0: as the skin needs */
+  /* TDM_ERR_MEMORY: for the state */
+  tdm_status (*find)(void *state, const dem_search_input *input, dem_found *found);
+  void (*release)(void *state); /* may be NULL: nothing to free */
+  double skin_radii;            /* the search's own skin in largest radii; 0: the one that is asked for */
+  int interval;                 /* steps; 0: as the skin needs */
 } dem_search_method;
 
 extern const dem_search_method dem_search_cells, dem_search_sweep, dem_search_grid, dem_search_verlet_1967,
     dem_search_all;
 
 /* Every pair checked: the search of "all" and "verlet-1967". */
-bool dem_find_all(void *state, const dem_search_input *input, dem_found *found);
+tdm_status dem_find_all(void *state, const dem_search_input *input, dem_found *found);
 
 /* Is one grid of cells right for n spheres, of this largest radius and this sum of radii cubed, where a radius is that
  * with half the skin? In a packing a sphere has about 15 n r_max^3 / sum r^3 candidates in cells of the largest
@@ -48,11 +50,11 @@ bool dem_find_all(void *state, const dem_search_input *input, dem_found *found);
  * one grid less. */
 bool dem_cells_fit(int n, double largest, double cubes, double worth);
 
-/* Room for `more` pairs beyond the count. False: no memory, which the list remembers for dem_search_run. */
-bool dem_found_grow(dem_found *pairs, size_t more);
+/* Room for `more` pairs beyond the count. TDM_ERR_MEMORY, which the list remembers for dem_search_run. */
+tdm_status dem_found_grow(dem_found *pairs, size_t more);
 
-static inline bool dem_found_reserve(dem_found *pairs, size_t more) {
-  return pairs->capacity - pairs->count >= more || dem_found_grow(pairs, more);
+static inline tdm_status dem_found_reserve(dem_found *pairs, size_t more) {
+  return pairs->capacity - pairs->count >= more ? TDM_OK : dem_found_grow(pairs, more);
 }
 
 /* Call work(context, t) for t = 0 ... nthread - 1, side by side where OpenMP is there. */

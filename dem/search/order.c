@@ -32,12 +32,12 @@ static int compare(const void *a, const void *b) {
   return p->particle < q->particle ? -1 : p->particle > q->particle;
 }
 
-bool dem_order(dem_data *d, int *from) {
+tdm_status dem_order(dem_data *d, int *from) {
   int np = d->state.nparticle;
   dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
   place *places = dem_scratch_take(&d->work.scratch, (size_t)np * sizeof *places);
   if (!places)
-    return false;
+    return TDM_ERR_MEMORY;
   tdm_vec3 low = {INFINITY, INFINITY, INFINITY};
   double size = 0;
   for (int i = 0; i < np; i++) {
@@ -54,5 +54,5 @@ bool dem_order(dem_data *d, int *from) {
   for (int p = 0; p < np; p++)
     from[p] = places[p].particle;
   dem_scratch_back(&d->work.scratch, mark);
-  return true;
+  return TDM_OK;
 }

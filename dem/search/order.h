@@ -6,7 +6,7 @@
 #include "dem/state/data.h"
 
 /* from[p] (nparticle): the particle that comes to place p. By the Morton code of the cell of two largest radii that it
- * lies in; those of one cell keep their order. False: no memory. */
-bool dem_order(dem_data *data, int *from);
+ * lies in; those of one cell keep their order. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_order(dem_data *data, int *from);
 
 #endif

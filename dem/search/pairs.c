@@ -77,13 +77,13 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
     list->reaction_slot[k] = -1;
 }
 
-/* Bring the histories to their new entries, column by column; vectors turn round with their pairs. False: no memory. */
-static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
+/* Bring the histories to their new entries, column by column; vectors turn round with their pairs. */
+static tdm_status carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
   const dem_columns *columns = &d->model->columns;
   dem_pairs *list = &d->lists.pairs;
   double *column = dem_scratch_take(&d->work.scratch, before * sizeof *column);
   if (!column)
-    return false;
+    return TDM_ERR_MEMORY;
   for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
     double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
     memcpy(column, to, before * sizeof *to);
@@ -94,7 +94,7 @@ static bool carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
         to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
       }
   }
-  return true;
+  return TDM_OK;
 }
 
 /* ---- pairs ---- */
@@ -127,15 +127,15 @@ static void fill_chunk(dem_data *d, int c) {
 }
 
 /* Give each reaction on a particle of a later chunk a place of its own. */
-static bool place_crossings(dem_data *d) {
+static tdm_status place_crossings(dem_data *d) {
   dem_pairs *list = &d->lists.pairs;
   dem_crossings *x = &d->lists.crossings;
   int count = 0;
   for (int c = 0; c < d->lists.nchunk - 1; c++)
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
       count += list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;
-  if (!dem_crossings_reserve(d, count))
-    return false;
+  if (dem_crossings_reserve(d, count))
+    return TDM_ERR_MEMORY;
   x->count = count;
   memset(x->chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *x->chunk);
   int place = 0;
@@ -157,7 +157,7 @@ static bool place_crossings(dem_data *d) {
   memset(d->state.push + d->state.nparticle, 0, (size_t)(count + 1) * sizeof *d->state.push);
   if (d->state.spare_push)
     memset(d->state.spare_push + d->state.nparticle, 0, (size_t)(count + 1) * sizeof *d->state.push);
-  return true;
+  return TDM_OK;
 }
 
 /* leave away the pairs of which neither can move */
@@ -176,7 +176,7 @@ static void drop_fixed(dem_data *d) {
 
 /* The new list, in the place of the old one. carry: its histories are taken over; old: the numbers that the particles
  * had, NULL: the same. */
-static bool build_pairs(dem_data *d, bool carry, const int *old) {
+static tdm_status build_pairs(dem_data *d, bool carry, const int *old) {
   dem_pairs *list = &d->lists.pairs;
   dem_search_input input = {.sphere = d->state.sphere,
                             .n = d->state.nparticle,
@@ -185,8 +185,8 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
                             .nthread = d->work.nthread,
                             .scratch = &d->work.scratch};
   dem_time_spent(d->work.timers, DEM_PHASE_LIST);
-  if (!dem_search_run(d->work.search, &input, &d->work.rows))
-    return false;
+  if (dem_search_run(d->work.search, &input, &d->work.rows))
+    return TDM_ERR_MEMORY;
   dem_time_spent(d->work.timers, DEM_PHASE_SEARCH);
   if (d->model->driven)
     drop_fixed(d);
@@ -194,8 +194,8 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
   size_t *chunk = d->work.chunk_spare, before = carry ? list->count : 0;
   place_chunks(d, chunk);
   size_t count = chunk[d->lists.nchunk];
-  if (!dem_pairs_reserve(list, count, ncolumn))
-    return false;
+  if (dem_pairs_reserve(list, count, ncolumn))
+    return TDM_ERR_MEMORY;
   if (ncolumn > 0) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
     for (int c = 0; c < d->lists.nchunk; c++)
@@ -203,36 +203,36 @@ static bool build_pairs(dem_data *d, bool carry, const int *old) {
         find_histories(d, chunk, old, c);
       else if (chunk[c + 1] > chunk[c])
         memset(list->reaction_slot + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->reaction_slot);
-    if (!carry_pairs(d, chunk, before))
-      return false;
+    if (carry_pairs(d, chunk, before))
+      return TDM_ERR_MEMORY;
   }
   memcpy(list->chunk, chunk, (size_t)(d->lists.nchunk + 1) * sizeof *chunk);
   list->count = count;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int c = 0; c < d->lists.nchunk; c++)
     fill_chunk(d, c);
-  return true;
+  return TDM_OK;
 }
 
 /* ---- walls ---- */
 
-static bool append_wall(dem_data *d, dem_wall_entry entry) {
+static tdm_status append_wall(dem_data *d, dem_wall_entry entry) {
   dem_wall_contacts *list = &d->lists.walls;
   if (list->count == list->capacity) { /* histories come later */
     size_t capacity = list->capacity + list->capacity / 2 + 256;
     dem_wall_entry *grown = realloc(list->entry, capacity * sizeof *grown);
     if (!grown)
-      return false;
+      return TDM_ERR_MEMORY;
     list->entry = grown;
     int ncolumn = d->model->columns.ncolumn;
     free(list->history);
     list->history = ncolumn > 0 ? malloc(capacity * (size_t)ncolumn * sizeof(double)) : NULL;
     if (ncolumn > 0 && !list->history)
-      return false;
+      return TDM_ERR_MEMORY;
     list->capacity = capacity;
   }
   list->entry[list->count++] = entry;
-  return true;
+  return TDM_OK;
 }
 
 static int compare_entries(const dem_wall_entry *a, const dem_wall_entry *b) {
@@ -264,10 +264,10 @@ static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
 }
 
 /* the previous list with new numbers (NULL: the same); to ascend again it is sorted, histories with it */
-static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
+static tdm_status renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
   size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
   if (n == 0 || ncolumn == 0)
-    return true;
+    return TDM_OK;
   struct {
     dem_wall_entry entry;
     int at;
@@ -292,11 +292,11 @@ static bool renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now)
   bool good = key && copy;
   free(key);
   free(copy);
-  return good;
+  return good ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 /* the parts of wall w near particle i */
-static bool list_parts(dem_data *d, int i, int w) {
+static tdm_status list_parts(dem_data *d, int i, int w) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 own = dem_wall_own(&d->state.wall[w], d->state.sphere[i].position);
   double range = d->state.sphere[i].radius + d->model->reach + d->lists.skin;
@@ -304,19 +304,19 @@ static bool list_parts(dem_data *d, int i, int w) {
   if (n > 64) {
     near = malloc((size_t)n * sizeof *near);
     if (!near)
-      return false;
+      return TDM_ERR_MEMORY;
     wall->shape->near(wall, own, range, near, n);
   }
-  bool good = true;
-  for (int k = 0; k < n && good; k++)
-    good = append_wall(d, (dem_wall_entry){i, w, near[k]});
+  tdm_status status = TDM_OK;
+  for (int k = 0; k < n && !status; k++)
+    status = append_wall(d, (dem_wall_entry){i, w, near[k]});
   if (near != some)
     free(near);
   d->lists.margin[wall->body] = fmin(d->lists.margin[wall->body], d->lists.skin); /* what is not listed is farther */
-  return good;
+  return status;
 }
 
-static bool list_wall(dem_data *d, int i, int w) {
+static tdm_status list_wall(dem_data *d, int i, int w) {
   const dem_model *m = d->model;
   const dem_wall *wall = &m->wall[w];
   const dem_sphere *s = &d->state.sphere[i];
@@ -330,21 +330,21 @@ static bool list_wall(dem_data *d, int i, int w) {
   if (away < d->lists.skin)
     return append_wall(d, (dem_wall_entry){i, w, 0});
   d->lists.margin[wall->body] = fmin(d->lists.margin[wall->body], away);
-  return true;
+  return TDM_OK;
 }
 
-static bool build_walls(dem_data *d, const dem_wall_contacts *before) {
+static tdm_status build_walls(dem_data *d, const dem_wall_contacts *before) {
   d->lists.walls.count = 0;
   for (int c = 0; c < d->lists.nchunk; c++) {
     d->lists.walls.chunk[c] = d->lists.walls.count;
     for (int w = 0; w < d->model->nwall; w++)
       for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
-        if (!list_wall(d, i, w))
-          return false;
+        if (list_wall(d, i, w))
+          return TDM_ERR_MEMORY;
   }
   d->lists.walls.chunk[d->lists.nchunk] = d->lists.walls.count;
   carry_walls(d, before);
-  return true;
+  return TDM_OK;
 }
 
 /* ---- both ---- */
@@ -368,21 +368,20 @@ static void note_positions(dem_data *d) {
   }
 }
 
-/* The search that the scene asks for; else the one for the particles there are now, whenever some came. False: no
- * memory. */
-static bool choose_search(dem_data *d) {
+/* The search that the scene asks for; else the one for the particles there are now, whenever some came. */
+static tdm_status choose_search(dem_data *d) {
   if (d->work.search && (d->model->search || (d->lists.valid && !d->lists.stale)))
-    return true;
+    return TDM_OK;
   const char *name = d->model->search;
   if (!name)
     name = dem_search_choose(
         &(dem_search_input){.sphere = d->state.sphere, .n = d->state.nparticle, .skin = d->lists.skin});
   if (d->work.search && strcmp(name, dem_search_name(d->work.search)) == 0)
-    return true;
+    return TDM_OK;
   dem_search_destroy(&d->work.search);
   d->work.search = dem_search_create(name);
   d->work.search_destroy = dem_search_destroy;
-  return d->work.search != NULL;
+  return d->work.search ? TDM_OK : TDM_ERR_MEMORY;
 }
 
 /* Choose the skin, when the scene does not: with lists that held for T steps under a skin s something moves by about
@@ -404,51 +403,57 @@ static const int *sort_particles(dem_data *d, bool carry) {
   size_t n = (size_t)d->state.nparticle;
   int *from = dem_scratch_take(&d->work.scratch, n * sizeof *from);
   dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
-  bool good = from && dem_order(d, from) && dem_data_permute(d, from);
+  bool good = from && !dem_order(d, from) && !dem_data_permute(d, from);
   int *now = dem_scratch_take(&d->work.scratch, n * sizeof *now);
   for (size_t p = 0; good && now && p < n; p++)
     now[from[p]] = (int)p;
-  good = good && now && (!carry || renumber_walls(d, &d->work.spare_walls, now));
+  good = good && now && (!carry || !renumber_walls(d, &d->work.spare_walls, now));
   dem_scratch_back(&d->work.scratch, mark);
   d->state.since_sort = 0;
   return good ? from : NULL;
 }
 
-bool dem_lists_build(dem_data *d) {
-  if (!choose_search(d))
-    return false;
+tdm_status dem_lists_build(dem_data *d) {
+  if (choose_search(d))
+    return TDM_ERR_MEMORY;
   bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
   if (d->lists.valid)
     adapt_skin(d, sort);
   dem_wall_contacts walls = d->lists.walls;
   d->lists.walls = d->work.spare_walls;
   d->work.spare_walls = walls;
-  bool carry = d->model->columns.ncolumn > 0 && d->lists.valid, good = true;
+  bool carry = d->model->columns.ncolumn > 0 && d->lists.valid;
+  tdm_status status = TDM_OK;
   const int *old = NULL;
   d->lists.valid = false;
   d->work.scratch =
       (dem_scratch){.block = (char *)d->state.push, .size = (size_t)d->work.push_capacity * sizeof *d->state.push};
   if (sort) {
     old = sort_particles(d, carry);
-    good = old != NULL;
+    status = old ? TDM_OK : TDM_ERR_MEMORY;
   } else if (d->lists.stale && carry && d->lists.nchunk > 1) {
-    good = renumber_walls(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
+    status = renumber_walls(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
   }
   note_positions(d);
   d->lists.nchunk = dem_chunks(d->state.nparticle);
-  good = good && build_pairs(d, carry, old);
+  if (!status)
+    status = build_pairs(d, carry, old);
   dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
   memset(d->state.push, 0, d->work.scratch.most);
-  d->lists.valid = good && place_crossings(d) && build_walls(d, carry ? &d->work.spare_walls : NULL);
+  if (!status)
+    status = place_crossings(d);
+  if (!status)
+    status = build_walls(d, carry ? &d->work.spare_walls : NULL);
+  d->lists.valid = !status;
   d->lists.stale = false;
   d->lists.since_list = 0;
   d->lists.nrebuild++;
-  return d->lists.valid;
+  return status;
 }
 
-bool dem_lists_update(dem_data *d, double moved2) {
+tdm_status dem_lists_update(dem_data *d, double moved2) {
   bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
-  if (!d->work.search && !choose_search(d)) /* of a copy */
-    return false;
-  return (!sort && lists_hold(d, moved2)) || dem_lists_build(d);
+  if (!d->work.search && choose_search(d)) /* of a copy */
+    return TDM_ERR_MEMORY;
+  return !sort && lists_hold(d, moved2) ? TDM_OK : dem_lists_build(d);
 }

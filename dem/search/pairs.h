@@ -18,12 +18,12 @@
 /* The common displacement u since the lists were built [m]. */
 tdm_vec3 dem_lists_shift(const dem_data *data);
 
-/* Rebuild the lists if something may have come too near; `moved2` = max_i |dx_i - u|^2 [m2]. False: no memory. */
-bool dem_lists_update(dem_data *data, double moved2);
+/* Rebuild the lists if something may have come too near; `moved2` = max_i |dx_i - u|^2 [m2]. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_lists_update(dem_data *data, double moved2);
 
 /* Rebuild the lists; contact histories are carried over. The memory of the forces (dem_state.push) is used meanwhile
  * and zero afterwards: so lists are built where forces are about to be evaluated anyway, between drift and forces.
- * False: no memory. */
-bool dem_lists_build(dem_data *data);
+ * Errors: TDM_ERR_MEMORY. */
+tdm_status dem_lists_build(dem_data *data);
 
 #endif

@@ -143,19 +143,19 @@ static void fill_rows(void *context, int t) {
 }
 
 /* counting sort of the pairs by their lesser particle, then each row by itself */
-static bool make_rows(const dem_found *found, const dem_search_input *input, dem_rows *rows) {
+static tdm_status make_rows(const dem_found *found, const dem_search_input *input, dem_rows *rows) {
   int n = input->n, nthread = input->nthread;
   size_t count = 0;
   for (int t = 0; t < nthread; t++) {
     if (found[t].failed)
-      return false;
+      return TDM_ERR_MEMORY;
     count += found[t].count;
   }
   rows->count = count;
   rows->first = dem_scratch_take(input->scratch, ((size_t)n + 1) * sizeof *rows->first);
   rows->other = dem_scratch_take(input->scratch, count * sizeof *rows->other);
   if (count > INT_MAX || !rows->first || !rows->other)
-    return false;
+    return TDM_ERR_MEMORY;
   sorting s = {found, rows, n, nthread};
   dem_search_parallel(nthread, count_rows, &s);
   int at = 0;
@@ -166,7 +166,7 @@ static bool make_rows(const dem_found *found, const dem_search_input *input, dem
     at += length;
   }
   dem_search_parallel(nthread, fill_rows, &s);
-  return true;
+  return TDM_OK;
 }
 
 /* one list of pairs a thread, empty, with room for its share of what is expected */
@@ -180,7 +180,7 @@ static dem_found *make_lists(const dem_search *search, const dem_search_input *i
   return found;
 }
 
-bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
+tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
   assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
   dem_search_input in = *input;
   in.nthread = dem_search_threads(&in, in.n);
@@ -190,16 +190,17 @@ bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows 
   }
   dem_found *found = make_lists(search, &in);
   if (!found)
-    return false;
+    return TDM_ERR_MEMORY;
   dem_scratch_mark mark = dem_scratch_now(in.scratch);
-  bool good = search->method->find(search->state, &in, found);
+  tdm_status status = search->method->find(search->state, &in, found);
   dem_scratch_back(in.scratch, mark);
-  good = good && make_rows(found, &in, rows);
+  if (!status)
+    status = make_rows(found, &in, rows);
   for (int t = 0; t < in.nthread; t++)
     free(found[t].own);
-  if (good && in.n > 0)
+  if (!status && in.n > 0)
     search->expected = (double)rows->count / in.n;
-  return good;
+  return status;
 }
 
 const char *dem_search_choose(const dem_search_input *input) {

@@ -11,6 +11,7 @@
 #define DEM_SEARCH_SEARCH_H
 
 #include "dem/search/input.h"
+#include "protocol/base/status.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,7 +35,7 @@ const char *dem_search_name(const dem_search *search);
 
 /* The rows, which lie in the scratch memory until it is given back; in the search's own until its next call. False: no
  * memory. */
-bool dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows);
+tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows);
 
 /* Are the lists of this search to be made anew after so many steps even if nothing moved? 0: no. */
 int dem_search_interval(const dem_search *search);

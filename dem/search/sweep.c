@@ -57,34 +57,34 @@ bool dem_sweep_stored(const dem_sweep *s, int i, int j) {
   return *find_link(s, i < j ? i : j, i < j ? j : i) >= 0;
 }
 
-static bool new_link(dem_sweep *s) {
+static tdm_status new_link(dem_sweep *s) {
   if (s->free_link >= 0)
-    return true;
+    return TDM_OK;
   if (s->nlink == s->link_capacity) {
     int capacity = s->nlink + s->nlink / 2 + 64;
     dem_link *link = realloc(s->link, (size_t)capacity * sizeof *link);
     if (!link)
-      return false;
+      return TDM_ERR_MEMORY;
     s->link = link;
     s->link_capacity = capacity;
   }
   s->link[s->nlink].next = -1;
   s->free_link = s->nlink++;
-  return true;
+  return TDM_OK;
 }
 
-static bool store(dem_sweep *s, int i, int j) {
+static tdm_status store(dem_sweep *s, int i, int j) {
   if (i > j)
     return store(s, j, i);
   if (*find_link(s, i, j) >= 0)
-    return true;
-  if (!new_link(s))
-    return false;
+    return TDM_OK;
+  if (new_link(s))
+    return TDM_ERR_MEMORY;
   int link = s->free_link;
   s->free_link = s->link[link].next;
   s->link[link] = (dem_link){j, s->head[i]};
   s->head[i] = link;
-  return true;
+  return TDM_OK;
 }
 
 static void forget(dem_sweep *s, int i, int j) {
@@ -96,23 +96,23 @@ static void forget(dem_sweep *s, int i, int j) {
   s->free_link = link;
 }
 
-/* what becomes of the pair whose marks change places. False: no memory */
-static bool exchanged(dem_sweep *s, const dem_mark *left, const dem_mark *right) {
+/* what becomes of the pair whose marks change places */
+static tdm_status exchanged(dem_sweep *s, const dem_mark *left, const dem_mark *right) {
   int i = left->particle, j = right->particle;
   if (i == j)
-    return true;
+    return TDM_OK;
   switch (dem_sweep_rule(left, right)) {
   case DEM_RULE_BEGINS:
   case DEM_RULE_ENDS:
-    return true;
+    return TDM_OK;
   case DEM_RULE_REMOVE:
     if (!overlap(s, i, j)) /* another image may still overlap */
       forget(s, i, j);
-    return true;
+    return TDM_OK;
   case DEM_RULE_ADD:
-    return !overlap(s, i, j) || store(s, i, j);
+    return overlap(s, i, j) ? store(s, i, j) : TDM_OK;
   }
-  return true;
+  return TDM_OK;
 }
 
 /* Boxes of the spheres; those of positions that are not finite are empty and lie behind all others. A little is added
@@ -152,7 +152,7 @@ static outcome sort_marks(dem_sweep *s, int axis, long long *left) {
     dem_mark moving = mark[k];
     int at = k;
     for (; at > 0 && before(&moving, &mark[at - 1]); at--) {
-      if (!exchanged(s, &mark[at - 1], &moving))
+      if (exchanged(s, &mark[at - 1], &moving))
         return NO_MEMORY;
       mark[at] = mark[at - 1];
     }
@@ -184,19 +184,20 @@ static void all_marks(dem_sweep *s, int axis) {
 }
 
 /* Pass along the axis with the boxes that have begun and not ended: each that begins overlaps all of these there. */
-static bool store_all(dem_sweep *s, int axis) {
+static tdm_status store_all(dem_sweep *s, int axis) {
   int *open = malloc(4 * (size_t)s->n * sizeof *open), *place = open + 2 * (size_t)s->n;
-  bool ok = open != NULL;
+  tdm_status status = open ? TDM_OK : TDM_ERR_MEMORY;
   int nopen = 0;
-  for (int k = 0; ok && k < mark_count(s, axis); k++) {
+  for (int k = 0; !status && k < mark_count(s, axis); k++) {
     const dem_mark *m = &s->mark[axis][k];
     int box = 2 * m->particle + m->image;
     if (!(s->low[3 * m->particle + axis] < s->high[3 * m->particle + axis]))
       continue; /* empty */
     if (!m->end) {
       s->anew += nopen;
-      for (int o = 0; ok && o < nopen; o++)
-        ok = open[o] / 2 == m->particle || !overlap(s, open[o] / 2, m->particle) || store(s, open[o] / 2, m->particle);
+      for (int o = 0; !status && o < nopen; o++)
+        if (open[o] / 2 != m->particle && overlap(s, open[o] / 2, m->particle))
+          status = store(s, open[o] / 2, m->particle);
       place[box] = nopen;
       open[nopen++] = box;
     } else {
@@ -206,10 +207,10 @@ static bool store_all(dem_sweep *s, int axis) {
     }
   }
   free(open);
-  return ok;
+  return status;
 }
 
-static bool make_anew(dem_sweep *s) {
+static tdm_status make_anew(dem_sweep *s) {
   for (int i = 0; i < s->n; i++)
     s->head[i] = -1;
   s->nlink = 0;
@@ -217,7 +218,7 @@ static bool make_anew(dem_sweep *s) {
   s->anew = 0;
   for (int a = 0; a < 3; a++)
     all_marks(s, a);
-  return s->n == 0 || store_all(s, 0);
+  return s->n == 0 ? TDM_OK : store_all(s, 0);
 }
 
 static bool same_domain(const dem_sweep *s, const dem_domain *domain) {
@@ -228,7 +229,7 @@ static bool same_domain(const dem_sweep *s, const dem_domain *domain) {
 }
 
 /* memory for n boxes in this domain; nothing that was stored is kept */
-static bool reserve(dem_sweep *s, size_t n, const dem_domain *domain) {
+static tdm_status reserve(dem_sweep *s, size_t n, const dem_domain *domain) {
   size_t capacity = n + n / 8 + 1;
   dem_sweep_free(s);
   s->low = malloc(3 * capacity * sizeof *s->low);
@@ -242,13 +243,13 @@ static bool reserve(dem_sweep *s, size_t n, const dem_domain *domain) {
     ok = ok && s->mark[a];
   }
   s->capacity = ok ? capacity : 0;
-  return ok;
+  return ok ? TDM_OK : TDM_ERR_MEMORY;
 }
 
-bool dem_sweep_update(dem_sweep *s, const dem_search_input *input) {
+tdm_status dem_sweep_update(dem_sweep *s, const dem_search_input *input) {
   bool same = same_domain(s, &input->domain), known = same && s->n == input->n && s->capacity > 0;
-  if ((!same || s->capacity <= (size_t)input->n) && !reserve(s, (size_t)input->n, &input->domain))
-    return false;
+  if ((!same || s->capacity <= (size_t)input->n) && reserve(s, (size_t)input->n, &input->domain))
+    return TDM_ERR_MEMORY;
   s->n = input->n;
   move_boxes(s, input);
   if (!known)
@@ -261,9 +262,9 @@ bool dem_sweep_update(dem_sweep *s, const dem_search_input *input) {
     if (done == NO_MEMORY)
       s->n = -1; /* what is stored is incomplete */
     if (done != DONE)
-      return done == TOO_MANY && make_anew(s);
+      return done == TOO_MANY ? make_anew(s) : TDM_ERR_MEMORY;
   }
-  return true;
+  return TDM_OK;
 }
 
 void dem_sweep_free(dem_sweep *s) {
@@ -276,19 +277,19 @@ void dem_sweep_free(dem_sweep *s) {
   *s = (dem_sweep){0};
 }
 
-static bool find(void *state, const dem_search_input *input, dem_found *found) {
+static tdm_status find(void *state, const dem_search_input *input, dem_found *found) {
   dem_sweep *s = state;
-  if (!dem_sweep_update(s, input))
-    return false;
+  if (dem_sweep_update(s, input))
+    return TDM_ERR_MEMORY;
   dem_near near = dem_near_make(input);
   for (int i = 0; i < s->n; i++)
     for (int l = s->head[i]; l >= 0; l = s->link[l].next)
       if (dem_spheres_near(&near, &input->sphere[i], &input->sphere[s->link[l].other])) {
-        if (!dem_found_reserve(found, 1))
-          return false;
+        if (dem_found_reserve(found, 1))
+          return TDM_ERR_MEMORY;
         found->pair[found->count++] = (dem_found_pair){i, s->link[l].other};
       }
-  return true;
+  return TDM_OK;
 }
 
 static void release(void *state) {

@@ -45,8 +45,8 @@ typedef struct {
   double length[3]; /* of the domain where it repeats [m], else 0 */
 } dem_sweep;
 
-/* Bring the lists of marks and of overlaps up to date. False: no memory. */
-bool dem_sweep_update(dem_sweep *sweep, const dem_search_input *input);
+/* Bring the lists of marks and of overlaps up to date. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_sweep_update(dem_sweep *sweep, const dem_search_input *input);
 
 /* Is the pair among the stored overlaps of bounding boxes? */
 bool dem_sweep_stored(const dem_sweep *sweep, int i, int j);

@@ -29,7 +29,7 @@ static const dem_pouring *present(const dem_data *d) {
 }
 
 /* the model's next particle, at x */
-static bool add(dem_data *d, tdm_vec3 x) {
+static tdm_status add(dem_data *d, tdm_vec3 x) {
   const dem_model *m = d->model;
   uint64_t id = d->state.ledger.created;
   dem_newcomer newcomer = {.position = x,
@@ -37,12 +37,12 @@ static bool add(dem_data *d, tdm_vec3 x) {
                            .radius = m->radius[id],
                            .mass = m->mass[id],
                            .material = m->particle_material[id]};
-  if (!dem_data_add(d, &newcomer))
-    return false;
+  if (dem_data_add(d, &newcomer))
+    return TDM_ERR_MEMORY;
   int i = d->state.nparticle - 1;
   d->state.pace[i].spin = m->spin[id];
   d->state.rotor[i].surface = tdm_scale(m->radius[id], m->spin[id]);
-  return true;
+  return TDM_OK;
 }
 
 /* how long a particle takes to leave the region [s] */
@@ -97,7 +97,7 @@ static tdm_vec3 place_in(const dem_model *m, const dem_pouring *p, uint64_t c, c
 }
 
 /* a particle in every free cell; when fewer are to come than there are cells, in some of them (Knuth, algorithm S) */
-static bool make_layer(dem_data *d, const dem_pouring *p, dem_free_space *room, uint64_t layer) {
+static tdm_status make_layer(dem_data *d, const dem_pouring *p, dem_free_space *room, uint64_t layer) {
   const dem_model *m = d->model;
   bool meet = m->flat >= 0 || m->domain.repeats; /* particles of two cells can: in the plane, or by their images */
   uint64_t n[3], ncell = cells_of(p, n), end = (uint64_t)(p->first + p->count), wanted = end - d->state.ledger.created;
@@ -109,10 +109,10 @@ static bool make_layer(dem_data *d, const dem_pouring *p, dem_free_space *room, 
     tdm_vec3 x = place_in(m, p, c, n, layer, r);
     if (!dem_free_space_free(room, d, x, r))
       continue;
-    if (!add(d, x) || (meet && !dem_free_space_add(room, d, d->state.nparticle - 1)))
-      return false;
+    if (add(d, x) || (meet && dem_free_space_add(room, d, d->state.nparticle - 1)))
+      return TDM_ERR_MEMORY;
   }
-  return true;
+  return TDM_OK;
 }
 
 static tdm_status refuse(const dem_data *d, const dem_pouring *p, tdm_error *err) {
@@ -134,13 +134,13 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   tdm_vec3 low, high;
   uint64_t before = d->state.ledger.created;
   world_box(p, &low, &high);
-  bool good = dem_free_space_open(&room, d, low, high, p->largest);
-  if (good) {
-    good = make_layer(d, p, &room, pour->layer++);
+  tdm_status status = dem_free_space_open(&room, d, low, high, p->largest);
+  if (!status) {
+    status = make_layer(d, p, &room, pour->layer++);
     dem_free_space_close(&room);
   }
-  if (!good)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles that are poured");
+  if (status)
+    return tdm_fail(err, status, NULL, "no memory for particles that are poured");
   dem_drive_particles(d);
   pour->next = t + 1.05 * fall_time(d, p); /* drag slows the fall a little */
   if (d->state.ledger.created > before)

@@ -79,44 +79,44 @@ void dem_data_end(dem_data *d) {
 
 /* An aligned array of n entries, the first `keep` of them those of the old one. Large arrays are moved by the C library
  * without a copy, in whole pages: so they are never there twice. */
-static bool grow(void *array, size_t n, size_t keep, size_t size) {
+static tdm_status grow(void *array, size_t n, size_t keep, size_t size) {
   void **p = array;
   size_t bytes = (n * size + 127) & ~(size_t)63;
   void *grown = *p ? realloc(*p, bytes) : aligned_alloc(64, bytes);
   if (grown)
     *p = grown;
   if (!grown || (uintptr_t)grown % 64 == 0)
-    return grown;
+    return grown ? TDM_OK : TDM_ERR_MEMORY;
   void *aligned = aligned_alloc(64, bytes);
   if (!aligned)
-    return false;
+    return TDM_ERR_MEMORY;
   if (keep > 0)
     memcpy(aligned, grown, keep * size);
   free(grown);
   *p = aligned;
-  return true;
+  return TDM_OK;
 }
 
 /* forces of the particles there are, zeros for the one that is none and `more`; the rest is not touched, so it costs no
  * memory until it is used */
-static bool grow_push(const dem_data *d, dem_push **push, int capacity, int more) {
+static tdm_status grow_push(const dem_data *d, dem_push **push, int capacity, int more) {
   size_t keep = *push ? (size_t)d->state.nparticle : 0, end = (size_t)(d->state.nparticle + 1 + more);
-  if (!grow(push, (size_t)capacity, keep, sizeof **push))
-    return false;
+  if (grow(push, (size_t)capacity, keep, sizeof **push))
+    return TDM_ERR_MEMORY;
   memset(*push + keep, 0, (end - keep) * sizeof **push);
-  return true;
+  return TDM_OK;
 }
 
-bool dem_crossings_reserve(dem_data *d, int count) {
+tdm_status dem_crossings_reserve(dem_data *d, int count) {
   int need = d->state.nparticle + 1 + count;
   if (need > d->work.push_capacity) {
     int capacity = need + (need > DEM_CHUNK ? need / 2 : 64); /* about what the crossings take */
     bool two = d->model->integrator->keeps == DEM_KEEPS_FAST_FORCES;
-    if (!grow_push(d, &d->state.push, capacity, count) || (two && !grow_push(d, &d->state.spare_push, capacity, count)))
-      return false;
+    if (grow_push(d, &d->state.push, capacity, count) || (two && grow_push(d, &d->state.spare_push, capacity, count)))
+      return TDM_ERR_MEMORY;
     size_t nsum = (size_t)d->model->nsum;
-    if (nsum > 0 && !grow(&d->work.contact_sum, (size_t)capacity * nsum, 0, sizeof *d->work.contact_sum))
-      return false;
+    if (nsum > 0 && grow(&d->work.contact_sum, (size_t)capacity * nsum, 0, sizeof *d->work.contact_sum))
+      return TDM_ERR_MEMORY;
     d->work.push_capacity = capacity;
   }
   dem_crossings *c = &d->lists.crossings;
@@ -129,20 +129,20 @@ bool dem_crossings_reserve(dem_data *d, int count) {
     if (order)
       c->order = order;
     if (!particle || !order)
-      return false;
+      return TDM_ERR_MEMORY;
     c->capacity = capacity;
   }
-  return true;
+  return TDM_OK;
 }
 
-bool dem_data_reserve(dem_data *d, int n) {
+tdm_status dem_data_reserve(dem_data *d, int n) {
   if (n > d->work.capacity) {
     dem_data grown = *d;
     int more = d->work.capacity + d->work.capacity / 2 + 64;
     grown.work.capacity = d->work.particle_block && more > n ? more : n;
     grown.work.particle_block = zeroed(layout_particles(&grown, NULL));
     if (!grown.work.particle_block)
-      return false;
+      return TDM_ERR_MEMORY;
     layout_particles(&grown, grown.work.particle_block);
     if (d->work.particle_block)
       copy_particles(&grown, d);
@@ -152,30 +152,30 @@ bool dem_data_reserve(dem_data *d, int n) {
   return dem_crossings_reserve(d, n - d->state.nparticle);
 }
 
-bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
+tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
   if (count <= list->capacity && list->one) /* arrays also for no entries */
-    return true;
+    return TDM_OK;
   size_t before = list->capacity, capacity = (count + count / 16 + 64) & ~(size_t)7;
-  if (!grow(&list->one, capacity, 0, sizeof(int)) || !grow(&list->other, capacity, before, sizeof(int)) ||
-      !grow(&list->reaction_slot, capacity, 0, sizeof(int)) ||
-      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
-    return false;
+  if (grow(&list->one, capacity, 0, sizeof(int)) || grow(&list->other, capacity, before, sizeof(int)) ||
+      grow(&list->reaction_slot, capacity, 0, sizeof(int)) ||
+      (ncolumn > 0 && grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
+    return TDM_ERR_MEMORY;
   for (int q = ncolumn - 1; q > 0; q--) /* columns move apart, the last first */
     memmove(list->history + (size_t)q * capacity, list->history + (size_t)q * before, before * sizeof(double));
   list->capacity = capacity;
-  return true;
+  return TDM_OK;
 }
 
-bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
+tdm_status dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn) {
   if (count <= list->capacity)
-    return true;
+    return TDM_OK;
   size_t capacity = count + count / 4 + 64;
   list->capacity = 0;
-  if (!grow(&list->entry, capacity, 0, sizeof *list->entry) ||
-      (ncolumn > 0 && !grow(&list->history, capacity * (size_t)ncolumn, 0, sizeof(double))))
-    return false;
+  if (grow(&list->entry, capacity, 0, sizeof *list->entry) ||
+      (ncolumn > 0 && grow(&list->history, capacity * (size_t)ncolumn, 0, sizeof(double))))
+    return TDM_ERR_MEMORY;
   list->capacity = capacity;
-  return true;
+  return TDM_OK;
 }
 
 dem_data *dem_data_allocate(const dem_model *model) {
@@ -189,20 +189,20 @@ dem_data *dem_data_allocate(const dem_model *model) {
   d->work.traction.wanted = model->triangle_forces;
   if (d->work.block)
     layout(d, d->work.block);
-  if (!d->work.block || !dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1))
+  if (!d->work.block || dem_data_reserve(d, model->nparticle > 0 ? model->nparticle : 1))
     dem_data_destroy(&d);
   return d;
 }
 
 /* entries and histories of the lists, whose rows and chunks are there already */
-static bool copy_lists(dem_data *dst, const dem_data *src) {
+static tdm_status copy_lists(dem_data *dst, const dem_data *src) {
   int ncolumn = src->model->columns.ncolumn;
   const dem_pairs *p = &src->lists.pairs;
   const dem_wall_contacts *w = &src->lists.walls;
   const dem_crossings *c = &src->lists.crossings;
-  if (!dem_pairs_reserve(&dst->lists.pairs, p->count, ncolumn) ||
-      !dem_walls_reserve(&dst->lists.walls, w->count, ncolumn) || !dem_crossings_reserve(dst, c->count))
-    return false;
+  if (dem_pairs_reserve(&dst->lists.pairs, p->count, ncolumn) ||
+      dem_walls_reserve(&dst->lists.walls, w->count, ncolumn) || dem_crossings_reserve(dst, c->count))
+    return TDM_ERR_MEMORY;
   dst->lists.pairs.count = p->count;
   dst->lists.walls.count = w->count;
   dst->lists.crossings.count = c->count;
@@ -225,19 +225,19 @@ static bool copy_lists(dem_data *dst, const dem_data *src) {
       memcpy(dst->lists.walls.history + q * dst->lists.walls.capacity, w->history + q * w->capacity,
              w->count * sizeof(double));
   }
-  return true;
+  return TDM_OK;
 }
 
-bool dem_data_copy(dem_data *dst, const dem_data *src) {
+tdm_status dem_data_copy(dem_data *dst, const dem_data *src) {
   assert(dst->model == src->model && dst != src);
-  if (!dem_data_reserve(dst, src->state.nparticle))
-    return false;
+  if (dem_data_reserve(dst, src->state.nparticle))
+    return TDM_ERR_MEMORY;
   memcpy(dst->work.block, src->work.block, src->work.block_size);
   copy_particles(dst, src);
   dem_data_end(dst);
-  if (!copy_lists(dst, src)) {
+  if (copy_lists(dst, src)) {
     dst->lists.valid = false;
-    return false;
+    return TDM_ERR_MEMORY;
   }
   size_t np = (size_t)src->state.nparticle, behind = (size_t)src->lists.crossings.count + 1;
 #define X(field, name)                                       \
@@ -247,7 +247,7 @@ bool dem_data_copy(dem_data *dst, const dem_data *src) {
   }
   DEM_FORCE_STATE(X)
 #undef X
-  return true;
+  return TDM_OK;
 }
 
 void dem_data_destroy(dem_data **data) {

@@ -246,27 +246,27 @@ typedef struct dem_data {
 /* Room for a scene, all zero (create.h makes its start). NULL when memory runs out. The model must outlive the data. */
 dem_data *dem_data_allocate(const dem_model *model);
 
-/* Make dst the same state as src; both belong to one model. It then goes on bit-identically. False: no memory. */
-bool dem_data_copy(dem_data *dst, const dem_data *src);
+/* Make dst the same state as src; both belong to one model. It then goes on bit-identically. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_data_copy(dem_data *dst, const dem_data *src);
 
 void dem_data_destroy(dem_data **data);
 
 /* Put the particle that is none behind the last. */
 void dem_data_end(dem_data *data);
 
-/* Room for n particles. False: no memory, nothing changed. */
-bool dem_data_reserve(dem_data *data, int n);
+/* Room for n particles. TDM_ERR_MEMORY: nothing changed. */
+tdm_status dem_data_reserve(dem_data *data, int n);
 
 /* The particle after the last one of a chunk. */
 static inline int dem_chunk_end(const dem_data *d, int c) {
   return c + 1 < d->lists.nchunk ? (c + 1) * DEM_CHUNK : d->state.nparticle;
 }
 
-/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. False: no memory. */
-bool dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
-bool dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
+/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
+tdm_status dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
 
-/* Room in push for the particles, the one that is none and `count` crossings. False: no memory. */
-bool dem_crossings_reserve(dem_data *data, int count);
+/* Room in push for the particles, the one that is none and `count` crossings. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_crossings_reserve(dem_data *data, int count);
 
 #endif

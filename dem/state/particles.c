@@ -16,9 +16,9 @@ static void note_flow(dem_data *d, int i, double sign) {
   d->state.energy_balance.flow += sign * (kinetic + potential);
 }
 
-bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
-  if (!dem_data_reserve(d, d->state.nparticle + 1))
-    return false;
+tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
+  if (dem_data_reserve(d, d->state.nparticle + 1))
+    return TDM_ERR_MEMORY;
   int i = d->state.nparticle++;
   d->state.id[i] = d->state.ledger.created++;
   d->state.mass[i] = newcomer->mass;
@@ -45,7 +45,7 @@ bool dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->lists.pairs.first[i + 1] = d->lists.pairs.first[i];
   dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
   d->lists.stale = true;
-  return true;
+  return TDM_OK;
 }
 
 /* Drop the rows of particles that go and the entries that name one. The rest is renumbered; the entries of one chunk
@@ -149,12 +149,12 @@ static void reorder_bytes(char *array, size_t n, size_t size, const int *from, c
   }
 }
 
-bool dem_data_permute(dem_data *d, const int *from) {
+tdm_status dem_data_permute(dem_data *d, const int *from) {
   size_t n = (size_t)d->state.nparticle;
   dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
   uint64_t *copy = dem_scratch_take(&d->work.scratch, (n + 1) * sizeof *copy); /* a word of each particle at a time */
   if (!copy)
-    return false;
+    return TDM_ERR_MEMORY;
 #define X(field, each, name)                                                                                      \
   if ((size_t)(each) * sizeof *d->field % sizeof *copy == 0)                                                      \
     reorder_words((uint64_t *)(void *)d->field, n, (size_t)(each) * sizeof *d->field / sizeof *copy, from, copy); \
@@ -165,5 +165,5 @@ bool dem_data_permute(dem_data *d, const int *from) {
   if (d->state.spare_push)
     reorder_words((uint64_t *)(void *)d->state.spare_push, n, sizeof *d->state.spare_push / sizeof *copy, from, copy);
   dem_scratch_back(&d->work.scratch, mark);
-  return true;
+  return TDM_OK;
 }

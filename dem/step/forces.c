@@ -174,7 +174,7 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
 
 tdm_status dem_forces_now(dem_data *d, bool settling, tdm_error *err) {
   dem_walls_put(d);
-  if (!dem_lists_build(d) || !dem_traction_reserve(d))
+  if (dem_lists_build(d) || dem_traction_reserve(d))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_forces_again(d, settling, 0);
   return TDM_OK;

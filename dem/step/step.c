@@ -88,18 +88,17 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
   return numbers ? moved2 : NAN;
 }
 
-/* false: no memory */
-static bool find_contacts(dem_data *d, double moved2, double h) {
+static tdm_status find_contacts(dem_data *d, double moved2, double h) {
   if (d->model->domain.repeats)
     dem_domain_wrap(d);
   uint64_t before = d->lists.nrebuild;
-  if (!dem_lists_update(d, moved2))
-    return false;
+  if (dem_lists_update(d, moved2))
+    return TDM_ERR_MEMORY;
   if (d->lists.nrebuild != before) /* a particle that moves far in a step makes new lists */
     dem_guard_note_leap(d, h);
-  bool good = dem_traction_reserve(d);
+  tdm_status status = dem_traction_reserve(d);
   dem_time_spent(d->work.timers, DEM_PHASE_LIST);
-  return good;
+  return status;
 }
 
 /* the forces, and the kick that ends the substep */
@@ -143,7 +142,7 @@ tdm_status dem_step(dem_data *d, const dem_step_task *s, tdm_error *err) {
   for (uint64_t j = 1; j <= p.many; j++) {
     move_bodies(d, s, &p, j);
     double moved2 = move_particles(d, s, &p, j);
-    if (!find_contacts(d, moved2, p.h))
+    if (find_contacts(d, moved2, p.h))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
     evaluate_and_kick(d, s, &p);
   }

@@ -157,7 +157,7 @@ static void take_counters(dem_data *d, const counters *c) {
 #undef X
 }
 
-static bool save(const dem_data *d, const void *note, size_t note_size, void **bytes, size_t *size) {
+static tdm_status save(const dem_data *d, const void *note, size_t note_size, void **bytes, size_t *size) {
   const dem_model *m = d->model;
   writer w = {0};
   size_t np = (size_t)d->state.nparticle;
@@ -188,14 +188,14 @@ static bool save(const dem_data *d, const void *note, size_t note_size, void **b
   put(&w, &sum, sizeof sum);
   if (w.failed) {
     free(w.bytes);
-    return false;
+    return TDM_ERR_MEMORY;
   }
   *bytes = w.bytes;
   *size = w.size;
-  return true;
+  return TDM_OK;
 }
 
-bool dem_state_save(const dem_data *d, void **bytes, size_t *size) {
+tdm_status dem_state_save(const dem_data *d, void **bytes, size_t *size) {
   return save(d, NULL, 0, bytes, size);
 }
 
@@ -386,7 +386,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   counters c;
   if (check_header(r, d, err))
     return err->status;
-  if (!dem_data_reserve(d, r->nparticle))
+  if (dem_data_reserve(d, r->nparticle))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for %d particles", r->nparticle);
   d->state.nparticle = r->nparticle;
   bool good =
@@ -399,7 +399,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   d->lists.valid = false;  /* histories of before are not these */
   d->state.since_sort = 0; /* the order is the one that was saved */
   d->lists.skin = c.skin;
-  if (!dem_lists_build(d))
+  if (dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for the neighbour lists");
   d->state.since_sort = c.since_sort;
   if (!get_forces(r, d) || !get_histories(r, d, false) || !get_histories(r, d, true))
@@ -479,7 +479,7 @@ tdm_status dem_state_write(const dem_data *d, const char *file, const char *key,
                            tdm_error *err) {
   void *bytes;
   size_t n;
-  if (!save(d, note, size, &bytes, &n))
+  if (save(d, note, size, &bytes, &n))
     return tdm_fail(err, TDM_ERR_MEMORY, key, "no memory to store the state");
   if (!write_all(file, bytes, n))
     tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be written: %s; make room or name another file", file,

@@ -20,8 +20,8 @@ typedef enum {
                      forces are to be evaluated */
 } dem_state_use;
 
-/* *bytes is the caller's to free. False: no memory. */
-bool dem_state_save(const dem_data *data, void **bytes, size_t *size);
+/* *bytes is the caller's to free. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_state_save(const dem_data *data, void **bytes, size_t *size);
 
 /* Make data, which belongs to a model of the same scene, what was saved. TDM_ERR_FILE: these bytes are no state of this
  * scene, or damaged; data is as before unless the damage is one that the checksum does not see. */

@@ -69,12 +69,12 @@ static void mixture(dem_sphere *s, int n, double ratio) {
 /* shortest time of a call [s], which other programs disturb least; small moves between calls */
 static double measure(const char *name, dem_search_input *in, dem_sphere *s, double move, dem_rows *rows) {
   dem_search *search = dem_search_create(name);
-  bool ok = dem_search_run(search, in, rows);
+  bool ok = !dem_search_run(search, in, rows);
   double shortest = INFINITY;
   for (int k = 0; ok && k < 10; k++) {
     shake(s, in->n, move);
     double begin = tdm_clock();
-    ok = dem_search_run(search, in, rows);
+    ok = !dem_search_run(search, in, rows);
     shortest = fmin(shortest, tdm_clock() - begin);
   }
   dem_search_destroy(&search);

@@ -82,7 +82,7 @@ START_TEST(looks_are_some_steps_apart) {
   ck_assert(!isnan(dem_energy_balance_look(r->data).stored));
   /* a copy looks when the original does */
   dem_data *copy = dem_data_create(r->model);
-  ck_assert(dem_data_copy(copy, r->data));
+  ck_assert_int_eq(dem_data_copy(copy, r->data), TDM_OK);
   ck_assert(isnan(dem_energy_balance_look(copy).stored));
   dem_data_destroy(&copy);
   rig_free(r);

@@ -117,7 +117,7 @@ START_TEST(test_copy) {
     shake(r, k++, 1);
   ck_assert_int_lt(k, 5000);
   dem_data *copy = dem_data_create(r->model);
-  ck_assert(dem_data_copy(copy, r->data));
+  ck_assert_int_eq(dem_data_copy(copy, r->data), TDM_OK);
   shake(r, k, 600);
   dem_data *first = r->data;
   r->data = copy;

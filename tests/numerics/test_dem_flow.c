@@ -174,7 +174,7 @@ START_TEST(test_copy) {
   same(r->data, again->data);
   dem_data *copy = dem_data_create(r->model), *first = r->data;
   ck_assert_int_lt(copy->work.capacity, first->state.nparticle);
-  ck_assert(dem_data_copy(copy, first));
+  ck_assert_int_eq(dem_data_copy(copy, first), TDM_OK);
   steps(r, NULL, 2000);
   r->data = copy;
   steps(r, NULL, 2000);

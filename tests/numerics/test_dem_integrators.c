@@ -256,7 +256,7 @@ START_TEST(test_newcomer) {
     rig *r = gas(k, 0.5, "");
     rig_steps(r, 10);
     dem_newcomer one = {.position = {0, 0, 10}, .velocity = {1, 2, 3}, .radius = 0.01, .mass = 0.1, .material = 0};
-    ck_assert(dem_data_add(r->data, &one));
+    ck_assert_int_eq(dem_data_add(r->data, &one), TDM_OK);
     rig_steps(r, 100);
     int i = r->data->state.nparticle - 1;
     double t = 100 * 5e-5;

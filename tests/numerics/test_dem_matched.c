@@ -77,7 +77,7 @@ static void go(model *m) {
                           .damping = m->damping};
   flow(m, dt, E);
   dem_matched *matched = dem_matched_create(m->k);
-  ck_assert(dem_matched_begin(matched, &reduced, m->n, dt, E));
+  ck_assert_int_eq(dem_matched_begin(matched, &reduced, m->n, dt, E), TDM_OK);
   for (uint64_t i = 0; i <= m->n; i++) {
     const double s = (double)i / (double)m->n, x = 2 * s - 1, P[3] = {1, x, 1.5 * x * x - 0.5};
     const int halves = i == 0 || i == m->n ? 1 : 2;

@@ -125,7 +125,7 @@ START_TEST(test_room) {
   ck_assert_int_gt(d->state.nparticle, 1000);
   dem_free_space room;
   tdm_vec3 low = {-0.6, -0.7, 0}, high = {0.8, 0.3, 1.5};
-  ck_assert(dem_free_space_open(&room, d, low, high, 0.05));
+  ck_assert_int_eq(dem_free_space_open(&room, d, low, high, 0.05), TDM_OK);
   int frees = 0;
   for (uint64_t k = 0; k < 20000; k++) {
     double radius = 0.05 * tdm_random(1, k, 0), u[3];

@@ -123,13 +123,13 @@ START_TEST(test_every_member_comes_back) {
     void *bytes;
     size_t size;
     tdm_error err = {0};
-    ck_assert(dem_state_save(r->data, &bytes, &size));
+    ck_assert_int_eq(dem_state_save(r->data, &bytes, &size), TDM_OK);
     scramble(other->data);
     ck_assert_msg(!dem_state_load(other->data, bytes, size, &err), "%s", err.message);
     same_members(r->data, other->data);
     dem_data *copy = dem_data_create(r->model);
     scramble(copy);
-    ck_assert(dem_data_copy(copy, r->data));
+    ck_assert_int_eq(dem_data_copy(copy, r->data), TDM_OK);
     same_members(r->data, copy);
     dem_data_destroy(&copy);
     free(bytes);
@@ -148,7 +148,7 @@ START_TEST(test_goes_on) {
     void *bytes;
     size_t size;
     tdm_error err = {0};
-    ck_assert(dem_state_save(r->data, &bytes, &size));
+    ck_assert_int_eq(dem_state_save(r->data, &bytes, &size), TDM_OK);
     ck_assert_msg(!dem_state_load(other->data, bytes, size, &err), "%s", err.message);
     same(r->data, other->data);
     go_on(r, 900);
@@ -177,7 +177,7 @@ START_TEST(test_many) {
   void *bytes;
   size_t size;
   tdm_error err = {0};
-  ck_assert(dem_state_save(r->data, &bytes, &size));
+  ck_assert_int_eq(dem_state_save(r->data, &bytes, &size), TDM_OK);
   ck_assert_msg(!dem_state_load(other->data, bytes, size, &err), "%s", err.message);
   rig_steps(r, 50);
   rig_steps(other, 50);
@@ -197,7 +197,7 @@ START_TEST(test_damage) {
   go_on(r, 100);
   void *bytes;
   size_t size;
-  ck_assert(dem_state_save(r->data, &bytes, &size));
+  ck_assert_int_eq(dem_state_save(r->data, &bytes, &size), TDM_OK);
   char *copy = malloc(size);
   for (size_t k = 0; k < 60; k++) { /* cut and changed at places all over */
     size_t at = k < 10 ? k * 8 : (k - 10) * (size - 1) / 49;
@@ -264,7 +264,7 @@ START_TEST(test_start) {
   ck_assert_uint_eq(other->data->state.nstep, 0);
   ck_assert_uint_eq(other->data->state.ledger.created, 60);
   dem_newcomer one = {.position = {0, 0, 0.4}, .radius = 0.01, .mass = 0.1};
-  ck_assert(dem_data_add(other->data, &one));
+  ck_assert_int_eq(dem_data_add(other->data, &one), TDM_OK);
   ck_assert_uint_eq(other->data->state.id[60], 60);
   ck_assert(dem_balance_number(other->data) == 0 && dem_balance_mass(other->data) == 0);
   rig_free(other);

@@ -143,7 +143,7 @@ END_TEST
 START_TEST(there_is_no_room_in_it) {
   rig *r = rig_of("[0,0,0]", "'radii':[0.2,0.03]", "[9,9,9]", "");
   dem_free_space space;
-  ck_assert(dem_free_space_open(&space, r->data, tdm_v3(-1, -1, 0), tdm_v3(1, 1, 2), 0.01));
+  ck_assert_int_eq(dem_free_space_open(&space, r->data, tdm_v3(-1, -1, 0), tdm_v3(1, 1, 2), 0.01), TDM_OK);
   ck_assert(dem_free_space_free(&space, r->data, tdm_v3(0, 0, 1), 0.01));
   ck_assert(!dem_free_space_free(&space, r->data, tdm_v3(0, 0.2, 1), 0.01));
   ck_assert(!dem_free_space_free(&space, r->data, tdm_v3(0.2 - 0.0399, 0, 1), 0.01));

@@ -123,9 +123,9 @@ static void finish(bench *b) {
 }
 
 static void check_all(bench *b, const char *what, const dem_search_input *input) {
-  ck_assert(dem_search_run(b->all, input, &b->wanted));
+  ck_assert_int_eq(dem_search_run(b->all, input, &b->wanted), TDM_OK);
   for (int k = 0; k < SEARCHES; k++) {
-    ck_assert(dem_search_run(b->search[k], input, &b->rows));
+    ck_assert_int_eq(dem_search_run(b->search[k], input, &b->rows), TDM_OK);
     compare(what, fast[k], input->n, &b->rows, &b->wanted);
   }
 }
@@ -227,13 +227,13 @@ START_TEST(test_lattice) {
       }
       dem_search *search = dem_search_create(*name);
       dem_rows rows = {0};
-      ck_assert(dem_search_run(search, &in, &rows));
+      ck_assert_int_eq(dem_search_run(search, &in, &rows), TDM_OK);
       ck_assert_uint_eq(rows.count, periodic ? 3 * N : 3 * SIDE * SIDE * (SIDE - 1));
       ck_assert_int_eq(rows.first[0], 0);
       ck_assert_int_eq(rows.other[0], 1);
       ck_assert_int_eq(rows.other[1], periodic ? SIDE - 1 : SIDE);
       in.skin = 0; /* no longer near */
-      ck_assert(dem_search_run(search, &in, &rows));
+      ck_assert_int_eq(dem_search_run(search, &in, &rows), TDM_OK);
       ck_assert_uint_eq(rows.count, 0);
       dem_search_destroy(&search);
     }
@@ -291,7 +291,8 @@ START_TEST(test_far_in_large_bed) {
   s[5].position.z = INFINITY;
   s[7].position.z = 1e7;
   for (int k = 0; k < 20; k++)
-    ck_assert(dem_search_run(search, &(dem_search_input){.sphere = s, .n = N, .skin = 0.01, .nthread = 1}, &rows));
+    ck_assert_int_eq(
+        dem_search_run(search, &(dem_search_input){.sphere = s, .n = N, .skin = 0.01, .nthread = 1}, &rows), TDM_OK);
   ck_assert_uint_gt(rows.count, 2 * N - 3 * SIDE);
   dem_search_destroy(&search);
   free(s);
@@ -318,7 +319,7 @@ START_TEST(test_scratch) {
     dem_rows rows;
     for (int call = 0; call < 2; call++) {
       dem_scratch_back(&scratch, (dem_scratch_mark){0});
-      ck_assert(dem_search_run(b.search[0], &in, &rows));
+      ck_assert_int_eq(dem_search_run(b.search[0], &in, &rows), TDM_OK);
       compare(c.what, fast[0], N, &rows, &b.wanted);
     }
     ck_assert_int_eq(size == LARGE, scratch.heap == NULL);
@@ -397,13 +398,13 @@ START_TEST(test_table_2_2) {
                      {.position = {1, 2, 0}, .radius = 1}};
   dem_search_input in = {.sphere = s, .n = 5, .nthread = 1};
   dem_sweep sweep = {0};
-  ck_assert(dem_sweep_update(&sweep, &in));
+  ck_assert_int_eq(dem_sweep_update(&sweep, &in), TDM_OK);
   check_marks(&sweep, 0, (int[]){-5, 5, -4, -2, -1, 4, -3, 1, 2, 3});
   check_marks(&sweep, 1, (int[]){-1, -5, -4, 5, 1, 4, -2, -3, 3, 2});
   check_stored(&sweep, (const int[][2]){{1, 4}, {2, 3}}, 2);
 
   s[3].position.x -= 1.5;
-  ck_assert(dem_sweep_update(&sweep, &in));
+  ck_assert_int_eq(dem_sweep_update(&sweep, &in), TDM_OK);
   check_marks(&sweep, 0, (int[]){-5, -4, 5, -2, 4, -1, -3, 1, 2, 3});
   check_marks(&sweep, 1, (int[]){-1, -5, -4, 5, 1, 4, -2, -3, 3, 2});
   check_stored(&sweep, (const int[][2]){{2, 3}, {4, 5}}, 2);
@@ -433,7 +434,7 @@ START_TEST(test_exchange_rules) {
       double low = rules[_i].low[time][i], high = rules[_i].high[time][i];
       s[i] = (dem_sphere){.position = {(low + high) / 2, 0, 0}, .radius = (high - low) / 2};
     }
-    ck_assert(dem_sweep_update(&sweep, &in));
+    ck_assert_int_eq(dem_sweep_update(&sweep, &in), TDM_OK);
     check_marks(&sweep, 0, rules[_i].marks[time]);
     ck_assert_int_eq(dem_sweep_stored(&sweep, 0, 1), rules[_i].stored[time]);
   }
