@@ -22,6 +22,7 @@
 #define MBD_MBD_H
 
 #include "mbd/mechanics/state.h"
+#include "protocol/view/view.h"
 #include "protocol/wire/participant.h"
 
 /* A multibody system that is being computed. */
@@ -104,6 +105,11 @@ tdm_status mbd_engine_restore(mbd_engine *engine, int slot, tdm_error *err);
 /* What the scene fixes, and the state (mechanics/state.h), which changes with every window. Both are the engine's. */
 const mbd_model *mbd_engine_model(const mbd_engine *engine);
 const mbd_data *mbd_engine_data(const mbd_engine *engine);
+
+/* What there is to see: the mechanism's bodies and lines, and where they are now. Both may be reused; they are the
+ * caller's. Looking changes nothing of the run. */
+tdm_status mbd_engine_scenery(const mbd_engine *engine, tdm_scenery *scenery, tdm_error *err);
+tdm_status mbd_engine_snapshot(const mbd_engine *engine, tdm_snapshot *snapshot, tdm_error *err);
 
 /* The integrator's counters up to now (the engine's, until the next window). */
 const mbd_stats *mbd_engine_stats(mbd_engine *engine);

@@ -7,6 +7,7 @@
 #include "mbd/engine/channels.h"
 #include "mbd/engine/guard.h"
 #include "mbd/engine/report.h"
+#include "mbd/engine/view.h"
 #include "mbd/integrate/integrator.h"
 #include "mbd/mechanics/energy.h"
 #include "mbd/mechanics/free.h"
@@ -351,6 +352,14 @@ const mbd_model *mbd_engine_model(const mbd_engine *s) {
 
 const mbd_data *mbd_engine_data(const mbd_engine *s) {
   return s->data;
+}
+
+tdm_status mbd_engine_scenery(const mbd_engine *s, tdm_scenery *scenery, tdm_error *err) {
+  return mbd_view_scenery(s->model, scenery, err);
+}
+
+tdm_status mbd_engine_snapshot(const mbd_engine *s, tdm_snapshot *snapshot, tdm_error *err) {
+  return mbd_view_snapshot(s->model, s->data->t, s->data->y, snapshot, err);
 }
 
 const mbd_stats *mbd_engine_stats(mbd_engine *s) {

@@ -125,5 +125,7 @@ const mbd_force_ops mbd_force_bushing = {
     .coordinate_unit = "m",
     .read = read,
     .eval = eval,
+    .spans = true,
+    .line = TDM_VIEW_LINE_spring,
     .turns = true,
 };

@@ -54,4 +54,6 @@ const mbd_force_ops mbd_force_cable = {
     .coordinate_unit = "m",
     .read = read,
     .eval = eval,
+    .spans = true,
+    .line = TDM_VIEW_LINE_cable,
 };

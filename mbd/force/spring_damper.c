@@ -72,5 +72,7 @@ const mbd_force_ops mbd_force_spring_damper = {
     .coordinate_unit = "m",
     .read = read,
     .eval = eval,
+    .spans = true,
+    .line = TDM_VIEW_LINE_spring,
     .clear = clear,
 };

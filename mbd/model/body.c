@@ -98,6 +98,7 @@ static void read_shape(tdm_object *o, mbd_body *b) {
                     b->name, b->mass);
   if (!o->err->status)
     check_inertia(o, "shape", b);
+  b->outline = shape.outline;
   if (o->err->status || !shape.file)
     return;
   b->mesh = strdup(shape.file);

@@ -12,6 +12,7 @@
 #define MBD_MODEL_FORCE_H
 
 #include "mbd/model/joint.h"
+#include "protocol/view/view.h"
 
 typedef struct mbd_force mbd_force;
 
@@ -43,6 +44,8 @@ typedef struct {
   /* Read the keys behind name and type into the force and force->own, which is zero. */
   void (*read)(mbd_force *force, tdm_object *o, const mbd_model *model);
   void (*eval)(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value);
+  bool spans; /* in pictures it is a line between the points of force->frame, of this kind */
+  tdm_view_line_kind line;
   bool turns; /* its rows are the three ways and three rotations between two frames, which are outputs; the rotation
                  must stay below half a turn */
   /* Friction, which has force->rubbing: the coefficient (or limit) at which it slides at `rate`, and its derivative by

@@ -13,13 +13,19 @@ static mbd_shape diagonal(double volume, double xx, double yy, double zz) {
   return (mbd_shape){.volume = volume, .gyration = {{{xx, 0, 0}, {0, yy, 0}, {0, 0, zz}}}};
 }
 
+/* the same shape, which is drawn by these sizes */
+static mbd_shape drawn(mbd_shape shape, double x, double y, double z) {
+  shape.outline = (mbd_outline){.size = {x, y, z}};
+  return shape;
+}
+
 static double length(tdm_object *o, const char *key) {
   return tdm_get_number(o, key, TDM_REQUIRED, TDM_POSITIVE);
 }
 
 static mbd_shape sphere(tdm_object *o) {
   double r = length(o, "radius"), i = 0.4 * r * r;
-  return diagonal(4.0 / 3 * M_PI * r * r * r, i, i, i);
+  return drawn(diagonal(4.0 / 3 * M_PI * r * r * r, i, i, i), r, 0, 0);
 }
 
 static mbd_shape box(tdm_object *o) {
@@ -28,13 +34,13 @@ static mbd_shape box(tdm_object *o) {
   if (!o->err->status && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
     tdm_object_fail(o, "size", "is %g, %g, %g m; all three must be positive", s[0], s[1], s[2]);
   double x = s[0] * s[0] / 12, y = s[1] * s[1] / 12, z = s[2] * s[2] / 12;
-  return diagonal(s[0] * s[1] * s[2], y + z, x + z, x + y);
+  return drawn(diagonal(s[0] * s[1] * s[2], y + z, x + z, x + y), s[0], s[1], s[2]);
 }
 
 /* between two radii */
 static mbd_shape round_bar(double outer, double inner, double l) {
   double r2 = outer * outer + inner * inner, across = (3 * r2 + l * l) / 12;
-  return diagonal(M_PI * (outer * outer - inner * inner) * l, across, across, 0.5 * r2);
+  return drawn(diagonal(M_PI * (outer * outer - inner * inner) * l, across, across, 0.5 * r2), outer, inner, l);
 }
 
 static mbd_shape cylinder(tdm_object *o) {
@@ -51,7 +57,7 @@ static mbd_shape tube(tdm_object *o) {
 
 static mbd_shape cone(tdm_object *o) {
   double r = length(o, "radius"), l = length(o, "length"), across = 3.0 / 80 * (4 * r * r + l * l);
-  return diagonal(M_PI / 3 * r * r * l, across, across, 0.3 * r * r);
+  return drawn(diagonal(M_PI / 3 * r * r * l, across, across, 0.3 * r * r), r, 0, l);
 }
 
 /* a cylinder of that length between two half spheres */
@@ -59,7 +65,7 @@ static mbd_shape capsule(tdm_object *o) {
   double r = length(o, "radius"), l = length(o, "length");
   double bar = M_PI * r * r * l, ends = 4.0 / 3 * M_PI * r * r * r, all = bar + ends;
   double across = bar * (3 * r * r + l * l) / 12 + ends * (0.4 * r * r + 0.25 * l * l + 0.375 * l * r);
-  return diagonal(all, across / all, across / all, (0.5 * bar + 0.4 * ends) * r * r / all);
+  return drawn(diagonal(all, across / all, across / all, (0.5 * bar + 0.4 * ends) * r * r / all), r, 0, l);
 }
 
 /* ---- meshes ---- */
@@ -162,8 +168,16 @@ static mbd_shape mesh(tdm_object *o) {
 static const struct {
   const char *name;
   mbd_shape (*load)(tdm_object *o);
-} table[] = {{"sphere", sphere}, {"box", box},         {"cylinder", cylinder}, {"tube", tube},
-             {"cone", cone},     {"capsule", capsule}, {"mesh", mesh}};
+  tdm_status (*draw)(const mbd_outline *outline, int body, tdm_scenery *scenery, tdm_error *err); /* NULL: a mesh */
+} table[] = {
+    {.name = "sphere", .load = sphere, .draw = mbd_outline_sphere},
+    {.name = "box", .load = box, .draw = mbd_outline_box},
+    {.name = "cylinder", .load = cylinder, .draw = mbd_outline_cylinder},
+    {.name = "tube", .load = tube, .draw = mbd_outline_tube},
+    {.name = "cone", .load = cone, .draw = mbd_outline_cone},
+    {.name = "capsule", .load = capsule, .draw = mbd_outline_capsule},
+    {.name = "mesh", .load = mesh},
+};
 enum { SHAPES = sizeof table / sizeof table[0] };
 
 mbd_shape mbd_shape_read(tdm_object *owner) {
@@ -177,6 +191,7 @@ mbd_shape mbd_shape_read(tdm_object *owner) {
   double density = tdm_has(&o, "density") ? tdm_get_number(&o, "density", TDM_REQUIRED, TDM_POSITIVE) : 0;
   mbd_shape shape = table[type].load(&o);
   shape.density = density;
+  shape.outline.draw = table[type].draw;
   tdm_object_close(&o);
   return shape;
 }

@@ -1,21 +1,23 @@
 /* Mass, centre of mass and inertia of shapes of one density: primitives and closed triangle meshes.
  *
- * To add a primitive: a function and a row in the table of inertia.c.
+ * To add a primitive: a function and a row in the table of inertia.c, and its surface in outline.c.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MODEL_INERTIA_H
 #define MBD_MODEL_INERTIA_H
 
+#include "mbd/model/outline.h"
 #include "protocol/base/scene.h"
 #include "protocol/base/stl.h"
 
 typedef struct {
-  double volume;     /* [m3] */
-  tdm_vec3 centre;   /* of mass, axes of the shape [m] */
-  tdm_mat3 gyration; /* inertia about the centre divided by the mass [m2] */
-  double density;    /* [kg/m3], 0: not given */
-  const char *file;  /* of a mesh, whose axes the shape's are; the JSON's own string. NULL: a primitive */
-  double scale;      /* metres a unit of the file */
+  double volume;       /* [m3] */
+  tdm_vec3 centre;     /* of mass, axes of the shape [m] */
+  tdm_mat3 gyration;   /* inertia about the centre divided by the mass [m2] */
+  double density;      /* [kg/m3], 0: not given */
+  const char *file;    /* of a mesh, whose axes the shape's are; the JSON's own string. NULL: a primitive */
+  double scale;        /* metres a unit of the file */
+  mbd_outline outline; /* of a primitive */
 } mbd_shape;
 
 /* Read the object "shape". Primitives stand with their axis along z and their centre of mass at zero. */

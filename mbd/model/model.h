@@ -9,6 +9,7 @@
 
 #include "mbd/model/driver.h"
 #include "mbd/model/force.h"
+#include "mbd/model/outline.h"
 #include "protocol/wire/participant.h"
 
 enum { MBD_GROUND = -1, MBD_NAME_MAX = 40 };
@@ -24,13 +25,14 @@ typedef struct {
   double mass;      /* [kg] */
   tdm_mat3 inertia; /* about the centre of mass, body axes [kg m2] */
   tdm_mat3 inverse_inertia;
-  bool slim;       /* it has none about its own axis (slim.h): a ball's inverse stands above */
-  bool spins;      /* slim, and no joint holds it about the axis: it has the inertia of a ball */
-  tdm_vec3 axis;   /* slim: body axes */
-  tdm_state start; /* as given in the scene, orientation normalised */
-  tdm_vec3 origin; /* of the file that its shape is a mesh of, from the centre of mass, body axes [m] */
-  char *mesh;      /* that file, NULL: none */
-  double scale;    /* metres a unit of it */
+  bool slim;           /* it has none about its own axis (slim.h): a ball's inverse stands above */
+  bool spins;          /* slim, and no joint holds it about the axis: it has the inertia of a ball */
+  tdm_vec3 axis;       /* slim: body axes */
+  tdm_state start;     /* as given in the scene, orientation normalised */
+  tdm_vec3 origin;     /* of the file that its shape is a mesh of, from the centre of mass, body axes [m] */
+  char *mesh;          /* that file, NULL: none */
+  double scale;        /* metres a unit of it */
+  mbd_outline outline; /* of a shape that is no mesh; draw NULL: it has none */
   int nmarker;
   mbd_marker *marker; /* (nmarker) */
 } mbd_body;

@@ -52,7 +52,7 @@ typedef struct {
   X(spring, "spring or damper")          \
   X(cable, "cable")                      \
   X(cylinder, "cylinder or other drive") \
-  X(other, "other force")
+  X(bar, "bar of a body without a shape, from its centre of mass")
 
 /* Kinds of lines. */
 typedef enum {
