@@ -3,10 +3,11 @@
  * A scene chooses one law of each family. A row says what readers, limits, energies and reports ask of a law; its
  * kernel, in the same file, is compiled into the loops (loop/). Rows know the model alone.
  *
- * To add a normal law: a file normal/NAME.c like normal/hooke.c and its name in the list of table.c. The build finds
- * the file and compiles its loops, with each tangential law, once for each instruction set.
- * To add a law of another family: a file tangential/NAME.h and so on, like tangential/coulomb.h, and its name beside
- * its #include in families.h.
+ * To add a law: a file normal/NAME.c like normal/hooke.c, or tangential/NAME.h like tangential/coulomb.h and so on,
+ * and its name in the list of families.h. The build finds the file. It compiles the loops of a normal law, with each
+ * tangential law, once for each instruction set.
+ * A program of its own adds a law with dem_law_add (table.h). Such a law may be in any file. Its kernel is called, in
+ * plain C, unless it is a normal law, whose file makes its loops.
  * What a law reads from a scene is described in scenarios/scene.schema.json.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
@@ -29,6 +30,10 @@ typedef enum {
 
 enum { DEM_KEYS_MAX = 8 };
 
+/* The kernel of a law from elsewhere; its argument is in loop/contact.h. */
+struct dem_call;
+typedef void dem_called_kernel(struct dem_call *call);
+
 /* What every row begins with. */
 typedef struct {
   const char *name; /* in a scene */
@@ -37,6 +42,7 @@ typedef struct {
   int ncolumn;      /* of history that a contact keeps for it */
   unsigned vectors; /* bit q: column q is one of a vector's, which changes sign when the two of a pair change places */
   const char *keys[DEM_KEYS_MAX]; /* of a pair that it reads, besides restitution and friction */
+  dem_called_kernel *kernel;      /* of a law that the loops do not hold, in plain C; normal laws bring loops instead */
 } dem_law_head;
 
 /* Two bodies that collide centrally. */

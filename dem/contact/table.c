@@ -5,14 +5,12 @@
 
 #include "dem/contact/families.h"
 
+#include <assert.h>
 #include <stddef.h>
 #include <string.h>
 
-/* The normal laws: files in normal/. */
-#define NORMALS(X) X(hooke) X(hertz) X(hunt_crossley) X(hysteretic)
-
 #define X(law) extern const dem_normal_law dem_normal_##law;
-NORMALS(X)
+DEM_NORMALS(X)
 #undef X
 
 enum { LAWS_MAX = 16 };
@@ -23,7 +21,7 @@ enum { LAWS_MAX = 16 };
 #define W(law) &dem_twisting_row_##law.head,
 #define C(law) &dem_cohesion_row_##law.head,
 static const dem_law_head *table[DEM_FAMILIES][LAWS_MAX + 1] = {
-    [DEM_FAMILY_NORMAL] = {NORMALS(N)},         [DEM_FAMILY_TANGENTIAL] = {DEM_TANGENTIALS(T)},
+    [DEM_FAMILY_NORMAL] = {DEM_NORMALS(N)},     [DEM_FAMILY_TANGENTIAL] = {DEM_TANGENTIALS(T)},
     [DEM_FAMILY_ROLLING] = {DEM_ROLLINGS(R)},   [DEM_FAMILY_TWISTING] = {DEM_TWISTINGS(W)},
     [DEM_FAMILY_COHESION] = {DEM_COHESIONS(C)},
 };
@@ -44,13 +42,14 @@ int dem_law_place(dem_family family, const char *name) {
   return -1;
 }
 
-bool dem_normal_add(const dem_normal_law *law) {
+bool dem_law_add(dem_family family, const dem_law_head *law) {
   int n = 0;
-  while (table[DEM_FAMILY_NORMAL][n])
+  assert(law->name && (family == DEM_FAMILY_NORMAL) == !law->kernel);
+  while (table[family][n])
     n++;
-  if (n == LAWS_MAX || dem_law_place(DEM_FAMILY_NORMAL, law->head.name) >= 0)
+  if (n == LAWS_MAX || dem_law_place(family, law->name) >= 0)
     return false;
-  table[DEM_FAMILY_NORMAL][n] = &law->head;
+  table[family][n] = law;
   return true;
 }
 
@@ -67,19 +66,26 @@ static int place_of(const dem_model *m, dem_family family) {
   return dem_law_place(family, dem_law_of(m, family)->name);
 }
 
+/* is one of the laws from elsewhere, but the normal law? */
+static bool calls(const dem_model *m) {
+  bool any = false;
+  for (dem_family f = 0; f < DEM_FAMILIES; f++)
+    any = any || dem_law_of(m, f)->kernel;
+  return any;
+}
+
 bool dem_loops_choose(dem_model *m) {
   m->place.tangential = place_of(m, DEM_FAMILY_TANGENTIAL);
   m->place.rolling = place_of(m, DEM_FAMILY_ROLLING);
   m->place.twisting = place_of(m, DEM_FAMILY_TWISTING);
   m->place.cohesion = place_of(m, DEM_FAMILY_COHESION);
   const dem_loop_set *set = m->normal->loops[dem_simd_find(m->simd)];
-  if (!set)
+  if (!set || calls(m))
     set = m->normal->loops[DEM_PLAIN];
-  const dem_loops *with = &set->with[m->place.tangential];
-  m->loops = m->all_terms ? &set->all_terms : with;
+  m->loops = calls(m) ? &set->called : m->all_terms ? &set->all_terms : &set->with[m->place.tangential];
   m->nsum = set->nsum;
   m->sum_loops = set->nsum > 0 ? &set->sums : NULL;
-  return with->pairs != NULL;
+  return m->normal->circle || !m->tangential->needs_circle;
 }
 
 /* append the columns of a row; the first of them, -1: it has none */
@@ -97,5 +103,6 @@ void dem_columns_choose(dem_model *m, bool sliding) {
   c.rolling = append(&c, &m->rolling->head);
   c.cohesion = append(&c, &m->cohesion->head);
   c.sliding = append(&c, &(dem_law_head){.ncolumn = sliding});
+  assert(c.ncolumn <= DEM_HISTORY_MAX);
   m->columns = c;
 }

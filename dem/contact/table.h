@@ -14,9 +14,11 @@ const dem_law_head *dem_law_at(dem_family family, int place);
 /* Place of a law in its family's table, -1: none has this name. */
 int dem_law_place(dem_family family, const char *name);
 
-/* Put a normal law from elsewhere behind the table's, for the process; the row stays the caller's and must outlive it.
- * Before any model is loaded. False: the table is full, or has a law of this name. */
-bool dem_normal_add(const dem_normal_law *law);
+/* Put a law from elsewhere behind the table's, for the process; `law` is the head of its row, which stays the caller's
+ * and must outlive it. Before any model is loaded. A normal law brings its loops, made in a file of its own; any other
+ * its kernel. The columns of a scene's laws are DEM_HISTORY_MAX at most. False: the table is full, or has a law of this
+ * name. */
+bool dem_law_add(dem_family family, const dem_law_head *law);
 
 /* The law of a family that a model has. */
 const dem_law_head *dem_law_of(const dem_model *model, dem_family family);

@@ -97,8 +97,8 @@ static const double k = 2e4, alpha = 0.3; /* as in MATERIAL */
 
 static void add(void) {
   if (dem_law_place(DEM_FAMILY_NORMAL, "confined") < 0)
-    ck_assert(dem_normal_add(&confined));
-  ck_assert(!dem_normal_add(&confined)); /* a name is there once */
+    ck_assert(dem_law_add(DEM_FAMILY_NORMAL, &confined.head));
+  ck_assert(!dem_law_add(DEM_FAMILY_NORMAL, &confined.head)); /* a name is there once */
 }
 
 /* Two alone: no energy is lost, and the contact takes half a period. */

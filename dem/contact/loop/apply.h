@@ -33,6 +33,7 @@ typedef struct {
   tangential_law *tangential;
   int ncolumn, column; /* of history; first of the normal law */
   bool all_terms;
+  bool calls;                              /* with all terms: laws from elsewhere, through their rows */
   bool rubs;                               /* there are tangential forces or more: spins matter */
   void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
 } row;
@@ -44,6 +45,16 @@ typedef struct {
 } outcome;
 
 /* ---- what the loops with all terms add ---- */
+
+/* call a law from elsewhere */
+DEM_INLINE void call_law(dem_call *call, const dem_law_head *law, const dem_contact *c, vd *history) {
+  call->contact = *c;
+  for (int q = 0; q < law->ncolumn; q++)
+    call->history[q] = history[q];
+  law->kernel(call);
+  for (int q = 0; q < law->ncolumn; q++)
+    history[q] = call->history[q];
+}
 
 DEM_KERNEL dem_tangential tangential_of_scene(dem_contact *c, vd *history) {
   switch (c->model->place.tangential) {
@@ -57,7 +68,24 @@ DEM_KERNEL dem_tangential tangential_of_scene(dem_contact *c, vd *history) {
   }
 }
 
-DEM_KERNEL void cohesion_of_scene(dem_contact *c, vd *history) {
+DEM_KERNEL dem_tangential tangential_that_is_called(dem_contact *c, vd *history) {
+  const dem_law_head *of = &c->model->tangential->head;
+  dem_call call;
+  if (!of->kernel)
+    return tangential_of_scene(c, history);
+  call_law(&call, of, c, history);
+  *c = call.contact;
+  return call.tangential;
+}
+
+DEM_KERNEL void cohesion_of_scene(dem_contact *c, vd *history, const bool calls) {
+  const dem_law_head *of = &c->model->cohesion->head;
+  if (calls && of->kernel) {
+    dem_call call;
+    call_law(&call, of, c, history);
+    *c = call.contact;
+    return;
+  }
   switch (c->model->place.cohesion) {
 #define X(law)                      \
   case COHESION_##law:              \
@@ -70,7 +98,13 @@ DEM_KERNEL void cohesion_of_scene(dem_contact *c, vd *history) {
   }
 }
 
-DEM_KERNEL dem_couple rolling_of_scene(const dem_contact *c, vd3 roll, vd *history) {
+DEM_KERNEL dem_couple rolling_of_scene(const dem_contact *c, vd3 roll, vd *history, const bool calls) {
+  const dem_law_head *of = &c->model->rolling->head;
+  if (calls && of->kernel) {
+    dem_call call = {.spin = roll};
+    call_law(&call, of, c, history);
+    return call.couple;
+  }
   switch (c->model->place.rolling) {
 #define X(law)        \
   case ROLLING_##law: \
@@ -82,7 +116,13 @@ DEM_KERNEL dem_couple rolling_of_scene(const dem_contact *c, vd3 roll, vd *histo
   }
 }
 
-DEM_KERNEL dem_couple twisting_of_scene(const dem_contact *c, vd3 twist) {
+DEM_KERNEL dem_couple twisting_of_scene(const dem_contact *c, vd3 twist, const bool calls) {
+  const dem_law_head *of = &c->model->twisting->head;
+  if (calls && of->kernel) {
+    dem_call call = {.spin = twist};
+    call_law(&call, of, c, NULL);
+    return call.couple;
+  }
   switch (c->model->place.twisting) {
 #define X(law)         \
   case TWISTING_##law: \
@@ -114,12 +154,14 @@ DEM_KERNEL void energy_of_scene(dem_flux *flux, int walls, const dem_contact *c,
 }
 
 /* rolling and twisting, energies; `walls`: 0, or DEM_ENERGY_WALL_NORMAL for contacts with walls */
-DEM_KERNEL vd3 law_all_terms(dem_loop_task *task, dem_contact *c, const dem_tangential *t, vd *h, int walls) {
+DEM_KERNEL vd3 law_all_terms(dem_loop_task *task, dem_contact *c, const dem_tangential *t, vd *h, int walls,
+                             const bool calls) {
   const dem_columns *columns = &c->model->columns;
   vd along = vd3_dot(c->spin, c->normal);
   vd3 twist = vd3_scale(along, c->normal);
-  dem_couple couple = rolling_of_scene(c, vd3_sub(c->spin, twist), h + (columns->rolling < 0 ? 0 : columns->rolling));
-  dem_couple twisting = twisting_of_scene(c, twist);
+  dem_couple couple =
+      rolling_of_scene(c, vd3_sub(c->spin, twist), h + (columns->rolling < 0 ? 0 : columns->rolling), calls);
+  dem_couple twisting = twisting_of_scene(c, twist, calls);
   couple.couple = vd3_add(couple.couple, twisting.couple);
   if (columns->sliding >= 0)
     h[columns->sliding] = c->sliding;
@@ -143,13 +185,13 @@ DEM_KERNEL outcome law(dem_loop_task *task, dem_contact *c, vd3 velocity, double
   if (r.all_terms) {
     const dem_columns *columns = &c->model->columns;
     c->pull = vd_set(0);
-    cohesion_of_scene(c, h + (columns->cohesion < 0 ? 0 : columns->cohesion));
+    cohesion_of_scene(c, h + (columns->cohesion < 0 ? 0 : columns->cohesion), r.calls);
     c->sliding = columns->sliding < 0 ? vd_set(0) : h[columns->sliding];
   }
   dem_tangential t = r.tangential(c, h);
   outcome out = {0};
   if (r.all_terms)
-    out.couple = law_all_terms(task, c, &t, h, walls);
+    out.couple = law_all_terms(task, c, &t, h, walls, r.calls);
   for (int q = 0; q < r.ncolumn; q++)
     vd_store(history + (size_t)q * stride, vd_only(c->touching, h[q]));
   vd along = c->force;

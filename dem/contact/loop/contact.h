@@ -67,6 +67,15 @@ typedef struct {
   vd elastic; /* [J] */
 } dem_couple;
 
+/* What the kernel of a law from elsewhere is called with: copies, so that the loops keep theirs in registers. */
+typedef struct dem_call {
+  dem_contact contact;         /* a tangential law or cohesion may change it */
+  vd3 spin;                    /* of a rolling law: in the tangent plane, of a twisting law: about the normal [rad/s] */
+  vd history[DEM_HISTORY_MAX]; /* the law's own columns */
+  dem_tangential tangential;   /* out, of a tangential law */
+  dem_couple couple;           /* out, of a rolling or twisting law */
+} dem_call;
+
 /* coefficient `field` of dem_pair in each lane, e.g. friction or normal[0] */
 #define DEM_OF(contact, field) dem_coefficient(&(contact)->pair, offsetof(dem_pair, field))
 

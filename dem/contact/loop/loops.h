@@ -47,9 +47,13 @@
 
 /* ---- with each tangential law ---- */
 
-#define ROW(t)                                                                                                         \
-  ((row){DEM_LAW_KERNEL, dem_tangential_##t, DEM_LAW_COLUMNS + dem_tangential_columns_##t, dem_tangential_columns_##t, \
-         false, TANGENTIAL_##t != TANGENTIAL_none, batch_##t})
+#define ROW(t)                                                    \
+  ((row){.normal = DEM_LAW_KERNEL,                                \
+         .tangential = dem_tangential_##t,                        \
+         .ncolumn = DEM_LAW_COLUMNS + dem_tangential_columns_##t, \
+         .column = dem_tangential_columns_##t,                    \
+         .rubs = TANGENTIAL_##t != TANGENTIAL_none,               \
+         .flush = batch_##t})
 #define X(t)                                                                       \
   static __attribute__((noinline)) void batch_##t(dem_loop_task *task, batch *b) { \
     wall_batch(task, b, ROW(t));                                                   \
@@ -70,19 +74,33 @@ static const dem_loops with[] = {DEM_TANGENTIALS(X)};
 
 /* ---- with all terms ---- */
 
-#define ROW_ALL_TERMS ((row){DEM_LAW_KERNEL, tangential_of_scene, 0, 0, true, true, batch_all_terms})
+#define ROW_OF_SCENE(name, kernel, from_elsewhere) \
+  ((row){.normal = DEM_LAW_KERNEL,                 \
+         .tangential = kernel,                     \
+         .all_terms = true,                        \
+         .calls = from_elsewhere,                  \
+         .rubs = true,                             \
+         .flush = batch_##name})
+#define LOOPS_OF_SCENE(name, kernel, from_elsewhere)                                      \
+  static __attribute__((noinline)) void batch_##name(dem_loop_task *task, batch *b) {     \
+    wall_batch(task, b, row_of(task->model, ROW_OF_SCENE(name, kernel, from_elsewhere))); \
+  }                                                                                       \
+  static void pairs_##name(dem_loop_task *task) {                                         \
+    pair_loop(task, ROW_OF_SCENE(name, kernel, from_elsewhere));                          \
+  }                                                                                       \
+  static void walls_##name(dem_loop_task *task) {                                         \
+    wall_loop(task, ROW_OF_SCENE(name, kernel, from_elsewhere));                          \
+  }
 
-static __attribute__((noinline)) void batch_all_terms(dem_loop_task *task, batch *b) {
-  wall_batch(task, b, row_of(task->model, ROW_ALL_TERMS));
-}
-
-static void pairs_all_terms(dem_loop_task *task) {
-  pair_loop(task, ROW_ALL_TERMS);
-}
-
-static void walls_all_terms(dem_loop_task *task) {
-  wall_loop(task, ROW_ALL_TERMS);
-}
+LOOPS_OF_SCENE(all_terms, tangential_of_scene, false)
+#if DEM_SIMD == 0
+LOOPS_OF_SCENE(called, tangential_that_is_called, true)
+#define LOOPS_CALLED \
+  { pairs_called, walls_called }
+#else
+#define LOOPS_CALLED \
+  { NULL, NULL }
+#endif
 
 /* ---- sums ---- */
 
@@ -117,7 +135,10 @@ static void walls_sums(dem_loop_task *task) {
 #endif
 extern const dem_loop_set DEM_LAW_LOOPS_FOR(_avx512), DEM_LAW_LOOPS_FOR(_avx2), DEM_LAW_LOOPS_FOR(_plain);
 
-const dem_loop_set DEM_ISA(JOIN(dem_loops_, DEM_LAW)) = {
-    .with = with, .all_terms = {pairs_all_terms, walls_all_terms}, .nsum = DEM_LAW_SUMS, .sums = LOOPS_SUMS};
+const dem_loop_set DEM_ISA(JOIN(dem_loops_, DEM_LAW)) = {.with = with,
+                                                         .all_terms = {pairs_all_terms, walls_all_terms},
+                                                         .called = LOOPS_CALLED,
+                                                         .nsum = DEM_LAW_SUMS,
+                                                         .sums = LOOPS_SUMS};
 
 #endif

@@ -8,7 +8,7 @@
 enum { DEM_ROLLING_CONSTANT_FRICTION }; /* mu_r */
 
 #ifdef DEM_SIMD
-#include "dem/contact/rolling/resistance.h"
+#include "dem/contact/loop/resistance.h"
 
 DEM_KERNEL dem_couple dem_rolling_constant_torque(const dem_contact *c, vd3 roll, vd *history) {
   (void)history;

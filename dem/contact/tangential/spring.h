@@ -17,7 +17,7 @@ enum {
 };
 
 #ifdef DEM_SIMD
-#include "dem/contact/tangential/sticking.h"
+#include "dem/contact/loop/sticking.h"
 
 DEM_KERNEL dem_tangential dem_tangential_spring(dem_contact *c, vd *history) {
   vd3 f = dem_turn_history(c, (vd3){history[0], history[1], history[2]});

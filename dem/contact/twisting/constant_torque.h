@@ -7,7 +7,7 @@
 enum { DEM_TWISTING_CONSTANT_FRICTION }; /* mu_t */
 
 #ifdef DEM_SIMD
-#include "dem/contact/rolling/resistance.h"
+#include "dem/contact/loop/resistance.h"
 
 DEM_KERNEL dem_couple dem_twisting_constant_torque(const dem_contact *c, vd3 twist) {
   return dem_constant_couple(c, twist, DEM_OF(c, twisting[DEM_TWISTING_CONSTANT_FRICTION]));

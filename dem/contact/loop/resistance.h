@@ -1,7 +1,7 @@
 /* What laws of rolling and twisting share. F_n is that of friction. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_CONTACT_ROLLING_RESISTANCE_H
-#define DEM_CONTACT_ROLLING_RESISTANCE_H
+#ifndef DEM_CONTACT_LOOP_RESISTANCE_H
+#define DEM_CONTACT_LOOP_RESISTANCE_H
 
 #include "dem/contact/loop/contact.h"
 

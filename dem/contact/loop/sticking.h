@@ -8,8 +8,8 @@
  * A contact sticks until F_el passes mu_s F_n; it then slides as long as F_el, clipped and grown on, passes mu_d F_n.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_CONTACT_TANGENTIAL_STICKING_H
-#define DEM_CONTACT_TANGENTIAL_STICKING_H
+#ifndef DEM_CONTACT_LOOP_STICKING_H
+#define DEM_CONTACT_LOOP_STICKING_H
 
 #include "dem/contact/loop/contact.h"
 
