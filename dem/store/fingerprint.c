@@ -1,174 +1,154 @@
-/* Fingerprints of a model: see fingerprint.h. */
+/* Fingerprints of a model: see fingerprint.h. What is hashed, in which order, stands in the lists of model/fields.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/store/fingerprint.h"
 
 #include "dem/contact/table.h"
+#include "dem/model/fields.h"
 #include "dem/model/integrator.h"
 #include "protocol/base/hash.h"
 
-#include <stddef.h>
 #include <string.h>
 
-static uint64_t hash_numbers(uint64_t h, const double *x, size_t n) {
-  return tdm_hash_bytes(h, x, n * sizeof *x);
-}
+/* ---- the parts ---- */
 
-static uint64_t hash_vectors(uint64_t h, const tdm_vec3 *x, size_t n) {
-  return tdm_hash_bytes(h, x, n * sizeof *x);
-}
+/* RUN: what decides only how the run goes on; PLACED: where a wall stands, unless it is a lid; EACH: members of
+ * members, which have their own parts. */
+#define X(part, name) PART_##part,
+enum { DEM_BED_PART_LIST(X) PART_RUN, PART_PLACED, PART_EACH };
+#undef X
 
-static uint64_t hash_walls(uint64_t h, const dem_model *m) {
-  for (int w = 0; w < m->nwall; w++) {
-    const dem_wall *wall = &m->wall[w];
-    bool lid = false; /* away while settling */
-    for (int k = 0; k < m->nbox; k++)
-      lid = lid || m->box[k].lid == w;
-    const double what[] = {wall->shape->number, wall->body, lid};
-    h = hash_numbers(h, what, 3);
-    if (lid)
-      continue;
-    h = hash_vectors(h, &wall->point, 1);
-    h = hash_vectors(h, &wall->normal, 1);
-    h = hash_vectors(h, &wall->half, 1);
-    const double more[] = {wall->radius[0], wall->radius[1], wall->length, wall->inside,
-                           wall->turn.w,    wall->turn.x,    wall->turn.y, wall->turn.z};
-    h = hash_numbers(h, more, sizeof more / sizeof *more);
-    unsigned long long data = wall->shape->hash ? wall->shape->hash(wall) : 0;
-    h = tdm_hash_bytes(h, &data, sizeof data);
-  }
-  for (int k = 0; k < m->nbox; k++) {
-    const double lid[] = {m->box[k].lid, m->box[k].gap, m->box[k].press};
-    h = hash_numbers(h, lid, 3);
-  }
-  return h;
+#define X(part, name) name,
+const char *const dem_bed_part_names[] = {DEM_BED_PART_LIST(X)};
+#undef X
+
+/* ---- ways to hash a member x: h is the hash so far, s the struct, k its number among its like ---- */
+
+static uint64_t hash_number(uint64_t h, double x) {
+  return tdm_hash_bytes(h, &x, sizeof x);
 }
 
 static uint64_t hash_name(uint64_t h, const char *name) {
   return tdm_hash_bytes(h, name, strlen(name) + 1);
 }
 
-static uint64_t hash_laws(uint64_t h, const dem_model *m) {
-  for (dem_family f = 0; f < DEM_FAMILIES; f++)
-    h = hash_name(h, dem_law_of(m, f)->name);
-  h = hash_name(h, m->clip ? "clip" : "keep");
-  return hash_numbers(h, m->normal_setting, DEM_SETTINGS_MAX);
+/* the shape's own data, by the shape */
+static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
+  unsigned long long data = wall->shape->hash ? wall->shape->hash(wall) : 0;
+  return tdm_hash_bytes(h, &data, sizeof data);
 }
 
-/* dimension and domain; unchanged where the scene has neither */
-static uint64_t hash_box(uint64_t h, const dem_model *m) {
-  const dem_domain_def *box = &m->domain;
-  const double flat[] = {m->flat, m->flat_at};
-  if (m->flat >= 0)
-    h = hash_numbers(h, flat, 2);
-  for (int a = 0; box->wanted && a < 3; a++) {
-    const double side[] = {box->periodic[a], box->low[a], box->length[a]};
-    h = hash_numbers(h, side, 3);
+#define AS_NUMBER(x) hash_number(h, (double)(x))
+#define AS_BYTES(x) tdm_hash_bytes(h, &(x), sizeof(x)) /* of doubles, or of one number */
+#define AS_NAME(x) hash_name(h, (x)->name)
+#define AS_LAW(x) hash_name(h, (x)->head.name)
+#define AS_TAIL(x) hash_name(h, (x) ? "clip" : "keep")
+#define AS_FLAT(x) (s->flat >= 0 ? AS_NUMBER(x) : h)
+#define AS_AXIS(x) hash_number(h, (double)(x)[k])
+#define AS_POSE(x) tdm_hash_bytes(h, &(x).pose, sizeof(x).pose)
+#define AS_SHAPE(x) hash_number(h, (x)->number)
+#define AS_SHAPE_DATA(x) hash_data(h, s)
+#define AS_MULTI_STEP(x) hash_number(hash_number(h, (double)(x).substeps), (x).mass)
+#define AS_PARTICLES(x) tdm_hash_bytes(h, x, (size_t)s->nparticle * sizeof *(x))
+
+/* ---- a function of each list ---- */
+
+/* HASHER makes hash_NAME, which hashes the members of one part. It does not compile when a member has two rows; that
+ * each has one is tested. */
+#define HASHED(member, how, of)                    \
+  if (PART_##of == part || PART_##of == PART_EACH) \
+    h = AS_##how(s->member);
+#define FREE(member, why)
+#define ROW(member, ...) row_of_##member,
+
+#define HASHER(name, type, LIST)                                            \
+  static uint64_t hash_##name(uint64_t h, const type *s, int part, int k) { \
+    enum { LIST(ROW, ROW) rows };                                           \
+    (void)k;                                                                \
+    LIST(HASHED, FREE)                                                      \
+    return h;                                                               \
+  }
+
+HASHER(material, dem_material, DEM_MATERIAL_FIELDS)
+HASHER(pair, dem_pair, DEM_PAIR_FIELDS)
+HASHER(drive, dem_drive, DEM_DRIVE_FIELDS)
+#define AS_DRIVE(x) hash_drive(h, &(x), part, 0)
+HASHER(body, dem_body, DEM_BODY_FIELDS)
+HASHER(wall, dem_wall, DEM_WALL_FIELDS)
+HASHER(box, dem_box, DEM_BOX_FIELDS)
+HASHER(axis, dem_domain_def, DEM_DOMAIN_FIELDS)
+HASHER(settling, dem_settling, DEM_SETTLING_FIELDS)
+HASHER(group, dem_group, DEM_GROUP_FIELDS)
+HASHER(pouring, dem_pouring, DEM_POURING_FIELDS)
+HASHER(sizes, dem_sizes, DEM_SIZES_FIELDS)
+#define AS_SIZES(x) hash_sizes(h, &(x), part, 0)
+HASHER(source, dem_source, DEM_SOURCE_FIELDS)
+HASHER(sink, dem_sink, DEM_SINK_FIELDS)
+
+/* ---- those of which a model has several ---- */
+
+#define SEVERAL(names, name, type, count)                                                 \
+  static uint64_t hash_##names(uint64_t h, const dem_model *m, const type *x, int part) { \
+    for (int i = 0; i < (count); i++)                                                     \
+      h = hash_##name(h, &x[i], part, i);                                                 \
+    return h;                                                                             \
+  }
+
+SEVERAL(materials, material, dem_material, m->nmaterial)
+SEVERAL(bodies, body, dem_body, m->nbody)
+SEVERAL(boxes, box, dem_box, m->nbox)
+SEVERAL(groups, group, dem_group, m->driven ? m->ngroup : 0)
+SEVERAL(pourings, pouring, dem_pouring, m->npouring)
+SEVERAL(sources, source, dem_source, m->nsource)
+SEVERAL(sinks, sink, dem_sink, m->nsink)
+
+/* pairs that the scene does not have have no coefficients */
+static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pair, int part) {
+  for (int i = 0; i < m->nmaterial * m->nmaterial; i++) {
+    h = hash_number(h, pair[i].given);
+    h = pair[i].given ? hash_pair(h, &pair[i], part, i) : h;
   }
   return h;
 }
 
-static uint64_t hash_materials(uint64_t h, const dem_model *m) {
-  for (int k = 0; k < m->nmaterial; k++) {
-    const double material[] = {m->material[k].young, m->material[k].poisson};
-    h = hash_numbers(h, material, 2);
-  }
-  return h;
-}
-
-static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pairs) {
-  for (int k = 0; k < m->nmaterial * m->nmaterial; k++) {
-    const dem_pair *p = &pairs[k];
-    const double given = p->given;
-    h = hash_numbers(h, &given, 1);
-    if (p->given) /* all coefficients, doubles from the first on */
-      h = tdm_hash_bytes(h, &p->restitution, sizeof *p - offsetof(dem_pair, restitution));
-  }
-  return h;
-}
-
-static uint64_t hash_groups(uint64_t h, const dem_model *m) {
-  for (int g = 0; m->driven && g < m->ngroup; g++) {
-    const double of[] = {m->group[g].first, m->group[g].count, m->group[g].fixed};
-    h = hash_numbers(h, of, 3);
-    h = hash_vectors(h, &m->group[g].force, 1);
-    h = hash_vectors(h, &m->group[g].acceleration, 1);
-  }
-  return h;
-}
-
-/* the particles that fall in while settling; unchanged where there are none */
-static uint64_t hash_pourings(uint64_t h, const dem_model *m) {
-  for (int k = 0; k < m->npouring; k++) {
-    const dem_pouring *p = &m->pouring[k];
-    const double numbers[] = {p->first, p->count, p->largest};
-    h = hash_numbers(h, numbers, 3);
-    h = tdm_hash_bytes(h, &p->seed, sizeof p->seed);
-    h = tdm_hash_bytes(h, &p->frame, sizeof p->frame);
-    h = hash_vectors(h, &p->low, 1);
-    h = hash_vectors(h, &p->high, 1);
-  }
-  return h;
-}
-
-static uint64_t hash_sizes(uint64_t h, const dem_sizes *s) {
-  const double numbers[] = {s->distribution, s->min, s->max, s->mean, s->deviation, s->nradius};
-  h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);
-  h = hash_numbers(h, s->radius, (size_t)s->nradius);
-  return hash_numbers(h, s->upto, (size_t)s->nradius);
-}
-
-/* belts: they rest while settling */
-static uint64_t hash_surfaces(uint64_t h, const dem_model *m) {
+/* lids are away while settling */
+static uint64_t hash_walls(uint64_t h, const dem_model *m, const dem_wall *wall, int part) {
   for (int w = 0; w < m->nwall; w++) {
-    h = hash_vectors(h, &m->wall[w].surface.velocity, 1);
-    h = hash_vectors(h, &m->wall[w].surface.angular, 1);
+    h = hash_wall(h, &wall[w], part, w);
+    if (part != PART_SHAPES)
+      continue;
+    bool lid = false;
+    for (int i = 0; i < m->nbox; i++)
+      lid = lid || m->box[i].lid == w;
+    h = hash_number(h, lid);
+    h = lid ? h : hash_wall(h, &wall[w], PART_PLACED, w);
   }
   return h;
 }
 
-/* bodies are held while settling: their twists do not count */
-static uint64_t hash_poses(uint64_t h, const dem_model *m) {
-  for (int b = 0; b < m->nbody; b++)
-    h = tdm_hash_bytes(h, &m->body[b].start.pose, sizeof m->body[b].start.pose);
+static uint64_t hash_domain(uint64_t h, const dem_domain_def *domain, int part) {
+  for (int axis = 0; domain->wanted && axis < 3; axis++)
+    h = hash_axis(h, domain, part, axis);
   return h;
 }
 
-static uint64_t hash_particles(uint64_t h, const dem_model *m) {
-  size_t np = (size_t)m->nparticle;
-  h = hash_numbers(h, (const double[]){m->nparticle}, 1);
-  h = hash_numbers(h, m->radius, np);
-  h = hash_numbers(h, m->mass, np);
-  h = tdm_hash_bytes(h, m->particle_material, np * sizeof *m->particle_material);
-  h = hash_vectors(h, m->position, np);
-  h = hash_vectors(h, m->velocity, np);
-  return hash_vectors(h, m->spin, np);
-}
+#define AS_MATERIALS(x) hash_materials(h, s, x, part)
+#define AS_BODIES(x) hash_bodies(h, s, x, part)
+#define AS_WALLS(x) hash_walls(h, s, x, part)
+#define AS_BOXES(x) hash_boxes(h, s, x, part)
+#define AS_PAIRS(x) hash_pairs(h, s, x, part)
+#define AS_GROUPS(x) hash_groups(h, s, x, part)
+#define AS_POURINGS(x) hash_pourings(h, s, x, part)
+#define AS_SOURCES(x) hash_sources(h, s, x, part)
+#define AS_SINKS(x) hash_sinks(h, s, x, part)
+#define AS_DOMAIN(x) hash_domain(h, &(x), part)
+#define AS_SETTLING(x) hash_settling(h, &(x), part, 0)
+HASHER(model, dem_model, DEM_MODEL_FIELDS)
 
-static uint64_t hash_body_materials(uint64_t h, const dem_model *m) {
-  for (int b = 0; b < m->nbody; b++)
-    h = hash_numbers(h, (const double[]){m->body[b].material}, 1);
-  return h;
-}
-
-#define X(part, name) name,
-const char *const dem_bed_part_names[] = {DEM_BED_PART_LIST(X)};
-#undef X
+/* ---- the fingerprints ---- */
 
 void dem_fingerprint_bed_parts(const dem_model *m, uint64_t part[DEM_BED_PARTS]) {
-  const dem_settling *s = &m->settle;
-  const double settle[] = {s->speed, s->max_time, s->dt, s->drag};
-  const double counts[] = {m->nmaterial, m->nbody, m->nwall};
-  part[DEM_BED_LAWS] = hash_laws(TDM_HASH_START, m);
-  part[DEM_BED_BOX] = hash_box(TDM_HASH_START, m);
-  part[DEM_BED_SETTLE] = hash_numbers(TDM_HASH_START, settle, sizeof settle / sizeof *settle);
-  part[DEM_BED_GRAVITY] = hash_vectors(TDM_HASH_START, &m->gravity, 1);
-  part[DEM_BED_MATERIALS] = hash_body_materials(hash_materials(TDM_HASH_START, m), m);
-  part[DEM_BED_PAIRS] = hash_pairs(TDM_HASH_START, m, m->settle_pair);
-  part[DEM_BED_POSES] = hash_poses(TDM_HASH_START, m);
-  part[DEM_BED_SHAPES] = hash_walls(hash_numbers(TDM_HASH_START, counts, 3), m);
-  part[DEM_BED_POURED] = hash_pourings(TDM_HASH_START, m);
-  part[DEM_BED_PARTICLES] = hash_particles(TDM_HASH_START, m);
-  part[DEM_BED_GROUPS] = hash_groups(TDM_HASH_START, m);
+  for (int p = 0; p < DEM_BED_PARTS; p++)
+    part[p] = hash_model(TDM_HASH_START, m, p, 0);
 }
 
 uint64_t dem_fingerprint_bed(const dem_model *m) {
@@ -178,34 +158,14 @@ uint64_t dem_fingerprint_bed(const dem_model *m) {
 }
 
 uint64_t dem_fingerprint_start(const dem_model *m) {
-  const double counts[] = {m->nmaterial,         m->nbody, m->nwall, m->domain.periodic[0], m->domain.periodic[1],
-                           m->domain.periodic[2]};
-  uint64_t h = hash_numbers(hash_laws(TDM_HASH_START, m), counts, 6);
-  return hash_walls(hash_materials(h, m), m);
+  const bool *periodic = m->domain.periodic;
+  const double counts[] = {m->nmaterial, m->nbody, m->nwall, periodic[0], periodic[1], periodic[2]};
+  uint64_t h = hash_model(TDM_HASH_START, m, PART_LAWS, 0);
+  h = tdm_hash_bytes(h, counts, sizeof counts);
+  h = hash_materials(h, m, m->material, PART_MATERIALS);
+  return hash_boxes(hash_walls(h, m, m->wall, PART_SHAPES), m, m->box, PART_SHAPES);
 }
 
 uint64_t dem_fingerprint_whole(const dem_model *m) {
-  const double counts[] = {m->nsource,        m->nsink, m->ncoupled, m->nload, (double)m->multi_step.substeps,
-                           m->multi_step.mass};
-  uint64_t h = hash_numbers(dem_fingerprint_bed(m), counts, 6);
-  h = hash_name(h, m->integrator->name);
-  h = hash_numbers(h, m->domain.rate, 3);
-  h = hash_surfaces(hash_pairs(h, m, m->pair), m);
-  for (int s = 0; s < m->nsource; s++) {
-    const dem_source *source = &m->source[s];
-    const double numbers[] = {source->material,      source->mass,      source->rate,   source->mass_rate,
-                              source->start,         source->end,       source->factor, source->relative,
-                              (double)source->count, source->total_mass};
-    h = hash_numbers(h, numbers, sizeof numbers / sizeof *numbers);
-    h = hash_sizes(h, &source->sizes);
-    h = hash_vectors(h, &source->low, 1);
-    h = hash_vectors(h, &source->high, 1);
-    h = hash_vectors(h, &source->velocity, 1);
-    h = tdm_hash_bytes(h, &source->seed, sizeof source->seed);
-  }
-  for (int s = 0; s < m->nsink; s++) { /* what a sink has counted is by its classes */
-    const double classes = m->sink[s].nedge;
-    h = hash_numbers(hash_numbers(h, &classes, 1), m->sink[s].edge, (size_t)m->sink[s].nedge);
-  }
-  return h;
+  return hash_model(dem_fingerprint_bed(m), m, PART_RUN, 0);
 }

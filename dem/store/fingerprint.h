@@ -1,5 +1,5 @@
-/* Numbers that change when what a stored state depends on does. What a new law, shape or key adds to a scene is to be
- * hashed here. */
+/* Numbers that change when what a stored state depends on does: the members of the model that model/fields.h names, and
+ * what the shapes say of their own data. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STORE_FINGERPRINT_H
 #define DEM_STORE_FINGERPRINT_H
@@ -36,7 +36,7 @@ uint64_t dem_fingerprint_bed(const dem_model *model);
  * periodic directions. */
 uint64_t dem_fingerprint_start(const dem_model *model);
 
-/* What decides how a run goes on, but time.dt: the bed's, and pairs, belts, sources, number and size classes of the
+/* What decides how a run goes on, but time.dt: the bed's, and pairs, belts, masses and motions of bodies, sources,
  * sinks, integrator. */
 uint64_t dem_fingerprint_whole(const dem_model *model);
 
