@@ -3,6 +3,7 @@
 #define _GNU_SOURCE /* pthread_timedjoin_np */
 #include "coupler/session/launch.h"
 
+#include "protocol/app/find.h"
 #include "protocol/base/log.h"
 
 #include <errno.h>
@@ -13,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -43,33 +43,6 @@ static void child_free(cpl_child *child) {
 
 /* ---- processes ---- */
 
-static bool is_program(const char *path) {
-  struct stat s;
-  return stat(path, &s) == 0 && S_ISREG(s.st_mode) && access(path, X_OK) == 0;
-}
-
-bool cpl_find_executable(char *out, size_t size, const char *executable) {
-  if (strchr(executable, '/')) {
-    snprintf(out, size, "%s", executable);
-    return is_program(out);
-  }
-  char self[4096];
-  ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-  if (n > 0) {
-    self[n] = 0;
-    char *slash = strrchr(self, '/');
-    if (slash && snprintf(out, size, "%.*s/%s", (int)(slash - self), self, executable) < (int)size && is_program(out))
-      return true;
-  }
-  for (const char *path = getenv("PATH"); path && *path;) {
-    size_t length = strcspn(path, ":");
-    if (snprintf(out, size, "%.*s/%s", (int)length, path, executable) < (int)size && is_program(out))
-      return true;
-    path += length + (path[length] == ':');
-  }
-  return false;
-}
-
 /* In the child, between fork and exec: only calls that are safe there. */
 static void become_solver(const char *path, char *const *argv, int log, pid_t server) {
   struct sigaction ignore = {.sa_handler = SIG_IGN};
@@ -91,7 +64,7 @@ static void become_solver(const char *path, char *const *argv, int log, pid_t se
 tdm_status cpl_launch_process(cpl_child **child, const char *command, const char *endpoint, const char *name,
                               const char *log, double timeout, tdm_error *err) {
   char path[4096], seconds[32];
-  if (!cpl_find_executable(path, sizeof path, command))
+  if (!tdm_find_program(path, sizeof path, command))
     return tdm_fail(err, TDM_ERR_FILE, NULL,
                     "the solver \"%s\" is neither beside this program nor on PATH, or may not be executed", command);
   snprintf(seconds, sizeof seconds, "%g", timeout);

@@ -25,9 +25,6 @@ tdm_status cpl_launch_process(cpl_child **child, const char *command, const char
 tdm_status cpl_launch_thread(cpl_child **child, const tdm_solver_ops *ops, const char *endpoint, void *context,
                              const char *log, double timeout, tdm_error *err);
 
-/* Where `executable` is: as given if it has a slash, beside this program, or on PATH. false: nowhere. */
-bool cpl_find_executable(char *out, size_t size, const char *executable);
-
 /* false once it has ended; then `how` (may be NULL) says how: "exit status 1", "killed by signal 9 (Killed)". */
 bool cpl_child_running(cpl_child *child, char *how, size_t size);
 

@@ -1,8 +1,9 @@
-/* Where scenes are: see find.h. */
+/* Where scenes and programs are: see find.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/app/find.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -64,4 +65,32 @@ tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char 
                     groups[other].what, groups[other].program, name);
   return tdm_fail(err, TDM_ERR_FILE, NULL,
                   "%s: neither a scene file nor a scenario in %s; name a file, or give --scenarios DIR", name, looked);
+}
+
+/* ---- programs ---- */
+
+static bool is_program(const char *path) {
+  return is_file(path) && access(path, X_OK) == 0;
+}
+
+bool tdm_find_program(char *out, size_t size, const char *name) {
+  if (strchr(name, '/')) {
+    snprintf(out, size, "%s", name);
+    return is_program(out);
+  }
+  char self[4096];
+  ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+  if (n > 0) {
+    self[n] = 0;
+    char *slash = strrchr(self, '/');
+    if (slash && snprintf(out, size, "%.*s/%s", (int)(slash - self), self, name) < (int)size && is_program(out))
+      return true;
+  }
+  for (const char *path = getenv("PATH"); path && *path;) {
+    size_t length = strcspn(path, ":");
+    if (snprintf(out, size, "%.*s/%s", (int)length, path, name) < (int)size && is_program(out))
+      return true;
+    path += length + (path[length] == ':');
+  }
+  return false;
 }

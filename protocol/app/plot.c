@@ -106,8 +106,7 @@ bool tdm_plot_interrupted(void) {
   return given_up == PLOT_INTERRUPTED;
 }
 
-/* How long one plot may take [s]. */
-static double patience(void) {
+double tdm_plot_patience(void) {
   const char *text = getenv("TANDEM_PLOT_TIMEOUT");
   double seconds = text ? strtod(text, NULL) : 0;
   return seconds > 0 ? seconds : 120;
@@ -130,7 +129,7 @@ static void become_gnuplot(const char *dir, const char *script, const char *log,
 
 /* Its exit status; it is ended at the next signal to this process, or when it takes too long. */
 static int wait_for_gnuplot(pid_t pid, int signals) {
-  double deadline = tdm_clock() + patience();
+  double deadline = tdm_clock() + tdm_plot_patience();
   int status;
   while (true) {
     pid_t got = waitpid(pid, &status, WNOHANG);
@@ -183,7 +182,7 @@ tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_TIMEOUT, NULL,
                     "no plot %s: gnuplot took longer than %g s and was ended, see %s/%s; the environment variable "
                     "TANDEM_PLOT_TIMEOUT sets another limit [s]",
-                    name, patience(), dir, log);
+                    name, tdm_plot_patience(), dir, log);
   if (status == 127)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "no plots: gnuplot is not installed (Debian package gnuplot-nox)");
   if (status != 0)

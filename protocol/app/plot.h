@@ -42,6 +42,9 @@ tdm_status tdm_plot_write_data(const char *dir, const char *name, int nplot, con
  * then no further plot is tried. */
 tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err);
 
+/* How long one plot or picture may take [s]: TANDEM_PLOT_TIMEOUT, or 120. */
+double tdm_plot_patience(void);
+
 /* A signal has ended a plot: the program should end. */
 bool tdm_plot_interrupted(void);
 

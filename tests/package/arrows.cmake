@@ -11,6 +11,7 @@ set(may_protocol/motion protocol/base)
 set(may_protocol/view protocol/base)
 set(may_protocol/wire protocol/base protocol/view)
 set(may_protocol/app ${shared})
+set(may_protocol/draw ${shared} protocol/app)
 set(may_dem/geometry ${shared})
 # the laws and searches that a scene can name have readers of their own, which know of the model at most
 set(may_dem/model ${shared} dem/geometry dem/contact dem/search)
