@@ -3,6 +3,7 @@
 #include "coupler/loop/path.h"
 
 #include "coupler/loop/mismatch.h"
+#include "protocol/base/hermite.h"
 #include "protocol/base/remark.h"
 
 #include <limits.h>
@@ -83,11 +84,11 @@ tdm_status cpl_path_open(cpl_loop *loop, tdm_error *err) {
 
 /* Value and rate, by t, at the share s of the cubic over h between two ways with their rates. */
 static tdm_vec3 between(double s, double h, const tdm_vec3 *a, const tdm_vec3 *b, tdm_vec3 *rate) {
-  const double r = 1 - s, v = s * s * (3 - 2 * s), dv = 6 * s * r / h;
-  tdm_vec3 way = tdm_axpy(1 - v, a[0], tdm_scale(v, b[0]));
-  way = tdm_axpy(h * s * r * r, a[1], tdm_axpy(-h * s * s * r, b[1], way));
-  *rate = tdm_axpy(-dv, a[0], tdm_scale(dv, b[0]));
-  *rate = tdm_axpy(r * (1 - 3 * s), a[1], tdm_axpy(s * (3 * s - 2), b[1], *rate));
+  const tdm_hermite_weights v = tdm_hermite_at(s, h), d = tdm_hermite_rate_at(s, h);
+  tdm_vec3 way = tdm_axpy(1 - v.f1, a[0], tdm_scale(v.f1, b[0]));
+  way = tdm_axpy(v.d0, a[1], tdm_axpy(v.d1, b[1], way));
+  *rate = tdm_axpy(d.f0, a[0], tdm_scale(d.f1, b[0]));
+  *rate = tdm_axpy(d.d0, a[1], tdm_axpy(d.d1, b[1], *rate));
   return way;
 }
 

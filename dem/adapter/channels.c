@@ -11,6 +11,7 @@
 #include "dem/flow/flow.h"
 #include "dem/model/group_options.h"
 #include "dem/state/field.h"
+#include "protocol/base/hermite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -243,47 +244,58 @@ VALUE(fixed_load) {
 /* ---- the table ---- */
 
 static const row rows[] = {
-    {"particles.count", "1", always, particle_count, .course = HELD},
-    {"particles.com.x", "m", always, com, .course = CUBIC},
-    {"particles.com.y", "m", always, com, .part = 1, .course = CUBIC},
-    {"particles.com.z", "m", always, com, .part = 2, .course = CUBIC},
-    {"particles.velocity.x", "m/s", always, velocity, .course = LINEAR},
-    {"particles.velocity.y", "m/s", always, velocity, .part = 1, .course = LINEAR},
-    {"particles.velocity.z", "m/s", always, velocity, .part = 2, .course = LINEAR},
-    {"particles.kinetic_energy", "J", always, kinetic_energy, .course = LINEAR},
-    {"particles.contacts", "1", always, contacts, .course = HELD},
-    {"particles.lost", "1", always, lost, .course = HELD},
-    {"particles.mass", "kg", always, mass, .course = HELD},
+    {.name = "particles.count", .unit = "1", .next = always, .value = particle_count, .course = HELD},
+    {.name = "particles.com.x", .unit = "m", .next = always, .value = com, .course = CUBIC},
+    {.name = "particles.com.y", .unit = "m", .next = always, .value = com, .part = 1, .course = CUBIC},
+    {.name = "particles.com.z", .unit = "m", .next = always, .value = com, .part = 2, .course = CUBIC},
+    {.name = "particles.velocity.x", .unit = "m/s", .next = always, .value = velocity, .course = LINEAR},
+    {.name = "particles.velocity.y", .unit = "m/s", .next = always, .value = velocity, .part = 1, .course = LINEAR},
+    {.name = "particles.velocity.z", .unit = "m/s", .next = always, .value = velocity, .part = 2, .course = LINEAR},
+    {.name = "particles.kinetic_energy", .unit = "J", .next = always, .value = kinetic_energy, .course = LINEAR},
+    {.name = "particles.contacts", .unit = "1", .next = always, .value = contacts, .course = HELD},
+    {.name = "particles.lost", .unit = "1", .next = always, .value = lost, .course = HELD},
+    {.name = "particles.mass", .unit = "kg", .next = always, .value = mass, .course = HELD},
 
-    {"energy.potential", "J", with_energy, potential_energy, .course = LINEAR},
-    {"energy.elastic", "J", with_energy, elastic_energy, .course = LINEAR},
-    {"energy.wall_work", "J", with_energy, wall_work, .course = LINEAR},
-    {"energy.supplied", "J", with_energy, supplied_energy, .course = LINEAR},
-#define X(mechanism, name) \
-  {"energy.dissipated." name, "J", with_energy, dissipated_energy, .part = DEM_ENERGY_##mechanism, .course = LINEAR},
+    {.name = "energy.potential", .unit = "J", .next = with_energy, .value = potential_energy, .course = LINEAR},
+    {.name = "energy.elastic", .unit = "J", .next = with_energy, .value = elastic_energy, .course = LINEAR},
+    {.name = "energy.wall_work", .unit = "J", .next = with_energy, .value = wall_work, .course = LINEAR},
+    {.name = "energy.supplied", .unit = "J", .next = with_energy, .value = supplied_energy, .course = LINEAR},
+#define X(mechanism, of)            \
+  {.name = "energy.dissipated." of, \
+   .unit = "J",                     \
+   .next = with_energy,             \
+   .value = dissipated_energy,      \
+   .part = DEM_ENERGY_##mechanism,  \
+   .course = LINEAR},
     DEM_ENERGY_LIST(X)
 #undef X
 
-        {"source.*.created", "1", sources, created, .item_name = source_name},
-    {"source.*.waiting", "1", sources, waiting, .item_name = source_name},
+        {.name = "source.*.created", .unit = "1", .next = sources, .value = created, .item_name = source_name},
+    {.name = "source.*.waiting", .unit = "1", .next = sources, .value = waiting, .item_name = source_name},
 
-    {"sink.*.removed", "1", sinks, removed, .item_name = sink_name},
-    {"sink.*.mass", "kg", sinks, removed_mass, .item_name = sink_name},
+    {.name = "sink.*.removed", .unit = "1", .next = sinks, .value = removed, .item_name = sink_name},
+    {.name = "sink.*.mass", .unit = "kg", .next = sinks, .value = removed_mass, .item_name = sink_name},
 
-    {"particles.left", "1", with_domain, left, .course = HELD},
-    {"balance.number", "1", with_balance, balance_number, .course = HELD},
-    {"balance.mass", "kg", with_balance, balance_mass, .course = HELD},
+    {.name = "particles.left", .unit = "1", .next = with_domain, .value = left, .course = HELD},
+    {.name = "balance.number", .unit = "1", .next = with_balance, .value = balance_number, .course = HELD},
+    {.name = "balance.mass", .unit = "kg", .next = with_balance, .value = balance_mass, .course = HELD},
 
-    {"body.*.fx", "N", loads, load, .course = MEAN, .item_name = load_name},
-    {"body.*.fy", "N", loads, load, .part = 1, .course = MEAN, .item_name = load_name},
-    {"body.*.fz", "N", loads, load, .part = 2, .course = MEAN, .item_name = load_name},
-    {"body.*.mx", "N m", loads, load, .part = 3, .course = MEAN, .item_name = load_name},
-    {"body.*.my", "N m", loads, load, .part = 4, .course = MEAN, .item_name = load_name},
-    {"body.*.mz", "N m", loads, load, .part = 5, .course = MEAN, .item_name = load_name},
+#define LOAD(component, of, k)                                                                        \
+  {                                                                                                   \
+    .name = "body.*." component, .unit = of, .next = loads, .value = load, .part = k, .course = MEAN, \
+    .item_name = load_name                                                                            \
+  }
+    LOAD("fx", "N", 0),
+    LOAD("fy", "N", 1),
+    LOAD("fz", "N", 2),
+    LOAD("mx", "N m", 3),
+    LOAD("my", "N m", 4),
+    LOAD("mz", "N m", 5),
+#undef LOAD
 
-    {"fixed.fx", "N", with_fixed, fixed_load, .course = MEAN},
-    {"fixed.fy", "N", with_fixed, fixed_load, .part = 1, .course = MEAN},
-    {"fixed.fz", "N", with_fixed, fixed_load, .part = 2, .course = MEAN},
+    {.name = "fixed.fx", .unit = "N", .next = with_fixed, .value = fixed_load, .course = MEAN},
+    {.name = "fixed.fy", .unit = "N", .next = with_fixed, .value = fixed_load, .part = 1, .course = MEAN},
+    {.name = "fixed.fz", .unit = "N", .next = with_fixed, .value = fixed_load, .part = 2, .course = MEAN},
 };
 enum { NROW = sizeof rows / sizeof rows[0] };
 
@@ -359,18 +371,12 @@ void dem_channels_sample(const dem_channels *c, const dem_data *d, double *out) 
 
 /* ---- inside a step ---- */
 
-/* The place between two ends, with the velocities there: Hermite's cubic, exact under constant forces. */
-static double cubic(double f, double dt, double x0, double x1, double v0, double v1) {
-  double back = 1 - f;
-  return back * back * (1 + 2 * f) * x0 + f * f * (3 - 2 * f) * x1 + dt * f * back * (back * v0 - f * v1);
-}
-
 void dem_channels_within(const dem_channels *channels, double share, double dt, const double *before, double *now) {
   const bool same = now[0] == before[0]; /* number of particles */
   for (int c = 0; c < channels->count; c++)
     switch (channels->place[c].row->course) {
-    case CUBIC:
-      now[c] = same ? cubic(share, dt, before[c], now[c], before[c + 3], now[c + 3])
+    case CUBIC: /* exact under constant forces */
+      now[c] = same ? tdm_hermite(share, dt, before[c], before[c + 3], now[c], now[c + 3])
                     : before[c] + share * dt * before[c + 3];
       break;
     case LINEAR:

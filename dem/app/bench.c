@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/bench.h"
 
-#include "dem/contact/law.h"
+#include "dem/contact/table.h"
 #include "dem/search/pairs.h"
 #include "dem/state/create.h"
 #include "dem/state/data.h"
@@ -16,6 +16,7 @@
 #include "protocol/base/gsl_errors.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
+#include "protocol/base/random.h"
 #include "protocol/base/status.h"
 
 #include <errno.h>
@@ -38,11 +39,13 @@ static const char usage[] =
     "  --box L      side of the floor [m]; walls at 0 and L (default: what a made bed has, else from the particles)\n"
     "  --frozen     forces and histories only, particles do not move\n";
 
-enum { NORMAL, TANGENTIAL, ROLLING, COHESION, LAW_PARTS };
+enum { LAW_PARTS = 4 };
+static const dem_family part_family[LAW_PARTS] = {DEM_FAMILY_NORMAL, DEM_FAMILY_TANGENTIAL, DEM_FAMILY_ROLLING,
+                                                  DEM_FAMILY_COHESION};
 
 typedef struct {
   const char *bed, *json, *simd, *search;
-  char law[LAW_PARTS][32]; /* names of the families in their order, empty: not given */
+  char law[LAW_PARTS][32]; /* by part_family, empty: not given */
   int particles, threads;
   double radius[2]; /* of a made bed [m] */
   long steps;
@@ -195,59 +198,42 @@ static tdm_status open_bed(bed *b, const char *name, tdm_error *err) {
 static ball next_of_lattice(bed *b) {
   double pitch = 2.1 * b->radius[1], off[4], gap;
   int side = (int)(b->side / pitch), k = b->next++;
-  uint64_t draw = 6364136223846793005u * (uint64_t)(k + 1);
   gap = b->side / side;
-  for (int a = 0; a < 4; a++) {
-    draw = (draw ^ draw >> 29) * 0xbf58476d1ce4e5b9u + 1442695040888963407u;
-    off[a] = (double)(draw >> 11) * 0x1p-53;
-  }
+  for (int a = 0; a < 4; a++)
+    off[a] = tdm_random(0, (uint64_t)k, (uint64_t)a);
   tdm_vec3 x = {k % side + 0.5, k / side % side + 0.5, 0.6 + k / (side * side)};
   tdm_vec3 shake = tdm_scale(pitch - 2 * b->radius[1], tdm_v3(off[0] - 0.5, off[1] - 0.5, off[2] - 0.5));
   return (ball){tdm_add(tdm_v3(gap * x.x, gap * x.y, pitch * x.z), shake),
                 b->radius[0] + off[3] * (b->radius[1] - b->radius[0])};
 }
 
-/* the law's other families, and what they and the linear laws ask of the pair */
-static void add_coefficients(json_t *scene, const char *normal, const char *tangential, const char *rolling,
-                             const char *cohesion) {
+/* a law, and what it asks of the pair; a name that is none is left to the reader of the scene */
+static void add_law(json_t *scene, dem_family family, const char *name) {
   json_t *contact = json_object_get(scene, "contact"), *pair = json_array_get(json_object_get(scene, "pairs"), 0);
-  if (rolling[0])
-    json_object_set_new(contact, "rolling", json_string(rolling));
-  if (cohesion[0])
-    json_object_set_new(contact, "cohesion", json_string(cohesion));
-  if (!strcmp(normal, "hooke") || !strcmp(normal, "hysteretic"))
-    json_object_set_new(pair, "stiffness", json_real(1e4));
-  if (strcmp(tangential, "none") && strcmp(tangential, "viscous"))
+  int place = dem_law_place(family, name);
+  const dem_law_head *law = place < 0 ? NULL : dem_law_at(family, place);
+  json_object_set_new(contact, dem_family_names[family], json_string(name));
+  for (int q = 0; law && law->keys[q].name; q++)
+    if (law->keys[q].example > 0)
+      json_object_set_new(pair, law->keys[q].name, json_real(law->keys[q].example));
+  if (law && family == DEM_FAMILY_TANGENTIAL && ((const dem_tangential_law *)law)->friction)
     json_object_set_new(pair, "friction", json_real(0.5));
-  if (!strcmp(tangential, "spring"))
-    json_object_set_new(pair, "tangential_stiffness", json_real(3e3));
-  if (!strcmp(tangential, "viscous"))
-    json_object_set_new(pair, "tangential_damping", json_real(0.1));
-  if (rolling[0] && strcmp(rolling, "none"))
-    json_object_set_new(pair, "rolling_friction", json_real(0.1));
-  if (!strcmp(cohesion, "sjkr"))
-    json_object_set_new(pair, "cohesion_density", json_real(1e3));
-  if (!strcmp(cohesion, "jkr"))
-    json_object_set_new(pair, "adhesion_energy", json_real(0.1));
 }
 
 /* The floor and four walls of side L with the material of the peers' bed, no particles. */
 static json_t *box_scene(const options *o) {
-  bool given = o->law[NORMAL][0];
-  const char *normal = given ? o->law[NORMAL] : "hertz", *tangential = given ? o->law[TANGENTIAL] : "mindlin";
-  if (!tangential[0])
-    tangential = "none";
-  json_t *s =
-      json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f}], s:{s:s, s:s}}", "gravity", 0.0, 0.0, -9.81,
-                "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio", 0.3, "pairs",
-                "materials", "a", "a", "restitution", 0.5, "contact", "normal", normal, "tangential", tangential);
+  static const char *const without[LAW_PARTS] = {"hertz", "mindlin", "none", "none"};
+  json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f}], s:{}}", "gravity", 0.0, 0.0, -9.81,
+                        "materials", "name", "a", "density", 2500.0, "young_modulus", 1e7, "poisson_ratio", 0.3,
+                        "pairs", "materials", "a", "a", "restitution", 0.5, "contact");
+  for (int k = 0; k < LAW_PARTS; k++)
+    add_law(s, part_family[k], o->law[k][0] ? o->law[k] : o->law[0][0] ? "none" : without[k]);
   if (o->skin > 0)
     json_object_set_new(s, "skin", json_real(o->skin));
   json_object_set_new(s, "bodies",
                       json_pack("[{s:s, s:s, s:[{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}]}]", "name", "box", "material",
                                 "a", "shapes", "type", "box", "side", "inside", "size", o->box, o->box, 1e3, "center",
                                 0.5 * o->box, 0.5 * o->box, 500.0, "open", "+z"));
-  add_coefficients(s, normal, tangential, o->law[ROLLING], o->law[COHESION]);
   if (o->simd)
     json_object_set_new(s, "simd", json_string(o->simd));
   if (o->search)

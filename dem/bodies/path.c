@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/path.h"
 
+#include "protocol/base/hermite.h"
+
 dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double duration, tdm_interpolation interpolation) {
   dem_path m = {.interpolation = interpolation, .duration = duration, .start = *start, .end = *end};
   tdm_quat q0 = start->pose.orientation;
@@ -34,11 +36,11 @@ tdm_pose dem_path_pose(const dem_path *m, double s) {
   if (m->interpolation == TDM_LINEAR) {
     x = tdm_axpy(s, tdm_sub(x1, x0), x0);
   } else {
-    /* x0 + h01 (x1 - x0) + H (h10 v0 + h11 v1): at rest exactly x0 */
-    double h01 = s * s * (3 - 2 * s), h10 = s * (1 - s) * (1 - s), h11 = s * s * (s - 1);
-    x = tdm_axpy(h01, tdm_sub(x1, x0), x0);
-    x = tdm_axpy(m->duration * h10, m->start.twist.velocity, x);
-    x = tdm_axpy(m->duration * h11, m->end.twist.velocity, x);
+    /* from x0 on: at rest exactly x0 */
+    const tdm_hermite_weights h = tdm_hermite_at(s, 1);
+    x = tdm_axpy(h.f1, tdm_sub(x1, x0), x0);
+    x = tdm_axpy(m->duration * h.d0, m->start.twist.velocity, x);
+    x = tdm_axpy(m->duration * h.d1, m->end.twist.velocity, x);
   }
   tdm_quat q = m->start.pose.orientation;
   if (tdm_dot(m->turn, m->turn) > 0) /* else exactly the start's */
@@ -52,10 +54,10 @@ tdm_twist dem_path_twist(const dem_path *m, double s) {
   tdm_vec3 mean = tdm_scale(1 / m->duration, tdm_sub(m->end.pose.position, m->start.pose.position));
   tdm_vec3 v = mean;
   if (m->interpolation == TDM_HERMITE) {
-    double d01 = 6 * s * (1 - s), d10 = (1 - s) * (1 - 3 * s), d11 = s * (3 * s - 2);
-    v = tdm_scale(d01, mean);
-    v = tdm_axpy(d10, m->start.twist.velocity, v);
-    v = tdm_axpy(d11, m->end.twist.velocity, v);
+    const tdm_hermite_weights h = tdm_hermite_rate_at(s, 1);
+    v = tdm_scale(h.f1, mean);
+    v = tdm_axpy(h.d0, m->start.twist.velocity, v);
+    v = tdm_axpy(h.d1, m->end.twist.velocity, v);
   }
   return (tdm_twist){v, m->angular};
 }

@@ -5,6 +5,7 @@
 #include "dem/bodies/matched.h"
 #include "dem/bodies/wall_stiffness.h"
 #include "dem/bodies/walls.h"
+#include "protocol/base/hermite.h"
 #include "protocol/base/remark.h"
 
 #include <gsl/gsl_linalg.h>
@@ -161,12 +162,11 @@ static double speed(tdm_twist twist, double radius) {
 
 /* Value and rate at time t of the cubic over T. */
 static void cubic_at(const cubic *c, double T, double t, tdm_twist *value, tdm_twist *rate) {
-  double s = t < T ? t / T : 1;
-  double v0 = (1 + 2 * s) * (1 - s) * (1 - s), r0 = T * s * (1 - s) * (1 - s), v1 = s * s * (3 - 2 * s);
-  double r1 = T * s * s * (s - 1), dv = 6 * s * (1 - s) / T, d0 = (1 - s) * (1 - 3 * s), d1 = s * (3 * s - 2);
+  const double s = t < T ? t / T : 1;
+  const tdm_hermite_weights v = tdm_hermite_at(s, T), d = tdm_hermite_rate_at(s, T);
   const tdm_twist none = {0};
-  *value = along(v0, c->value0, along(r0, c->rate0, along(v1, c->value1, along(r1, c->rate1, none))));
-  *rate = along(-dv, c->value0, along(d0, c->rate0, along(dv, c->value1, along(d1, c->rate1, none))));
+  *value = along(v.f0, c->value0, along(v.d0, c->rate0, along(v.f1, c->value1, along(v.d1, c->rate1, none))));
+  *rate = along(d.f0, c->value0, along(d.d0, c->rate0, along(d.f1, c->value1, along(d.d1, c->rate1, none))));
 }
 
 static void gather(const dem_proxy *x, const dem_data *d) {

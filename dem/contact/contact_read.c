@@ -188,8 +188,8 @@ static void refuse_unused(const dem_model *m, tdm_object *o) {
   refuse_if_unused(m, o, "friction");
   for (dem_family f = 0; f < DEM_FAMILIES; f++)
     for (int k = 0; (row = dem_law_at(f, k)); k++)
-      for (int q = 0; row->keys[q]; q++)
-        refuse_if_unused(m, o, row->keys[q]);
+      for (int q = 0; row->keys[q].name; q++)
+        refuse_if_unused(m, o, row->keys[q].name);
 }
 
 /* ---- pairs ---- */

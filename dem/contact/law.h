@@ -30,6 +30,12 @@ typedef enum {
 
 enum { DEM_KEYS_MAX = 8 };
 
+/* A coefficient of a pair that a law reads. */
+typedef struct {
+  const char *name;
+  double example; /* what a benchmark of soft spheres takes; 0: it may be missing */
+} dem_law_key;
+
 /* The kernel of a law from elsewhere; its argument is in loop/contact.h. */
 struct dem_call;
 typedef void dem_called_kernel(struct dem_call *call);
@@ -41,7 +47,7 @@ typedef struct {
   bool needs_young; /* needs the elastic constants of the materials */
   int ncolumn;      /* of history that a contact keeps for it */
   unsigned vectors; /* bit q: column q is one of a vector's, which changes sign when the two of a pair change places */
-  const char *keys[DEM_KEYS_MAX]; /* of a pair that it reads, besides restitution and friction */
+  dem_law_key keys[DEM_KEYS_MAX]; /* that it reads, besides restitution and friction; ended by a NULL */
   dem_called_kernel *kernel;      /* of a law that the loops do not hold, in plain C; normal laws bring loops instead */
 } dem_law_head;
 

@@ -2,7 +2,8 @@
  *
  * Random filling never fails by chance: the region is divided into equal cells that hold a particle of the largest
  * radius each, as few cells as will do, so as large as possible. Particles get cells at random, and a random place
- * inside their cell. The densest filling is the simple cubic lattice; a region that is too small for it is refused.
+ * inside their cell, from GSL's Mersenne Twister: scenes keep the fillings that they were made with, which random.h
+ * would draw otherwise. The densest filling is the simple cubic lattice; a region that is too small for it is refused.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/fill.h"

@@ -138,7 +138,7 @@ static bool wiggle(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, double 
   double extent = 0, translation = 0, rotation = 0;
   for (int b = 0; b < model->nbody; b++)
     for (int k = 0; k < 6; k++) {
-      seed = seed * 1664525u + 1013904223u;
+      seed = seed * 1664525u + 1013904223u; /* not of random.h: last bits of reactions follow from these numbers */
       y[MBD_BODY_UNKNOWNS * b + MBD_V + k] = (double)(seed >> 8) / (1 << 24) - 0.5;
     }
   mbd_kinematics(model, data, data->t, y);

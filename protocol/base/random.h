@@ -1,5 +1,5 @@
-/* Random numbers without a generator: each is a function of what it is for, so a copy of the data needs no state and
- * all machines draw the same. */
+/* Random numbers, the same on all machines. Those of a run have no generator: each is a function of what it is for, so
+ * a copy of the data needs no state. */
 /* SPDX-License-Identifier: MIT */
 #ifndef TDM_BASE_RANDOM_H
 #define TDM_BASE_RANDOM_H
@@ -14,12 +14,18 @@ static inline uint64_t tdm_random_mix(uint64_t z) {
 }
 
 /* A number in [0, 1) that depends on its arguments alone. */
-static inline double tdm_random(uint64_t seed, uint64_t particle, uint64_t draw) {
+static inline double tdm_random(uint64_t seed, uint64_t item, uint64_t draw) {
   const uint64_t golden = 0x9e3779b97f4a7c15u;
   uint64_t z = tdm_random_mix(seed + golden);
-  z = tdm_random_mix(z + golden * (particle + 1));
+  z = tdm_random_mix(z + golden * (item + 1));
   z = tdm_random_mix(z + golden * (draw + 1));
   return (double)(z >> 11) * 0x1p-53;
+}
+
+/* The next number in [0, 1) of the sequence SplitMix64, for tests and benchmarks; its state may begin as anything. */
+static inline double tdm_random_next(uint64_t *state) {
+  *state += 0x9e3779b97f4a7c15u;
+  return (double)(tdm_random_mix(*state) >> 11) * 0x1p-53;
 }
 
 #endif

@@ -2,11 +2,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/wire/nodes.h"
 
+#include "protocol/base/hermite.h"
+
 /* x of the cubic with values 0 and x1 and rates r0, r1 (by s) at the ends, and its rate by s */
 static tdm_vec3 cubic(double s, tdm_vec3 x1, tdm_vec3 r0, tdm_vec3 r1, tdm_vec3 *rate) {
-  const double r = 1 - s;
-  *rate = tdm_axpy(6 * s * r, x1, tdm_axpy(r * (1 - 3 * s), r0, tdm_scale(s * (3 * s - 2), r1)));
-  return tdm_axpy(s * s * (3 - 2 * s), x1, tdm_axpy(s * r * r, r0, tdm_scale(-s * s * r, r1)));
+  const tdm_hermite_weights v = tdm_hermite_at(s, 1), d = tdm_hermite_rate_at(s, 1);
+  *rate = tdm_axpy(d.f1, x1, tdm_axpy(d.d0, r0, tdm_scale(d.d1, r1)));
+  return tdm_axpy(v.f1, x1, tdm_axpy(v.d0, r0, tdm_scale(v.d1, r1)));
 }
 
 /* D(phi) x */

@@ -6,6 +6,7 @@
  * For c = r (cos theta, sin theta) these are [L18] Eq. 20-22 with signs that agree for counter-clockwise theta.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "protocol/base/hermite.h"
 #include "scenarios/rigid_fill.h"
 #include "scenarios/table.h"
 
@@ -40,9 +41,10 @@ static void path_errors(double radius, double rate, double h, double *linear, do
   double vx0 = v * sin(turn / 2), vy0 = v * cos(turn / 2);
   for (double s = 0; s <= 1; s += 1.0 / 256) {
     double x = radius * cos(turn * (s - 0.5)), y = radius * sin(turn * (s - 0.5));
-    double h01 = s * s * (3 - 2 * s), h10 = s * (1 - s) * (1 - s), h11 = s * s * (s - 1);
+    const tdm_hermite_weights w = tdm_hermite_at(s, 1);
     *linear = fmax(*linear, hypot(x0 - x, y0 - 2 * s * y0 - y));
-    *hermite = fmax(*hermite, hypot(x0 + h * vx0 * (h10 - h11) - x, y0 - 2 * h01 * y0 + h * vy0 * (h10 + h11) - y));
+    *hermite =
+        fmax(*hermite, hypot(x0 + h * vx0 * (w.d0 - w.d1) - x, y0 - 2 * w.f1 * y0 + h * vy0 * (w.d0 + w.d1) - y));
   }
 }
 

@@ -5,6 +5,7 @@
 #include "mbd/integrate/integrator.h"
 #include "mbd/mbd.h"
 #include "protocol/base/log.h"
+#include "protocol/base/random.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,12 +29,11 @@ static double measure(const char *formulation, long windows, double H, double si
     printf("%s: %s\n", err.path, err.message);
   tdm_state state;
   const mbd_outcome out = {.state = &state};
-  unsigned seed = 1;
+  uint64_t draw = 1;
   double start = tdm_clock();
   for (long k = 0; k < windows && !err.status; k++) {
     tdm_wrench load[3] = {{{0, 0, 0}, {0, 0, 0}}};
-    seed = seed * 1664525u + 1013904223u;
-    load[0].force.z = -2500 + 500 * sin(5 * k * H) + size * ((double)(seed >> 8) / (1 << 23) - 1);
+    load[0].force.z = -2500 + 500 * sin(5 * k * H) + size * (2 * tdm_random_next(&draw) - 1);
     load[1].force.z = 2500 * H * cos(5 * k * H);
     const mbd_window in = {.t0 = k * H, .t1 = (k + 1) * H, .nload = 3, .load = load};
     if (mbd_engine_advance(self, &in, &out, &err))

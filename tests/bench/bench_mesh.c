@@ -5,6 +5,7 @@
 #include "dem/geometry/mesh_contact.h"
 #include "dem/geometry/mesh_tree.h"
 #include "protocol/base/log.h"
+#include "protocol/base/random.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -38,10 +39,8 @@ int main(void) {
     uint64_t draw = 1;
     for (int q = 0; q < QUERIES; q++) {
       double at[2];
-      for (int a = 0; a < 2; a++) {
-        draw = draw * 6364136223846793005u + 1442695040888963407u;
-        at[a] = 1 + (n - 2) * ((double)(draw >> 11) * 0x1p-53);
-      }
+      for (int a = 0; a < 2; a++)
+        at[a] = 1 + (n - 2) * tdm_random_next(&draw);
       int near[ROOM];
       dem_touch contact[DEM_TOUCHES_MAX];
       tdm_vec3 x = {at[0], at[1], 0.9};

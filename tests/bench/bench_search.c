@@ -9,6 +9,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 #include "protocol/base/log.h"
+#include "protocol/base/random.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -20,8 +21,7 @@ static uint64_t random_state = 1;
 
 /* [0, 1) */
 static double random_unit(void) {
-  random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-  return (double)(random_state >> 11) / 9007199254740992.0;
+  return tdm_random_next(&random_state);
 }
 
 static void shuffle(dem_sphere *s, int n) {

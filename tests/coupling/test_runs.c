@@ -1,5 +1,6 @@
 /* Whole runs with tandem's own solvers: bit-identity, the output grid, the last window, Ctrl-C. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "protocol/base/random.h"
 #include "tests/command.h"
 #include "tests/result_table.h"
 #include "tests/test_main.h"
@@ -449,13 +450,13 @@ END_TEST
 
 START_TEST(a_solver_killed_at_a_random_window) {
   setup();
-  srand((unsigned)getpid());
+  uint64_t draw = (uint64_t)getpid();
   static const char *const solvers[] = {"dem", "mbd"};
   for (int i = 0; i < 4; i++) {
     char find[128], named[64];
     snprintf(find, sizeof find, "tandem-%s --connect ipc://%s", solvers[i % 2], dir);
     snprintf(named, sizeof named, "error: %s", solvers[i % 2]); /* its software is known only after HELLO */
-    int delay = rand() % 400000;                                /* [us] */
+    int delay = (int)(400000 * tdm_random_next(&draw));         /* [us] */
     pid_t killer = fork();
     if (killer == 0) {
       pid_t victim;

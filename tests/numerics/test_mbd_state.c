@@ -113,11 +113,11 @@ END_TEST
 
 /* window k with a load of its own */
 static void random_window(run *r, int k, double extra) {
-  unsigned seed = (unsigned)k * 77u + 1;
+  uint64_t draw = (unsigned)k * 77u + 1;
   double t1 = 1e-3 * (k + 1);
   tdm_wrench load[2];
   for (int j = 0; j < 2; j++)
-    load[j] = (tdm_wrench){{10 * noise(&seed) + extra, 0, 10 * noise(&seed)}, {0, noise(&seed), 0}};
+    load[j] = (tdm_wrench){{10 * noise(&draw) + extra, 0, 10 * noise(&draw)}, {0, noise(&draw), 0}};
   r->t = 1e-3 * k;
   run_window(r, t1, load, 2, 1, &t1);
 }

@@ -7,6 +7,7 @@
 
 #include "mbd/mbd.h"
 #include "protocol/base/log.h"
+#include "protocol/base/random.h"
 
 #include <check.h>
 #include <stdio.h>
@@ -166,9 +167,9 @@ static inline double apart(tdm_state a, tdm_state b) {
   return fmax(d, tdm_norm(tdm_sub(a.twist.angular, b.twist.angular)));
 }
 
-static inline double noise(unsigned *seed) {
-  *seed = *seed * 1664525u + 1013904223u;
-  return (double)(*seed >> 8) / (1 << 23) - 1;
+/* the next random number, -1 to 1 */
+static inline double noise(uint64_t *draw) {
+  return 2 * tdm_random_next(draw) - 1;
 }
 
 #define CLOSE(x, y, tol)                                                                                        \

@@ -143,7 +143,7 @@ START_TEST(test_momentum) {
            "'forces':[{'name':'s','type':'torsional_spring_damper','joint':'h','stiffness':50,'damping':1}]}",
            formulations[_i % 3]);
   run r;
-  unsigned seed = 11;
+  uint64_t draw = 11;
   const double H = windows[_i / 3], force = fmin(50, 0.2 / H);
   tdm_vec3 momentum = {2.5, 0, 0};
   double most = 0;
@@ -154,8 +154,8 @@ START_TEST(test_momentum) {
     for (int b = 0; b < 2; b++)
       for (int j = 0; j < n; j++) {
         double size = i % 40 < 30 ? force : 0; /* the load ends as suddenly as it changes */
-        tdm_vec3 f = tdm_scale(size, tdm_v3(1 + noise(&seed), noise(&seed), noise(&seed)));
-        load[b * n + j] = (tdm_wrench){f, {0, 0.1 * size * noise(&seed), 0}};
+        tdm_vec3 f = tdm_scale(size, tdm_v3(1 + noise(&draw), noise(&draw), noise(&draw)));
+        load[b * n + j] = (tdm_wrench){f, {0, 0.1 * size * noise(&draw), 0}};
         momentum = tdm_axpy(H / (j + 1), f, momentum);
       }
     run_window(&r, H * (i + 1), load, n, 0, NULL);

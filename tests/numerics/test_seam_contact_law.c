@@ -70,7 +70,8 @@ static double elastic_of(const dem_model *m, const dem_pair *p, dem_impact i, do
 }
 
 static const dem_normal_law confined = {
-    .head = {.name = "confined", .keys = {"stiffness", "confinement"}},
+    .head = {.name = "confined",
+             .keys = {{.name = "stiffness", .example = 1e4}, {.name = "confinement", .example = 0.3}}},
     .tangential = "spring",
     .why_not_clip = "which does not attract",
     .read = read_confined,

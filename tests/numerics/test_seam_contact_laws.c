@@ -36,7 +36,8 @@ static void read_bond(const dem_model *m, tdm_object *o, dem_pair *p) {
 }
 
 static const dem_tangential_law bond_row = {
-    .head = {.name = "bond", .ncolumn = 3, .vectors = 7, .keys = {"bond"}, .kernel = bond}, .read = read_bond};
+    .head = {.name = "bond", .ncolumn = 3, .vectors = 7, .keys = {{.name = "bond", .example = 3e3}}, .kernel = bond},
+    .read = read_bond};
 
 /* ---- rolling and twisting ---- */
 
@@ -51,8 +52,9 @@ static void read_rolling_oil(const dem_model *m, tdm_object *o, dem_pair *p) {
   p->rolling[OIL] = dem_need(o, "rolling_oil", "rolling", "oil", TDM_NOT_NEGATIVE);
 }
 
-static const dem_rolling_law rolling_row = {.head = {.name = "oil", .keys = {"rolling_oil"}, .kernel = rolling_oil},
-                                            .read = read_rolling_oil};
+static const dem_rolling_law rolling_row = {
+    .head = {.name = "oil", .keys = {{.name = "rolling_oil", .example = 1e-6}}, .kernel = rolling_oil},
+    .read = read_rolling_oil};
 
 static void twisting_oil(dem_call *call) {
   call->couple = (dem_couple){vd3_scale(-DEM_OF(&call->contact, twisting[OIL]), call->spin), vd_set(0)};
@@ -63,8 +65,9 @@ static void read_twisting_oil(const dem_model *m, tdm_object *o, dem_pair *p) {
   p->twisting[OIL] = dem_need(o, "twisting_oil", "twisting", "oil", TDM_NOT_NEGATIVE);
 }
 
-static const dem_twisting_law twisting_row = {.head = {.name = "oil", .keys = {"twisting_oil"}, .kernel = twisting_oil},
-                                              .read = read_twisting_oil};
+static const dem_twisting_law twisting_row = {
+    .head = {.name = "oil", .keys = {{.name = "twisting_oil", .example = 1e-6}}, .kernel = twisting_oil},
+    .read = read_twisting_oil};
 
 /* ---- cohesion ---- */
 
@@ -94,7 +97,10 @@ static double gum_reach(const dem_pair *p, double radius) {
 }
 
 static const dem_cohesion_law gum_row = {
-    .head = {.name = "gum", .ncolumn = 1, .keys = {"gum_pull", "gum_gap"}, .kernel = gum},
+    .head = {.name = "gum",
+             .ncolumn = 1,
+             .keys = {{.name = "gum_pull", .example = 1e-3}, {.name = "gum_gap", .example = 1e-4}},
+             .kernel = gum},
     .read = read_gum,
     .reach = gum_reach};
 

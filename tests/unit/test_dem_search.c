@@ -3,6 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 #include "dem/search/sweep.h"
+#include "protocol/base/random.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -17,8 +18,7 @@ static uint64_t random_state;
 
 /* [0, 1) */
 static double unit(void) {
-  random_state = random_state * 6364136223846793005u + 1442695040888963407u;
-  return (double)(random_state >> 11) / 9007199254740992.0;
+  return tdm_random_next(&random_state);
 }
 
 typedef struct {

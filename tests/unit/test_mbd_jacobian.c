@@ -9,6 +9,7 @@
 #include "mbd/mechanics/residual.h"
 #include "mbd/mechanics/tangent.h"
 #include "mbd/scene/scene.h"
+#include "protocol/base/random.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 
@@ -111,9 +112,8 @@ static const char *const scenes[] = {
     ON_JOINT("stop", "'coordinate':'translation','lower':50,'stiffness':20,'damping':0.01,'exponent':1.5"),
 };
 
-static double uniform(unsigned *seed) {
-  *seed = *seed * 1664525u + 1013904223u;
-  return (double)(*seed >> 8) / (1 << 24) * 2 - 1;
+static double uniform(uint64_t *draw) {
+  return 2 * tdm_random_next(draw) - 1;
 }
 
 /* Frictions slide, this way or that, under a normal force. */
@@ -125,15 +125,15 @@ static void slide(const mbd_model *m, mbd_data *d, unsigned seed) {
 }
 
 /* Largest |J - J_fd| relative to the largest entry of its row. */
-static double deviation(const mbd_model *m, mbd_data *d, unsigned seed) {
+static double deviation(const mbd_model *m, mbd_data *d, uint64_t draw) {
   const int n = mbd_nunknown(m);
   const double cj = 3.7, eps = 1e-6;
   double *y = calloc((size_t)n, 8), *yp = calloc((size_t)n, 8), *up = calloc((size_t)n, 8),
          *down = calloc((size_t)n, 8);
   double *J = calloc((size_t)(n * n), 8), *D = calloc((size_t)(n * n), 8), worst = 0;
   for (int i = 0; i < n; i++) {
-    y[i] = uniform(&seed);
-    yp[i] = 2 * uniform(&seed);
+    y[i] = uniform(&draw);
+    yp[i] = 2 * uniform(&draw);
   }
   for (int b = 0; b < m->nbody; b++) /* away from the zero quaternion */
     y[MBD_BODY_UNKNOWNS * b + MBD_P] += 1.5;
@@ -219,9 +219,9 @@ START_TEST(test_power) {
   mbd_data *d = mbd_data_create(m);
   double *y = calloc((size_t)mbd_nunknown(m), 8), before[4], now[4], after[4];
   for (unsigned s = 1; s <= 20; s++) {
-    unsigned seed = s;
+    uint64_t draw = s;
     for (int i = 0; i < MBD_BODY_UNKNOWNS * m->nbody; i++)
-      y[i] = uniform(&seed) + (i % MBD_BODY_UNKNOWNS == MBD_P ? 1.5 : 0);
+      y[i] = uniform(&draw) + (i % MBD_BODY_UNKNOWNS == MBD_P ? 1.5 : 0);
     powers(m, d, y, now);
     move_on(m, y, -1e-6);
     powers(m, d, y, before);
@@ -291,17 +291,17 @@ START_TEST(test_tangent) {
   tdm_error err = {0};
   ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);
   mbd_data *d = mbd_data_create(m);
-  unsigned seed = 5;
+  uint64_t draw = 1;
   const double eps = 1e-6;
   double *y = calloc((size_t)mbd_nunknown(m), 8), *lambda = calloc((size_t)m->nrow + 1, 8), a[NV], up[NV], down[NV];
   ck_assert_int_eq(6 * m->nbody, NV);
-  slide(m, d, seed);
+  slide(m, d, 5);
   for (int i = 0; i < mbd_nunknown(m); i++)
-    y[i] = uniform(&seed);
+    y[i] = uniform(&draw);
   for (int i = 0; i < m->nrow; i++)
-    lambda[i] = uniform(&seed);
+    lambda[i] = uniform(&draw);
   for (int i = 0; i < NV; i++)
-    a[i] = uniform(&seed);
+    a[i] = uniform(&draw);
   for (int which = 0; which < 3; which++) {
     double matrix[NV * NV] = {0};
     mbd_weights w = {which == 0, which == 1, which == 2};

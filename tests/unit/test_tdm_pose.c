@@ -1,14 +1,14 @@
 /* Pose mathematics: quaternions, SLERP, 3-1-3 Euler angles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/pose.h"
+#include "protocol/base/random.h"
 #include "tests/test_main.h"
-
-#include <stdlib.h>
 
 static const double close_enough = 1e-13;
 
 static double uniform(void) {
-  return 2.0 * rand() / RAND_MAX - 1;
+  static uint64_t draw;
+  return 2 * tdm_random_next(&draw) - 1;
 }
 
 static tdm_quat random_quat(void) {

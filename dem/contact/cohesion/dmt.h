@@ -38,7 +38,9 @@ static void read_dmt(const dem_model *m, tdm_object *o, dem_pair *p) {
 }
 
 static const dem_cohesion_law dem_cohesion_row_dmt = {
-    .head = {.name = "dmt", .keys = {"adhesion_energy"}}, .check = check_dmt, .read = read_dmt};
+    .head = {.name = "dmt", .keys = {{.name = "adhesion_energy", .example = 0.1}}},
+    .check = check_dmt,
+    .read = read_dmt};
 #endif
 
 #endif

@@ -93,7 +93,7 @@ static double reach_of_pair(const dem_pair *p, double radius) {
 }
 
 static const dem_cohesion_law dem_cohesion_row_jkr = {
-    .head = {.name = "jkr", .ncolumn = 1, .keys = {"adhesion_energy"}},
+    .head = {.name = "jkr", .ncolumn = 1, .keys = {{.name = "adhesion_energy", .example = 0.1}}},
     .check = check_jkr,
     .read = read_jkr,
     .reach = reach_of_pair,

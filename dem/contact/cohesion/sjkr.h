@@ -27,8 +27,8 @@ static void read_sjkr(const dem_model *m, tdm_object *o, dem_pair *p) {
   p->cohesion[DEM_SJKR_DENSITY] = dem_need(o, "cohesion_density", "cohesion", "sjkr", TDM_NOT_NEGATIVE);
 }
 
-static const dem_cohesion_law dem_cohesion_row_sjkr = {.head = {.name = "sjkr", .keys = {"cohesion_density"}},
-                                                       .read = read_sjkr};
+static const dem_cohesion_law dem_cohesion_row_sjkr = {
+    .head = {.name = "sjkr", .keys = {{.name = "cohesion_density", .example = 1e3}}}, .read = read_sjkr};
 #endif
 
 #endif

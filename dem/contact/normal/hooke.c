@@ -112,7 +112,8 @@ static double step_time_of(const dem_model *m, const dem_pair *p, dem_impact i) 
 }
 
 const dem_normal_law dem_normal_hooke = {
-    .head = {.name = "hooke", .keys = {"stiffness", "contact_time", "damping"}},
+    .head = {.name = "hooke",
+             .keys = {{.name = "stiffness", .example = 1e4}, {.name = "contact_time"}, {.name = "damping"}}},
     .tangential = "spring",
     .read = read,
     .damp = damp,

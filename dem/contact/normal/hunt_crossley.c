@@ -126,7 +126,9 @@ static double elastic_of(const dem_model *m, const dem_pair *p, dem_impact i, do
 }
 
 const dem_normal_law dem_normal_hunt_crossley = {
-    .head = {.name = "hunt-crossley", .ncolumn = DEM_LAW_COLUMNS, .keys = {"stiffness", "speed_floor"}},
+    .head = {.name = "hunt-crossley",
+             .ncolumn = DEM_LAW_COLUMNS,
+             .keys = {{.name = "stiffness"}, {.name = "speed_floor"}}},
     .circle = true,
     .tangential = "mindlin",
     .why_not_clip = "whose force ends at 0 and does not attract before",

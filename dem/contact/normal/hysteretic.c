@@ -99,7 +99,9 @@ static double elastic_of(const dem_model *m, const dem_pair *p, dem_impact i, do
 const dem_normal_law dem_normal_hysteretic = {
     .head = {.name = "hysteretic",
              .ncolumn = DEM_LAW_COLUMNS,
-             .keys = {"stiffness", "unloading_stiffness", "adhesion_stiffness"}},
+             .keys = {{.name = "stiffness", .example = 1e4},
+                      {.name = "unloading_stiffness"},
+                      {.name = "adhesion_stiffness"}}},
     .plastic = true,
     .keeps_deepest = true,
     .settles_as_it_is = true,

@@ -26,7 +26,8 @@ static void read_constant_rolling(const dem_model *m, tdm_object *o, dem_pair *p
 }
 
 static const dem_rolling_law dem_rolling_row_constant_torque = {
-    .head = {.name = "constant-torque", .keys = {"rolling_friction"}}, .read = read_constant_rolling};
+    .head = {.name = "constant-torque", .keys = {{.name = "rolling_friction", .example = 0.1}}},
+    .read = read_constant_rolling};
 #endif
 
 #endif

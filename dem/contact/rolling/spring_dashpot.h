@@ -48,7 +48,10 @@ static double rolling_stiffness(const dem_model *m, const dem_pair *p, dem_impac
 }
 
 static const dem_rolling_law dem_rolling_row_spring_dashpot = {
-    .head = {.name = "spring-dashpot", .ncolumn = 3, .vectors = 7, .keys = {"rolling_friction", "rolling_damping"}},
+    .head = {.name = "spring-dashpot",
+             .ncolumn = 3,
+             .vectors = 7,
+             .keys = {{.name = "rolling_friction", .example = 0.1}, {.name = "rolling_damping"}}},
     .read = read_spring_dashpot,
     .stiffness = rolling_stiffness,
 };

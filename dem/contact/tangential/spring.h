@@ -57,7 +57,7 @@ static const dem_tangential_law dem_tangential_row_spring = {
     .head = {.name = "spring",
              .ncolumn = dem_tangential_columns_spring,
              .vectors = 7,
-             .keys = {"tangential_stiffness", "tangential_damping"}},
+             .keys = {{.name = "tangential_stiffness", .example = 3e3}, {.name = "tangential_damping"}}},
     .friction = true,
     .sticks = true,
     .read = read_spring,

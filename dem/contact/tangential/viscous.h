@@ -26,7 +26,7 @@ static void read_viscous(const dem_model *m, tdm_object *o, dem_pair *p) {
 }
 
 static const dem_tangential_law dem_tangential_row_viscous = {
-    .head = {.name = "viscous", .keys = {"tangential_damping"}}, .read = read_viscous};
+    .head = {.name = "viscous", .keys = {{.name = "tangential_damping", .example = 0.1}}}, .read = read_viscous};
 #endif
 
 #endif

@@ -24,7 +24,8 @@ static void read_constant_twisting(const dem_model *m, tdm_object *o, dem_pair *
 }
 
 static const dem_twisting_law dem_twisting_row_constant_torque = {
-    .head = {.name = "constant-torque", .keys = {"twisting_friction"}}, .read = read_constant_twisting};
+    .head = {.name = "constant-torque", .keys = {{.name = "twisting_friction", .example = 0.1}}},
+    .read = read_constant_twisting};
 #endif
 
 #endif
