@@ -50,7 +50,7 @@ double cpl_comparison_r2(const cpl_comparison *c, const cpl_compared *curve);
 /* r2 of means over `span` seconds (whole numbers of rows, at least one). */
 double cpl_comparison_r2_mean(const cpl_comparison *c, const cpl_compared *curve, double span);
 
-/* dir/comparison.csv, and comparison.png and .svg beside it (a missing gnuplot is an error that may be a notice). */
+/* dir/comparison.csv, and comparison.png beside it (a missing gnuplot is an error that may be a notice). */
 tdm_status cpl_comparison_write(const cpl_comparison *c, const char *dir, tdm_error *err);
 tdm_status cpl_comparison_plot(const cpl_comparison *c, const char *dir, tdm_error *err);
 

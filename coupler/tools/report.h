@@ -1,9 +1,8 @@
-/* `tandem report DIR`: plots of a result directory, as PNG and SVG, and a page that shows them.
+/* `tandem report DIR`: a page of a run's results, of tandem run, tandem-dem run or tandem-mbd run.
  *
- *   body_<name>.png, mbd.png, dem.png   every time history, columns that belong together in one panel
- *   comparison.png                      simulation against reference, when the scene names its scenario
- *   time.png                            where the time went
- *   index.html                          all of them, with the figures of the summary
+ *   index.html       what ran, its warnings, every time history by body, joint and scheme, its files
+ *   report_NN_*.png  the time histories of a section, at most eight panels a picture; report.gp draws them
+ *   comparison.png   simulation against reference, when the scene names its scenario
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_TOOLS_REPORT_H
@@ -11,7 +10,8 @@
 
 #include "coupler/tools/verify.h"
 
-/* Plots go into `dir` itself. Prints what was made. */
+/* The page goes into `dir` itself, and links by relative names. What cannot be read or drawn is left out, and the page
+ * says so. Prints warnings and notices of the run, and what was made. */
 tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error *err);
 
 #endif

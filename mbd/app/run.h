@@ -1,7 +1,7 @@
 /* A scene of bodies alone: `tandem-mbd run` and `tandem-mbd check`, from a scene file to a result directory.
  *
  *   channels.csv                            time histories of all channels
- *   motion, reactions, energies, drift.png  and .svg: their plots
+ *   motion, reactions, energies, drift.png   their plots
  *   scene.json, summary.json, mbd.log       the scene with all overrides; settings, counts, times; the log
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */

@@ -77,23 +77,35 @@ static void write_panel(FILE *f, const tdm_plot *plot, int number) {
   fputs("\n", f);
 }
 
-static void write_script(FILE *f, const char *name, int nplot, const tdm_plot *plot, const tdm_plot_data *data) {
-  static const char *const terminals[][2] = {{"pngcairo", "png"}, {"svg", "svg"}};
-  fputs("set datafile separator ','\nset grid lc rgb '#dddddd'\nset key top right\nset encoding utf8\n", f);
-  for (int i = 0; i < nplot && data; i++)
-    write_data(f, &data[i], i);
-  for (int t = 0; t < 2; t++) {
-    char output[256];
-    fprintf(f, "set terminal %s noenhanced size 900,%d font ',11'\nset output ", terminals[t][0], 360 * nplot);
-    snprintf(output, sizeof output, "%s.%s", name, terminals[t][1]);
-    write_file_name(f, output);
+enum { PANEL_WIDTH = 900, COLUMN_WIDTH = 600, PANEL_HEIGHT = 360, ROW_HEIGHT = 280, TITLE_HEIGHT = 40 }; /* pixels */
+
+static void write_picture(FILE *f, const tdm_plot_picture *p) {
+  char output[256];
+  const int across = p->across > 1 ? p->across : 1, rows = (p->nplot + across - 1) / across;
+  const int width = across > 1 ? across * COLUMN_WIDTH : PANEL_WIDTH;
+  const int height = rows * (across > 1 ? ROW_HEIGHT : PANEL_HEIGHT) + (p->title ? TITLE_HEIGHT : 0);
+  for (int i = 0; i < p->nplot && p->data; i++)
+    write_data(f, &p->data[i], i);
+  fprintf(f, "set terminal pngcairo noenhanced size %d,%d font ',%d'\nset output ", width, height,
+          across > 1 ? 10 : 11);
+  snprintf(output, sizeof output, "%s.png", p->name);
+  write_file_name(f, output);
+  fputc('\n', f);
+  if (p->nplot > 1 || p->title)
+    fprintf(f, "set multiplot layout %d,%d", rows, across);
+  if (p->title)
+    write_word(f, " title ", p->title);
+  else if (p->nplot > 1)
     fputc('\n', f);
-    if (nplot > 1)
-      fprintf(f, "set multiplot layout %d,1\n", nplot);
-    for (int i = 0; i < nplot; i++)
-      write_panel(f, &plot[i], i);
-    fputs(nplot > 1 ? "unset multiplot\nunset output\n" : "unset output\n", f);
-  }
+  for (int i = 0; i < p->nplot; i++)
+    write_panel(f, &p->plot[i], i);
+  fputs(p->nplot > 1 || p->title ? "unset multiplot\nunset output\n" : "unset output\n", f);
+}
+
+static void write_script(FILE *f, int npicture, const tdm_plot_picture *picture) {
+  fputs("set datafile separator ','\nset grid lt 1 lw 0.5 lc rgb '#cccccc'\nset key top right\nset encoding utf8\n", f);
+  for (int i = 0; i < npicture; i++)
+    write_picture(f, &picture[i]);
 }
 
 /* ---- gnuplot ---- */
@@ -160,21 +172,20 @@ static int run_gnuplot(const char *dir, const char *script, const char *log) {
   return pid < 0 ? PLOT_CANNOT : wait_for_gnuplot(pid, signals);
 }
 
-/* The files of a plot are the directory's own: a new run may remove them. */
-static void mark_files(const char *dir, const char *name) {
-  static const char *const endings[] = {"gp", "png", "svg", "gnuplot"};
+/* Files of a plot are the directory's own: a new run may remove them. */
+static void mark_file(const char *dir, const char *name, const char *ending) {
   char file[256];
-  for (int i = 0; i < 4; i++) {
-    snprintf(file, sizeof file, "%s.%s", name, endings[i]);
-    tdm_mark_add_in(dir, file);
-  }
+  snprintf(file, sizeof file, "%s.%s", name, ending);
+  tdm_mark_add_in(dir, file);
 }
 
 tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
   char path[4096], script[256], log[256];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(log, sizeof log, "%s.gnuplot", name); /* not .log: dem.log is the solver's */
-  mark_files(dir, name);
+  mark_file(dir, name, "gp");
+  mark_file(dir, name, "png");
+  mark_file(dir, name, "gnuplot");
   int status = run_gnuplot(dir, script, log);
   if (status == PLOT_INTERRUPTED)
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while plotting; the data is there, not all plots are");
@@ -183,13 +194,30 @@ tdm_status tdm_plot_run(const char *dir, const char *name, tdm_error *err) {
                     "no plot %s: gnuplot took longer than %g s and was ended, see %s/%s; the environment variable "
                     "TANDEM_PLOT_TIMEOUT sets another limit [s]",
                     name, tdm_plot_patience(), dir, log);
+  snprintf(path, sizeof path, "%s/%s", dir, log);
+  if (status == 0 || status == 127) /* nothing to say */
+    unlink(path);
   if (status == 127)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "no plots: gnuplot is not installed (Debian package gnuplot-nox)");
   if (status != 0)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "no plot %s: gnuplot failed, see %s/%s", name, dir, log);
-  snprintf(path, sizeof path, "%s/%s", dir, log);
-  unlink(path);
   return TDM_OK;
+}
+
+tdm_status tdm_plot_pictures(const char *dir, const char *name, int npicture, const tdm_plot_picture *picture,
+                             tdm_error *err) {
+  char path[4096], script[256];
+  snprintf(script, sizeof script, "%s.gp", name);
+  snprintf(path, sizeof path, "%s/%s", dir, script);
+  for (int i = 0; i < npicture; i++)
+    mark_file(dir, picture[i].name, "png");
+  FILE *f = fopen(path, "w");
+  if (!f)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  write_script(f, npicture, picture);
+  if (fclose(f) != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
+  return tdm_plot_run(dir, name, err);
 }
 
 tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err) {
@@ -198,14 +226,6 @@ tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const td
 
 tdm_status tdm_plot_write_data(const char *dir, const char *name, int nplot, const tdm_plot *plot,
                                const tdm_plot_data *data, tdm_error *err) {
-  char path[4096], script[256];
-  snprintf(script, sizeof script, "%s.gp", name);
-  snprintf(path, sizeof path, "%s/%s", dir, script);
-  FILE *f = fopen(path, "w");
-  if (!f)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  write_script(f, name, nplot, plot, data);
-  if (fclose(f) != 0)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  return tdm_plot_run(dir, name, err);
+  const tdm_plot_picture picture = {.name = name, .nplot = nplot, .plot = plot, .data = data};
+  return tdm_plot_pictures(dir, name, 1, &picture, err);
 }

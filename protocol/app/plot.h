@@ -1,4 +1,5 @@
-/* Plots by gnuplot: a script, a PNG and an SVG in the directory of the data. */
+/* Plots by gnuplot: a script and PNG pictures in the directory of the data. Who wants another format changes the
+ * script's terminal. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_APP_PLOT_H
 #define TDM_APP_PLOT_H
@@ -29,8 +30,22 @@ typedef struct {
   int nrow, ncolumn;
 } tdm_plot_data;
 
-/* Write dir/name.gp and have gnuplot make name.png and name.svg beside it, the plots one under the other. A missing
- * gnuplot is an error of status TDM_ERR_FILE that the caller may take as a notice. */
+/* One picture: panels one under the other, or in rows of `across`. */
+typedef struct {
+  const char *name;  /* of its file, without .png */
+  const char *title; /* above the panels; NULL: none */
+  int across;        /* panels side by side; 0 is 1 */
+  int nplot;
+  const tdm_plot *plot;      /* (nplot) */
+  const tdm_plot_data *data; /* (nplot) of curves without a file; may be NULL */
+} tdm_plot_picture;
+
+/* Write dir/name.gp and have gnuplot make the pictures beside it, all in one process. A missing gnuplot is an error of
+ * status TDM_ERR_FILE that the caller may take as a notice; gnuplot ends at the first picture that it cannot make. */
+tdm_status tdm_plot_pictures(const char *dir, const char *name, int npicture, const tdm_plot_picture *picture,
+                             tdm_error *err);
+
+/* One picture name.png of plots one under the other. */
 tdm_status tdm_plot_write(const char *dir, const char *name, int nplot, const tdm_plot *plot, tdm_error *err);
 
 /* The same with `data` (nplot) of their own, written into the script: gnuplot reads a file anew for each curve. */

@@ -181,15 +181,35 @@ typedef struct {
   int channel[PANELS][CURVES], nplot;
 } panels;
 
+/* what a panel of channels with one unit shows */
+static const char *axis_of(const char *unit) {
+  static const char *const axes[][2] = {{"m", "length [m]"},
+                                        {"m/s", "velocity [m/s]"},
+                                        {"m/s2", "acceleration [m/s\u00b2]"},
+                                        {"rad", "angle [rad]"},
+                                        {"rad/s", "angular velocity [rad/s]"},
+                                        {"rad/s2", "angular acceleration [rad/s\u00b2]"},
+                                        {"N", "force [N]"},
+                                        {"N m", "moment [N m]"},
+                                        {"J", "energy [J]"},
+                                        {"kg", "mass [kg]"},
+                                        {"1", "number [-]"}};
+  for (size_t k = 0; k < sizeof axes / sizeof axes[0]; k++)
+    if (strcmp(unit, axes[k][0]) == 0)
+      return axes[k][1];
+  return unit;
+}
+
 static void add_channel(panels *p, const tdm_standalone *run, int c) {
   const tdm_channel *channel = &run->figures.channel[c];
   int k = 0;
-  while (k < p->nplot && strcmp(p->plot[k].ylabel, channel->unit) != 0)
+  const char *axis = axis_of(channel->unit);
+  while (k < p->nplot && strcmp(p->plot[k].ylabel, axis) != 0)
     k++;
   if (k == PANELS)
     return;
   if (k == p->nplot)
-    p->plot[p->nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = channel->unit, .curve = p->curve[k]};
+    p->plot[p->nplot++] = (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = axis, .curve = p->curve[k]};
   int i = p->plot[k].ncurve;
   if (i == CURVES)
     return;

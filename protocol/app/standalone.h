@@ -108,8 +108,8 @@ tdm_status tdm_standalone_begin(tdm_standalone *run, tdm_error *err);
 tdm_status tdm_standalone_row(tdm_standalone *run, double t, const double *values, tdm_error *err);
 void tdm_standalone_close(tdm_standalone *run, tdm_error *err);
 
-/* Plot the channels whose names begin with one of `of` (NULL-terminated; NULL: all channels) as NAME.png and NAME.svg,
- * a panel a unit; what is zero throughout is left out, and all with no_plots. Nothing to plot is no error. */
+/* Plot the channels whose names begin with one of `of` (NULL-terminated; NULL: all channels) as NAME.png, a panel
+ * a unit; what is zero throughout is left out, and all with no_plots. Nothing to plot is no error. */
 tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, const char *const *of, tdm_error *err);
 
 /* A new object with tandem, software, scene, machine, report, warnings, notices, status and error. Prints the last

@@ -47,8 +47,8 @@ START_TEST(results_of_somebody_else) {
   expect_script(0, "tandem report out");
   expect_no_harm();
   expect_script(1, "grep -i '<script\\|<b>\\|\" onload' out/index.html");
-  expect_script(0, "grep -q '&lt;script&gt;alert(2)' out/index.html && test -s out/mbd.png && test -s out/dem.png");
-  expect_script(0, "grep -q '`touch pwned4`' out/mbd.svg");
+  expect_script(0, "grep -q '&lt;script&gt;alert(2)' out/index.html && ls out/report_*.png");
+  expect_script(0, "grep -q '`touch pwned4`' out/index.html && grep -q '140touch pwned4' out/report.gp");
   directory_remove(dir);
 }
 END_TEST

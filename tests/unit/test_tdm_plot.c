@@ -48,6 +48,10 @@ START_TEST(titles_are_data) {
   const tdm_curve curve = {"x.csv", "1:2", "`date` it's {/=40 x}_{y} %g @z", "lines"};
   const tdm_plot plot = {"", "", "", NULL, 1, &curve};
   ck_assert_msg(tdm_plot_write(dir, "plot", 1, &plot, &err) == TDM_OK, "%s", err.message);
+  ck_assert_int_eq(command("sh -c 'cd %s && sed \"s/pngcairo/svg/; s/plot.png/plot.svg/\" plot.gp > svg.gp && gnuplot "
+                           "-d svg.gp'",
+                           dir),
+                   0);
   char *svg = read_all(dir, "plot.svg");
   ck_assert_msg(strstr(svg, "`date` it's {/=40 x}_{y} %g @z") || strstr(svg, "`date` it&apos;s {/=40 x}_{y} %g @z") ||
                     strstr(svg, "`date` it&#39;s {/=40 x}_{y} %g @z"),
