@@ -36,6 +36,7 @@ typedef struct {
   bool calls;                              /* with all terms: laws from elsewhere, through their rows */
   bool rubs;                               /* there are tangential forces or more: spins matter */
   void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
+  void (*planes)(dem_loop_task *, size_t begin, size_t end); /* plane_loop of this row; not with all terms */
 } row;
 
 /* what comes out of a law */

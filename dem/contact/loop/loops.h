@@ -17,6 +17,8 @@
  * Forces are added lane after lane, in the order of the list, so the sums are those of a loop over one contact at a
  * time.
  *
+ * The loop over planes is a function of its own: as a part of the loop over walls it would spill more registers.
+ *
  * With sums there is a pass over all contacts before that of the forces: it adds up what the second kernel makes of the
  * geometry of each contact (the upper part of dem_contact, without rate, slip and spins), for both particles with the
  * normal that points to them. The first kernel then has the sums of both. This is the place of multi-contact laws
@@ -53,16 +55,21 @@
          .ncolumn = DEM_LAW_COLUMNS + dem_tangential_columns_##t, \
          .column = dem_tangential_columns_##t,                    \
          .rubs = TANGENTIAL_##t != TANGENTIAL_none,               \
-         .flush = batch_##t})
-#define X(t)                                                                       \
-  static __attribute__((noinline)) void batch_##t(dem_loop_task *task, batch *b) { \
-    wall_batch(task, b, ROW(t));                                                   \
-  }                                                                                \
-  static void pairs_##t(dem_loop_task *task) {                                     \
-    pair_loop(task, ROW(t));                                                       \
-  }                                                                                \
-  static void walls_##t(dem_loop_task *task) {                                     \
-    wall_loop(task, ROW(t));                                                       \
+         .flush = batch_##t,                                      \
+         .planes = planes_##t})
+#define X(t)                                                                                        \
+  static void planes_##t(dem_loop_task *task, size_t begin, size_t end);                            \
+  static __attribute__((noinline)) void batch_##t(dem_loop_task *task, batch *b) {                  \
+    wall_batch(task, b, ROW(t));                                                                    \
+  }                                                                                                 \
+  static __attribute__((noinline)) void planes_##t(dem_loop_task *task, size_t begin, size_t end) { \
+    plane_loop(task, begin, end, ROW(t));                                                           \
+  }                                                                                                 \
+  static void pairs_##t(dem_loop_task *task) {                                                      \
+    pair_loop(task, ROW(t));                                                                        \
+  }                                                                                                 \
+  static void walls_##t(dem_loop_task *task) {                                                      \
+    wall_loop(task, ROW(t));                                                                        \
   }
 DEM_TANGENTIALS(X)
 #undef X

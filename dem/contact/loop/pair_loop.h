@@ -72,15 +72,19 @@ DEM_INLINE void add_box_power(dem_loop_task *task, const vd boxes[3], vm touchin
     task->flux.box_power += power[l];
 }
 
-/* The contact of pairs with the differences s (vd_sphere_difference), the sums of the surface velocities and of radii.
- * Returns the arms of the contact point as a share of the radii: it divides the distance of the centres as they do,
- * arms r_i r / (r_i + r_j). */
-DEM_KERNEL vd pair_geometry(const dem_data *d, const int *i, const int *j, const vd s[8], vd3 surface, vd sum,
-                            dem_contact *c) {
+/* How the contact point divides the distance r of the centres: as the radii do. */
+typedef struct {
+  vd share;   /* of each radius: arms r_i r / (r_i + r_j) */
+  vd per_sum; /* 1 / (r_i + r_j) */
+} pair_arms;
+
+/* The contact of pairs with the differences s (vd_sphere_difference), in it x and its square r2, and the sum of radii:
+ * all of it that does not depend on velocities. */
+DEM_KERNEL pair_arms pair_geometry(const dem_data *d, const int *i, const int *j, const vd s[8], vd3 x, vd r2, vd sum,
+                                   dem_contact *c) {
   const dem_model *m = c->model;
-  vd3 x = {s[0], s[1], s[2]};
   /* one division for the three reciprocals of the distance, the sum of the radii and of the inverse masses */
-  vd r2 = vd3_dot(x, x), r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
+  vd r = vd_sqrt(vd_max(r2, vd_set(1e-200))), both = r * sum;
   vd per_all = vd_set(1) / (both * s[7]), per_r = per_all * (sum * s[7]), per_sum = per_all * (r * s[7]);
   c->normal = vd3_scale(per_r, x);
   c->normal.z = vd_pick(vm_equal(r2, vd_set(0)), vd_set(1), c->normal.z); /* coincident centres: any direction */
@@ -88,13 +92,12 @@ DEM_KERNEL vd pair_geometry(const dem_data *d, const int *i, const int *j, const
   c->radius = vd_set(0.25) * (sum * sum - s[3] * s[3]) * per_sum;
   c->inverse_mass = s[7];
   c->mass = per_all * both;
-  c->turn = vd3_dot(surface, c->normal) * per_sum;
   if (!c->pair.one)
     for (int l = 0; l < DEM_W; l++)
       c->pair.index[l] = d->state.material[i[l]] * m->nmaterial + d->state.material[j[l]];
   if (DEM_LAW_SUMS > 0)
     c->radii[0] = vd_radii(d->state.sphere, i), c->radii[1] = vd_radii(d->state.sphere, j);
-  return r * per_sum;
+  return (pair_arms){r * per_sum, per_sum};
 }
 
 /* what the laws gave, on the particles and, with energies, into the balance */
@@ -144,10 +147,10 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     if (repeats)
       nearest_image(d, s, boxes);
     vd3 x = {s[0], s[1], s[2]};
-    vd far = b[3];
+    vd r2 = vd3_dot(x, x), sum = b[3], far = sum;
     if (constants.all_terms)
       far = far + reach;
-    c.touching = vm_less(vd3_dot(x, x), far * far);
+    c.touching = vm_less(r2, far * far);
     vm own = c.touching;
     vd kept[DEM_HISTORY_MAX];
     if (shared) { /* the histories of the other contacts stay */
@@ -163,12 +166,14 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
       close_history(list->history + k, list->capacity, ncolumn);
       continue;
     }
+    pair_arms arms = pair_geometry(d, i, j, s, x, r2, sum, &c);
     vd3 surface = {b[0], b[1], b[2]}, velocity = {s[4], s[5], s[6]};
-    vd share = pair_geometry(d, i, j, s, surface, b[3], &c), sums[2][DEM_LAW_SUMS + 1];
+    c.turn = vd3_dot(surface, c.normal) * arms.per_sum;
     if (constants.rubs)
-      velocity = vd3_axpy(-share, vd3_cross(surface, c.normal), velocity);
+      velocity = vd3_axpy(-arms.share, vd3_cross(surface, c.normal), velocity);
     if (constants.all_terms)
       pair_spins(d, i, j, &c);
+    vd sums[2][DEM_LAW_SUMS + 1];
     load_sums(d, i, sums[0]);
     load_sums(d, j, sums[1]);
     c.own_sums = sums[0], c.other_sums = sums[1];
@@ -181,7 +186,7 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     }
     if (constants.all_terms) /* cohesion may have opened some */
       touching += __builtin_popcount(vm_bits(c.touching));
-    push_pair(task, k, &c, &out, share, boxes, constants);
+    push_pair(task, k, &c, &out, arms.share, boxes, constants);
   }
   task->touching += touching;
 }

@@ -26,7 +26,6 @@ DEM_KERNEL void sum_pairs(dem_loop_task *task, sum_kernel *contribution) {
   dem_data *d = task->data;
   const dem_pairs *list = &d->lists.pairs;
   dem_contact c = contact_of(task, (row){0});
-  const vd3 nothing = {vd_set(0), vd_set(0), vd_set(0)};
   for (size_t k = list->chunk[task->chunk]; k < list->chunk[task->chunk + 1]; k += DEM_W) {
     const int *i = list->one + k, *j = list->other + k;
     vd s[8], boxes[3], sum = vd_radii(d->state.sphere, i) + vd_radii(d->state.sphere, j);
@@ -38,7 +37,7 @@ DEM_KERNEL void sum_pairs(dem_loop_task *task, sum_kernel *contribution) {
     c.touching = vm_less(r2, sum * sum);
     if (!vm_any(c.touching))
       continue;
-    pair_geometry(d, i, j, s, nothing, sum, &c);
+    pair_geometry(d, i, j, s, x, r2, sum, &c);
     vd of[DEM_LAW_SUMS];
     contribution(&c, of);
     add_sums(d, i, &c, of);

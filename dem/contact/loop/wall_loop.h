@@ -205,13 +205,12 @@ DEM_KERNEL vd along_plane(const plane_mobility *y, vd3 lever, vd3 n) {
   return vd_max(vd_set(y->straight) + vd3_dot(a, turned), vd_set(0));
 }
 
-/* end - begin is a multiple of DEM_W; the same numbers, in the same order, as simple_wall */
-DEM_KERNEL void plane(dem_loop_task *task, size_t begin, size_t end, const row r) {
+/* Entries of one plane; end - begin is a multiple of DEM_W and not 0. The same numbers, in the same order, as
+ * simple_wall. */
+DEM_KERNEL void plane_loop(dem_loop_task *task, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
   const dem_wall_contacts *list = &d->lists.walls;
-  if (begin == end)
-    return;
   int w = list->entry[begin].wall, body = m->wall[w].body;
   tdm_vec3 normal = d->state.wall[w].normal, on = d->state.wall[w].point, center = d->state.pose[body].position;
   tdm_twist now = d->state.twist[body];
@@ -370,7 +369,8 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     } else {
       bool whole = DEM_LAW_SUMS == 0 && !constants.all_terms && wall->shape->half_space && !wall->moves && !m->driven;
       size_t rest = whole ? next - (next - k) % DEM_W : k;
-      plane(task, k, rest, r);
+      if (whole && rest > k)
+        r.planes(task, k, rest);
       simple_wall(task, &b, rest, next, r);
     }
     if (b.count > 0) /* so that sums are in the order of the list */
