@@ -68,11 +68,18 @@ typedef struct {
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
-  const tdm_option options[] = {
-      {"--out", &a->out, NULL},       {"--json", &a->json, NULL}, {"--scenarios", &a->scenarios, NULL},
-      {"--set", NULL, NULL},          {"--dt", &a->dt, NULL},     {"--n", &a->n, NULL},
-      {"--scheme", &a->scheme, NULL}, {"--jobs", &a->jobs, NULL}, {"--strict", NULL, &a->strict},
-      {"--resume", NULL, &a->resume}, {"--full", NULL, &a->full}, {"--force", NULL, &a->force}};
+  const tdm_option options[] = {{.name = "--out", .value = &a->out},
+                                {.name = "--json", .value = &a->json},
+                                {.name = "--scenarios", .value = &a->scenarios},
+                                {.name = "--set"},
+                                {.name = "--dt", .value = &a->dt},
+                                {.name = "--n", .value = &a->n},
+                                {.name = "--scheme", .value = &a->scheme},
+                                {.name = "--jobs", .value = &a->jobs},
+                                {.name = "--strict", .flag = &a->strict},
+                                {.name = "--resume", .flag = &a->resume},
+                                {.name = "--full", .flag = &a->full},
+                                {.name = "--force", .flag = &a->force}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
 }
 
@@ -83,17 +90,18 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
   const struct {
     bool given, known;
     const char *name;
-  } options[] = {{a->given.nset > 0, run || sweep, "--set"},
-                 {a->strict, run, "--strict"},
-                 {a->out != NULL, run || sweep || verify, "--out"},
-                 {a->force, (run && strcmp(command, "check") != 0) || sweep || verify, "--force"},
-                 {a->json != NULL, sweep || verify, "--json"},
-                 {a->dt != NULL, sweep, "--dt"},
-                 {a->n != NULL, sweep, "--n"},
-                 {a->scheme != NULL, sweep, "--scheme"},
-                 {a->jobs != NULL, sweep || verify, "--jobs"},
-                 {a->resume, sweep, "--resume"},
-                 {a->full, verify, "--full"}};
+  } options[] = {
+      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep},
+      {.name = "--strict", .given = a->strict, .known = run},
+      {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify},
+      {.name = "--force", .given = a->force, .known = (run && strcmp(command, "check") != 0) || sweep || verify},
+      {.name = "--json", .given = a->json != NULL, .known = sweep || verify},
+      {.name = "--dt", .given = a->dt != NULL, .known = sweep},
+      {.name = "--n", .given = a->n != NULL, .known = sweep},
+      {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
+      {.name = "--jobs", .given = a->jobs != NULL, .known = sweep || verify},
+      {.name = "--resume", .given = a->resume, .known = sweep},
+      {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s does not go with this command; see tandem --help", command,

@@ -43,11 +43,11 @@ void dem_engine_destroy(dem_engine **engine);
 
 /* What there is to tell before the first step. The arrays live as long as the engine. */
 typedef struct {
-  const tdm_wrench *load; /* (ncoupled) of the particles on the coupled bodies [N], [N m] */
-  int nchannel;
+  const tdm_wrench *load;     /* (ncoupled) of the particles on the coupled bodies [N], [N m] */
+  int nchannel;               /* outputs */
   const tdm_channel *channel; /* (nchannel) names and units of the outputs */
   const double *initial;      /* (nchannel) their values */
-  int nwarning;
+  int nwarning;               /* doubtful settings */
   const tdm_warning *warning; /* (nwarning) doubtful settings, with the cure */
   tdm_energy energy;          /* of the particles and contacts [J]; NaN where it cannot be accounted for */
   double rest;                /* energy below which all is at rest [J] */
@@ -67,7 +67,7 @@ typedef struct {
   uint64_t nstep;            /* at least 1; where (t1 - t0)/nstep is time.dt to 1e-6, time.dt is taken */
   const dem_path *path;      /* (ncoupled) over the window */
   const tdm_step *mechanism; /* the STEP with start states and proxy (bodies/proxy.h) */
-  int nsample;
+  int nsample;               /* output times */
   const double *sample_time; /* (nsample) output times, ascending, in (t0, t1] [s]; what is later is sampled at t1 */
 } dem_window;
 

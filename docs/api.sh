@@ -1,6 +1,5 @@
 #!/bin/sh
 # API documentation of public headers with Doxygen; fails when something in them is not documented, or wrongly.
-# Fields that share a line share its comment, which Doxygen sees for the last one only: these are let through.
 # usage: api.sh FOLDER VERSION HEADER..., headers from the root of the source
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
@@ -14,4 +13,7 @@ doxygen docs/Doxyfile 2>"$TANDEM_API_DIR/warnings" || {
   cat "$TANDEM_API_DIR/warnings" >&2
   exit 1
 }
-! grep -v '(variable) of .* is not documented' "$TANDEM_API_DIR/warnings" >&2
+if [ -s "$TANDEM_API_DIR/warnings" ]; then
+  cat "$TANDEM_API_DIR/warnings" >&2
+  exit 1
+fi

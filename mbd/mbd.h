@@ -48,15 +48,15 @@ typedef struct {
   const tdm_mobility *mobility;  /* if the assignment asks for it */
   const tdm_nodes *path;         /* until the assignment's `ahead`; no nodes: the accelerations tell it */
   const bool *prescribed;        /* (ncoupled) loads leave the body's motion as it is; NULL: not asked for */
-  int nchannel;
-  const tdm_channel *channel; /* (nchannel) names and units of the outputs */
-  const double *initial;      /* (nchannel) their values */
-  int nwarning;
-  const tdm_warning *warning; /* (nwarning) doubtful settings, with the cure */
-  tdm_energy energy;          /* [J] */
-  tdm_vec3 gravity;           /* [m/s2] */
-  int freedom;                /* degrees of freedom that joints and drivers leave */
-  json_t *report;             /* figures of the start: docs/mbd.md */
+  int nchannel;                  /* outputs */
+  const tdm_channel *channel;    /* (nchannel) names and units of the outputs */
+  const double *initial;         /* (nchannel) their values */
+  int nwarning;                  /* doubtful settings */
+  const tdm_warning *warning;    /* (nwarning) doubtful settings, with the cure */
+  tdm_energy energy;             /* [J] */
+  tdm_vec3 gravity;              /* [m/s2] */
+  int freedom;                   /* degrees of freedom that joints and drivers leave */
+  json_t *report;                /* figures of the start: docs/mbd.md */
 } mbd_start;
 
 /* Lives as long as the engine. */
@@ -66,10 +66,10 @@ const mbd_start *mbd_engine_start(const mbd_engine *engine);
 
 /* A window, and the loads in it. Pointers are borrowed for the call. */
 typedef struct {
-  double t0, t1;          /* [s]; t0 is where the engine stands */
-  int nload;              /* coefficients of the load, TDM_LOAD_MAX at most; 0: no load */
-  const tdm_wrench *load; /* (ncoupled x nload) W(s) = sum_j load_j s^j, s = (t - t0)/(t1 - t0) */
-  int nsample;
+  double t0, t1;             /* [s]; t0 is where the engine stands */
+  int nload;                 /* coefficients of the load, TDM_LOAD_MAX at most; 0: no load */
+  const tdm_wrench *load;    /* (ncoupled x nload) W(s) = sum_j load_j s^j, s = (t - t0)/(t1 - t0) */
+  int nsample;               /* output times */
   const double *sample_time; /* (nsample) output times, ascending, in (t0, t1] [s] */
   double ahead;              /* tell the path from t1 until then [s]; 0: none */
 } mbd_window;

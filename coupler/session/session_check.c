@@ -118,13 +118,31 @@ static tdm_status check_numbers(const cpl_session *s, int role, const tdm_step *
     int size, count;
     bool per_body; /* entry i belongs to body i % nbody */
   } parts[] = {
-      {"a load", r->load, TDM_WRENCH_DOUBLES, r->nbody * r->nload, true},
-      {"an acceleration", r->acceleration, 6, r->nacceleration, true},
-      {"a mobility", r->mobility.Y, (int)tdm_mobility_doubles(&r->mobility), r->has_mobility, false}, /* Y is first */
-      {"moments of the load, an end or a work", r->body, sizeof *r->body / sizeof(double), r->ninterface, true},
-      {"a further coefficient of the load", r->further, TDM_FURTHER * TDM_WRENCH_DOUBLES, r->nfurther, true},
-      {"a supplied energy", r->has_energy ? &r->energy->supplied : NULL, 2, r->has_energy, false},
-      {"a recorded load", r->sample_load, TDM_WRENCH_DOUBLES, r->nload > 0 ? r->nsample * r->nbody : 0, true},
+      {.what = "a load", .at = r->load, .size = TDM_WRENCH_DOUBLES, .count = r->nbody * r->nload, .per_body = true},
+      {.what = "an acceleration", .at = r->acceleration, .size = 6, .count = r->nacceleration, .per_body = true},
+      {.what = "a mobility",
+       .at = r->mobility.Y, /* the first of its arrays */
+       .size = (int)tdm_mobility_doubles(&r->mobility),
+       .count = r->has_mobility},
+      {.what = "moments of the load, an end or a work",
+       .at = r->body,
+       .size = sizeof *r->body / sizeof(double),
+       .count = r->ninterface,
+       .per_body = true},
+      {.what = "a further coefficient of the load",
+       .at = r->further,
+       .size = TDM_FURTHER * TDM_WRENCH_DOUBLES,
+       .count = r->nfurther,
+       .per_body = true},
+      {.what = "a supplied energy",
+       .at = r->has_energy ? &r->energy->supplied : NULL,
+       .size = 2,
+       .count = r->has_energy},
+      {.what = "a recorded load",
+       .at = r->sample_load,
+       .size = TDM_WRENCH_DOUBLES,
+       .count = r->nload > 0 ? r->nsample * r->nbody : 0,
+       .per_body = true},
   };
   for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
     for (int i = 0; i < parts[k].count; i++) {

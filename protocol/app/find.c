@@ -26,8 +26,9 @@ static void share_dir(char *out, size_t size) {
 /* What runs the scenarios of each group. */
 static const struct {
   const char *group, *program, *what;
-} groups[] = {
-    {"", "tandem", "a co-simulation"}, {"dem", "tandem-dem", "particles alone"}, {"mbd", "tandem-mbd", "bodies alone"}};
+} groups[] = {{.group = "", .program = "tandem", .what = "a co-simulation"},
+              {.group = "dem", .program = "tandem-dem", .what = "particles alone"},
+              {.group = "mbd", .program = "tandem-mbd", .what = "bodies alone"}};
 
 /* A scenario of that name in another group than the one that was asked for; -1: there is none. */
 static int other_group(const char *group, const char *name, const char *const *place, int nplace) {

@@ -15,9 +15,12 @@ typedef struct {
 } arguments;
 
 static tdm_status parse(arguments *a, const char *program, int argc, char **argv, tdm_error *err) {
-  const tdm_option options[] = {{"--out", &a->out, NULL},       {"--scenarios", &a->scenarios, NULL},
-                                {"--set", NULL, NULL},          {"--force", NULL, &a->force},
-                                {"--strict", NULL, &a->strict}, {"--no-plots", NULL, &a->no_plots}};
+  const tdm_option options[] = {{.name = "--out", .value = &a->out},
+                                {.name = "--scenarios", .value = &a->scenarios},
+                                {.name = "--set"},
+                                {.name = "--force", .flag = &a->force},
+                                {.name = "--strict", .flag = &a->strict},
+                                {.name = "--no-plots", .flag = &a->no_plots}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], program, argc, argv, err);
 }
 

@@ -16,9 +16,10 @@
 extern "C" {
 #endif
 
-/* A quaternion; w is its scalar part. */
+/* A quaternion. */
 typedef struct {
-  double w, x, y, z;
+  double w;       /* scalar part */
+  double x, y, z; /* vector part */
 } tdm_quat;
 
 /* Where a body is, and how it is turned. */
@@ -41,18 +42,19 @@ typedef struct {
 
 /* pose and twist, 13 doubles in wire order: x y z, qw qx qy qz, vx vy vz, wx wy wz */
 typedef struct {
-  tdm_pose pose;
-  tdm_twist twist;
+  tdm_pose pose;   /* of the centre of mass */
+  tdm_twist twist; /* likewise, world axes */
 } tdm_state;
 
 enum { TDM_STATE_DOUBLES = 13, TDM_WRENCH_DOUBLES = 6 };
 static_assert(sizeof(tdm_state) == TDM_STATE_DOUBLES * sizeof(double), "tdm_state is 13 doubles on the wire");
 static_assert(sizeof(tdm_wrench) == TDM_WRENCH_DOUBLES * sizeof(double), "tdm_wrench is 6 doubles on the wire");
 
-/* Euler angles of the 3-1-3 body sequence, O = Rz(phi) Rx(theta) Rz(psi) ([L18] Eq. 16 with its bottom row mended):
- * phi is the first body rotation (precession), psi the last (spin) [rad]. */
+/* Euler angles of the 3-1-3 body sequence, O = Rz(phi) Rx(theta) Rz(psi) ([L18] Eq. 16 with its bottom row mended). */
 typedef struct {
-  double phi, theta, psi;
+  double phi;   /* first body rotation, precession [rad] */
+  double theta; /* second, nutation [rad] */
+  double psi;   /* last, spin [rad] */
 } tdm_euler313;
 
 /* No rotation; the product, which turns by b first; the conjugate, which is the inverse of a unit quaternion; a vector

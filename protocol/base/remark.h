@@ -23,20 +23,20 @@ typedef enum { TDM_NOTICE, TDM_WARNING } tdm_remark_level;
 
 /* What is known of an event. */
 typedef struct {
-  char event[96]; /* "overlap"; of several of a kind with its name: "source_waits.inlet" */
-  tdm_remark_level level;
+  char event[96];                /* "overlap"; of several of a kind with its name: "source_waits.inlet" */
+  tdm_remark_level level;        /* how grave it is */
   char path[TDM_PATH_MAX];       /* of the first: JSON path in the scene, or "" */
   char message[TDM_MESSAGE_MAX]; /* of the first: what, where, when, and what to do */
-  uint64_t count;
-  double first, last; /* simulated time [s] */
+  uint64_t count;                /* how often it came */
+  double first, last;            /* simulated time [s] */
 } tdm_remark_entry;
 
 enum { TDM_REMARKS_MAX = 32 };
 
 /* Zero-initialise. */
 typedef struct {
-  uint64_t changes; /* goes up with every change */
-  int count;
+  uint64_t changes;                        /* goes up with every change */
+  int count;                               /* events so far */
   tdm_remark_entry entry[TDM_REMARKS_MAX]; /* (count) in the order of their first coming */
 } tdm_remarks;
 
@@ -65,9 +65,9 @@ void tdm_remarks_enter(json_t *summary, const json_t *remarks);
 
 /* Keeps track of what a terminal has been told. Zero-initialise. */
 typedef struct {
-  const char *program; /* "tandem" */
-  const tdm_scene *scene;
-  json_t *told; /* events so far */
+  const char *program;    /* "tandem" */
+  const tdm_scene *scene; /* that places are named in; NULL: none */
+  json_t *told;           /* events so far */
 } tdm_teller;
 
 /* Print the entries of the array that have not been told yet, a line each on standard error; `before` (may be NULL) is

@@ -68,11 +68,11 @@ enum { TDM_KEYS_MAX = 64 };
 
 /* An object that a reader asks for its keys. */
 typedef struct {
-  json_t *json; /* borrowed; NULL when there is no such object: every key is missing then */
-  char path[TDM_PATH_MAX];
+  json_t *json;                    /* borrowed; NULL when there is no such object: every key is missing then */
+  char path[TDM_PATH_MAX];         /* its JSON path */
   tdm_error *err;                  /* borrowed */
   const char *asked[TDM_KEYS_MAX]; /* keys that the loader knows; string literals */
-  int nasked;
+  int nasked;                      /* how many */
 } tdm_object;
 
 /* what a number must be */

@@ -40,7 +40,7 @@ enum { TDM_PATH_MAX = 256, TDM_MESSAGE_MAX = 1024 };
 
 /* The first error of an operation. Zero-initialise before use ("= {0}"); functions never overwrite a set error. */
 typedef struct {
-  tdm_status status;
+  tdm_status status;             /* TDM_OK: no error */
   char path[TDM_PATH_MAX];       /* JSON path of the value at fault ("dem.materials[0].density"), or "" */
   char message[TDM_MESSAGE_MAX]; /* what is wrong and what to do, one line without a final newline */
 } tdm_error;

@@ -8,7 +8,7 @@
 
 /* A vector. */
 typedef struct {
-  double x, y, z;
+  double x, y, z; /* components */
 } tdm_vec3;
 
 /* A matrix. */

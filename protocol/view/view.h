@@ -40,9 +40,9 @@ typedef struct {
 
 /* A flat piece of a body's surface. */
 typedef struct {
-  int body;
-  bool solid; /* a face of a solid body; false: a cut through a plane without end, or the wall of a container */
-  int ncorner;
+  int body;    /* index among the bodies */
+  bool solid;  /* a face of a solid body; false: a cut through a plane without end, or the wall of a container */
+  int ncorner; /* 3 at least */
   tdm_vec3 corner[TDM_VIEW_CORNERS_MAX]; /* in order around it; body axes, from the centre of mass [m] */
 } tdm_view_polygon;
 
@@ -64,25 +64,25 @@ typedef enum {
 
 /* Something that is drawn as a line through points; a single point is drawn as a dot (a joint whose ends coincide). */
 typedef struct {
-  char name[TDM_VIEW_NAME_MAX];
-  tdm_view_line_kind kind;
+  char name[TDM_VIEW_NAME_MAX]; /* as the scene calls it */
+  tdm_view_line_kind kind;      /* what it is */
 } tdm_view_line;
 
 /* A material of particles. */
 typedef struct {
-  char name[TDM_VIEW_NAME_MAX];
+  char name[TDM_VIEW_NAME_MAX]; /* as the scene calls it */
 } tdm_view_material;
 
 /* What stays as it is during a run. */
 typedef struct {
-  int nbody, npolygon, nline, nmaterial, nedge;
-  tdm_view_body *body;         /* (nbody) */
-  tdm_view_polygon *polygon;   /* (npolygon) */
-  tdm_view_line *line;         /* (nline) */
-  tdm_view_material *material; /* (nmaterial) of the particles */
-  double *edge;     /* (nedge) ascending radii between the size classes of the scene's sinks, nedge + 1 of them [m] */
-  tdm_vec3 gravity; /* [m/s2]; zeros: none, and up is +z */
-  size_t capacity[5];
+  int nbody, npolygon, nline, nmaterial, nedge; /* numbers of what follows */
+  tdm_view_body *body;                          /* (nbody) */
+  tdm_view_polygon *polygon;                    /* (npolygon) */
+  tdm_view_line *line;                          /* (nline) */
+  tdm_view_material *material;                  /* (nmaterial) of the particles */
+  double *edge;       /* (nedge) ascending radii between the size classes of the scene's sinks, nedge + 1 of them [m] */
+  tdm_vec3 gravity;   /* [m/s2]; zeros: none, and up is +z */
+  size_t capacity[5]; /* of the arrays, in their order */
 } tdm_scenery;
 
 /* Append one (copied). TDM_ERR_MEMORY. */
@@ -113,10 +113,10 @@ void tdm_scenery_free(tdm_scenery *scenery);
 typedef struct {
   double time; /* [s] */
 
-  int nbody;
+  int nbody;      /* of the scenery */
   tdm_pose *pose; /* (nbody) centres of mass and orientations */
 
-  int nline, npoint;
+  int nline, npoint; /* lines of the scenery, and points of all lines */
   int32_t *line_end; /* (nline) the point after the last one of each line */
   tdm_vec3 *point;   /* (npoint) [m] */
 
@@ -141,8 +141,8 @@ void tdm_snapshot_free(tdm_snapshot *snapshot);
 
 /* A growing buffer of bytes; *data is the caller's: tdm_view_bytes_free. */
 typedef struct {
-  uint8_t *data;
-  size_t size, capacity;
+  uint8_t *data;         /* (size) what there is so far */
+  size_t size, capacity; /* used, and allocated [bytes] */
 } tdm_view_bytes;
 
 /* Append scenery and snapshot as bytes, for messages and files: PROTOCOL.md, "What there is to see". With `single`

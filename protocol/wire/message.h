@@ -57,7 +57,7 @@ enum {
 
 /* The header of a frame that was received. */
 typedef struct {
-  tdm_message_type type;
+  tdm_message_type type;  /* kind of the message */
   uint64_t window;        /* window that the message belongs to, from 0 */
   const uint8_t *payload; /* inside the frame */
   size_t size;            /* of the payload [bytes] */
@@ -65,8 +65,8 @@ typedef struct {
 
 /* A growing buffer that holds one outgoing frame. Zero-initialise; free with tdm_frame_free. */
 typedef struct {
-  uint8_t *data;
-  size_t size, capacity;
+  uint8_t *data;         /* (size) what there is so far */
+  size_t size, capacity; /* used, and allocated [bytes] */
 } tdm_frame;
 
 /* Free the buffer; *frame is as new. */
@@ -136,7 +136,7 @@ typedef struct {
   tdm_nodes path;            /* to dem with the capability "path": how the bodies go; the last node is at t1. No node:
                               * as `end` or the proxy says */
   bool has_proxy;            /* to dem with the capability: `end` means nothing, the bodies move as `proxy` says */
-  tdm_proxy proxy;
+  tdm_proxy proxy;           /* if has_proxy */
 } tdm_step;
 
 /* What DEM knows of a coupled body's part in a window. Doubles only. */
@@ -161,7 +161,7 @@ typedef struct {
 /* What a solver gives back: mbd states, dem loads. For a solver written with participant.h the arrays are there,
  * zeroed, with their sizes set. */
 typedef struct {
-  uint64_t window;
+  uint64_t window;         /* that of the STEP */
   double t;                /* time reached [s] */
   double wall;             /* wall time of the solver's own work on this window [s] */
   int nbody;               /* coupled bodies */

@@ -22,7 +22,7 @@ enum { TDM_NODES_MAX = 64 }; /* of a window */
 
 /* A path: states of the bodies at a few times. */
 typedef struct {
-  int nnode, nbody;
+  int nnode, nbody; /* numbers of nodes and of bodies */
   double *time;     /* (nnode) [s], ascending; where the path begins is known elsewhere and is no node */
   tdm_state *state; /* (nnode x nbody), row by row: a node's bodies */
 } tdm_nodes;

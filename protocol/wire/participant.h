@@ -38,9 +38,9 @@ typedef struct {
   const char *software;            /* "tandem-dem 0.1.0" */
   const char *endpoint;            /* "ipc:///…", "inproc://…" or "tcp://127.0.0.1:5555" */
   const char *const *capabilities; /* (ncapability) optional capabilities of PROTOCOL.md that the solver has */
-  int ncapability;
-  void *context;  /* ZeroMQ context to share (needed for inproc), NULL: its own */
-  double timeout; /* the partner counts as lost after this silence [s] until ASSIGN sets it */
+  int ncapability;                 /* number of capabilities */
+  void *context;                   /* ZeroMQ context to share (needed for inproc), NULL: its own */
+  double timeout;                  /* the partner counts as lost after this silence [s] until ASSIGN sets it */
 } tdm_participant_def;
 
 /* A definition with defaults; role and endpoint are to be set. */
@@ -73,14 +73,14 @@ typedef struct {
   double dt;                       /* DEM step [s] */
   long n;                          /* DEM steps of the longest window */
   tdm_interpolation interpolation; /* position of a body inside a window */
-  int nbody;
-  const tdm_assigned_body *body; /* (nbody) entry i stands at coupling.bodies[i].<role> in the scene */
-  bool acceleration, mobility;   /* READY and RESULT are to carry these (mbd with the capability) */
-  bool interface, energy;        /* RESULT is to carry these (dem; any role) */
-  bool matched_load;             /* RESULT is to carry further coefficients of the load (dem with the capability) */
-  double ahead;                  /* READY is to tell the path until then [s]; 0: none (mbd with the capability) */
-  bool restores;                 /* SAVE and RESTORE will come, perhaps in every window */
-  bool proxy;                    /* STEP will have a proxy (dem with the capability) */
+  int nbody;                       /* coupled bodies */
+  const tdm_assigned_body *body;   /* (nbody) entry i stands at coupling.bodies[i].<role> in the scene */
+  bool acceleration, mobility;     /* READY and RESULT are to carry these (mbd with the capability) */
+  bool interface, energy;          /* RESULT is to carry these (dem; any role) */
+  bool matched_load;               /* RESULT is to carry further coefficients of the load (dem with the capability) */
+  double ahead;                    /* READY is to tell the path until then [s]; 0: none (mbd with the capability) */
+  bool restores;                   /* SAVE and RESTORE will come, perhaps in every window */
+  bool proxy;                      /* STEP will have a proxy (dem with the capability) */
 } tdm_assignment;
 
 /* A further output that is sampled on the output grid. */
@@ -91,8 +91,8 @@ typedef struct {
 
 /* A doubtful setting: its JSON path, and what is wrong with the cure. */
 typedef struct {
-  char path[TDM_PATH_MAX];
-  char message[TDM_MESSAGE_MAX];
+  char path[TDM_PATH_MAX];       /* "dem.pairs[0].restitution", or "" */
+  char message[TDM_MESSAGE_MAX]; /* one line */
 } tdm_warning;
 
 /* What the solver says when it has loaded its scene. All arrays are borrowed and copied into the message. */
@@ -101,14 +101,14 @@ typedef struct {
   const tdm_wrench *load;        /* dem: (nbody) load on each coupled body at the start */
   const double *acceleration;    /* (nbody x 6) without load, if the assignment asks for it */
   const tdm_mobility *mobility;  /* at the start, without load, if the assignment asks for it */
-  const tdm_nodes *path;    /* mbd: until the assignment's `ahead`, without load; NULL: the accelerations tell it */
-  const bool *prescribed;   /* mbd: (nbody) whether loads leave the body's motion as it is; NULL: not known */
-  double rest;              /* energy below which all is at rest for this solver [J]; 0: it does not say */
-  const tdm_energy *energy; /* at the start, if the assignment asks for it; NULL: not known then */
-  int nchannel;
+  const tdm_nodes *path;      /* mbd: until the assignment's `ahead`, without load; NULL: the accelerations tell it */
+  const bool *prescribed;     /* mbd: (nbody) whether loads leave the body's motion as it is; NULL: not known */
+  double rest;                /* energy below which all is at rest for this solver [J]; 0: it does not say */
+  const tdm_energy *energy;   /* at the start, if the assignment asks for it; NULL: not known then */
+  int nchannel;               /* further outputs */
   const tdm_channel *channel; /* (nchannel) */
   const double *initial;      /* (nchannel) values at the start */
-  int nwarning;
+  int nwarning;               /* doubtful settings */
   const tdm_warning *warning; /* (nwarning) doubtful settings, with the cure; refused under --strict */
   const tdm_vec3 *gravity;    /* that it computes with, world [m/s2]; NULL: not told */
   json_t *report;             /* the solver's own figures (degrees of freedom, step limits …), may be NULL */
@@ -131,8 +131,10 @@ enum { TDM_SLOTS_MAX = 16 };
 
 /* How a solver keeps its state and brings it back. */
 typedef struct {
-  void *self;
+  void *self; /* the solver, for both */
+  /* Copy the state into a slot. */
   tdm_status (*save)(void *self, int slot, tdm_error *err);
+  /* Bring back what is in a slot. */
   tdm_status (*restore)(void *self, int slot, tdm_error *err);
 } tdm_keeper;
 
@@ -163,17 +165,19 @@ void tdm_participant_finalize(tdm_participant **p, const tdm_error *err);
 
 /* A solver: what it is, what it can, what it does. */
 typedef struct {
-  const char *role, *software;
-  const char *const *capabilities;
-  int ncapability;
+  const char *role;                /* "dem" or "mbd" */
+  const char *software;            /* "tandem-dem 0.1.0" */
+  const char *const *capabilities; /* (ncapability) of PROTOCOL.md */
+  int ncapability;                 /* number of capabilities */
   /* Load the scene; *self is the solver's own. Fill *ready with pointers that live as long as *self. `p` is for
    * tdm_participant_alive. On error *self may be set and is destroyed by the caller. */
   tdm_status (*create)(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
                        tdm_error *err);
   /* Solve one window and fill the arrays of result. */
   tdm_status (*step)(void *self, const tdm_step *step, tdm_result *result, tdm_error *err);
-  /* Capability "restore" (tdm_keeper); NULL: none. */
+  /* Capability "restore": as in tdm_keeper; NULL: none. */
   tdm_status (*save)(void *self, int slot, tdm_error *err);
+  /* Likewise. */
   tdm_status (*restore)(void *self, int slot, tdm_error *err);
   void (*destroy)(void *self); /* NULL is allowed as self */
 } tdm_solver_ops;
