@@ -9,7 +9,6 @@
 #include "dem/bodies/walls.h"
 #include "dem/contact/energy.h"
 #include "dem/flow/flow.h"
-#include "dem/model/group_options.h"
 #include "dem/state/field.h"
 #include "protocol/base/hermite.h"
 

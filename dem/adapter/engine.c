@@ -5,7 +5,6 @@
 #include "dem/bodies/walls.h"
 #include "dem/contact/energy.h"
 #include "dem/flow/flow.h"
-#include "dem/model/group_options.h"
 #include "dem/model/read_keys.h"
 #include "dem/settle/settle.h"
 #include "dem/state/create.h"

@@ -4,7 +4,6 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/flow/free_space.h"
-#include "dem/model/group_options.h"
 #include "dem/state/particles.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"

@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/free_space.h"
 
-#include "dem/model/group_options.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

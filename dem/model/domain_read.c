@@ -1,4 +1,4 @@
-/* Reading the box dem.domain. */
+/* Reading the space that particles have: the box dem.domain, and two dimensions. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/read_keys.h"
 
@@ -80,4 +80,38 @@ void dem_domain_check(const dem_model *m, double largest_radius, tdm_error *err)
   }
   if (box->wanted)
     check_sources(m, err);
+}
+
+void dem_read_dimension(dem_model *m, tdm_object *section) {
+  static const char *const planes[] = {"yz", "xz", "xy"}; /* by the axis that is left out */
+  long dimension = tdm_get_integer(section, "dimension", 3, 2);
+  if (dimension > 3)
+    tdm_object_fail(section, "dimension", "is %ld; give 3, or 2 for particles in a plane", dimension);
+  m->flat = -1;
+  static const char *const keys[] = {"plane", "plane_at"};
+  for (int k = 0; k < 2 && dimension != 2; k++)
+    if (tdm_has(section, keys[k]))
+      tdm_object_fail(section, keys[k], "is for \"dimension\": 2 only; remove it, or give that");
+  if (dimension != 2)
+    return;
+  m->driven = true;
+  m->flat = tdm_get_choice(section, "plane", planes, 3, 1);
+  m->flat_at = tdm_get_number(section, "plane_at", 0, TDM_ANY);
+}
+
+void dem_put_in_plane(dem_model *m, tdm_error *err) {
+  for (int g = 0; m->flat >= 0 && g < m->ngroup; g++)
+    for (int i = m->group[g].first; i < m->group[g].first + m->group[g].count; i++) {
+      m->position[i] = dem_flatten(m, m->position[i], m->flat_at);
+      tdm_vec3 turn = m->spin[i];
+      (&turn.x)[m->flat] = 0;
+      char path[TDM_PATH_MAX];
+      snprintf(path, sizeof path, "dem.particles[%d]", g);
+      if ((&m->velocity[i].x)[m->flat] != 0 || tdm_norm(turn) > 0) {
+        tdm_fail(err, TDM_ERR_SCENE, path,
+                 "moves out of the plane of dem.plane; with dem.dimension 2 give velocities in it and spins about %c",
+                 "xyz"[m->flat]);
+        return;
+      }
+    }
 }

@@ -8,7 +8,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/fill.h"
 
-#include "dem/model/group_options.h"
+#include "dem/model/cells.h"
 #include "dem/model/read_keys.h"
 
 #include <gsl/gsl_randist.h>
@@ -164,14 +164,6 @@ static bool choose_cells(const double size[3], double least, long count, double 
   return true;
 }
 
-void dem_fewer_cells(double n[3], double most) {
-  while (n[0] * n[1] * n[2] > most) {
-    int a = n[0] >= n[1] && n[0] >= n[2] ? 0 : n[1] >= n[2] ? 1 : 2;
-    double others = n[(a + 1) % 3] * n[(a + 2) % 3];
-    n[a] = floor(fmax(most / others, 0.5 * n[a]));
-  }
-}
-
 static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3], const double n[3], long count) {
   double cell[3] = {size[0] / n[0], size[1] / n[1], size[2] / n[2]};
   long ncell = (long)(n[0] * n[1] * n[2]), left = count;
@@ -320,6 +312,21 @@ static void check_masses(const filler *f, int first) {
     dem_check_mass(f->o, key, f->m->mass[i]);
 }
 
+/* What a group of particles has besides the rest: body forces, and particles that never move. */
+static void read_extras(dem_model *m, dem_group *group, tdm_object *o) {
+  const tdm_vec3 zero = {0, 0, 0};
+  static const char *const keys[] = {"force", "acceleration", "velocity", "spin"};
+  group->force = dem_read_vector(o, keys[0], &zero);
+  group->acceleration = dem_read_vector(o, keys[1], &zero);
+  group->fixed = tdm_get_bool(o, "fixed", false);
+  for (int k = 0; group->fixed && k < 4; k++)
+    if (tdm_norm(tdm_get_vec3(o, keys[k], &zero)) > 0)
+      tdm_object_fail(o, keys[k], "moves particles that are fixed; remove it, or \"fixed\"");
+  bool pushed = tdm_norm(group->force) > 0 || tdm_norm(group->acceleration) > 0;
+  m->driven = m->driven || (group->count > 0 && (group->fixed || pushed));
+  m->fixes = m->fixes || (group->count > 0 && group->fixed);
+}
+
 static void read_entry(dem_model *m, tdm_object *o, int entry) {
   static const char *const types[] = {
 #define X(name) #name,
@@ -352,7 +359,7 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   check_masses(&f, first);
   dem_group *group = &m->group[entry];
   *group = (dem_group){.first = first, .count = m->nparticle - first};
-  dem_read_group_extras(m, group, o);
+  read_extras(m, group, o);
   if (group->fixed && m->npouring > 0 && m->pouring[m->npouring - 1].entry == entry)
     tdm_object_fail(o, "fixed", "holds particles that are to fall; remove it, or choose another \"type\"");
   tdm_object_close(o);

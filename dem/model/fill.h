@@ -5,10 +5,6 @@
 
 #include "dem/model/model.h"
 
-/* Of so many cells in each direction that looking at all of them would take for ever, leave `most`: the longest rows
- * get longer cells. Fewer stay as they are. */
-void dem_fewer_cells(double n[3], double most);
-
 /* Read "particles" (an array, may be NULL) into the model, whose materials and bodies are there already. */
 void dem_fill_read(dem_model *model, json_t *particles, tdm_error *err);
 

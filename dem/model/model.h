@@ -264,6 +264,13 @@ int dem_find_body(const dem_model *model, const char *name);
 /* Largest radius that is there or that a source will make [m]; 0 without any. */
 double dem_largest_radius(const dem_model *model);
 
+/* v with `at` for the component along which particles do not move. */
+static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {
+  if (m->flat >= 0)
+    (&v.x)[m->flat] = at;
+  return v;
+}
+
 /* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
 tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
 

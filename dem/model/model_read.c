@@ -5,7 +5,6 @@
 #include "dem/contact/contact_read.h"
 #include "dem/geometry/wall/shape.h"
 #include "dem/model/fill.h"
-#include "dem/model/group_options.h"
 #include "dem/model/integrator.h"
 #include "dem/search/search.h"
 

@@ -38,4 +38,10 @@ void dem_domain_read(dem_model *model, tdm_object *section);
  * across a periodic direction, and sources outside. */
 void dem_domain_check(const dem_model *model, double largest_radius, tdm_error *err);
 
+/* Read "dimension", "plane" and "plane_at" (domain_read.c). */
+void dem_read_dimension(dem_model *model, tdm_object *section);
+
+/* Put the particles at the start into the plane; refuse motion out of it. */
+void dem_put_in_plane(dem_model *model, tdm_error *err);
+
 #endif

@@ -143,8 +143,8 @@ typedef struct {
 static void find_cells(void *context, int t) {
   const binning *b = context;
   dem_bins *bins = b->bins;
-  int end = dem_part(bins->n, t + 1, b->nthread);
-  for (int k = dem_part(bins->n, t, b->nthread); k < end; k++) {
+  int end = dem_search_part(bins->n, t + 1, b->nthread);
+  for (int k = dem_search_part(bins->n, t, b->nthread); k < end; k++) {
     tdm_vec3 p = sphere_of(b->input, b->member, k)->position;
     int x = bin(p.x, bins->low[0], bins->inverse[0], bins->count[0]);
     int y = bin(p.y, bins->low[1], bins->inverse[1], bins->count[1]);
@@ -233,7 +233,7 @@ int dem_bins_runs(const dem_bins *bins, dem_run x, int y, int z, int from, dem_r
 /* the cell at which part t of the spheres begins */
 static int part_cell(const dem_bins *bins, int t, int nthread) {
   int low = 0, high = bins->count[0] * bins->count[1] * bins->count[2];
-  int sphere = dem_part(bins->n, t, nthread);
+  int sphere = dem_search_part(bins->n, t, nthread);
   if (t == nthread)
     return high;
   while (low < high) {

@@ -66,7 +66,7 @@ static void find_part(void *context, int t) {
   const finding *f = context;
   for (int a = 0; a < f->grid->nlevel; a++) {
     const dem_bins *fine = &f->grid->level[a];
-    int begin = dem_part(fine->n, t, f->nthread), end = dem_part(fine->n, t + 1, f->nthread);
+    int begin = dem_search_part(fine->n, t, f->nthread), end = dem_search_part(fine->n, t + 1, f->nthread);
     dem_bins_pairs(fine, &f->near, t, f->nthread, &f->found[t]);
     for (int b = 0; b < a; b++)
       pairs_across(fine, &f->grid->level[b], &f->near, begin, end, &f->found[t]);

@@ -8,10 +8,23 @@
 #ifndef DEM_SEARCH_METHOD_H
 #define DEM_SEARCH_METHOD_H
 
-#include "dem/search/input.h"
+#include "dem/state/near.h"
+#include "dem/state/scratch.h"
+#include "dem/state/sphere.h"
 #include "protocol/base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
+
+/* What a search is given. */
+typedef struct {
+  const dem_sphere *sphere; /* (n) */
+  int n;
+  double skin; /* [m] */
+  dem_domain domain;
+  int nthread;          /* threads that may be used; the result does not depend on it */
+  dem_scratch *scratch; /* for the rows and what it takes to find them; NULL: the search has its own */
+} dem_search_input;
 
 /* of every kernel: specialised by its constant arguments */
 #define DEM_SEARCH_KERNEL static inline __attribute__((always_inline))
@@ -65,8 +78,9 @@ static inline int dem_search_threads(const dem_search_input *input, int n) {
   return n < 1000 ? 1 : input->nthread;
 }
 
-/* the part of 0 ... n that is thread t's: from dem_part(n, t, nthread) up to dem_part(n, t + 1, nthread) */
-static inline int dem_part(int n, int t, int nthread) {
+/* the part of 0 ... n that is thread t's: from dem_search_part(n, t, nthread) up to dem_search_part(n, t + 1, nthread)
+ */
+static inline int dem_search_part(int n, int t, int nthread) {
   return (int)((long long)n * t / nthread);
 }
 

@@ -94,7 +94,7 @@ static inline int greater(dem_found_pair p) {
  * row is that of the pairs. first[i + 1] = length of row i */
 static void count_rows(void *context, int t) {
   const sorting *s = context;
-  int begin = dem_part(s->n, t, s->nthread), end = dem_part(s->n, t + 1, s->nthread);
+  int begin = dem_search_part(s->n, t, s->nthread), end = dem_search_part(s->n, t + 1, s->nthread);
   int *length = s->rows->first + 1;
   memset(length + begin, 0, (size_t)(end - begin) * sizeof *length);
   for (int f = 0; f < s->nthread; f++)
@@ -126,7 +126,7 @@ static int compare_int(const void *a, const void *b) {
 /* first[i + 1] stands at the start of row i before, at its end after; then the rows are sorted */
 static void fill_rows(void *context, int t) {
   const sorting *s = context;
-  int begin = dem_part(s->n, t, s->nthread), end = dem_part(s->n, t + 1, s->nthread);
+  int begin = dem_search_part(s->n, t, s->nthread), end = dem_search_part(s->n, t + 1, s->nthread);
   int *at = s->rows->first + 1, *other = s->rows->other, start = begin < end ? at[begin] : 0;
   for (int f = 0; f < s->nthread; f++)
     for (size_t k = 0; k < s->found[f].count; k++) {

@@ -10,8 +10,7 @@
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
 
-#include "dem/search/input.h"
-#include "protocol/base/status.h"
+#include "dem/search/method.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -3,8 +3,7 @@
 #include "dem/settle/pour.h"
 
 #include "dem/flow/free_space.h"
-#include "dem/model/fill.h"
-#include "dem/model/group_options.h"
+#include "dem/model/cells.h"
 #include "dem/state/field.h"
 #include "dem/state/particles.h"
 #include "protocol/base/random.h"

@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/particles.h"
 
-#include "dem/model/group_options.h"
 #include "dem/model/integrator.h"
 #include "dem/state/crossings.h"
 #include "dem/state/field.h"

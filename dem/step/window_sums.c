@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/window_sums.h"
 
-#include "dem/model/group_options.h"
 #include "dem/state/field.h"
 
 /* The load on a body as a kick at s in [0, 1], with the share `weight` of the window, into its moments. */

@@ -3,7 +3,6 @@
 #include "dem/store/state_file.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/model/group_options.h"
 #include "dem/model/integrator.h"
 #include "dem/search/pairs.h"
 #include "dem/state/domain.h"

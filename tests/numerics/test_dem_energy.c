@@ -4,7 +4,6 @@
 #include "test_dem_support.h"
 
 #include "dem/contact/law.h"
-#include "dem/model/group_options.h"
 #include "dem/search/search.h"
 #include "dem/state/create.h"
 #include "dem/state/field.h"

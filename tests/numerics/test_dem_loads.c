@@ -3,7 +3,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 #include "dem/contact/theory.h"
-#include "dem/model/group_options.h"
 #include "dem/watch/check.h"
 #include "dem/watch/guard.h"
 #include "test_dem_support.h"
