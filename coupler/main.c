@@ -1,15 +1,15 @@
 /* tandem: the command line. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/report/report.h"
 #include "coupler/run/run.h"
 #include "coupler/session/session.h"
-#include "coupler/tools/report.h"
-#include "coupler/tools/sweep.h"
-#include "coupler/tools/verify.h"
+#include "coupler/sweep/sweep.h"
+#include "coupler/verify/verify.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
-#include "protocol/base/gsl_errors.h"
+#include "protocol/math/gsl_errors.h"
 #include "protocol/version.h"
 #include "scenarios/table.h"
 

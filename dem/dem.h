@@ -16,7 +16,7 @@
  *
  * Creating an engine turns off GSL's own aborts for the whole process: its errors are returned.
  * Several engines may live in a process. Each belongs to one thread at a time; it shares its work among dem.threads
- * threads of its own. Remarks (protocol/base/remark.h) are those of the calling thread.
+ * threads of its own. Remarks (protocol/scene/remark.h) are those of the calling thread.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_DEM_H
@@ -66,7 +66,7 @@ typedef struct {
   double t0, t1;             /* [s] */
   uint64_t nstep;            /* at least 1; where (t1 - t0)/nstep is time.dt to 1e-6, time.dt is taken */
   const dem_path *path;      /* (ncoupled) over the window */
-  const tdm_step *mechanism; /* the STEP with start states and proxy (bodies/proxy.h) */
+  const tdm_step *mechanism; /* the STEP with start states and proxy (proxy/proxy.h) */
   int nsample;               /* output times */
   const double *sample_time; /* (nsample) output times, ascending, in (t0, t1] [s]; what is later is sampled at t1 */
 } dem_window;

@@ -14,8 +14,8 @@
  * TDM_ERR_INTERRUPTED, TDM_ERR_PROTOCOL for what another solver sent. After an error in advance the engine can be
  * observed, restored and destroyed.
  *
- * Several engines may live in a process. Each belongs to one thread at a time. Remarks (protocol/base/remark.h) are
- * those of the calling thread. Create turns GSL's error handler off (protocol/base/gsl_errors.h).
+ * Several engines may live in a process. Each belongs to one thread at a time. Remarks (protocol/scene/remark.h) are
+ * those of the calling thread. Create turns GSL's error handler off (protocol/math/gsl_errors.h).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_MBD_H

@@ -3,8 +3,8 @@
 #ifndef SCN_SUPPORT_H
 #define SCN_SUPPORT_H
 
-#include "coupler/tools/table.h"
-#include "coupler/tools/verify.h"
+#include "coupler/verify/table.h"
+#include "coupler/verify/verify.h"
 
 /* One result directory. Zero-initialise; free with scn_run_free. */
 typedef struct {

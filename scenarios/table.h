@@ -7,7 +7,7 @@
 #ifndef SCN_TABLE_H
 #define SCN_TABLE_H
 
-#include "coupler/tools/verify.h"
+#include "coupler/verify/verify.h"
 
 extern const cpl_scenario scn_table[]; /* ended by a NULL name */
 

@@ -8,7 +8,7 @@
 #define CPL_LOOP_OBSERVER_H
 
 #include "coupler/loop/loop.h"
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 
 /* Where observers may write. */
 typedef struct {

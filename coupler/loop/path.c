@@ -3,8 +3,8 @@
 #include "coupler/loop/path.h"
 
 #include "coupler/loop/mismatch.h"
-#include "protocol/base/hermite.h"
-#include "protocol/base/remark.h"
+#include "protocol/math/hermite.h"
+#include "protocol/scene/remark.h"
 
 #include <limits.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #include "coupler/loop/solve.h"
 
 #include "coupler/loop/path.h"
-#include "protocol/base/legendre.h"
+#include "protocol/math/legendre.h"
 
 #include <math.h>
 #include <string.h>

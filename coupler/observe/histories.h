@@ -4,7 +4,7 @@
 #ifndef CPL_OBSERVE_HISTORIES_H
 #define CPL_OBSERVE_HISTORIES_H
 
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 
 /* Zero-initialise but for `results`. */
 typedef struct {

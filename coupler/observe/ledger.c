@@ -7,7 +7,7 @@
 #include "coupler/observe/momentum.h"
 #include "coupler/observe/observers.h"
 #include "protocol/base/json.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <math.h>
 #include <stdlib.h>

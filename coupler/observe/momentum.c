@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/observe/momentum.h"
 
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #include "coupler/scheme/schemes.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 #include "protocol/version.h"
 
 #include <stdlib.h>

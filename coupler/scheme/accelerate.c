@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/scheme/accelerate.h"
 
-#include "protocol/base/gsl_errors.h"
+#include "protocol/math/gsl_errors.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_linalg.h>

@@ -15,7 +15,7 @@
 #include "coupler/loop/solve.h"
 #include "coupler/scheme/accelerate.h"
 #include "coupler/scheme/schemes.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* proxy: DEM carries the mechanism through the window, MBD follows with the load of the same window.
  *
  *   window k:  DEM  integrates the f independent velocities of the mechanism, as MBD linearised it at t_k, beside the
- *                   particles, under the load that its contacts make (dem/bodies/proxy.h); returns the load's moments
+ *                   particles, under the load that its contacts make (dem/proxy/proxy.h); returns the load's moments
  * m_j MBD  integrates the same window under the parabola with these moments (cpl_solve_dem_proxy); its state wins
  *
  * The particles feel the inertia, springs and dampers of what holds them within the window: no added-mass instability,
@@ -13,7 +13,7 @@
 #include "coupler/loop/mismatch.h"
 #include "coupler/loop/solve.h"
 #include "coupler/scheme/schemes.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <math.h>
 

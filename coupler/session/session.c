@@ -6,7 +6,7 @@
 #include "protocol/app/command_line.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <assert.h>
 #include <math.h>

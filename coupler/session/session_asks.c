@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/scheme.h"
 #include "coupler/session/session.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/settings.h"
 
-#include "protocol/app/time_section.h"
+#include "protocol/scene/time_section.h"
 
 #include <ctype.h>
 #include <string.h>

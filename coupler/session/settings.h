@@ -3,7 +3,7 @@
 #ifndef CPL_SESSION_SETTINGS_H
 #define CPL_SESSION_SETTINGS_H
 
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 #include "protocol/wire/participant.h"
 
 typedef enum { CPL_MBD, CPL_DEM, CPL_NROLE } cpl_role;

@@ -3,7 +3,7 @@
 #include "coupler/session/settings.h"
 
 #include "coupler/session/scheme.h"
-#include "protocol/app/time_section.h"
+#include "protocol/scene/time_section.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -6,11 +6,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/channels.h"
 
+#include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
-#include "dem/contact/energy.h"
 #include "dem/flow/flow.h"
-#include "dem/state/field.h"
-#include "protocol/base/hermite.h"
+#include "dem/particles/field.h"
+#include "protocol/math/hermite.h"
 
 #include <stdio.h>
 #include <stdlib.h>

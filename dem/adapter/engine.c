@@ -2,20 +2,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/engine.h"
 
+#include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
-#include "dem/contact/energy.h"
 #include "dem/flow/flow.h"
-#include "dem/model/read_keys.h"
+#include "dem/particles/create.h"
+#include "dem/particles/field.h"
+#include "dem/scene/keys.h"
 #include "dem/settle/settle.h"
-#include "dem/state/create.h"
-#include "dem/state/field.h"
 #include "dem/step/forces.h"
 #include "dem/store/state_file.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
-#include "protocol/base/gsl_errors.h"
 #include "protocol/base/log.h"
+#include "protocol/math/gsl_errors.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 
 #include "dem/adapter/channels.h"
 #include "dem/adapter/report.h"
-#include "dem/bodies/proxy.h"
 #include "dem/dem.h"
+#include "dem/proxy/proxy.h"
 
 struct dem_engine {
   dem_model *model;

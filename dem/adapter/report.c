@@ -4,7 +4,7 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/contact/table.h"
-#include "dem/geometry/wall/mesh_wall.h"
+#include "dem/geometry/shape/mesh_wall.h"
 #include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
 #include "protocol/base/json.h"

@@ -3,21 +3,21 @@
 #include "dem/app/bench.h"
 
 #include "dem/contact/table.h"
+#include "dem/particles/create.h"
+#include "dem/particles/field.h"
+#include "dem/particles/particles.h"
 #include "dem/search/pairs.h"
-#include "dem/state/create.h"
 #include "dem/state/data.h"
-#include "dem/state/field.h"
-#include "dem/state/particles.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"
 #include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
-#include "protocol/app/results.h"
-#include "protocol/base/gsl_errors.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
 #include "protocol/base/status.h"
+#include "protocol/math/gsl_errors.h"
+#include "protocol/math/random.h"
+#include "protocol/results/results.h"
 
 #include <errno.h>
 #include <limits.h>

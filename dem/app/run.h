@@ -11,7 +11,7 @@
 
 #include "dem/output/picture.h"
 #include "protocol/app/standalone.h"
-#include "protocol/app/time_section.h"
+#include "protocol/scene/time_section.h"
 
 /* the command line of tandem-dem, but for bench */
 extern const tdm_standalone_program dem_program;

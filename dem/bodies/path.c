@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/path.h"
 
-#include "protocol/base/hermite.h"
+#include "protocol/math/hermite.h"
 
 dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double duration, tdm_interpolation interpolation) {
   dem_path m = {.interpolation = interpolation, .duration = duration, .start = *start, .end = *end};

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/wall_stiffness.h"
 
-#include "dem/contact/theory.h"
+#include "dem/contact/law/theory.h"
 #include "dem/state/wall_gap.h"
 
 #include <gsl/gsl_eigen.h>

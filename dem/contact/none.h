@@ -4,7 +4,7 @@
 #define DEM_CONTACT_NONE_H
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
 
 DEM_KERNEL dem_tangential dem_tangential_none(dem_contact *c, vd *history) {
   (void)c, (void)history;
@@ -29,7 +29,7 @@ DEM_KERNEL void dem_cohesion_none(dem_contact *c, vd *history) {
 enum { dem_tangential_columns_none = 0, dem_tangential_circle_none = false };
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static const dem_tangential_law dem_tangential_row_none = {.head = {.name = "none", .none = true}};
 static const dem_rolling_law dem_rolling_row_none = {.head = {.name = "none", .none = true}};

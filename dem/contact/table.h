@@ -3,7 +3,7 @@
 #ifndef DEM_CONTACT_TABLE_H
 #define DEM_CONTACT_TABLE_H
 
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 /* "normal", "tangential", … as in dem.contact. */
 extern const char *const dem_family_names[DEM_FAMILIES];

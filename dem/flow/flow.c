@@ -4,11 +4,11 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/flow/free_space.h"
-#include "dem/state/particles.h"
+#include "dem/particles/particles.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
-#include "protocol/base/remark.h"
+#include "protocol/math/random.h"
+#include "protocol/scene/remark.h"
 
 #include <stdio.h>
 

@@ -4,7 +4,7 @@
 #ifndef DEM_GEOMETRY_FRUSTUM_H
 #define DEM_GEOMETRY_FRUSTUM_H
 
-#include "protocol/base/vec3.h"
+#include "protocol/math/vec3.h"
 
 /* The curved surface alone, a thin shell with open ends: distance of x (>= 0) from its nearest point, on the rims too,
  * and the unit normal from there to x. On the axis, where all directions are alike, the normal lies in the x-z plane.

@@ -15,7 +15,7 @@
 #ifndef DEM_GEOMETRY_PART_H
 #define DEM_GEOMETRY_PART_H
 
-#include "protocol/base/stl.h"
+#include "protocol/surface/stl.h"
 #include "protocol/wire/participant.h"
 
 typedef struct {

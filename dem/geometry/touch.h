@@ -3,7 +3,7 @@
 #ifndef DEM_GEOMETRY_TOUCH_H
 #define DEM_GEOMETRY_TOUCH_H
 
-#include "protocol/base/vec3.h"
+#include "protocol/math/vec3.h"
 
 enum { DEM_TOUCHES_MAX = 32 }; /* of one sphere with one wall; of more the deepest are kept */
 

@@ -1,4 +1,4 @@
-/* What the model tells of itself, and its end. What it contains is read in model_read.c. */
+/* What the model tells of itself, and its end. What it contains is read in scene/scene.c. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/model.h"
 

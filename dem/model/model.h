@@ -1,6 +1,6 @@
 /* The model: what a scene fixes. Immutable after loading, shared as `const dem_model *`.
  *
- * The scene section "dem" is described in docs/scene.md; model_read.c reads it, fill.c makes the particles.
+ * The scene section "dem" is described in docs/scene.md; scene/scene.c reads it, scene/fill.c makes the particles.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_MODEL_MODEL_H
@@ -169,7 +169,7 @@ typedef struct dem_model {
   tdm_vec3 gravity; /* [m/s2] */
 
   const char *simd;                    /* instruction set, of dem_simd_names */
-  const struct dem_normal_law *normal; /* the contact laws (contact/law.h) */
+  const struct dem_normal_law *normal; /* the contact laws (contact/law/law.h) */
   const struct dem_tangential_law *tangential;
   const struct dem_rolling_law *rolling;
   const struct dem_twisting_law *twisting;

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/model/sizes.h"
 
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 
 #include <gsl/gsl_cdf.h>
 

@@ -7,7 +7,7 @@
 #ifndef DEM_MODEL_SIZES_H
 #define DEM_MODEL_SIZES_H
 
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 
 #include <stdint.h>
 

@@ -7,8 +7,8 @@
 #define DEM_OUTPUT_PICTURE_H
 
 #include "dem/output/polygon.h"
-#include "protocol/app/results.h"
-#include "protocol/base/scene.h"
+#include "protocol/results/results.h"
+#include "protocol/scene/scene.h"
 
 /* one row a way to colour a particle: its name in the scene, its label */
 #define DEM_COLOR_LIST(X)               \

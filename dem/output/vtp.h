@@ -8,7 +8,7 @@
 #define DEM_OUTPUT_VTP_H
 
 #include "dem/output/polygon.h"
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 
 /* particles_NNNNNN.vtp: points with radius, velocity, spin, id and material. */
 tdm_status dem_vtp_particles(const tdm_results *results, int number, const dem_snapshot *snapshot, tdm_error *err);

@@ -2,10 +2,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/pairs.h"
 
+#include "dem/particles/particles.h"
 #include "dem/search/order.h"
 #include "dem/search/search.h"
 #include "dem/state/crossings.h"
-#include "dem/state/particles.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

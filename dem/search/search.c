@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 
-#include "dem/search/method.h"
+#include "dem/search/method/method.h"
 
 #include <assert.h>
 #include <limits.h>

@@ -10,7 +10,7 @@
 #ifndef DEM_SEARCH_SEARCH_H
 #define DEM_SEARCH_SEARCH_H
 
-#include "dem/search/method.h"
+#include "dem/search/method/method.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -4,9 +4,9 @@
 
 #include "dem/flow/free_space.h"
 #include "dem/model/cells.h"
-#include "dem/state/field.h"
-#include "dem/state/particles.h"
-#include "protocol/base/random.h"
+#include "dem/particles/field.h"
+#include "dem/particles/particles.h"
+#include "protocol/math/random.h"
 
 #include <stdio.h>
 

@@ -10,15 +10,15 @@
 #ifndef DEM_STATE_DATA_H
 #define DEM_STATE_DATA_H
 
-#include "dem/contact/energy.h"
+#include "dem/base/energy.h"
+#include "dem/base/mobility.h"
+#include "dem/base/near.h"
+#include "dem/base/scratch.h"
+#include "dem/base/sphere.h"
+#include "dem/base/timers.h"
 #include "dem/model/model.h"
-#include "dem/state/exact_sum.h"
+#include "dem/numbers/exact_sum.h"
 #include "dem/state/fields.h"
-#include "dem/state/mobility.h"
-#include "dem/state/near.h"
-#include "dem/state/scratch.h"
-#include "dem/state/sphere.h"
-#include "dem/state/timers.h"
 
 #include <stdint.h>
 

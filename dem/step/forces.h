@@ -3,7 +3,7 @@
 #ifndef DEM_STEP_FORCES_H
 #define DEM_STEP_FORCES_H
 
-#include "dem/contact/loop/task.h"
+#include "dem/contact/law/task.h"
 #include "dem/state/data.h"
 #include "dem/step/integrate.h"
 

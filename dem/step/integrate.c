@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/integrate.h"
 
-#include "dem/contact/simd/simd.h"
+#include "dem/numbers/simd.h"
 #include "dem/state/crossings.h"
 
 typedef double v8 __attribute__((vector_size(64)));

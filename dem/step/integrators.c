@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/integrate.h"
 
-#include "dem/contact/simd/simd_set.h"
+#include "dem/numbers/simd_set.h"
 
 #include <string.h>
 

@@ -5,8 +5,8 @@
 #include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
 #include "dem/flow/flow.h"
+#include "dem/particles/domain.h"
 #include "dem/search/pairs.h"
-#include "dem/state/domain.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
 

@@ -7,7 +7,7 @@
 #ifndef DEM_STEP_STEP_H
 #define DEM_STEP_STEP_H
 
-#include "dem/bodies/proxy.h"
+#include "dem/proxy/proxy.h"
 #include "dem/step/forces.h"
 #include "dem/step/window_sums.h"
 

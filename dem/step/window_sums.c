@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/window_sums.h"
 
-#include "dem/state/field.h"
+#include "dem/particles/field.h"
 
 /* The load on a body as a kick at s in [0, 1], with the share `weight` of the window, into its moments. */
 static void add_moments(tdm_interface *body, double weight, double s, const tdm_wrench *load) {

@@ -4,12 +4,12 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/model/integrator.h"
+#include "dem/particles/domain.h"
+#include "dem/particles/field.h"
 #include "dem/search/pairs.h"
-#include "dem/state/domain.h"
-#include "dem/state/field.h"
 #include "dem/store/fingerprint.h"
 #include "protocol/base/hash.h"
-#include "protocol/base/input.h"
+#include "protocol/scene/input.h"
 
 #include <assert.h>
 #include <errno.h>

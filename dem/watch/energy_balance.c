@@ -3,9 +3,9 @@
 #include "dem/watch/energy_balance.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/contact/theory.h"
-#include "dem/state/domain.h"
-#include "dem/state/field.h"
+#include "dem/contact/law/theory.h"
+#include "dem/particles/domain.h"
+#include "dem/particles/field.h"
 #include "dem/state/wall_gap.h"
 
 /* ---- stored ---- */

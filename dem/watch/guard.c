@@ -3,13 +3,13 @@
 #include "dem/watch/guard.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/state/domain.h"
+#include "dem/particles/domain.h"
 #include "dem/state/wall_gap.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/limits.h"
 #include "dem/watch/rim.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -23,7 +23,7 @@
 #ifndef DEM_WATCH_GUARD_H
 #define DEM_WATCH_GUARD_H
 
-#include "dem/bodies/proxy.h"
+#include "dem/proxy/proxy.h"
 #include "dem/state/data.h"
 
 /* At the start of the run: what is there already is no reason to tell. */

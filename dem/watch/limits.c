@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/watch/limits.h"
 
-#include "dem/state/domain.h"
+#include "dem/particles/domain.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

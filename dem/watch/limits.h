@@ -2,7 +2,7 @@
  *
  * Rayleigh: dt_R = pi R sqrt(rho/G) / (0.1631 nu + 0.8766), the time a surface wave takes around a particle ([L18]
  * Eq. 26, where the parenthesis stands inside the root in print); a share of 0.2 to 0.4 is common.
- * Contact: the closed form of the normal law (contact/theory.h); 20 steps resolve it well, 10 are the least. An
+ * Contact: the closed form of the normal law (contact/law/theory.h); 20 steps resolve it well, 10 are the least. An
  * overdamped linear contact counts with half a period of the undamped one.
  * Eigenfrequency: 2/omega, with omega^2 bounded by twice the stiffness at a particle over its mass (Gershgorin), of the
  * contacts that touch now; tangentially (1 + m R^2/I) k_t = 3.5 k_t acts. 0.8 of it is taken.
@@ -13,7 +13,7 @@
 #ifndef DEM_WATCH_LIMITS_H
 #define DEM_WATCH_LIMITS_H
 
-#include "dem/contact/theory.h"
+#include "dem/contact/law/theory.h"
 #include "dem/state/data.h"
 
 /* shares of the three times above that a step may take */

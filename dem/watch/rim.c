@@ -3,7 +3,7 @@
 #include "dem/watch/rim.h"
 
 #include "dem/state/wall_gap.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <math.h>
 

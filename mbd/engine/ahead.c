@@ -3,7 +3,7 @@
 #include "mbd/engine/ahead.h"
 
 #include "mbd/assembly/kkt.h"
-#include "protocol/base/hermite.h"
+#include "protocol/math/hermite.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -13,8 +13,8 @@
 #include "mbd/mechanics/free.h"
 #include "mbd/reduced/reduced.h"
 #include "mbd/scene/scene.h"
-#include "protocol/base/gsl_errors.h"
 #include "protocol/base/log.h"
+#include "protocol/math/gsl_errors.h"
 #include "protocol/version.h"
 
 #include <assert.h>

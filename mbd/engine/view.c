@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/engine/view.h"
 
-#include "protocol/base/remark.h"
-#include "protocol/base/stl.h"
+#include "protocol/scene/remark.h"
+#include "protocol/surface/stl.h"
 
 #include <stdio.h>
 

@@ -15,7 +15,7 @@
 #include "mbd/mechanics/jacobian.h"
 #include "mbd/mechanics/residual.h"
 #include "protocol/base/log.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 
 #include <float.h>
 #include <ida/ida.h>

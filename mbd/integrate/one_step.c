@@ -5,8 +5,8 @@
 #include "mbd/assembly/work.h"
 #include "mbd/integrate/alpha.h"
 #include "mbd/integrate/integrator.h"
-#include "protocol/base/hermite.h"
 #include "protocol/base/log.h"
+#include "protocol/math/hermite.h"
 
 #include <math.h>
 #include <stdlib.h>

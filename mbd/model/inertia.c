@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/model/inertia.h"
 
-#include "protocol/base/surface.h"
+#include "protocol/surface/surface.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -7,8 +7,8 @@
 #define MBD_MODEL_INERTIA_H
 
 #include "mbd/model/outline.h"
-#include "protocol/base/scene.h"
-#include "protocol/base/stl.h"
+#include "protocol/scene/scene.h"
+#include "protocol/surface/stl.h"
 
 typedef struct {
   double volume;       /* [m3] */

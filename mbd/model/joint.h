@@ -11,7 +11,7 @@
 #define MBD_MODEL_JOINT_H
 
 #include "mbd/model/rows.h"
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 
 typedef struct mbd_joint mbd_joint;
 

@@ -7,7 +7,7 @@
 #ifndef MBD_MODEL_KIN_H
 #define MBD_MODEL_KIN_H
 
-#include "protocol/base/pose.h"
+#include "protocol/math/pose.h"
 
 typedef struct {
   tdm_vec3 r; /* centre of mass [m] */

@@ -3,8 +3,8 @@
 #include "protocol/app/plot.h"
 
 #include "protocol/app/command_line.h"
-#include "protocol/app/mark.h"
 #include "protocol/base/log.h"
+#include "protocol/results/mark.h"
 
 #include <ctype.h>
 #include <errno.h>

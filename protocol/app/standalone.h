@@ -14,10 +14,10 @@
 #ifndef TDM_APP_STANDALONE_H
 #define TDM_APP_STANDALONE_H
 
-#include "protocol/app/results.h"
-#include "protocol/app/thin.h"
-#include "protocol/base/remark.h"
-#include "protocol/base/scene.h"
+#include "protocol/results/results.h"
+#include "protocol/results/thin.h"
+#include "protocol/scene/remark.h"
+#include "protocol/scene/scene.h"
 #include "protocol/wire/participant.h"
 
 /* ---- the command line ---- */

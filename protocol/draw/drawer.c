@@ -8,10 +8,10 @@
 #include "protocol/draw/drawer.h"
 
 #include "protocol/app/find.h"
-#include "protocol/app/mark.h"
 #include "protocol/app/plot.h"
 #include "protocol/base/interrupt.h"
 #include "protocol/base/log.h"
+#include "protocol/results/mark.h"
 #include "protocol/view/frames.h"
 
 #include <errno.h>

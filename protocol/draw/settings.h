@@ -3,7 +3,7 @@
 #ifndef TDM_DRAW_SETTINGS_H
 #define TDM_DRAW_SETTINGS_H
 
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 
 /* one row a way to colour a particle: its name in the scene, its label */
 #define TDM_COLOR_LIST(X)                     \

@@ -9,7 +9,7 @@
 #ifndef TDM_MOTION_MOTION_H
 #define TDM_MOTION_MOTION_H
 
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 
 /* a prescribed coordinate at one instant; [rad] and its rates, or [m] */
 typedef struct {

@@ -7,7 +7,7 @@
 #ifndef TDM_MOTION_SPLINE_H
 #define TDM_MOTION_SPLINE_H
 
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 
 typedef struct tdm_spline tdm_spline;
 

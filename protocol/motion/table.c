@@ -4,9 +4,9 @@
  * table has no end.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/base/input.h"
 #include "protocol/motion/motion.h"
 #include "protocol/motion/spline.h"
+#include "protocol/scene/input.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -11,8 +11,8 @@
 #ifndef TDM_VIEW_VIEW_H
 #define TDM_VIEW_VIEW_H
 
-#include "protocol/base/pose.h"
 #include "protocol/base/status.h"
+#include "protocol/math/pose.h"
 
 #include <stdbool.h>
 #include <stddef.h>

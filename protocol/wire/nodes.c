@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/wire/nodes.h"
 
-#include "protocol/base/hermite.h"
+#include "protocol/math/hermite.h"
 
 /* x of the cubic with values 0 and x1 and rates r0, r1 (by s) at the ends, and its rate by s */
 static tdm_vec3 cubic(double s, tdm_vec3 x1, tdm_vec3 r0, tdm_vec3 r1, tdm_vec3 *rate) {

@@ -12,7 +12,7 @@
 #ifndef TDM_WIRE_NODES_H
 #define TDM_WIRE_NODES_H
 
-#include "protocol/base/pose.h"
+#include "protocol/math/pose.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -6,8 +6,8 @@
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
-#include "protocol/base/remark.h"
-#include "protocol/base/scene.h"
+#include "protocol/scene/remark.h"
+#include "protocol/scene/scene.h"
 #include "protocol/wire/transport.h"
 
 #include <assert.h>

@@ -19,7 +19,7 @@
 #ifndef TDM_WIRE_PARTICIPANT_H
 #define TDM_WIRE_PARTICIPANT_H
 
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 #include "protocol/wire/message.h"
 
 #include <stdbool.h>

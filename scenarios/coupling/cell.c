@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/coupling/cell.h"
 
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
  * printed is then met to delta/R.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/contact/theory.h"
+#include "dem/contact/law/theory.h"
 #include "dem/step/step.h"
 #include "scenarios/dem_physics/impact.h"
 #include "scenarios/dem_physics/rig.h"

@@ -3,15 +3,15 @@
 #define _GNU_SOURCE /* vasprintf */
 #include "scenarios/dem_physics/rig.h"
 
+#include "dem/particles/create.h"
+#include "dem/particles/field.h"
 #include "dem/settle/settle.h"
-#include "dem/state/create.h"
-#include "dem/state/field.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"
 #include "dem/watch/energy_balance.h"
 #include "protocol/app/command_line.h"
-#include "protocol/app/results.h"
 #include "protocol/base/log.h"
+#include "protocol/results/results.h"
 
 #include <errno.h>
 #include <math.h>

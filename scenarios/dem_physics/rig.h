@@ -3,7 +3,7 @@
 #ifndef SCN_RIG_H
 #define SCN_RIG_H
 
-#include "coupler/tools/verify.h"
+#include "coupler/verify/verify.h"
 #include "dem/state/data.h"
 
 typedef struct {

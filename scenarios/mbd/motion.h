@@ -3,7 +3,7 @@
 #ifndef SCN_MOTION_H
 #define SCN_MOTION_H
 
-#include "coupler/tools/verify.h"
+#include "coupler/verify/verify.h"
 #include "mbd/mechanics/state.h"
 
 /* How a scene is solved; other settings are the scene's. */

@@ -5,7 +5,7 @@
 #include "scenarios/mbd/mechanism.h"
 #include "scenarios/table.h"
 
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
  * For c = r (cos theta, sin theta) these are [L18] Eq. 20-22 with signs that agree for counter-clockwise theta.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/base/hermite.h"
+#include "protocol/math/hermite.h"
 #include "scenarios/rigid_fill.h"
 #include "scenarios/table.h"
 

@@ -5,7 +5,7 @@
 #include "mbd/integrate/integrator.h"
 #include "mbd/mbd.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,11 @@
 /* The triangles near a point, and a sphere's contacts: microseconds a query over the size of a meshed plane. Not a
  * test. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/mesh.h"
-#include "dem/geometry/mesh_contact.h"
-#include "dem/geometry/mesh_tree.h"
+#include "dem/geometry/mesh/mesh.h"
+#include "dem/geometry/mesh/mesh_contact.h"
+#include "dem/geometry/mesh/mesh_tree.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -8,7 +8,7 @@
  * radius (1.97 m) are not given either.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/state/create.h"
+#include "dem/particles/create.h"
 #include "dem/state/data.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"

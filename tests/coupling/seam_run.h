@@ -6,7 +6,7 @@
 #include "coupler/run/run.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
-#include "protocol/base/gsl_errors.h"
+#include "protocol/math/gsl_errors.h"
 #include "tests/command.h"
 
 /* A box on a spring, around a sphere that both of its faces press on; ' stands for ". */

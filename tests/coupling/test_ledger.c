@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/observe/ledger.h"
 #include "coupler/observe/momentum.h"
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 #include "tests/command.h"
 #include "tests/result_table.h"
 #include "tests/test_main.h"

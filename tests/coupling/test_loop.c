@@ -5,7 +5,7 @@
 #include "coupler/scheme/schemes.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
-#include "protocol/base/gsl_errors.h"
+#include "protocol/math/gsl_errors.h"
 #include "tests/coupling/seam_run.h"
 #include "tests/test_main.h"
 

@@ -1,8 +1,8 @@
 /* What a run should tell its user reaches the terminal, summary.json and the report, from all three programs. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
-#include "protocol/app/results.h"
-#include "protocol/base/remark.h"
+#include "protocol/results/results.h"
+#include "protocol/scene/remark.h"
 #include "tests/command.h"
 #include "tests/protocol/wire.h"
 

@@ -1,6 +1,6 @@
 /* Result directories: what a run removes, what it leaves, where it refuses to write. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/app/results.h"
+#include "protocol/results/results.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,6 @@
 /* Whole runs with tandem's own solvers: bit-identity, the output grid, the last window, Ctrl-C. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 #include "tests/command.h"
 #include "tests/result_table.h"
 #include "tests/test_main.h"

@@ -1,6 +1,6 @@
 /* What only both sections of a scene together can get wrong: one file in two places, two gravities. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/base/stl.h"
+#include "protocol/surface/stl.h"
 #include "tests/command.h"
 #include "tests/result_table.h"
 #include "tests/test_main.h"

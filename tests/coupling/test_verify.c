@@ -1,6 +1,6 @@
 /* The verification runner: limits, NaN, failures, the JSON contract. Its scenarios here only pretend to measure. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/tools/verify.h"
+#include "coupler/verify/verify.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

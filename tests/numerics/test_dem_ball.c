@@ -1,7 +1,7 @@
 /* Spheres as walls: geometry, impacts, motion inside one, outputs. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
-#include "dem/geometry/wall/rows.h"
+#include "dem/geometry/shape/rows.h"
 #include "dem/output/polygon.h"
 #include "dem/output/snapshot.h"
 #include "dem/watch/limits.h"

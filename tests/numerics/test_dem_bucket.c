@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/report.h"
 #include "dem/watch/guard.h"
-#include "protocol/base/remark.h"
-#include "protocol/base/stl.h"
+#include "protocol/scene/remark.h"
+#include "protocol/surface/stl.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
 

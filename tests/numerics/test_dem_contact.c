@@ -4,7 +4,7 @@
 #include "test_dem_support.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/contact/restitution.h"
+#include "dem/contact/law/restitution.h"
 #include "dem/watch/limits.h"
 #include "tests/test_main.h"
 

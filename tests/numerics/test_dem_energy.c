@@ -3,10 +3,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
+#include "dem/particles/create.h"
+#include "dem/particles/field.h"
 #include "dem/search/search.h"
-#include "dem/state/create.h"
-#include "dem/state/field.h"
 #include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
 #include "tests/test_main.h"

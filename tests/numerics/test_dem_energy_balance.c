@@ -3,8 +3,8 @@
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"
-#include "dem/state/create.h"
-#include "dem/state/domain.h"
+#include "dem/particles/create.h"
+#include "dem/particles/domain.h"
 #include "dem/watch/energy_balance.h"
 #include "tests/test_main.h"
 

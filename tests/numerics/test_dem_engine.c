@@ -3,10 +3,10 @@
 #include "test_dem_support.h"
 
 #include "dem/bodies/walls.h"
-#include "dem/geometry/wall/rows.h"
+#include "dem/geometry/shape/rows.h"
+#include "dem/particles/create.h"
 #include "dem/search/pairs.h"
 #include "dem/settle/settle.h"
-#include "dem/state/create.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"
 #include "tests/test_main.h"

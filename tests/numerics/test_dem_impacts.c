@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
-#include "dem/contact/restitution.h"
-#include "dem/contact/theory.h"
+#include "dem/contact/law/restitution.h"
+#include "dem/contact/law/theory.h"
 #include "tests/test_main.h"
 
 /* radii and masses of two spheres that touch at the origin and approach along x */

@@ -3,7 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
-#include "dem/state/particles.h"
+#include "dem/particles/particles.h"
 #include "dem/step/integrate.h"
 #include "tests/test_main.h"
 

@@ -3,8 +3,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
+#include "dem/contact/law/theory.h"
 #include "dem/contact/tangential/spring.h"
-#include "dem/contact/theory.h"
 #include "tests/test_main.h"
 
 /* ---- a sphere on a floor ---- */

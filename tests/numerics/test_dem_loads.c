@@ -2,7 +2,7 @@
  * steps that are refused. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
-#include "dem/contact/theory.h"
+#include "dem/contact/law/theory.h"
 #include "dem/watch/check.h"
 #include "dem/watch/guard.h"
 #include "test_dem_support.h"

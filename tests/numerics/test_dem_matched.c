@@ -1,8 +1,8 @@
 /* The load that ends where the proxy ended, on mechanisms with an exact solution: the reduced model under the kicks of
  * n steps, and under the polynomial that stands for them. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/bodies/matched.h"
-#include "protocol/base/legendre.h"
+#include "dem/proxy/matched.h"
+#include "protocol/math/legendre.h"
 #include "tests/test_main.h"
 
 #include <gsl/gsl_linalg.h>

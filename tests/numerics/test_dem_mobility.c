@@ -6,8 +6,8 @@
 
 #include "dem/bodies/wall_stiffness.h"
 #include "dem/bodies/walls.h"
-#include "dem/contact/simd/simd_set.h"
-#include "dem/state/create.h"
+#include "dem/numbers/simd_set.h"
+#include "dem/particles/create.h"
 
 #include <unistd.h>
 

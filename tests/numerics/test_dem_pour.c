@@ -3,9 +3,9 @@
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"
+#include "dem/particles/domain.h"
 #include "dem/settle/pour.h"
 #include "dem/settle/settle.h"
-#include "dem/state/domain.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>

@@ -5,7 +5,7 @@
 #include "dem/flow/free_space.h"
 #include "dem/search/search.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>

@@ -3,7 +3,7 @@
 #include "test_dem_support.h"
 
 #include "dem/flow/flow.h"
-#include "dem/state/particles.h"
+#include "dem/particles/particles.h"
 #include "dem/store/state_file.h"
 #include "tests/test_main.h"
 

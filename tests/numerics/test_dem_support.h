@@ -6,7 +6,7 @@
 #include "dem/adapter/solver.h"
 #include "dem/bodies/path.h"
 #include "dem/flow/flow.h"
-#include "dem/state/create.h"
+#include "dem/particles/create.h"
 #include "dem/state/data.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"

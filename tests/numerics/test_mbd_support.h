@@ -7,7 +7,7 @@
 
 #include "mbd/mbd.h"
 #include "protocol/base/log.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 
 #include <check.h>
 #include <stdio.h>

@@ -3,9 +3,9 @@
 #ifndef TEST_MESH_SUPPORT_H
 #define TEST_MESH_SUPPORT_H
 
-#include "dem/geometry/mesh.h"
-#include "dem/geometry/mesh_contact.h"
-#include "dem/geometry/mesh_tree.h"
+#include "dem/geometry/mesh/mesh.h"
+#include "dem/geometry/mesh/mesh_contact.h"
+#include "dem/geometry/mesh/mesh_tree.h"
 #include "test_dem_support.h"
 #include "test_random.h"
 

@@ -3,7 +3,7 @@
 #ifndef TEST_RANDOM_H
 #define TEST_RANDOM_H
 
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 
 /* What the numbers that follow depend on. */
 static uint64_t random_state;

@@ -7,8 +7,8 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define DEM_SIMD 0 /* the loops below in plain C; the law has no others */
-#include "dem/contact/law.h"
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
+#include "dem/contact/law/law.h"
 
 /* of pair.normal; pair.stiffness is k [N/m] */
 enum { CONFINEMENT }; /* α */

@@ -2,7 +2,7 @@
  * by the engine. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/free_space.h"
-#include "dem/geometry/wall/shape.h"
+#include "dem/geometry/shape/shape.h"
 #include "dem/output/polygon.h"
 #include "dem/settle/settle.h"
 #include "dem/store/fingerprint.h"

@@ -1,44 +1,84 @@
-# Which way includes may go: no circles of units (a .c and a .h of one name), and each room includes only those that are
-# allowed here. Run: cmake -DROOT=<source directory> -P arrows.cmake
+# Which way includes may go: no circles of units (a .c and a .h of one name), and a room (a folder) includes only rooms
+# below it. A room of dem/ is small enough to be read at a sitting. Run: cmake -DROOT=<source directory> -P arrows.cmake
 # SPDX-License-Identifier: GPL-3.0-or-later
 cmake_minimum_required(VERSION 3.16)
 
-# What a room includes besides itself, protocol/base, protocol/motion, protocol/view and protocol/wire; rooms that are not named may
-# include anything. In dem/: model <- state <- search, contact, geometry <- bodies <- step <- settle <- adapter <- app.
-set(shared protocol/base protocol/motion protocol/view protocol/wire)
-set(may_protocol/base "")
-set(may_protocol/motion protocol/base)
-set(may_protocol/view protocol/base)
-set(may_protocol/wire protocol/base protocol/view)
-set(may_protocol/app ${shared})
-set(may_protocol/draw ${shared} protocol/app)
-set(may_dem/geometry ${shared})
-# the laws and searches that a scene can name have readers of their own, which know of the model at most
-set(may_dem/model ${shared} dem/geometry dem/contact dem/search)
-set(may_dem/contact ${shared} dem/model dem/state dem/geometry)
-set(may_dem/state ${shared} dem/model dem/contact dem/geometry)
-set(may_dem/search ${shared} dem/model dem/state dem/geometry)
-set(may_dem/bodies ${shared} dem/model dem/state dem/contact dem/geometry)
-set(may_dem/store ${shared} dem/model dem/state dem/contact dem/search dem/bodies)
-set(may_dem/watch ${shared} dem/model dem/state dem/contact dem/geometry dem/bodies)
-set(may_dem/flow ${shared} dem/model dem/state dem/bodies)
-set(may_dem/step ${shared} dem/model dem/state dem/contact dem/search dem/bodies dem/flow dem/watch)
-set(may_dem/settle ${shared} dem/model dem/state dem/store dem/bodies dem/flow dem/watch dem/step)
-set(may_dem/output ${shared} protocol/app dem/model dem/state)
-set(may_dem/adapter ${shared} dem dem/model dem/state dem/store dem/contact dem/geometry dem/bodies dem/flow dem/watch
-    dem/step dem/settle)
+# The rooms of each part, a floor a line, from the bottom up: a room may include those of lower floors and all of
+# protocol/. A file that lies in the part's own folder is a room by itself.
+set(protocol
+  "base math"
+  "scene view"
+  "motion results surface wire"
+  "app"
+  "draw")
+set(dem
+  "base"
+  "numbers geometry search/method"
+  "geometry/mesh geometry/wall"
+  "geometry/shape model"
+  "state contact/law"
+  "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies output"
+  "contact search proxy flow dem.h"
+  "contact/loop scene store watch"
+  "contact/normal step"
+  "settle"
+  "adapter"
+  "app"
+  "main.c")
+set(mbd
+  "linear model"
+  "joint"
+  "driver force"
+  "mechanics"
+  "assembly mbd.h"
+  "integrate reduced"
+  "scene"
+  "engine"
+  "adapter"
+  "app"
+  "main.c")
+set(coupler
+  "session"
+  "loop"
+  "observe scheme"
+  "run"
+  "verify"
+  "report"
+  "sweep"
+  "main.c")
+# the program that starts all of them
+set(knows_all coupler/main.c)
 
-# the room of a file: its first two folders
-function(room_of file out)
-  string(REGEX REPLACE "^([^/]+/[^/]+)/.*$" "\\1" room "${file}")
-  if(room STREQUAL file)
-    string(REGEX REPLACE "/[^/]*$" "" room "${file}")
-  endif()
-  set(${out} "${room}" PARENT_SCOPE)
-endfunction()
+# files in a room of dem/; a family of contact laws has a file a law
+set(least 4)
+set(most 10)
+set(families contact/normal contact/tangential contact/rolling contact/twisting contact/cohesion)
 
 set(bad "")
+foreach(part protocol dem mbd coupler)
+  set(floor 0)
+  foreach(rooms IN LISTS ${part})
+    math(EXPR floor "${floor} + 1")
+    separate_arguments(rooms)
+    foreach(room IN LISTS rooms)
+      set(floor_${part}/${room} ${floor})
+    endforeach()
+  endforeach()
+endforeach()
+
+# the part of a file and its room: its folder, or the file itself if that is the part's
+function(room_of file part room)
+  string(REGEX REPLACE "/.*$" "" top "${file}")
+  string(REGEX REPLACE "/[^/]*$" "" folder "${file}")
+  if(folder STREQUAL top)
+    set(folder "${file}")
+  endif()
+  set(${part} "${top}" PARENT_SCOPE)
+  set(${room} "${folder}" PARENT_SCOPE)
+endfunction()
+
 set(units "")
+set(rooms "")
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/dem/*.[ch] ${ROOT}/mbd/*.[ch] ${ROOT}/coupler/*.[ch]
      ${ROOT}/protocol/*.[ch])
 list(LENGTH files count)
@@ -48,7 +88,13 @@ endif()
 foreach(file IN LISTS files)
   string(REGEX REPLACE "\\.[ch]$" "" unit "${file}")
   list(APPEND units "${unit}")
-  room_of("${file}" room)
+  room_of("${file}" part room)
+  list(APPEND rooms "${room}")
+  list(APPEND in_${room} "${file}")
+  if(NOT DEFINED floor_${room})
+    list(APPEND bad "${file}: give ${room} a floor in arrows.cmake")
+    continue()
+  endif()
   file(STRINGS ${ROOT}/${file} lines REGEX "^#include \"[^\"]+\"")
   foreach(line IN LISTS lines)
     string(REGEX REPLACE "^#include \"([^\"]+)\".*$" "\\1" other "${line}")
@@ -59,13 +105,29 @@ foreach(file IN LISTS files)
     if(NOT other_unit STREQUAL unit)
       list(APPEND needs_${unit} "${other_unit}")
     endif()
-    room_of("${other}" other_room)
-    if(DEFINED may_${room} AND NOT other_room STREQUAL room AND NOT other_room IN_LIST may_${room})
-      list(APPEND bad "${file} includes ${other}: ${room} may not know ${other_room}")
+    room_of("${other}" other_part other_room)
+    if(other_room STREQUAL room OR file IN_LIST knows_all)
+      continue()
+    elseif(other_part STREQUAL part)
+      if(NOT DEFINED floor_${other_room} OR NOT floor_${other_room} LESS floor_${room})
+        list(APPEND bad "${file} includes ${other}: ${other_room} is not below ${room}")
+      endif()
+    elseif(NOT other_part STREQUAL "protocol")
+      list(APPEND bad "${file} includes ${other}: ${part} may not know ${other_part}")
     endif()
   endforeach()
 endforeach()
 list(REMOVE_DUPLICATES units)
+
+list(REMOVE_DUPLICATES rooms)
+foreach(room IN LISTS rooms)
+  list(LENGTH in_${room} count)
+  string(REGEX REPLACE "^dem/" "" name "${room}")
+  if(room MATCHES "^dem/" AND NOT room MATCHES "\\.[ch]$" AND NOT name IN_LIST families
+     AND (count LESS least OR count GREATER most))
+    list(APPEND bad "${room} has ${count} files; a room of dem/ has ${least} to ${most}")
+  endif()
+endforeach()
 
 # take units away that need no other, until those are left that are in a circle or need one
 set(more TRUE)

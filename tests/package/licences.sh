@@ -44,7 +44,7 @@ while [ -n "$waiting" ]; do
   waiting=$(echo $included)
 done
 case $seen in
-  *" protocol/wire/participant.h "*" protocol/base/vec3.h "* | *" protocol/base/vec3.h "*" protocol/wire/participant.h "*) ;;
+  *" protocol/wire/participant.h "*" protocol/math/vec3.h "* | *" protocol/math/vec3.h "*" protocol/wire/participant.h "*) ;;
   *) fail "the participant library was not read: $seen" ;;
 esac
 [ -z "$failed" ]

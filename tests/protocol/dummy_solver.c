@@ -8,7 +8,7 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/log.h"
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 #include "protocol/wire/participant.h"
 
 #include <stdio.h>

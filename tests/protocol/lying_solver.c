@@ -4,8 +4,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
-#include "protocol/base/gsl_errors.h"
 #include "protocol/base/log.h"
+#include "protocol/math/gsl_errors.h"
 
 #include <stdio.h>
 #include <stdlib.h>

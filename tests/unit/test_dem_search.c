@@ -1,9 +1,9 @@
 /* Every search makes the rows that looking at every pair makes; the linked linear list of [A07] with its exchange rules
  * and the example of Table 2.2. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/search/method/sweep.h"
 #include "dem/search/search.h"
-#include "dem/search/sweep.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 #include "tests/test_main.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #include "../numerics/test_dem_support.h"
 
 #include "dem/model/sizes.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 #include "tests/test_main.h"
 
 #include <gsl/gsl_cdf.h>

@@ -9,7 +9,7 @@
 #include "mbd/mechanics/residual.h"
 #include "mbd/mechanics/tangent.h"
 #include "mbd/scene/scene.h"
-#include "protocol/base/random.h"
+#include "protocol/math/random.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -11,7 +11,7 @@
 #include "dem/model/model.h"
 #include "mbd/app/run.h"
 #include "mbd/scene/scene.h"
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 #include "tests/test_main.h"
 
 #include <ftw.h>

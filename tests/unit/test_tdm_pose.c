@@ -1,7 +1,7 @@
 /* Pose mathematics: quaternions, SLERP, 3-1-3 Euler angles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/base/pose.h"
-#include "protocol/base/random.h"
+#include "protocol/math/pose.h"
+#include "protocol/math/random.h"
 #include "tests/test_main.h"
 
 static const double close_enough = 1e-13;

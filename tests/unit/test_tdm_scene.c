@@ -1,6 +1,6 @@
 /* Scene reading: errors with path and place, overrides, nearest names. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 #include "tests/test_main.h"
 
 #include <stdio.h>

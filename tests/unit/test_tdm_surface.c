@@ -1,8 +1,8 @@
 /* Closed surfaces, solids and cavities of STL files: the check that mbd and dem share. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/mesh.h"
+#include "dem/geometry/mesh/mesh.h"
 #include "mbd/model/inertia.h"
-#include "protocol/base/surface.h"
+#include "protocol/surface/surface.h"
 #include "tests/test_main.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Time histories thinned for plots: nothing is left out of short ones, extremes and their order stay in long ones. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/app/thin.h"
+#include "protocol/results/thin.h"
 #include "tests/test_main.h"
 
 #include <math.h>

@@ -11,7 +11,7 @@
 enum { DEM_DMT_ENERGY }; /* work of adhesion w [J/m2] */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
 
 DEM_KERNEL void dem_cohesion_dmt(dem_contact *c, vd *history) {
   (void)history;
@@ -21,7 +21,7 @@ DEM_KERNEL void dem_cohesion_dmt(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 #include <string.h>
 

@@ -15,7 +15,7 @@
 enum { DEM_JKR_ENERGY, DEM_JKR_LENGTH }; /* w [J/m2]; (pi w/E*)^(1/3) [m^(1/3)] */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
 
 /* e of the head of this file, from above: Newton's steps then never pass it */
 DEM_KERNEL vd dem_jkr_root(vd sum) {
@@ -58,8 +58,8 @@ DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
-#include "dem/contact/theory.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/theory.h"
 
 #include <string.h>
 

@@ -9,7 +9,7 @@
 enum { DEM_SJKR_DENSITY }; /* k, energy density [J/m3] */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
 
 DEM_KERNEL void dem_cohesion_sjkr(dem_contact *c, vd *history) {
   (void)history;
@@ -20,7 +20,7 @@ DEM_KERNEL void dem_cohesion_sjkr(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static void read_sjkr(const dem_model *m, tdm_object *o, dem_pair *p) {
   (void)m;

@@ -4,9 +4,9 @@
 #define DEM_CONTACT_LOOP_APPLY_H
 
 #include "dem/contact/families.h"
-#include "dem/contact/law.h"
-#include "dem/contact/loop/contact.h"
-#include "dem/contact/loop/task.h"
+#include "dem/contact/law/contact.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/task.h"
 #include "dem/state/data.h"
 
 #define X(law) TANGENTIAL_##law,

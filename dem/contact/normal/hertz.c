@@ -5,10 +5,10 @@
  * The attractive end of a damped contact is kept, or cut at 0 (pair.floor is -inf or 0): see restitution.h.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/contact/law.h"
-#include "dem/contact/loop/contact.h"
-#include "dem/contact/restitution.h"
-#include "dem/contact/theory.h"
+#include "dem/contact/law/contact.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/restitution.h"
+#include "dem/contact/law/theory.h"
 
 /* pair.viscosity is eta [Pa s], pair.normal_damping 2 sqrt(5/6) beta; cohesion jkr reads them, too */
 

@@ -7,9 +7,9 @@
  * reader, the closed forms and the row.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/contact/law.h"
-#include "dem/contact/loop/contact.h"
-#include "dem/contact/restitution.h"
+#include "dem/contact/law/contact.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/restitution.h"
 
 /* of pair.normal; pair.stiffness is k_p, pair.viscosity c_p, pair.normal_damping 2 zeta */
 enum { STIFFNESS_PER_MASS }; /* q [1/s2] */

@@ -5,9 +5,9 @@
  * speed at which it began; a contact that began slowly and is then hit by others is not damped without bound.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/contact/law.h"
-#include "dem/contact/loop/contact.h"
-#include "dem/contact/restitution.h"
+#include "dem/contact/law/contact.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/restitution.h"
 
 /* of model.normal_setting: p; 1: X as printed */
 enum { EXPONENT, PRINTED };

@@ -7,8 +7,8 @@
  * names a restitution: its history would mean another force with another one.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/contact/law.h"
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
+#include "dem/contact/law/law.h"
 
 /* of pair.normal; pair.stiffness is k_l */
 enum {

@@ -8,7 +8,7 @@
 enum { DEM_ROLLING_CONSTANT_FRICTION }; /* mu_r */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/resistance.h"
+#include "dem/contact/law/resistance.h"
 
 DEM_KERNEL dem_couple dem_rolling_constant_torque(const dem_contact *c, vd3 roll, vd *history) {
   (void)history;
@@ -17,7 +17,7 @@ DEM_KERNEL dem_couple dem_rolling_constant_torque(const dem_contact *c, vd3 roll
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static void read_constant_rolling(const dem_model *m, tdm_object *o, dem_pair *p) {
   (void)m;

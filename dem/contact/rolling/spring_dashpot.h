@@ -12,7 +12,7 @@
 enum { DEM_EPSD_FRICTION, DEM_EPSD_DAMPING }; /* mu_r; eta_r, share of the critical damping */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/resistance.h"
+#include "dem/contact/law/resistance.h"
 
 DEM_KERNEL dem_couple dem_rolling_spring_dashpot(const dem_contact *c, vd3 roll, vd *history) {
   vd friction = DEM_OF(c, rolling[DEM_EPSD_FRICTION]), arm = friction * c->radius,
@@ -33,8 +33,8 @@ DEM_KERNEL dem_couple dem_rolling_spring_dashpot(const dem_contact *c, vd3 roll,
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
-#include "dem/contact/theory.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/theory.h"
 
 static void read_spring_dashpot(const dem_model *m, tdm_object *o, dem_pair *p) {
   (void)m;

@@ -10,7 +10,7 @@
 enum { dem_tangential_columns_coulomb = 0, dem_tangential_circle_coulomb = false };
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
 
 DEM_KERNEL dem_tangential dem_tangential_coulomb(dem_contact *c, vd *history) {
   (void)history;
@@ -20,7 +20,7 @@ DEM_KERNEL dem_tangential dem_tangential_coulomb(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static const dem_tangential_law dem_tangential_row_coulomb = {.head = {.name = "coulomb"}, .friction = true};
 #endif

@@ -16,7 +16,7 @@ enum { dem_tangential_columns_mindlin = 4, dem_tangential_circle_mindlin = true 
 enum { DEM_MINDLIN_DAMPING }; /* 2 sqrt(5/6) beta sqrt(8 G* / 2 E*): c_t = this * sqrt(m* S_n) */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/sticking.h"
+#include "dem/contact/law/sticking.h"
 
 DEM_KERNEL dem_tangential dem_tangential_mindlin(dem_contact *c, vd *history) {
   vd3 f = dem_turn_history(c, (vd3){history[0], history[1], history[2]});
@@ -30,7 +30,7 @@ DEM_KERNEL dem_tangential dem_tangential_mindlin(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static void damp_mindlin(const dem_model *m, dem_pair *p) {
   (void)m;

@@ -17,7 +17,7 @@ enum {
 };
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/sticking.h"
+#include "dem/contact/law/sticking.h"
 
 DEM_KERNEL dem_tangential dem_tangential_spring(dem_contact *c, vd *history) {
   vd3 f = dem_turn_history(c, (vd3){history[0], history[1], history[2]});
@@ -28,8 +28,8 @@ DEM_KERNEL dem_tangential dem_tangential_spring(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
-#include "dem/contact/restitution.h"
+#include "dem/contact/law/law.h"
+#include "dem/contact/law/restitution.h"
 
 static void read_spring(const dem_model *m, tdm_object *o, dem_pair *p) {
   double *of = p->tangential;

@@ -9,7 +9,7 @@ enum { dem_tangential_columns_viscous = 0, dem_tangential_circle_viscous = false
 enum { DEM_VISCOUS_DAMPING }; /* c_t [kg/s] */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/contact.h"
+#include "dem/contact/law/contact.h"
 
 DEM_KERNEL dem_tangential dem_tangential_viscous(dem_contact *c, vd *history) {
   (void)history;
@@ -18,7 +18,7 @@ DEM_KERNEL dem_tangential dem_tangential_viscous(dem_contact *c, vd *history) {
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static void read_viscous(const dem_model *m, tdm_object *o, dem_pair *p) {
   (void)m;

@@ -7,7 +7,7 @@
 enum { DEM_TWISTING_CONSTANT_FRICTION }; /* mu_t */
 
 #ifdef DEM_SIMD
-#include "dem/contact/loop/resistance.h"
+#include "dem/contact/law/resistance.h"
 
 DEM_KERNEL dem_couple dem_twisting_constant_torque(const dem_contact *c, vd3 twist) {
   return dem_constant_couple(c, twist, DEM_OF(c, twisting[DEM_TWISTING_CONSTANT_FRICTION]));
@@ -15,7 +15,7 @@ DEM_KERNEL dem_couple dem_twisting_constant_torque(const dem_contact *c, vd3 twi
 #endif
 
 #ifdef DEM_LAW_ROWS
-#include "dem/contact/law.h"
+#include "dem/contact/law/law.h"
 
 static void read_constant_twisting(const dem_model *m, tdm_object *o, dem_pair *p) {
   (void)m;

@@ -3,8 +3,8 @@
 #ifndef DEM_GEOMETRY_WALL_OUTLINE_H
 #define DEM_GEOMETRY_WALL_OUTLINE_H
 
-#include "protocol/base/pose.h"
 #include "protocol/base/status.h"
+#include "protocol/math/pose.h"
 
 #include <stdbool.h>
 

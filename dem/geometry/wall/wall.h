@@ -16,7 +16,7 @@
 #include "dem/geometry/part.h"
 #include "dem/geometry/touch.h"
 #include "dem/geometry/wall/outline.h"
-#include "protocol/base/scene.h"
+#include "protocol/scene/scene.h"
 
 #include <stddef.h>
 

@@ -1,0 +1,171 @@
+/* Pictures of time histories for a report: see pictures.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/report/pictures.h"
+
+#include "coupler/report/words.h"
+#include "coupler/session/settings.h"
+#include "protocol/app/plot.h"
+#include "protocol/results/thin.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* What plots borrow, by panel and by channel of the contents. */
+typedef struct {
+  const cpl_contents *c;
+  tdm_thin *thin;            /* (ntable) */
+  tdm_plot *plot;            /* (npanel) those that vary, in the order of the pictures */
+  tdm_plot_data *data;       /* (npanel) */
+  char (*axis)[192];         /* (npanel) */
+  tdm_curve *curve;          /* (nchannel) */
+  char (*using)[16];         /* (nchannel) */
+  tdm_plot_picture *picture; /* (npanel) */
+  char (*title)[192];        /* (npanel) of pictures */
+  int nplot, ncurve;
+} drawing;
+
+static bool allocate(drawing *d, const cpl_contents *c) {
+  const size_t panels = (size_t)c->npanel + 1, channels = (size_t)c->nchannel + 1;
+  *d = (drawing){.c = c};
+  d->thin = calloc((size_t)c->ntable + 1, sizeof *d->thin);
+  d->plot = calloc(panels, sizeof *d->plot);
+  d->data = calloc(panels, sizeof *d->data);
+  d->axis = calloc(panels, sizeof *d->axis);
+  d->curve = calloc(channels, sizeof *d->curve);
+  d->using = calloc(channels, sizeof *d->using);
+  d->picture = calloc(panels, sizeof *d->picture);
+  d->title = calloc(panels, sizeof *d->title);
+  return d->thin && d->plot && d->data && d->axis && d->curve && d->using && d->picture && d->title;
+}
+
+static void let_go(drawing *d) {
+  for (int i = 0; d->thin && i < d->c->ntable; i++)
+    tdm_thin_free(&d->thin[i]);
+  for (int i = 0; d->data && i < d->nplot; i++)
+    free(d->data[i].value);
+  free(d->thin);
+  free(d->plot);
+  free(d->data);
+  free(d->axis);
+  free(d->curve);
+  free(d->using);
+  free(d->picture);
+  free(d->title);
+}
+
+/* ---- data ---- */
+
+/* all columns behind the time */
+static bool thin_table(tdm_thin *thin, const cpl_table *t) {
+  const int n = t->ncolumn - 1;
+  double *values = calloc((size_t)n + 1, sizeof *values);
+  const bool good = tdm_thin_begin(thin, n) && values;
+  for (int i = 0; good && i < t->nrow; i++) {
+    for (int k = 0; k < n; k++)
+      values[k] = t->data[(size_t)(k + 1) * (size_t)t->nrow + (size_t)i];
+    tdm_thin_add(thin, t->data[i], values);
+  }
+  free(values);
+  return good;
+}
+
+/* ---- plots ---- */
+
+static const char key[] = "set key tmargin right horizontal samplen 2\n"; /* above: nothing is hidden */
+
+/* The panel as the next plot, with the channels that vary. false: out of memory. */
+static bool add_plot(drawing *d, const cpl_panel *p) {
+  char unit[48];
+  int column[CPL_PANEL_CHANNELS], k = d->nplot++;
+  tdm_plot *plot = &d->plot[k];
+  snprintf(d->axis[k], sizeof d->axis[k], "%s [%s]", p->quantity, cpl_words_unit(p->unit, unit, sizeof unit));
+  *plot =
+      (tdm_plot){.title = "", .xlabel = "time [s]", .ylabel = d->axis[k], .setup = key, .curve = &d->curve[d->ncurve]};
+  for (int i = 0; i < p->nchannel; i++) {
+    const cpl_channel *channel = &d->c->channel[p->channel[i]];
+    if (channel->course != CPL_VARIES)
+      continue;
+    column[plot->ncurve] = channel->column - 1;
+    snprintf(d->using[d->ncurve], sizeof d->using[d->ncurve], "1:%d", plot->ncurve + 2);
+    const bool named = p->vector || p->nchannel > 1 || strcmp(p->unit, "J") == 0;
+    d->curve[d->ncurve] =
+        (tdm_curve){.using = d->using[d->ncurve], .title = named ? channel->component : "", .style = "lines lw 1.5"};
+    d->ncurve++;
+    plot->ncurve++;
+  }
+  double *rows = tdm_thin_table(&d->thin[p->table], column, plot->ncurve);
+  d->data[k] = (tdm_plot_data){rows, tdm_thin_rows(&d->thin[p->table]), plot->ncurve + 1};
+  return rows != NULL;
+}
+
+/* A file name of its own for each picture: with the section's name where that fits one. */
+static void name_picture(cpl_picture *picture, int number, const char *title, int part) {
+  char name[96];
+  snprintf(name, sizeof name, "%.90s", title);
+  for (char *c = name; *c; c++)
+    if (*c == ' ' || *c == ':')
+      *c = '_';
+  snprintf(picture->name, sizeof picture->name, "report_%02d%s%s", number, cpl_name_fits_file(name) ? "_" : "",
+           cpl_name_fits_file(name) ? name : "");
+  if (part > 0)
+    snprintf(picture->name + strlen(picture->name), 16, "_%d", part + 1);
+}
+
+/* The panels of a section that vary, eight a picture. false: out of memory. */
+static bool add_section(drawing *d, cpl_pictures *all, int section) {
+  int part = 0;
+  tdm_plot_picture *now = NULL;
+  for (int i = 0; i < d->c->npanel; i++) {
+    const cpl_panel *p = &d->c->panel[i];
+    if (p->section != section || !cpl_panel_varies(d->c, p))
+      continue;
+    if (!now || now->nplot == CPL_PICTURE_PANELS) {
+      cpl_picture *picture = &all->picture[all->n];
+      *picture = (cpl_picture){.section = section};
+      cpl_section_title(&d->c->section[section], d->title[all->n], sizeof d->title[all->n]);
+      name_picture(picture, all->n + 1, d->title[all->n], part++);
+      now = &d->picture[all->n];
+      *now = (tdm_plot_picture){.name = picture->name, .title = d->title[all->n], .plot = d->plot + d->nplot};
+      now->data = d->data + d->nplot;
+      all->n++;
+    }
+    now->nplot++;
+    now->across = now->nplot > 1 ? 2 : 1;
+    if (!add_plot(d, p))
+      return false;
+  }
+  return true;
+}
+
+/* ---- the whole ---- */
+
+tdm_status cpl_pictures_make(cpl_pictures *p, const char *dir, const cpl_contents *c, tdm_error *err) {
+  drawing d;
+  char path[4352];
+  *p = (cpl_pictures){.picture = calloc((size_t)c->npanel + 1, sizeof *p->picture)};
+  bool good = allocate(&d, c) && p->picture;
+  for (int i = 0; good && i < c->ntable; i++)
+    good = thin_table(&d.thin[i], &c->table[i]);
+  for (int i = 0; good && i < c->nsection; i++)
+    good = add_section(&d, p, i);
+  for (int i = 0; good && i < p->n; i++) { /* one of an earlier report */
+    snprintf(path, sizeof path, "%s/%s.png", dir, p->picture[i].name);
+    unlink(path);
+  }
+  if (!good)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "%s: no memory for its plots", dir);
+  else if (p->n > 0)
+    tdm_plot_pictures(dir, "report", p->n, d.picture, err);
+  for (int i = 0; good && i < p->n; i++) {
+    snprintf(path, sizeof path, "%s/%s.png", dir, p->picture[i].name);
+    p->picture[i].there = access(path, R_OK) == 0;
+  }
+  let_go(&d);
+  return err->status;
+}
+
+void cpl_pictures_free(cpl_pictures *p) {
+  free(p->picture);
+  *p = (cpl_pictures){0};
+}

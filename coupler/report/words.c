@@ -1,0 +1,101 @@
+/* What channels are called where people read them: see words.h. To name a channel: a row. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/report/words.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* what stands before the component of a vector */
+static const struct {
+  const char *name, *words;
+} vectors[] = {
+    {"", "position"},
+    {"q", "orientation (quaternion)"},
+    {"v", "velocity"},
+    {"w", "angular velocity"},
+    {"a", "acceleration"},
+    {"alpha", "angular acceleration"},
+    {"f", "force"},
+    {"m", "moment"},
+    {"u", "displacement"},
+    {"phi", "rotation"},
+    {"com.", "centre of mass"},
+    {"velocity.", "mean velocity"},
+    {"impulse.", "impulse of the particles"},
+    {"angular_impulse.", "angular impulse of the particles"},
+};
+
+/* channels with one number */
+static const struct {
+  const char *name, *unit, *words; /* unit NULL: any */
+} scalars[] = {
+    {"rate", "rad/s", "angular velocity"},
+    {"value", "N", "force"},
+    {"value", "N m", "torque"},
+    {"sliding", NULL, "direction of sliding"},
+    {"drift", "m", "drift: distance of the two solvers' states"},
+    {"drift_angle", NULL, "drift: angle between the two solvers' states"},
+    {"count", NULL, "number of particles"},
+    {"lost", NULL, "particles lost"},
+    {"left", NULL, "particles that left the domain"},
+    {"mass", "kg", "mass"},
+    {"created", NULL, "particles created"},
+    {"waiting", NULL, "particles that wait"},
+    {"removed", NULL, "particles removed"},
+    {"number", NULL, "particles unaccounted for"},
+};
+
+/* The length of a vector's name before its component; -1: it is none. */
+static int vector_stem(const char *name) {
+  const size_t n = strlen(name);
+  if (n == 0 || !strchr("xyzw", name[n - 1]))
+    return -1;
+  for (size_t k = 0; k < sizeof vectors / sizeof vectors[0]; k++)
+    if (strlen(vectors[k].name) == n - 1 && strncmp(vectors[k].name, name, n - 1) == 0)
+      return name[n - 1] != 'w' || strcmp(name, "qw") == 0 ? (int)k : -1;
+  return -1;
+}
+
+/* "kinetic_energy" as "kinetic energy" */
+static void plain(char *out, size_t size, const char *name) {
+  snprintf(out, size, "%s", name);
+  for (char *c = out; *c; c++)
+    if (*c == '_' || *c == '.')
+      *c = ' ';
+}
+
+cpl_words cpl_words_of(const char *name, const char *unit) {
+  cpl_words w = {0};
+  const size_t n = strlen(name);
+  const int k = vector_stem(name);
+  if (k >= 0) {
+    w.vector = true;
+    snprintf(w.quantity, sizeof w.quantity, "%s", vectors[k].words);
+    snprintf(w.component, sizeof w.component, "%s", name + n - 1);
+    return w;
+  }
+  if (n > 2 && name[n - 2] == '.' && strchr("xyz", name[n - 1])) { /* another solver's vector */
+    w.vector = true;
+    plain(w.quantity, sizeof w.quantity, name);
+    w.quantity[strlen(w.quantity) > 2 ? strlen(w.quantity) - 2 : 0] = 0;
+    snprintf(w.component, sizeof w.component, "%s", name + n - 1);
+    return w;
+  }
+  plain(w.component, sizeof w.component, name);
+  snprintf(w.quantity, sizeof w.quantity, "%s", strcmp(unit, "J") == 0 ? "energy" : w.component);
+  for (size_t i = 0; i < sizeof scalars / sizeof scalars[0]; i++)
+    if (strcmp(name, scalars[i].name) == 0 && (!scalars[i].unit || strcmp(unit, scalars[i].unit) == 0))
+      snprintf(w.quantity, sizeof w.quantity, "%s", scalars[i].words);
+  return w;
+}
+
+const char *cpl_words_unit(const char *unit, char *out, unsigned size) {
+  const size_t n = strlen(unit);
+  if (strcmp(unit, "1") == 0 || n == 0)
+    snprintf(out, size, "-");
+  else if (n > 2 && unit[n - 1] == '2' && unit[n - 2] == 's')
+    snprintf(out, size, "%.*s\u00b2", (int)(n - 1), unit);
+  else
+    snprintf(out, size, "%s", unit);
+  return out;
+}

@@ -1,0 +1,105 @@
+/* The verification runner: a table of scenarios, each with runs, measures and limits.
+ *
+ * A scenario's function runs its scene as often as it needs (cpl_verify_run), compares with its reference and reports
+ * numbers (cpl_verify_measure); this file prints the table, writes the JSON and decides on pass or fail.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CPL_VERIFY_VERIFY_H
+#define CPL_VERIFY_VERIFY_H
+
+#include "coupler/run/run.h"
+#include "coupler/verify/compare.h"
+#include "protocol/app/plot.h"
+
+typedef struct cpl_verify cpl_verify;
+
+typedef struct {
+  const char *name, *group;
+  const char *summary;
+  tdm_status (*verify)(cpl_verify *v, tdm_error *err);
+  /* Fill *c (zeroed; freed by the caller also after an error) from a result directory; NULL: no reference as curves. */
+  tdm_status (*compare)(const char *dir, cpl_comparison *c, tdm_error *err);
+  const char *state[3]; /* names of the comparison's states and of its load, for rows without numbers */
+  const char *load;
+} cpl_scenario;
+
+/* The scenario that a scene names as its own in the key "scenario"; NULL when it names none, or (an error) none that is
+ * in the table. */
+const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene, tdm_error *err);
+
+typedef enum {
+  CPL_NO_LIMIT, /* reported only */
+  CPL_AT_LEAST, /* value >= limit */
+  CPL_AT_MOST   /* |value| <= limit */
+} cpl_limit_kind;
+
+/* Run the scenario's scene with overrides (NULL-terminated, may be NULL) into a directory of its own for this case ("":
+ * the scenario's). On success `dir` (size bytes) is that directory. */
+tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
+                          tdm_error *err);
+
+/* ---- many runs ---- */
+
+enum { CPL_CASE_SETTINGS = 12, CPL_SETTING_MAX = 192 };
+
+/* One of many runs, zero-initialised. */
+typedef struct {
+  char name[64];     /* of the case and of its directory; "": the scenario's directory */
+  const char *scene; /* scenario whose scene it runs; NULL: the one under way */
+  bool shares_bed;   /* all cases of the scenario that do have one settled bed (dem.settle.store) */
+  char set[CPL_CASE_SETTINGS][CPL_SETTING_MAX]; /* overrides, "path=value" */
+  int nset;
+  /* after the run */
+  char dir[4096];
+  cpl_run_result result;
+  tdm_error err;
+} cpl_verify_case;
+
+void cpl_verify_case_set(cpl_verify_case *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Run n cases, `at_once` at a time in processes of their own (0: as many as the command says). What became of each is
+ * in its err; the return value is an error only when none can go on (interrupted, no memory). */
+tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_once, tdm_error *err);
+
+/* What is measured from now on was measured in this run. */
+void cpl_verify_about(cpl_verify *v, const cpl_verify_case *c);
+
+/* --full: everything, however long it takes. */
+bool cpl_verify_full(const cpl_verify *v);
+
+/* The scene file GROUP/NAME/scene.json of the scenarios that are verified, into `scene` (size bytes). */
+tdm_status cpl_verify_find(const cpl_verify *v, const char *group, const char *name, char *scene, size_t size,
+                           tdm_error *err);
+
+/* Say that this scenario ran one solver without the coupler: `simulated` [s] in `wall` [s]. */
+void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wall);
+
+/* Compare a run of this scenario with its reference; writes comparison.csv and its plot into the run's directory. */
+tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c, tdm_error *err);
+
+/* Report a number of the last run. NaN fails a limit. Strings are copied. */
+void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, double value, cpl_limit_kind kind,
+                        double limit);
+
+/* The scenario's directory under --out. */
+const char *cpl_verify_dir(const cpl_verify *v);
+
+/* As tdm_plot_write in the scenario's directory; what goes wrong is a notice, not a failure. */
+void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const tdm_plot *plot);
+
+typedef struct {
+  const cpl_scenario *scenario; /* table ended by a NULL name */
+  const char *const *name;      /* NULL-terminated: scenarios or groups; empty: the group "scenarios" */
+  const char *out;              /* directory of results */
+  const char *json;             /* file, NULL: none */
+  const char *scenarios;        /* --scenarios DIR or NULL */
+  bool force;                   /* write also between files that are not tandem's */
+  bool full;                    /* --full */
+  int jobs;                     /* runs at a time, 0: processors */
+  cpl_solver solver[CPL_NROLE];
+} cpl_verify_options;
+
+/* Run and print. TDM_ERR_LIMIT when a limit was missed or a scenario failed. */
+tdm_status cpl_verify_all(const cpl_verify_options *options, tdm_error *err);
+
+#endif

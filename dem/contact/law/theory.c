@@ -1,0 +1,50 @@
+/* Closed forms of normal impacts: see theory.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/contact/law/theory.h"
+
+#include <math.h>
+
+/* ---- Hertz ---- */
+
+double dem_contact_time(double mass, double radius, double young, double speed) {
+  /* 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) (15/16)^(2/5) */
+  return 2.8682656992 * pow(mass * mass / (radius * young * young * speed), 0.2);
+}
+
+/* ---- by the scene's laws ---- */
+
+double dem_normal_contact_time(const dem_model *m, const dem_pair *p, dem_impact i) {
+  return m->normal->time(m, p, i);
+}
+
+double dem_normal_step_time(const dem_model *m, const dem_pair *p, dem_impact i) {
+  return m->normal->step_time ? m->normal->step_time(m, p, i) : m->normal->time(m, p, i);
+}
+
+double dem_normal_overlap(const dem_model *m, const dem_pair *p, dem_impact i) {
+  return m->normal->overlap(m, p, i);
+}
+
+double dem_normal_restitution(const dem_model *m, const dem_pair *p, dem_impact i) {
+  return m->normal->restitution(m, p, i);
+}
+
+double dem_normal_force(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return m->normal->force(m, p, i, overlap);
+}
+
+double dem_normal_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return m->normal->stiffness(m, p, i, overlap);
+}
+
+double dem_normal_elastic(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return m->normal->elastic(m, p, i, overlap);
+}
+
+double dem_tangential_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return m->tangential->stiffness ? m->tangential->stiffness(m, p, i, overlap) : 0;
+}
+
+double dem_rolling_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return m->rolling->stiffness ? m->rolling->stiffness(m, p, i, overlap) : 0;
+}

@@ -1,0 +1,86 @@
+/* Meshes, thin shells: see geometry/mesh/mesh.h. Their parts are the triangles. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/geometry/shape/mesh_wall.h"
+
+#include "dem/geometry/mesh/mesh_contact.h"
+#include "dem/geometry/mesh/mesh_tree.h"
+
+static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
+  const char *file = tdm_get_string(o, "file", NULL);
+  double scale = tdm_get_number(o, "scale", 1, TDM_POSITIVE);
+  double facet_angle = tdm_get_number(o, "facet_angle", DEM_MESH_FACET_ANGLE, TDM_NOT_NEGATIVE);
+  if (facet_angle > 0.5 * M_PI)
+    tdm_object_fail(o, "facet_angle", "is %g rad but must be at most a right angle, %.4g rad", facet_angle, 0.5 * M_PI);
+  if (o->err->status)
+    return;
+  char path[TDM_PATH_MAX];
+  tdm_stl stl;
+  if (tdm_stl_read(&stl, file, scale, tdm_path(path, o, "file", -1), o->err) == TDM_OK &&
+      dem_part_place(o, &list->part, file, scale, &stl) == TDM_OK) {
+    dem_mesh *mesh = dem_mesh_make(&stl, file, facet_angle, path, o->err);
+    if (mesh)
+      dem_walls_append(list, (dem_wall){.shape = &dem_shape_mesh, .body = body, .data = mesh}, o->err);
+  }
+  tdm_stl_destroy(&stl);
+}
+
+static double gap_of_mesh(const dem_wall *wall, tdm_vec3 x, tdm_vec3 *normal) {
+  return dem_mesh_gap(wall->data, x, normal);
+}
+
+static void box_of_mesh(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high) {
+  *low = dem_mesh_figures(wall->data)->low;
+  *high = dem_mesh_figures(wall->data)->high;
+}
+
+static void draw_mesh(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
+  for (int t = 0; t < dem_mesh_figures(wall->data)->triangles && err->status == TDM_OK; t++) {
+    dem_polygon p = {.body = wall->body, .ncorner = 3, .force = view->force ? view->force[t] : DEM_FORCE_UNKNOWN};
+    tdm_vec3 corner[3], normal;
+    dem_mesh_triangle(wall->data, t, corner, &normal);
+    for (int k = 0; k < 3; k++)
+      p.corner[k] = dem_wall_world(view->place, corner[k]);
+    dem_polygons_add(all, &p, err);
+  }
+}
+
+static int triangles_of(const dem_wall *wall) {
+  return dem_mesh_figures(wall->data)->triangles;
+}
+
+static int near_triangles(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max) {
+  return dem_mesh_near(wall->data, x, range, out, max);
+}
+
+static int touches_of(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
+                      dem_touch out[DEM_TOUCHES_MAX]) {
+  return dem_mesh_contacts(wall->data, part, stride, n, x, radius, out, DEM_TOUCHES_MAX);
+}
+
+static bool passes(const dem_wall *wall, int from, int to) {
+  return dem_mesh_passes(wall->data, from, to);
+}
+
+static unsigned long long hash_of(const dem_wall *wall) {
+  return dem_mesh_hash(wall->data);
+}
+
+static void destroy(void *data) {
+  dem_mesh *mesh = data;
+  dem_mesh_destroy(&mesh);
+}
+
+const dem_shape dem_shape_mesh = {
+    .type = "mesh",
+    .number = 6,
+    .read = read_mesh,
+    .gap = gap_of_mesh,
+    .box = box_of_mesh,
+    .polygons = draw_mesh,
+    .parts = triangles_of,
+    .near = near_triangles,
+    .touches = touches_of,
+    .passes = passes,
+    .hash = hash_of,
+    .destroy = destroy,
+};

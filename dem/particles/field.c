@@ -1,0 +1,48 @@
+/* Gravity, the forces of groups, fixed particles: see field.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/particles/field.h"
+
+tdm_vec3 dem_fixed_force(const dem_data *d) {
+  tdm_vec3 sum = {0, 0, 0};
+  for (int i = 0; d->model->fixes && i < d->state.nparticle; i++)
+    if (d->state.sphere[i].inverse_mass == 0) {
+      sum = tdm_add(sum, d->state.push[i].force);
+      if (d->state.spare_push)
+        sum = tdm_add(sum, d->state.spare_push[i].force);
+    }
+  return sum;
+}
+
+void dem_drive_particles(dem_data *d) {
+  const dem_model *m = d->model;
+  for (int i = 0; m->driven && i < d->state.nparticle; i++) {
+    d->state.drive[i] = (dem_pace){0};
+    d->state.sphere[i].inverse_mass = 1 / d->state.mass[i];
+    for (int g = 0; g < m->ngroup; g++) {
+      const dem_group *group = &m->group[g];
+      if (d->state.id[i] < (uint64_t)group->first || d->state.id[i] >= (uint64_t)(group->first + group->count))
+        continue;
+      d->state.drive[i].velocity = tdm_axpy(1 / d->state.mass[i], group->force, group->acceleration);
+      if (!group->fixed)
+        continue;
+      d->state.drive[i].velocity = tdm_scale(-1, m->gravity); /* nothing is left of gravity, exactly */
+      d->state.sphere[i].inverse_mass = 0;
+    }
+  }
+}
+
+double dem_particle_energy(const dem_data *d, int i, double *potential) {
+  const dem_sphere *s = &d->state.sphere[i];
+  const dem_pace *p = &d->state.pace[i];
+  double inertia = 0.4 * d->state.mass[i] * s->radius * s->radius,
+         kinetic = 0.5 * d->state.mass[i] * tdm_dot(p->velocity, p->velocity);
+  *potential = -d->state.mass[i] * tdm_dot(dem_field(d, i), s->position);
+  return kinetic + 0.5 * inertia * tdm_dot(p->spin, p->spin);
+}
+
+double dem_kinetic_energy(const dem_data *d) {
+  double sum = 0, potential;
+  for (int i = 0; i < d->state.nparticle; i++)
+    sum += dem_particle_energy(d, i, &potential);
+  return sum;
+}

@@ -1,0 +1,36 @@
+/* Linked cells: all spheres in cells of the largest diameter and the skin; neighbours are in the cells around. The
+ * search for spheres of like size. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/search/method/bins.h"
+
+static double largest_radius(const dem_search_input *input) {
+  double largest = 0;
+  for (int i = 0; i < input->n; i++)
+    largest = input->sphere[i].radius > largest ? input->sphere[i].radius : largest;
+  return largest;
+}
+
+typedef struct {
+  const dem_bins *bins;
+  dem_near near;
+  int nthread;
+  dem_found *found;
+} finding;
+
+static void find_part(void *context, int t) {
+  const finding *f = context;
+  dem_bins_pairs(f->bins, &f->near, t, f->nthread, &f->found[t]);
+}
+
+static tdm_status find(void *state, const dem_search_input *input, dem_found *found) {
+  (void)state;
+  dem_bins bins;
+  if (input->n < 2)
+    return TDM_OK;
+  if (dem_bins_fill(&bins, input, NULL, input->n, 2 * largest_radius(input) + input->skin))
+    return TDM_ERR_MEMORY;
+  dem_search_parallel(input->nthread, find_part, &(finding){&bins, dem_near_make(input), input->nthread, found});
+  return TDM_OK;
+}
+
+const dem_search_method dem_search_cells = {.find = find};
