@@ -8,6 +8,7 @@
 #include "dem/particles/create.h"
 #include "dem/particles/field.h"
 #include "dem/scene/keys.h"
+#include "dem/scene/scene.h"
 #include "dem/settle/settle.h"
 #include "dem/step/forces.h"
 #include "dem/store/state_file.h"

@@ -6,6 +6,7 @@
 #include "dem/particles/create.h"
 #include "dem/particles/field.h"
 #include "dem/particles/particles.h"
+#include "dem/scene/scene.h"
 #include "dem/search/pairs.h"
 #include "dem/state/data.h"
 #include "dem/step/forces.h"

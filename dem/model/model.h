@@ -271,9 +271,6 @@ static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {
   return v;
 }
 
-/* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
-tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
-
 /* Frees and sets *model to NULL; *model may be NULL. */
 void dem_model_destroy(dem_model **model);
 

@@ -1,11 +1,12 @@
-/* Reading the scene section "dem": see docs/scene.md for its keys. */
+/* The section "dem": see scene.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/scene/keys.h"
+#include "dem/scene/scene.h"
 
 #include "dem/geometry/shape/shape.h"
 #include "dem/model/integrator.h"
 #include "dem/scene/contact.h"
 #include "dem/scene/fill.h"
+#include "dem/scene/keys.h"
 #include "dem/search/search.h"
 
 #include <stdio.h>

@@ -5,6 +5,7 @@
 
 #include "dem/particles/create.h"
 #include "dem/particles/field.h"
+#include "dem/scene/scene.h"
 #include "dem/settle/settle.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"

@@ -9,6 +9,7 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/particles/create.h"
+#include "dem/scene/scene.h"
 #include "dem/state/data.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"

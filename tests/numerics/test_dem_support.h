@@ -7,6 +7,7 @@
 #include "dem/bodies/path.h"
 #include "dem/flow/flow.h"
 #include "dem/particles/create.h"
+#include "dem/scene/scene.h"
 #include "dem/state/data.h"
 #include "dem/step/forces.h"
 #include "dem/step/step.h"

@@ -89,6 +89,7 @@ static const dem_normal_law confined = {
 #include "test_dem_support.h"
 
 #include "dem/contact/table.h"
+#include "dem/scene/scene.h"
 #include "tests/test_main.h"
 
 static const double k = 2e4, alpha = 0.3; /* as in MATERIAL */

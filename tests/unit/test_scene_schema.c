@@ -8,7 +8,7 @@
 #include "coupler/scheme/schemes.h"
 #include "coupler/session/settings.h"
 #include "dem/app/run.h"
-#include "dem/model/model.h"
+#include "dem/scene/scene.h"
 #include "mbd/app/run.h"
 #include "mbd/scene/scene.h"
 #include "protocol/scene/scene.h"

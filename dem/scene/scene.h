@@ -1,0 +1,11 @@
+/* Reading the scene section "dem": see docs/scene.md for its keys. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_SCENE_SCENE_H
+#define DEM_SCENE_SCENE_H
+
+#include "dem/model/model.h"
+
+/* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
+tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
+
+#endif
