@@ -13,9 +13,9 @@
  *
  * In the loops the kernels are constants of an always-inlined function, so no call and no branch on a law is left.
  * Besides a pair of loops with each tangential law there is one with all terms, in which the scene's other laws are
- * switches. DEM_W contacts go at a time, one a lane, whether they touch or not; what does not touch adds nothing.
- * Forces are added lane after lane, in the order of the list, so the sums are those of a loop over one contact at a
- * time.
+ * switches, and in plain C one more that calls laws from elsewhere (dem_law_add). DEM_W contacts go at a time, one a
+ * lane, whether they touch or not; what does not touch adds nothing. Forces are added lane after lane, in the order of
+ * the list, so the sums are those of a loop over one contact at a time.
  *
  * The loop over planes is a function of its own: as a part of the loop over walls it would spill more registers.
  *
