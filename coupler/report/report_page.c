@@ -12,6 +12,19 @@ static const char *text_of(const json_t *object, const char *key) {
   return json_string_value(json_object_get(object, key));
 }
 
+/* a JSON value as text; numbers as short as they are read */
+static const char *value_text(const json_t *value, char *out, size_t size) {
+  if (json_is_string(value))
+    snprintf(out, size, "%s", json_string_value(value));
+  else if (json_is_integer(value))
+    snprintf(out, size, "%lld", (long long)json_integer_value(value));
+  else if (json_is_real(value))
+    snprintf(out, size, "%.6g", json_real_value(value));
+  else
+    snprintf(out, size, "%s", json_is_true(value) ? "yes" : json_is_false(value) ? "no" : "-");
+  return out;
+}
+
 bool cpl_report_good(const cpl_report_data *r) {
   const char *status = text_of(r->summary, "status");
   return status && strcmp(status, "TDM_OK") == 0;
@@ -55,16 +68,29 @@ const char *cpl_report_remark(const json_t *entry, char *out, size_t size) {
   return out;
 }
 
+/* What DEM notes of its start: no reason for doubt, but worth a look. */
+static const json_t *notes_of(const json_t *summary) {
+  const json_t *report = json_object_get(json_object_get(json_object_get(summary, "solvers"), "dem"), "report");
+  return json_object_get(report ? report : json_object_get(summary, "report"), "notes");
+}
+
 static void write_remarks(FILE *page, const cpl_report_data *r, const char *list, const char *kind, bool lacks) {
-  const json_t *entries = json_object_get(r->summary, list);
+  const json_t *entries = json_object_get(r->summary, list), *notes = lacks ? NULL : notes_of(r->summary);
   const size_t n = json_array_size(entries);
   char text[2048];
-  if (n == 0 && (!lacks || r->nlack == 0))
+  size_t k;
+  json_t *note;
+  if (n + json_array_size(notes) == 0 && (!lacks || r->nlack == 0))
     return;
   fprintf(page, "<div class=\"box %s\">\n<b>%s</b>\n<ul>\n", kind, list);
   for (size_t i = 0; i < n; i++) {
     fputs("<li>", page);
     cpl_html_text(page, cpl_report_remark(json_array_get(entries, i), text, sizeof text));
+    fputs("</li>\n", page);
+  }
+  json_array_foreach((json_t *)notes, k, note) {
+    fputs("<li>", page);
+    cpl_html_text(page, value_text(note, text, sizeof text));
     fputs("</li>\n", page);
   }
   for (int i = 0; lacks && i < r->nlack; i++) {
@@ -82,19 +108,6 @@ static void write_row(FILE *page, const char *name, const char *value) {
   cpl_html_cell(page, name);
   cpl_html_cell(page, value);
   fputs("</tr>\n", page);
-}
-
-/* a JSON value as text; numbers as short as they are read */
-static const char *value_text(const json_t *value, char *out, size_t size) {
-  if (json_is_string(value))
-    snprintf(out, size, "%s", json_string_value(value));
-  else if (json_is_integer(value))
-    snprintf(out, size, "%lld", (long long)json_integer_value(value));
-  else if (json_is_real(value))
-    snprintf(out, size, "%.6g", json_real_value(value));
-  else
-    snprintf(out, size, "%s", json_is_true(value) ? "yes" : json_is_false(value) ? "no" : "-");
-  return out;
 }
 
 static void write_settings(FILE *page, const cpl_report_data *r) {

@@ -293,9 +293,8 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   tdm_scene_locate(&run->scene, err);
   cpl_observers_end(&run->observers, &run->loop, err);
   json_t *remarks = all_remarks(run);
-  tell_remarks(run);
   if (!run->options->quiet)
-    tdm_remarks_tell_counts(&run->teller, remarks);
+    tdm_remarks_tell_end(&run->teller, remarks, result->windows > 0 ? (size_t)result->warnings : 0);
   if (run->results.log) {
     result->wall = tdm_clock() - begin;
     json_t *json = summary(run, result, remarks, err);

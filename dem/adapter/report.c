@@ -35,9 +35,14 @@ dem_fill dem_fill_now(const dem_data *d) {
 static void warn(dem_report *r, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 static void warn(dem_report *r, const char *path, const char *format, ...) {
-  if (r->nwarning == DEM_WARNINGS_MAX)
+  const bool full = r->nwarning == DEM_WARNINGS_MAX;
+  tdm_warning *w = &r->warning[full ? DEM_WARNINGS_MAX - 1 : r->nwarning++];
+  if (full) { /* the last one stands for the rest */
+    snprintf(w->path, sizeof w->path, "dem");
+    snprintf(w->message, sizeof w->message, "there are more than %d doubts about this scene; mend the first ones",
+             DEM_WARNINGS_MAX - 1);
     return;
-  tdm_warning *w = &r->warning[r->nwarning++];
+  }
   snprintf(w->path, sizeof w->path, "%s", path);
   va_list args;
   va_start(args, format);

@@ -14,6 +14,7 @@
 #include "mbd/reduced/reduced.h"
 #include "mbd/scene/scene.h"
 #include "protocol/base/log.h"
+#include "protocol/base/remark.h"
 #include "protocol/math/gsl_errors.h"
 #include "protocol/version.h"
 
@@ -126,7 +127,10 @@ static tdm_status linearise_start(mbd_engine *s, const tdm_assignment *a, tdm_er
     return err->status;
   const int freedom = s->reduced ? mbd_reduced_freedom(s->reduced) : 0;
   if (freedom > TDM_FREE_MAX) {
-    tdm_log(TDM_LOG_INFO, "mobility_alone", "degrees_of_freedom=%d limit=%d", freedom, TDM_FREE_MAX);
+    tdm_remark(TDM_NOTICE, "mobility_alone", "mbd", a->time_start,
+               "the mechanism has %d degrees of freedom, more than the %d of a reduced model: within a window the "
+               "particles feel its inertia, but not its springs and dampers; keep coupling.n small",
+               freedom, TDM_FREE_MAX);
     json_object_set_new(s->start.report, "reduced_model", json_string("mobility alone: too many degrees of freedom"));
   }
   return TDM_OK;

@@ -263,8 +263,7 @@ json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err) {
   json_object_set_new(json, "warnings", run->warnings ? json_copy(run->warnings) : json_array());
   json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
   tdm_remarks_enter(json, remarks);
-  tdm_standalone_tell(run, false);
-  tdm_remarks_tell_counts(&run->teller, remarks);
+  tdm_remarks_tell_end(&run->teller, remarks, run->nrow > 0 ? json_array_size(run->warnings) : 0);
   json_decref(remarks);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
   if (err->status != TDM_OK)

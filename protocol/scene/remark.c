@@ -181,17 +181,38 @@ void tdm_remarks_tell(tdm_teller *teller, const json_t *remarks, const char *bef
   }
 }
 
-void tdm_remarks_tell_counts(const tdm_teller *teller, const json_t *remarks) {
+/* How often an entry came, when, and where first. */
+static void tell_count(const tdm_teller *teller, const json_t *entry, const char *key) {
+  const long long count = json_integer_value(json_object_get(entry, "count"));
+  const json_t *first = json_object_get(entry, "first_s"), *last = json_object_get(entry, "last_s");
+  const char *path = text_of(entry, "path");
+  fprintf(stderr, "%s: %s: %s: ", teller->program, text_of(entry, "level"), key);
+  if (count > 1)
+    fprintf(stderr, "%lld times", count);
+  else
+    fputs("once", stderr);
+  if (json_is_number(first) && count > 1)
+    fprintf(stderr, ", from t = %.6g s to %.6g s", json_number_value(first), json_number_value(last));
+  else if (json_is_number(first))
+    fprintf(stderr, ", at t = %.6g s", json_number_value(first));
+  fprintf(stderr, *path ? ", first at %s\n" : "\n", path);
+}
+
+void tdm_remarks_tell_end(tdm_teller *teller, const json_t *remarks, size_t doubts) {
+  json_t *before = teller->told ? json_copy(teller->told) : json_object();
+  tdm_remarks_tell(teller, remarks, NULL);
   for (size_t i = 0; i < json_array_size(remarks); i++) {
     const json_t *entry = json_array_get(remarks, i);
-    const long long count = json_integer_value(json_object_get(entry, "count"));
+    const bool many = json_integer_value(json_object_get(entry, "count")) > 1;
     char key[256];
     key_of(entry, key, sizeof key);
-    if (count > 1)
-      fprintf(stderr, "%s: %s: %s: %lld times, from t = %.6g s to %.6g s\n", teller->program, text_of(entry, "level"),
-              key, count, json_number_value(json_object_get(entry, "first_s")),
-              json_number_value(json_object_get(entry, "last_s")));
+    if (many || (json_object_get(before, key) && strcmp(text_of(entry, "level"), levels[TDM_WARNING]) == 0))
+      tell_count(teller, entry, key);
   }
+  if (doubts > 0)
+    fprintf(stderr, "%s: warning: %zu doubt%s about the scene from before the start; summary.json has %s\n",
+            teller->program, doubts, doubts == 1 ? "" : "s", doubts == 1 ? "it" : "them");
+  json_decref(before);
 }
 
 void tdm_teller_free(tdm_teller *teller) {

@@ -74,8 +74,9 @@ typedef struct {
  * printed first if there are any. */
 void tdm_remarks_tell(tdm_teller *teller, const json_t *remarks, const char *before);
 
-/* At the end: how often what was told came, where it was more than once. */
-void tdm_remarks_tell_counts(const tdm_teller *teller, const json_t *remarks);
+/* At the end of a run: print what has not been told yet, and say again, in a line each, which warnings came before, and
+ * of all that came more than once how often, when, and where first. `doubts`: warnings from before the start. */
+void tdm_remarks_tell_end(tdm_teller *teller, const json_t *remarks, size_t doubts);
 
 /* *teller is as new. */
 void tdm_teller_free(tdm_teller *teller);

@@ -243,6 +243,153 @@ START_TEST(bodies_alone_have_both_lists) {
 }
 END_TEST
 
-TEST_MAIN("remarks", the_first_is_kept_and_all_are_counted, from_elsewhere_nothing_steers_the_terminal,
-          settling_is_not_silent, what_the_solver_warns_of_is_told, particles_alone_say_who_waits,
-          what_falls_out_of_the_scene_is_told, bodies_alone_have_both_lists)
+/* ---- at the end of a run ---- */
+
+/* What tdm_remarks_tell_end says of the table, as a text in `out` (size bytes). */
+static void tell_end(tdm_teller *teller, const tdm_remarks *table, size_t doubts, char *out, size_t size) {
+  FILE *file = tmpfile();
+  const int before = dup(2);
+  json_t *json = tdm_remarks_to_json(table, "dem");
+  fflush(stderr);
+  dup2(fileno(file), 2);
+  tdm_remarks_tell_end(teller, json, doubts);
+  fflush(stderr);
+  dup2(before, 2);
+  close(before);
+  rewind(file);
+  out[fread(out, 1, size - 1, file)] = 0;
+  fclose(file);
+  json_decref(json);
+}
+
+START_TEST(the_end_says_it_again) {
+  static tdm_remarks table;
+  static char text[8192];
+  tdm_teller teller = {.program = "tandem"};
+  tdm_remarks_open(&table);
+  tdm_remark(TDM_WARNING, "deep", "dem.particles[0]", 0.1, "particle 1 is deep");
+  tdm_remark(TDM_NOTICE, "late", NULL, 0.2, "it is late");
+  json_t *early = tdm_remarks_to_json(&table, "dem");
+  tdm_remarks_tell(&teller, early, NULL);
+  json_decref(early);
+  tdm_remark(TDM_WARNING, "wide", "", 0.3, "particle 2 is wide");
+  tdm_remark(TDM_WARNING, "wide", "", 0.4, "particle 2 is wide");
+  tdm_remark(TDM_WARNING, "new", "", 0.5, "particle 3 is new");
+  tell_end(&teller, &table, 2, text, sizeof text);
+  ck_assert_str_eq(text, "tandem: warning: dem: particle 2 is wide\n"
+                         "tandem: warning: dem: particle 3 is new\n"
+                         "tandem: warning: dem: deep: once, at t = 0.1 s, first at dem.particles[0]\n"
+                         "tandem: warning: dem: wide: 2 times, from t = 0.3 s to 0.4 s\n"
+                         "tandem: warning: 2 doubts about the scene from before the start; summary.json has them\n");
+  tdm_remarks_open(NULL);
+  tdm_teller_free(&teller);
+}
+END_TEST
+
+/* Runs with all sorts of warnings: whatever a log warns of is in summary.json, on the terminal and on top of the
+ * report. */
+static const struct {
+  const char *program, *scene, *options, *event;
+} doubtful_runs[] = {
+    {"tandem-mbd", "hoist", "--set mbd.bodies[0].velocity=[1,0,0]", "doubtful"},
+    {"tandem-dem", "vibrated", "--set dem.bodies[0].motion.oscillation.amplitude=[0,0,0.2]", "guard.step"},
+    {"tandem-dem", "shear", "--set dem.bodies[1].motion.velocity=[4,0,0]", "fallen"},
+    {"tandem-dem", "belt", "--set time.end=0.2 --set dem.sources[0].rate=5000 --set dem.sources[0].count=5000",
+     "source_behind.chute"},
+    {"tandem", "swing", "--set 'coupling.iterative={\"max\":1,\"tolerance\":1e-9,\"absolute\":1e-15}'",
+     "not_converging"},
+    {"tandem", "box_on_spring",
+     "--set 'coupling.scheme=\"lommen\"' --set coupling.n=1000 --set mbd.bodies[0].mass=0.1 --set "
+     "'coupling.guard={\"action\":\"warn\"}'",
+     "guard.lost"},
+};
+enum { NDOUBTFUL = sizeof doubtful_runs / sizeof doubtful_runs[0] };
+
+START_TEST(nothing_stays_in_the_log) {
+  const char *event = doubtful_runs[_i].event;
+  dir = directory_make();
+  ck_assert_msg(command("%s run " TANDEM_SOURCE_DIR "/tests/healthy/scenes/%s.json --out %s/out %s > /dev/null 2> "
+                        "%s/terminal",
+                        doubtful_runs[_i].program, doubtful_runs[_i].scene, dir, doubtful_runs[_i].options, dir) == 0,
+                "%s", doubtful_runs[_i].scene);
+  write_file(dir, "script",
+             "tandem report out > /dev/null && sed '/id=.run/q' out/index.html > top\n"
+             "sed -n 's/.*level=warning .*event=\\([^ ]*\\) .*/\\1/p' out/*.log | sort -u > events\n"
+             "for e in $(cat events); do echo \"$e\"\n"
+             "  test $e = doubtful || grep -q \"\\\"event\\\": \\\"$e\\\"\" out/summary.json || exit 1\n"
+             "done\n"
+             /* each message's first words, as often as summary.json has it */
+             "grep -o '\"message\": \"[^\"\\\\]*' out/summary.json | cut -c13-52 > messages\n"
+             "while read -r m; do grep -qF \"$m\" terminal && sed 's/&gt;/>/g; s/&#39;/\"/g' top | grep -qF \"$m\" || "
+             "{ echo \"untold: $m\"; exit 2; }; done < messages\n");
+  const int status = command("sh -c 'cd %s && sh ./script'", dir);
+  ck_assert_msg(status == 0, "%d: %s", status, command_output);
+  expect_output(event);
+  directory_remove(dir);
+}
+END_TEST
+
+/* ---- what was told nowhere ---- */
+
+/* A chain of 14 bodies and more freedom than a reduced model holds. */
+START_TEST(too_much_freedom_is_told) {
+  dir = directory_make();
+  char path[512];
+  snprintf(path, sizeof path, "%s/scene.json", dir);
+  FILE *f = fopen(path, "w");
+  fputs("{\"time\": {\"end\": 1e-3, \"dt\": 1e-4}, \"coupling\": {\"n\": 1, \"bodies\": [{\"mbd\": \"b0\", \"dem\": "
+        "\"b0\"}]}, \"mbd\": {\"bodies\": [",
+        f);
+  for (int k = 0; k < 14; k++)
+    fprintf(f, "%s{\"name\": \"b%d\", \"mass\": 1, \"inertia\": [1, 1, 1], \"position\": [%d, 0, 0]}", k ? ", " : "", k,
+            k);
+  fputs("], \"joints\": [", f);
+  for (int k = 1; k < 14; k++)
+    fprintf(f, "%s{\"name\": \"j%d\", \"type\": \"spherical\", \"bodies\": [\"b%d\", \"b%d\"], \"point\": [%d, 0, 0]}",
+            k > 1 ? ", " : "", k, k - 1, k, k);
+  fputs("]}, \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, \"young_modulus\": 1e7, \"poisson_ratio\": "
+        "0.3}], \"pairs\": [{\"materials\": [\"m\", \"m\"], \"restitution\": 0.5, \"friction\": 0.5}], \"bodies\": "
+        "[{\"name\": "
+        "\"b0\", \"material\": \"m\", \"shapes\": [{\"type\": \"plane\", \"normal\": [0, 0, 1], \"point\": [0, 0, "
+        "-5]}]}]}}",
+        f);
+  fclose(f);
+  ck_assert_msg(run("tandem", "out", "") == 0, "%s", command_output);
+  expect_output("tandem: notice: mbd: ");
+  expect_output("45 degrees of freedom, more than the 32");
+  ck_assert_int_eq(count_of("out", "notices", "mobility_alone"), 1);
+  directory_remove(dir);
+}
+END_TEST
+
+/* Twenty bodies that move too fast: the last of the doubts says that there are more. */
+START_TEST(many_doubts_are_not_dropped) {
+  dir = directory_make();
+  char path[512];
+  snprintf(path, sizeof path, "%s/scene.json", dir);
+  FILE *f = fopen(path, "w");
+  fputs("{\"time\": {\"end\": 1e-3, \"dt\": 1e-4}, \"dem\": {\"materials\": [{\"name\": \"m\", \"density\": 1000, "
+        "\"young_modulus\": 1e7, \"poisson_ratio\": 0.3}], \"pairs\": [{\"materials\": [\"m\", \"m\"], "
+        "\"restitution\": 0.5, "
+        "\"friction\": 0.5}], \"expected_speed\": 1e-3, \"particles\": [{\"type\": \"list\", \"material\": \"m\", "
+        "\"radius\": 0.01, "
+        "\"positions\": [[0, 0, 1]]}], \"bodies\": [",
+        f);
+  for (int k = 0; k < 20; k++)
+    fprintf(
+        f,
+        "%s{\"name\": \"b%d\", \"material\": \"m\", \"motion\": {\"velocity\": [300, 0, 0]}, \"shapes\": [{\"type\": "
+        "\"box\", \"side\": \"outside\", \"size\": [0.1, 0.1, 0.1], \"center\": [5, %d, 0]}]}",
+        k ? ", " : "", k, k);
+  fputs("]}}", f);
+  fclose(f);
+  ck_assert_msg(run("tandem-dem", "out", "--no-plots") == 0, "%s", command_output);
+  expect_output("there are more than 15 doubts about this scene");
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN_ROWS("remarks", {the_first_is_kept_and_all_are_counted, 1}, {from_elsewhere_nothing_steers_the_terminal, 1},
+               {settling_is_not_silent, 1}, {what_the_solver_warns_of_is_told, 1}, {particles_alone_say_who_waits, 1},
+               {what_falls_out_of_the_scene_is_told, 1}, {bodies_alone_have_both_lists, 1}, {the_end_says_it_again, 1},
+               {nothing_stays_in_the_log, NDOUBTFUL}, {too_much_freedom_is_told, 1}, {many_doubts_are_not_dropped, 1})
