@@ -141,7 +141,7 @@ static cpl_panel *find_panel(cpl_contents *c, cpl_section *s, const cpl_channel 
   return p;
 }
 
-/* whose force a force on a body is, and a joint's */
+/* whose force a force on a body is, and a joint's; what drifts */
 static void tell_whose(const place *p, cpl_words *w) {
   const bool load = strcmp(w->quantity, "force") == 0 || strcmp(w->quantity, "moment") == 0;
   char plain[sizeof w->quantity];
@@ -150,6 +150,8 @@ static void tell_whose(const place *p, cpl_words *w) {
     snprintf(w->quantity, sizeof w->quantity, "%.60s of the particles", plain);
   else if (load && w->vector && p->group == CPL_JOINTS)
     snprintf(w->quantity, sizeof w->quantity, "reaction %.60s", plain);
+  else if (p->group == CPL_MECHANISM && strcmp(p->name, "drift") == 0)
+    snprintf(w->quantity, sizeof w->quantity, "opening of the joints");
 }
 
 static void look_at(cpl_channel *channel, const cpl_table *t) {

@@ -286,8 +286,8 @@ static void write_numbers(FILE *page, const cpl_report_data *r, int section, boo
         continue;
       fputs("<tr>", page);
       write_name(page, &c->panel[i], channel);
-      fprintf(page, "<td>%.6g</td><td>%.6g</td><td>%.6g</td><td>%.6g</td></tr>\n", channel->start, channel->end,
-              channel->least, channel->greatest);
+      fprintf(page, "<td>%.6g</td><td>%.6g</td><td>%.6g</td><td>%.6g</td></tr>\n", channel->start + 0.0,
+              channel->end + 0.0, channel->least + 0.0, channel->greatest + 0.0); /* no -0 */
     }
   fputs("</table>\n</details>\n", page);
 }
@@ -360,7 +360,7 @@ static void write_constants(FILE *page, const cpl_report_data *r) {
         cpl_html_cell(page, cpl_section_title(&c->section[s], title, sizeof title));
         write_name(page, &c->panel[i], channel);
         if (channel->course == CPL_CONSTANT)
-          fprintf(page, "<td>%.6g</td></tr>\n", channel->start);
+          fprintf(page, "<td>%.6g</td></tr>\n", channel->start + 0.0);
         else if (channel->course == CPL_ROUND_OFF)
           fprintf(page, "<td>%.3g &hellip; %.3g (round-off)</td></tr>\n", channel->least, channel->greatest);
         else

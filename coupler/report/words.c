@@ -21,8 +21,8 @@ static const struct {
     {"phi", "rotation"},
     {"com.", "centre of mass"},
     {"velocity.", "mean velocity"},
-    {"impulse.", "impulse of the particles"},
-    {"angular_impulse.", "angular impulse of the particles"},
+    {"impulse.", "impulse"},
+    {"angular_impulse.", "angular impulse"},
 };
 
 /* channels with one number */
@@ -33,8 +33,8 @@ static const struct {
     {"value", "N", "force"},
     {"value", "N m", "torque"},
     {"sliding", NULL, "direction of sliding"},
-    {"drift", "m", "drift: distance of the two solvers' states"},
-    {"drift_angle", NULL, "drift: angle between the two solvers' states"},
+    {"drift", "m", "drift of the states"},
+    {"drift_angle", NULL, "drift of the states"},
     {"count", NULL, "number of particles"},
     {"lost", NULL, "particles lost"},
     {"left", NULL, "particles that left the domain"},

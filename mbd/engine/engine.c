@@ -14,7 +14,7 @@
 #include "mbd/reduced/reduced.h"
 #include "mbd/scene/scene.h"
 #include "protocol/base/log.h"
-#include "protocol/base/remark.h"
+#include "protocol/scene/remark.h"
 #include "protocol/math/gsl_errors.h"
 #include "protocol/version.h"
 

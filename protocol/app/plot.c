@@ -93,10 +93,13 @@ static void write_picture(FILE *f, const tdm_plot_picture *p) {
   fputc('\n', f);
   if (p->nplot > 1 || p->title)
     fprintf(f, "set multiplot layout %d,%d", rows, across);
-  if (p->title)
-    write_word(f, " title ", p->title);
-  else if (p->nplot > 1)
+  if (p->title) { /* a second line keeps what stands above the first panels out of it */
+    fputs(" title ", f);
+    write_quoted(f, p->title);
+    fputs(".\"\\n\"\n", f);
+  } else if (p->nplot > 1) {
     fputc('\n', f);
+  }
   for (int i = 0; i < p->nplot; i++)
     write_panel(f, &p->plot[i], i);
   fputs(p->nplot > 1 || p->title ? "unset multiplot\nunset output\n" : "unset output\n", f);
