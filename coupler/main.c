@@ -37,6 +37,16 @@ static void usage(FILE *out) {
         "      Make a page of a result directory, also of tandem-dem and tandem-mbd: warnings, where the time went, "
         "every\n"
         "      time history, simulation against reference. tandem run makes no plots itself.\n\n"
+        "  tandem draw DIR|FILE [--times LIST] [--all] [--view VIEW] [--set KEY=VALUE ...] [--out PREFIX]\n"
+        "      Draw pictures of a run, also of one that failed or goes on, from its frames.tdv (or a FILE.frame).\n"
+        "      --times LIST       the snapshots nearest to these times [s]; --all: every one (default: the last)\n"
+        "      --view VIEW        space, xz, yz, xy, zx, zy, yx, {\"from\": [x, y, z], \"at\": [x, y, z], ...}, or the "
+        "name\n"
+        "                         of a view in the scene's output.pictures (default: its first one, else space)\n"
+        "      --set KEY=VALUE    a key of output.pictures: --set color=force --set walls=hidden\n"
+        "      --out PREFIX       write PREFIX_000.png ... (default: DIR/drawn)\n\n"
+        "  tandem movie DIR [--view VIEW] [--set KEY=VALUE ...] [--fps N] [--size WxH] [--out FILE]\n"
+        "      Make an animation of all snapshots by ffmpeg (default: DIR/movie.mp4, 25 pictures a second).\n\n"
         "  tandem sweep SCENE [--dt LIST] [--n LIST] [--scheme LIST] [--set PATH=LIST ...] [--jobs J] [--resume]\n"
         "               [--out DIR] [--force] [--json FILE]\n"
         "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
@@ -215,15 +225,22 @@ static tdm_status command_sweep(const arguments *a, tdm_error *err) {
   return err->status;
 }
 
+/* draw and movie: a program of its own takes over, with the words from the command on */
+static tdm_status command_picture(char **argv, tdm_error *err) {
+  char program[4096];
+  if (tdm_find_program(program, sizeof program, "tandem-draw"))
+    execv(program, argv);
+  return tdm_fail(err, TDM_ERR_FILE, NULL,
+                  "%s: tandem-draw is neither beside this program nor in PATH, or cannot be started; install it",
+                  argv[1]);
+}
+
 int main(int argc, char **argv) {
   const struct {
     const char *name;
-    tdm_status (*run)(const arguments *, tdm_error *);
-  } commands[] = {{"run", command_run},
-                  {"check", command_check},
-                  {"report", command_report},
-                  {"sweep", command_sweep},
-                  {"verify", command_verify}};
+    tdm_status (*run)(const arguments *, tdm_error *); /* NULL: tandem-draw does it */
+  } commands[] = {{"run", command_run}, {"check", command_check}, {"report", command_report}, {"draw", NULL},
+                  {"movie", NULL},      {"sweep", command_sweep}, {"verify", command_verify}};
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };
   const char *names[NCOMMAND];
   for (int i = 0; i < NCOMMAND; i++)
@@ -251,6 +268,8 @@ int main(int argc, char **argv) {
     k++;
   if (k == NCOMMAND)
     tdm_unknown_command("tandem", argv[1], names, NCOMMAND, &err);
+  else if (!commands[k].run)
+    command_picture(argv, &err);
   else if (parse(&a, argc - 2, argv + 2, &err) == TDM_OK)
     commands[k].run(&a, &err);
   tdm_arguments_free(&a.given);

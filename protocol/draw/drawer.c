@@ -221,15 +221,15 @@ static void take_log(tdm_drawer *d, int status) {
   }
   line[strcspn(line, "\n")] = 0;
   tdm_utf8_clean(line);
-  if (status == 0 && !*line)
+  if (status == 0 && !*line) {
     unlink(path);
-  else if (status == 127 && !*line)
-    tdm_fail(&d->notice, TDM_ERR_FILE, NULL, "no pictures: tandem-draw cannot be started; its frames are left");
-  else if (*line || status != 0)
-    tdm_fail(&d->notice, TDM_ERR_FILE, NULL,
-             "pictures are missing: %s%s (%s); draw the frames that are left: tandem draw "
-             "FILE.frame",
-             *line ? line : "tandem-draw ended with status ", *line ? "" : "", path);
+    return;
+  }
+  if (!*line)
+    snprintf(line, sizeof line, status == 127 ? "tandem-draw cannot be started" : "tandem-draw ended with status %d",
+             status);
+  tdm_fail(&d->notice, TDM_ERR_FILE, NULL, "pictures are missing: %s (%s); draw what is left: tandem draw FILE.frame",
+           line, path);
 }
 
 static int submitted(const tdm_drawer *d) {

@@ -124,15 +124,23 @@ static tdm_status find_records(tdm_frames *f, tdm_error *err) {
   return TDM_OK;
 }
 
+static tdm_status open_file(tdm_frames *f, const char *cure, tdm_error *err) {
+  f->file = fopen(f->path, "rb");
+  if (!f->file)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %s%s", f->path, strerror(errno), cure);
+  return find_records(f, err);
+}
+
 tdm_status tdm_frames_open(tdm_frames *f, const char *dir, tdm_error *err) {
   *f = (tdm_frames){0};
   snprintf(f->path, sizeof f->path, "%s/%s", dir, TDM_FRAMES_FILE);
-  f->file = fopen(f->path, "rb");
-  if (!f->file)
-    return tdm_fail(err, TDM_ERR_FILE, NULL,
-                    "%s: %s; a run writes it with output.particles_interval (seconds between what is seen)", f->path,
-                    strerror(errno));
-  return find_records(f, err);
+  return open_file(f, "; a run writes it with output.particles_interval (seconds between what is seen)", err);
+}
+
+tdm_status tdm_frames_open_file(tdm_frames *f, const char *path, tdm_error *err) {
+  *f = (tdm_frames){0};
+  snprintf(f->path, sizeof f->path, "%s", path);
+  return open_file(f, "", err);
 }
 
 tdm_status tdm_frames_load(tdm_frames *f, int k, tdm_snapshot *snapshot, tdm_error *err) {

@@ -37,6 +37,8 @@ typedef struct {
 
 /* Open DIR/frames.tdv and find its snapshots. TDM_ERR_FILE: there is none; the message says how a run writes one. */
 tdm_status tdm_frames_open(tdm_frames *frames, const char *dir, tdm_error *err);
+/* The same of a file of any name. */
+tdm_status tdm_frames_open_file(tdm_frames *frames, const char *path, tdm_error *err);
 
 /* Snapshot k into *snapshot, checked against the scenery. */
 tdm_status tdm_frames_load(tdm_frames *frames, int k, tdm_snapshot *snapshot, tdm_error *err);
