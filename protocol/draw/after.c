@@ -3,10 +3,10 @@
 #include "protocol/draw/after.h"
 
 #include "protocol/app/command_line.h"
-#include "protocol/app/mark.h"
-#include "protocol/app/results.h"
 #include "protocol/draw/color.h"
 #include "protocol/draw/painter.h"
+#include "protocol/results/mark.h"
+#include "protocol/results/results.h"
 #include "protocol/view/frames.h"
 
 #include <errno.h>
