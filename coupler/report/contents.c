@@ -7,6 +7,7 @@
 #include "coupler/session/settings.h"
 #include "protocol/scene/input.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -299,12 +300,26 @@ static bool sort_sections(cpl_contents *c) {
   return true;
 }
 
-tdm_status cpl_contents_read(cpl_contents *c, const char *dir, const json_t *scene, const json_t *summary,
-                             tdm_error *err) {
-  *c = (cpl_contents){0};
-  const json_t *bodies = json_object_get(json_object_get(scene, "coupling"), "bodies");
-  const char *software = json_string_value(json_object_get(summary, "software"));
-  const bool mbd = scene ? json_object_get(scene, "dem") == NULL : software && strstr(software, "mbd");
+static int is_body_file(const struct dirent *entry) {
+  const size_t n = strlen(entry->d_name), around = strlen("body_.csv");
+  return n > around && strncmp(entry->d_name, "body_", 5) == 0 && strcmp(entry->d_name + n - 4, ".csv") == 0;
+}
+
+/* The coupled bodies as a scene names them (new reference), from the names of their files: there is no scene. */
+static json_t *guess_bodies(const char *dir) {
+  json_t *bodies = json_array();
+  struct dirent **file = NULL;
+  const int n = scandir(dir, &file, is_body_file, alphasort);
+  for (int i = 0; i < n; i++) {
+    const char *name = file[i]->d_name + strlen("body_");
+    json_array_append_new(bodies, json_pack("{s:s%}", cpl_role_names[CPL_MBD], name, strlen(name) - strlen(".csv")));
+    free(file[i]);
+  }
+  free(file);
+  return bodies;
+}
+
+static tdm_status read_bodies(cpl_contents *c, const char *dir, const json_t *bodies, tdm_error *err) {
   size_t i;
   json_t *body;
   json_array_foreach(bodies, i, body) {
@@ -316,13 +331,26 @@ tdm_status cpl_contents_read(cpl_contents *c, const char *dir, const json_t *sce
     if (read_file(c, dir, &from, err) != TDM_OK)
       return err->status;
   }
+  return TDM_OK;
+}
+
+tdm_status cpl_contents_read(cpl_contents *c, const char *dir, const json_t *scene, const json_t *summary,
+                             tdm_error *err) {
+  *c = (cpl_contents){0};
+  json_t *bodies =
+      scene ? json_incref(json_object_get(json_object_get(scene, "coupling"), "bodies")) : guess_bodies(dir);
+  const char *software = json_string_value(json_object_get(summary, "software"));
+  const bool mbd = scene ? json_object_get(scene, "dem") == NULL : software && strstr(software, "mbd");
   const source others[] = {{"mbd.csv", CHANNELS, CPL_MBD, NULL, NULL},
                            {"dem.csv", CHANNELS, CPL_DEM, NULL, NULL},
                            {"channels.csv", CHANNELS, mbd ? CPL_MBD : CPL_DEM, NULL, NULL},
                            {"ledger.csv", LEDGER, CPL_MBD, NULL, bodies}};
-  for (size_t k = 0; k < sizeof others / sizeof others[0]; k++)
-    if (read_file(c, dir, &others[k], err) != TDM_OK)
-      return err->status;
+  read_bodies(c, dir, bodies, err);
+  for (size_t k = 0; k < sizeof others / sizeof others[0] && err->status == TDM_OK; k++)
+    read_file(c, dir, &others[k], err);
+  json_decref(bodies);
+  if (err->status != TDM_OK)
+    return err->status;
   find_round_off(c);
   return sort_sections(c) ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "%s: out of memory", dir);
 }

@@ -73,7 +73,8 @@ typedef struct {
   char (*lack)[512]; /* (nlack) what could not be read, and why */
 } cpl_contents;
 
-/* Read the files of `dir` that a run of this scene writes; scene and summary may be NULL. Files that are not there are
+/* Read the files of `dir` that a run of this scene writes; scene and summary may be NULL:
+ * without a scene the bodies are those whose files are there. Files that are not there are
  * left out, those that cannot be read are in `lack`. cpl_contents_free afterwards in any case. */
 tdm_status cpl_contents_read(cpl_contents *c, const char *dir, const json_t *scene, const json_t *summary,
                              tdm_error *err);

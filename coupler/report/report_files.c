@@ -21,29 +21,56 @@ bool cpl_report_has(const char *dir, const char *name) {
 
 /* ---- pictures of the run ---- */
 
+/* picture_NNN.png, or picture_VIEW_NNN.png where a run has several views: how much of the name all of a view share; 0:
+ * it is no picture of a run. */
+static size_t shot_stem(const char *name) {
+  const size_t n = strlen(name);
+  size_t k = n < 4 ? 0 : n - 4;
+  if (strncmp(name, "picture_", 8) != 0 || strcmp(name + k, ".png") != 0)
+    return 0;
+  while (k > 0 && isdigit((unsigned char)name[k - 1]))
+    k--;
+  return k < n - 4 && name[k - 1] == '_' ? k : 0;
+}
+
 static int is_shot(const struct dirent *entry) {
-  int n = 0;
-  return sscanf(entry->d_name, "picture_%*[0-9].png%n", &n) == 0 && n > 0 && entry->d_name[n] == 0;
+  return shot_stem(entry->d_name) > 0;
+}
+
+/* The pictures of one view: the first, the last and some between. */
+static void write_view(FILE *page, int n, struct dirent *const *shot) {
+  const int shown = n < SHOTS_MAX ? n : SHOTS_MAX;
+  fputs("<div class=\"shots\">\n", page);
+  for (int k = 0; k < shown; k++) {
+    const char *name = shot[shown > 1 ? k * (n - 1) / (shown - 1) : 0]->d_name;
+    fputs("<a href=\"", page);
+    cpl_html_link(page, name);
+    fputs("\"><img src=\"", page);
+    cpl_html_link(page, name);
+    fputs("\" alt=\"", page);
+    cpl_html_text(page, name);
+    fputs("\"></a>\n", page);
+  }
+  fputs("</div>\n", page);
+  if (shown < n)
+    fprintf(page, "<p class=\"quiet\">%d of %d pictures</p>\n", shown, n);
 }
 
 void cpl_report_shots(FILE *page, const char *dir) {
   struct dirent **shot = NULL;
   const int n = scandir(dir, &shot, is_shot, alphasort);
-  const int shown = n < SHOTS_MAX ? n : SHOTS_MAX;
   if (cpl_report_has(dir, "view.html"))
     fputs("<p><a href=\"view.html\">Play the run in the viewer</a></p>\n", page);
   if (cpl_report_has(dir, "movie.mp4"))
     fputs("<video controls src=\"movie.mp4\" style=\"max-width:100%\"></video>\n", page);
-  if (n > 0)
-    fputs("<div class=\"shots\">\n", page);
-  for (int k = 0; k < shown; k++) { /* the first, the last and some between */
-    const char *name = shot[shown > 1 ? k * (n - 1) / (shown - 1) : 0]->d_name;
-    fprintf(page, "<a href=\"%s\"><img src=\"%s\" alt=\"%s\"></a>\n", name, name, name);
+  for (int i = 0, next; i < n; i = next) {
+    const size_t stem = shot_stem(shot[i]->d_name);
+    for (next = i;
+         next < n && shot_stem(shot[next]->d_name) == stem && strncmp(shot[next]->d_name, shot[i]->d_name, stem) == 0;
+         next++)
+      ;
+    write_view(page, next - i, shot + i);
   }
-  if (n > 0)
-    fputs("</div>\n", page);
-  if (shown < n)
-    fprintf(page, "<p class=\"quiet\">%d of %d pictures</p>\n", shown, n);
   for (int k = 0; k < n; k++)
     free(shot[k]);
   free(shot);
@@ -96,8 +123,8 @@ static const struct {
     {"view.html", "viewer: plays the run in a browser"},
     {"movie.mp4", "the pictures as an animation"},
     {"scene.pvd", "open this in ParaView"},
-    {"particles.pvd", "open this in ParaView"},
-    {"walls.pvd", "open this in ParaView"},
+    {"*.vtp", "what scene.pvd shows"},
+    {"picture_*.png", "pictures of the run"},
 };
 
 static const char *what_is(const char *name) {

@@ -86,6 +86,12 @@ START_TEST(runs_of_one_solver) {
                    "'output.pictures={\"times\": [0, 0.1]}' && tandem report dem");
   expect_script(0, "for t in 'particles as a whole' 'source pour' 'sink spilt' 'picture_000.png' 'picture_001.png' "
                    "'tandem-dem'; do grep -q \"$t\" dem/index.html || { echo no $t; exit 1; }; done");
+  /* views and an animation, when they are there */
+  expect_script(
+      0, "cd dem && touch picture_side_000.png picture_side_001.png picture_x.png movie.mp4 view.html && tandem "
+         "report . && for t in 'src=.picture_side_001.png' 'src=.movie.mp4' 'href=.view.html'; do grep -q \"$t\" "
+         "index.html || { echo no $t; exit 1; }; done");
+  expect_script(1, "grep -q 'src=.picture_x' dem/index.html");
   /* those of an earlier report that are no longer made go with a new run */
   expect_script(0, "tandem-mbd run " SCENES "/slope.json --out dem --no-plots --force");
   expect_script(1, "ls dem | grep 'report\\|index'");
@@ -165,6 +171,9 @@ START_TEST(damaged_files) {
                 "printf 'time [s],joint.a.fx [N],joint.b.fx [N],c [1],d [1]\\n0,nan,1e308,0,5\\n1,nan,-1e308,inf,5\\n"
                 "2,nan,0,1,5\\n' > out/mbd.csv && tandem report out && test -s out/index.html");
   expect_script(0, "rm out/scene.json && tandem report out && grep -q 'no scene' out/index.html");
+  expect_script(
+      0, "tandem run " SCENES "/tip.json --out whole --set time.end=0.02 && rm whole/scene.json && tandem report "
+         "whole && grep -q 'body bucket</h3>' whole/index.html && grep -q 'exchange: bucket' whole/index.html");
   expect_script(0, "echo '[1]' > out/summary.json && tandem report out");
   expect_output("no figures of the run");
   directory_remove(dir);
