@@ -68,6 +68,7 @@ typedef struct {
   const dem_path *path;      /* (ncoupled) over the window */
   const tdm_step *mechanism; /* the STEP with start states and proxy (proxy/proxy.h) */
   int nsample;               /* output times */
+  bool seen;                 /* a snapshot of t1 will be taken: forces on triangles are found, if the scene wants them */
   const double *sample_time; /* (nsample) output times, ascending, in (t0, t1] [s]; what is later is sampled at t1 */
 } dem_window;
 
@@ -98,5 +99,11 @@ tdm_status dem_engine_restore(dem_engine *engine, int slot, tdm_error *err);
 /* The state: particles, contacts, poses and loads of the bodies (state/data.h); its model is what the scene fixed. Both
  * are the engine's and change with every step. */
 const struct dem_data *dem_engine_data(const dem_engine *engine);
+
+/* What there is to see (protocol/view/view.h): the scenery once, then snapshots of the present state. Both objects are
+ * the caller's and reused. Looking changes nothing of the run. From the first time on the engine notes at the end of
+ * each window where new particles are. */
+tdm_status dem_engine_scenery(dem_engine *engine, tdm_scenery *scenery, tdm_error *err);
+tdm_status dem_engine_snapshot(dem_engine *engine, tdm_snapshot *snapshot, tdm_error *err);
 
 #endif

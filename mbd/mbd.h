@@ -83,6 +83,9 @@ typedef struct {
   tdm_energy *energy;      /* at t1 */
   double *channel;         /* (nsample x nchannel) values of the outputs */
   tdm_state *sample_state; /* (nsample x ncoupled) */
+  /* Called at each sample time, in their order: meanwhile mbd_engine_snapshot shows that time. */
+  tdm_status (*look)(void *looker, int sample, tdm_error *err);
+  void *looker;
 } mbd_outcome;
 
 /* Compute one window, up to the first error. */

@@ -17,6 +17,7 @@ static tdm_status exchange(cpl_loop *loop, cpl_role role, tdm_step *step, tdm_er
   step->nbody = loop->nbody;
   step->nsample = loop->nsample;
   step->sample_time = loop->sample_time;
+  step->seen = cpl_session_sees(loop->session, role, loop->t1);
   return cpl_session_step(loop->session, role, step, &loop->result[role], err);
 }
 

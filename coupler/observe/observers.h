@@ -4,6 +4,8 @@
  *   record     body_<name>.csv  per coupled body (mbd's name): pose, twist, and the mean load since the row before
  *              mbd.csv, dem.csv further outputs that the solvers announce (joint reactions, energies, particle sums)
  *   ledger     ledger.csv       impulse, work, drift and energy (ledger.h)
+ *   view       frames.tdv, particles_N.vtp, walls_N.vtp, mechanism_N.vtp, scene.pvd: what there is to see, if the scene
+ *              asks for it (protocol/output/outputs.h)
  *   progress   on the terminal: how far the run is
  *
  * run.c writes scene.json (the scene with all overrides), summary.json and the logs.
@@ -16,7 +18,7 @@
 
 extern const cpl_observer *const cpl_observer_table[]; /* NULL-terminated, in the order of their calls */
 
-extern const cpl_observer cpl_observer_record, cpl_observer_ledger, cpl_observer_progress;
+extern const cpl_observer cpl_observer_record, cpl_observer_ledger, cpl_observer_view, cpl_observer_progress;
 
 /* The name of the file of a coupled body, by mbd's name for it. Returns out. */
 const char *cpl_record_body_file(const char *body, char *out, size_t size);

@@ -5,6 +5,7 @@
 const cpl_observer *const cpl_observer_table[] = {
     &cpl_observer_record,   /* time histories of bodies and of both solvers' channels */
     &cpl_observer_ledger,   /* impulse, work and energy of the exchange, and the guard */
+    &cpl_observer_view,     /* frames for ParaView and viewers */
     &cpl_observer_progress, /* how far the run is */
     NULL,
 };

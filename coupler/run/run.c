@@ -109,6 +109,9 @@ static tdm_status start(run_state *run, tdm_error *err) {
   run->session_open = true;
   if (cpl_session_open(&run->session, &run->settings, endpoint, run->context, err) != TDM_OK)
     return err->status;
+  tdm_warning doubt;
+  if (tdm_outputs_doubt(&run->settings.outputs, run->settings.time_end, &doubt))
+    json_array_append_new(run->session.warnings, json_pack("{s:s, s:s}", "path", doubt.path, "message", doubt.message));
   tdm_progress_begin(&run->session.progress, 0, "", run->options->quiet);
   for (int r = 0; r < CPL_NROLE; r++)
     if (launch(run, (cpl_role)r, err) != TDM_OK)

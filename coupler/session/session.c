@@ -265,7 +265,7 @@ static tdm_status send_to(cpl_session *s, int role, tdm_error *err) {
 tdm_status cpl_session_open(cpl_session *s, const cpl_settings *settings, const char *endpoint, void *context,
                             tdm_error *err) {
   size_t nbody = (size_t)settings->nbody + 1;
-  *s = (cpl_session){.settings = settings, .warnings = json_array()};
+  *s = (cpl_session){.settings = settings, .warnings = json_array(), .seen_from = INFINITY};
   s->body = calloc(nbody, sizeof *s->body);
   s->load = calloc(nbody, sizeof *s->load);
   if (!s->body || !s->load)
@@ -365,14 +365,23 @@ tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step,
   return TDM_OK;
 }
 
-static tdm_status ask_state(cpl_session *s, cpl_role role, tdm_message_type type, int slot, tdm_error *err) {
-  tdm_header header;
-  json_t *json = json_pack("{s:i}", "slot", slot);
-  tdm_status status = tdm_control_write(&s->out, type, 0, json, err);
-  json_decref(json);
+/* Send a question (owned), and wait for the answer of the same type. */
+static tdm_status ask(cpl_session *s, cpl_role role, tdm_message_type type, json_t *question, tdm_header *answer,
+                      tdm_error *err) {
+  tdm_status status = tdm_control_write(&s->out, type, 0, question, err);
+  json_decref(question);
   if (status == TDM_OK)
     status = send_to(s, role, err);
-  return status == TDM_OK ? wait_for(s, role, type, &header, err) : status;
+  return status == TDM_OK ? wait_for(s, role, type, answer, err) : status;
+}
+
+static tdm_status ask_state(cpl_session *s, cpl_role role, tdm_message_type type, int slot, tdm_error *err) {
+  tdm_header answer;
+  return ask(s, role, type, json_pack("{s:i}", "slot", slot), &answer, err);
+}
+
+tdm_status cpl_session_view(cpl_session *s, cpl_role role, const char *what, tdm_header *header, tdm_error *err) {
+  return ask(s, role, TDM_VIEW, json_pack("{s:s}", "what", what), header, err);
 }
 
 tdm_status cpl_session_save(cpl_session *s, cpl_role role, int slot, tdm_error *err) {

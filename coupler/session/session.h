@@ -51,6 +51,7 @@ typedef struct {
   tdm_progress progress;   /* of what solvers are at until they are READY */
   tdm_frame out;
   double last_heartbeat;
+  double seen_from; /* states are looked at from then on [s]: STEPs until then or later announce it */
 } cpl_session;
 
 /* Listen at `endpoint` (tcp ports may be wildcards: tdm_transport_endpoint tells). The context is for inproc. */
@@ -105,6 +106,13 @@ tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step 
  * it; between windows only. */
 tdm_status cpl_session_save(cpl_session *session, cpl_role role, int slot, tdm_error *err);
 tdm_status cpl_session_restore(cpl_session *session, cpl_role role, int slot, tdm_error *err);
+
+/* Ask a solver with the capability "view" for its "scenery" or a "snapshot", between windows only. The payload of
+ * *header, which lives until the next receive, is its answer, undecoded; empty: it has none. */
+tdm_status cpl_session_view(cpl_session *session, cpl_role role, const char *what, tdm_header *header, tdm_error *err);
+
+/* Whether a role's state at time t [s] will be looked at, as far as is known. */
+bool cpl_session_sees(const cpl_session *session, cpl_role role, double t);
 
 /* The name of its HELLO, or its role. */
 const char *cpl_session_name(const cpl_session *session, cpl_role role);

@@ -57,6 +57,10 @@ bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
   return false;
 }
 
+bool cpl_session_sees(const cpl_session *s, cpl_role role, double t) {
+  return t >= s->seen_from - 1e-6 * s->settings->dt && cpl_session_has(s, role, "view");
+}
+
 tdm_interpolation cpl_session_interpolation(const cpl_session *s) {
   return s->settings->interpolates ? s->settings->interpolation : s->scheme->interpolation;
 }

@@ -3,6 +3,7 @@
 #ifndef CPL_SESSION_SETTINGS_H
 #define CPL_SESSION_SETTINGS_H
 
+#include "protocol/output/outputs.h"
 #include "protocol/scene/scene.h"
 #include "protocol/wire/participant.h"
 
@@ -57,6 +58,7 @@ typedef struct {
   int nbody;
   cpl_body_names *body;   /* (nbody), owned */
   double output_interval; /* of the time histories [s] */
+  tdm_outputs_settings outputs;
 } cpl_settings;
 
 /* Whether a body of this name can have a file and a column: letters, digits, _ - . and no dot in front. */

@@ -205,9 +205,10 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   tdm_object_close(&o);
 }
 
-static void read_output(cpl_settings *s, tdm_object *root) {
+static void read_output(cpl_settings *s, tdm_object *root, const tdm_scene *scene) {
   tdm_object o = tdm_get_object(root, "output", false);
   s->output_interval = tdm_read_interval(&o, "interval", 1e-3, s->dt);
+  tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->dt);
   tdm_object_close(&o);
 }
 
@@ -230,7 +231,7 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, const cpl_
   s->time_end = time.end;
   s->dt = time.dt;
   read_coupling(s, &root);
-  read_output(s, &root);
+  read_output(s, &root, scene);
   for (int r = 0; r < CPL_NROLE; r++)
     tdm_get_object(&root, cpl_role_names[r], true);
   tdm_object_close(&root);

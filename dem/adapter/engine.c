@@ -98,6 +98,7 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
   dem_energy_balance_begin(d);
   if (dem_report_make(&e->report, d, &settled, nbehind, err))
     return err->status;
+  e->time = m->time_start;
   e->contact_time = e->report.limits.contact;
   for (int c = 0; c < m->ncoupled; c++)
     e->load[c] = d->state.body_load[m->coupled_body[c]];
@@ -163,6 +164,7 @@ void dem_engine_destroy(dem_engine **engine) {
   json_decref(e->report.json);
   dem_channels_free(&e->channels);
   dem_proxy_destroy(&e->proxy);
+  dem_view_free(&e->view);
   dem_data_destroy(&e->data);
   dem_model_destroy(&e->model);
   free(e->initial);
@@ -199,4 +201,14 @@ tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
   if (dem_data_copy(e->data, e->slot[slot]))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->state.nparticle);
   return TDM_OK;
+}
+
+/* ---- what there is to see ---- */
+
+tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *err) {
+  return dem_view_scenery(&e->view, e->data, scenery, err);
+}
+
+tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
+  return dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
 }

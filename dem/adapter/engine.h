@@ -6,6 +6,7 @@
 #include "dem/adapter/channels.h"
 #include "dem/adapter/report.h"
 #include "dem/dem.h"
+#include "dem/output/view.h"
 #include "dem/proxy/proxy.h"
 
 struct dem_engine {
@@ -20,6 +21,8 @@ struct dem_engine {
   double *before;  /* (channels.count) at the beginning of a step that an output time lies inside of */
   dem_report report;
   dem_start start;
+  dem_view view;                 /* what is remembered for those who look */
+  double time;                   /* end of the last window [s] */
   dem_data *slot[TDM_SLOTS_MAX]; /* states that were saved; NULL: none */
 };
 

@@ -60,6 +60,7 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
                              .nstep = step->nstep,
                              .path = s->path,
                              .mechanism = step->has_proxy ? step : NULL,
+                             .seen = step->seen,
                              .nsample = step->nsample,
                              .sample_time = step->sample_time};
   const bool channels = result->nchannel == dem_engine_start(s->engine)->nchannel;
@@ -84,6 +85,16 @@ static tdm_status restore(void *self, int slot, tdm_error *err) {
   return dem_engine_restore(s->engine, slot, err);
 }
 
+static tdm_status scenery(void *self, tdm_scenery *out, tdm_error *err) {
+  dem_solver *s = self;
+  return dem_engine_scenery(s->engine, out, err);
+}
+
+static tdm_status snapshot(void *self, tdm_snapshot *out, tdm_error *err) {
+  dem_solver *s = self;
+  return dem_engine_snapshot(s->engine, out, err);
+}
+
 static void destroy(void *self) {
   dem_solver *s = self;
   if (!s)
@@ -98,7 +109,7 @@ const dem_data *dem_solver_data(const void *self) {
   return dem_engine_data(s->engine);
 }
 
-static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load", "energy", "path"};
+static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load", "energy", "path", "view"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,
@@ -109,5 +120,7 @@ const tdm_solver_ops dem_solver_ops = {
     .step = solve,
     .save = save,
     .restore = restore,
+    .scenery = scenery,
+    .snapshot = snapshot,
     .destroy = destroy,
 };

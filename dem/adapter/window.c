@@ -92,7 +92,7 @@ static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *t
     task->time = step_time(d, w, task->k, dt);
     if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1)
       dem_channels_sample(&e->channels, d, e->before);
-    d->work.traction.wanted = e->model->triangle_forces && last; /* runs end windows where they write files */
+    d->work.traction.wanted = e->model->triangle_forces && last && w->seen;
     if (dem_step(d, task, err))
       return err->status;
     sample_step(e, w, last, task->time, dt, task->sums->fixed, &sample, out);
@@ -134,5 +134,6 @@ tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outc
   if (run_steps(e, w, &task, out, err))
     return err->status;
   conclude(e, w, out);
-  return dem_check_finite(e->data, w->t1, err);
+  e->time = w->t1;
+  return dem_check_finite(e->data, w->t1, err) ? err->status : dem_view_watch(&e->view, e->data, err);
 }

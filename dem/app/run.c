@@ -6,7 +6,6 @@
 #include "dem/bodies/walls.h"
 #include "dem/dem.h"
 #include "dem/output/repose.h"
-#include "dem/output/vtp.h"
 #include "dem/watch/check.h"
 #include "protocol/app/plot.h"
 #include "protocol/app/print.h"
@@ -27,11 +26,7 @@ typedef struct {
   double due[2]; /* (ndue) their times [s] */
   double *rows;  /* (ndue x nchannel) */
 
-  int nframe, frame_capacity; /* times written for ParaView */
-  double *frame_time;         /* (nframe) [s] */
-  dem_snapshot snapshot;
-  dem_bounds bounds; /* of the start */
-  dem_polygons polygons;
+  tdm_outputs outputs;
   dem_pictures pictures;
   tdm_error picture_notice; /* the first thing that went wrong with gnuplot */
 
@@ -49,6 +44,9 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
   if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
   tdm_standalone_doubt_interval(&run->alone, s->interval, s->time.end);
+  tdm_warning doubt;
+  if (tdm_outputs_doubt(&s->outputs, s->time.end, &doubt))
+    tdm_standalone_doubt(&run->alone, doubt.path, "%s", doubt.message);
   if (s->pictures.late > 0)
     tdm_standalone_doubt(&run->alone, "output.pictures.times",
                          "%d of %d are later than time.end = %g s: there will be no such pictures", s->pictures.late,
@@ -80,11 +78,7 @@ static tdm_status start_engine(run_state *run, tdm_error *err) {
 /* ---- outputs ---- */
 
 static tdm_status take_snapshot(run_state *run, tdm_error *err) {
-  return dem_snapshot_take(&run->snapshot, dem_engine_data(run->engine), err);
-}
-
-static tdm_status make_polygons(run_state *run, tdm_error *err) {
-  return dem_polygons_make(&run->polygons, dem_engine_data(run->engine), &run->bounds, err);
+  return dem_engine_snapshot(run->engine, &run->outputs.snapshot, err);
 }
 
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
@@ -94,11 +88,15 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   memcpy(run->rows, run->alone.figures.initial, n * sizeof *run->rows);
   run->ndue = 1;
-  if (tdm_standalone_begin(&run->alone, err) != TDM_OK || take_snapshot(run, err) != TDM_OK)
+  const dem_run_settings *set = &run->settings;
+  if (tdm_standalone_begin(&run->alone, err) != TDM_OK ||
+      ((tdm_outputs_wanted(&set->outputs) || set->pictures.ntime > 0) &&
+       dem_engine_scenery(run->engine, &run->outputs.scenery, err) != TDM_OK))
     return err->status;
-  run->bounds = dem_scene_bounds(dem_engine_data(run->engine), &run->snapshot);
-  dem_pictures_begin(&run->pictures, &run->settings.pictures, &run->alone.results, &run->bounds);
-  return TDM_OK;
+  const dem_bounds bounds = dem_scene_bounds(dem_engine_data(run->engine));
+  dem_pictures_begin(&run->pictures, &set->pictures, &run->alone.results, &bounds);
+  return tdm_outputs_begin(&run->outputs, &set->outputs, &run->alone.results,
+                           (double)tdm_total_steps(&set->time) * set->time.dt, set->time.dt, err);
 }
 
 /* time reached [s] */
@@ -110,31 +108,11 @@ static double row_time(const run_state *run) {
   return (double)run->alone.nrow * run->settings.interval;
 }
 
-static tdm_status write_frame(run_state *run, tdm_error *err) {
-  if (run->nframe == run->frame_capacity) {
-    int room = 2 * run->frame_capacity + 64;
-    double *time = realloc(run->frame_time, (size_t)room * sizeof *time);
-    if (!time)
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-    run->frame_time = time;
-    run->frame_capacity = room;
-  }
-  run->frame_time[run->nframe] = now(run); /* of the state that is shown, which is that of a step */
-  if (make_polygons(run, err) != TDM_OK ||
-      dem_vtp_particles(&run->alone.results, run->nframe, &run->snapshot, err) != TDM_OK ||
-      dem_vtp_walls(&run->alone.results, run->nframe, &run->polygons, err) != TDM_OK)
-    return err->status;
-  run->nframe++;
-  return dem_pvd_write(&run->alone.results, run->frame_time, run->nframe, err);
-}
-
 /* Pictures need gnuplot: without it the run goes on, but not when their data cannot be written. */
 static tdm_status draw(run_state *run, tdm_error *err) {
   tdm_error notice = {0};
   int before = run->pictures.drawn;
-  if (make_polygons(run, err) != TDM_OK)
-    return err->status;
-  if (dem_picture_draw(&run->pictures, now(run), &run->snapshot, &run->polygons, &notice) != TDM_OK)
+  if (dem_picture_draw(&run->pictures, now(run), &run->outputs.scenery, &run->outputs.snapshot, &notice) != TDM_OK)
     tdm_fail(run->pictures.drawn > before ? &run->picture_notice : err, notice.status, NULL, "%s", notice.message);
   return err->status;
 }
@@ -159,8 +137,8 @@ static uint64_t least(uint64_t a, uint64_t b) {
 }
 
 static uint64_t frame_step(const run_state *run) {
-  const double interval = run->settings.particles_interval;
-  return interval > 0 ? least(step_at(run, run->nframe * interval), tdm_total_steps(&run->settings.time)) : UINT64_MAX;
+  const double next = tdm_outputs_next(&run->outputs);
+  return isfinite(next) ? step_at(run, next) : UINT64_MAX;
 }
 
 static uint64_t picture_step(const run_state *run) {
@@ -173,9 +151,9 @@ static tdm_status write_due(run_state *run, tdm_error *err) {
       return err->status;
   bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
   if (frame || picture || run->settings.pictures.ntime > 0)
-    if (take_snapshot(run, err) != TDM_OK || dem_pictures_watch(&run->pictures, &run->snapshot, err) != TDM_OK)
+    if (take_snapshot(run, err) != TDM_OK || dem_pictures_watch(&run->pictures, &run->outputs.snapshot, err) != TDM_OK)
       return err->status;
-  if (frame && write_frame(run, err) != TDM_OK)
+  if (frame && tdm_outputs_write(&run->outputs, &run->outputs.snapshot, err) != TDM_OK)
     return err->status;
   while (picture && run->nstep >= picture_step(run) && draw(run, err) == TDM_OK)
     ;
@@ -199,8 +177,12 @@ static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   const dem_data *d = dem_engine_data(run->engine);
   double dt = run->settings.time.dt, begin = tdm_clock();
   find_due(run, end);
-  const dem_window window = {
-      .t0 = now(run), .t1 = (double)end * dt, .nstep = end - run->nstep, .nsample = run->ndue, .sample_time = run->due};
+  const dem_window window = {.t0 = now(run),
+                             .t1 = (double)end * dt,
+                             .nstep = end - run->nstep,
+                             .seen = end >= frame_step(run),
+                             .nsample = run->ndue,
+                             .sample_time = run->due};
   double nparticle = d->state.nparticle;
   if (dem_engine_advance(run->engine, &window, &(dem_outcome){.channel = run->rows}, err) != TDM_OK)
     return err->status;
@@ -232,7 +214,7 @@ static tdm_status solve(run_state *run, tdm_error *err) {
 /* ---- end ---- */
 
 static json_t *repose(const run_state *run) {
-  dem_repose r = dem_repose_of(&run->snapshot, run->settings.repose_along);
+  dem_repose r = dem_repose_of(&run->outputs.snapshot, run->settings.repose_along);
   return json_pack("{s:o, s:o, s:o}", "mean_deg", tdm_number_to_json(r.mean), "low_side_deg", tdm_number_to_json(r.low),
                    "high_side_deg", tdm_number_to_json(r.high));
 }
@@ -277,16 +259,14 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   if (run->nstep > 0)
     printf("%.6g s simulated in %llu steps, %d particles at the end; %.2f s wall, %.2f s of it until the start; %.3g "
            "particle-steps/s; results in %s\n",
-           (double)run->nstep * run->settings.time.dt, (unsigned long long)run->nstep, run->snapshot.count, wall,
-           run->setup, run->particle_steps / run->step, run->alone.results.dir);
+           (double)run->nstep * run->settings.time.dt, (unsigned long long)run->nstep, run->outputs.snapshot.nparticle,
+           wall, run->setup, run->particle_steps / run->step, run->alone.results.dir);
 }
 
 static void let_go(run_state *run) {
-  dem_snapshot_free(&run->snapshot);
-  dem_polygons_free(&run->polygons);
+  tdm_outputs_end(&run->outputs);
   dem_pictures_free(&run->pictures);
   dem_run_settings_free(&run->settings);
-  free(run->frame_time);
   free(run->rows);
   tdm_standalone_free(&run->alone);
   dem_engine_destroy(&run->engine);
@@ -314,9 +294,9 @@ static void print_scene(const run_state *run) {
   printf("run\n");
   printf("  %-28s %g s in %llu steps of %g s\n", "time", s->time.end, (unsigned long long)total, s->time.dt);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, ceil(s->time.end / s->interval - 1e-6) + 1);
-  if (s->particles_interval > 0)
-    printf("  %-28s every %g s: %.0f files\n", "particles for ParaView", s->particles_interval,
-           ceil(s->time.end / s->particles_interval - 1e-6) + 1);
+  if (s->outputs.particles_interval > 0)
+    printf("  %-28s every %g s: %.0f\n", "frames for ParaView", s->outputs.particles_interval,
+           tdm_outputs_frames(&s->outputs, s->time.end));
   if (s->pictures.ntime > 0)
     printf("  %-28s %d\n", "pictures", s->pictures.ntime);
   printf("dem: %s\n", dem_solver_ops.software);

@@ -1,7 +1,7 @@
 /* A scene of particles alone: `tandem-dem run` and `tandem-dem check`, from a scene file to a result directory.
  *
  *   channels.csv                         time histories, and channels.png: their plots
- *   particles_N.vtp, walls_N.vtp, scene.pvd  for ParaView
+ *   particles_N.vtp, walls_N.vtp, scene.pvd, frames.tdv  what there is to see, for ParaView and viewers
  *   picture_N.png, pictures.png          pictures
  *   scene.json, summary.json, dem.log    the scene with all overrides; settings, times, how it ended; the log
  */
@@ -11,6 +11,7 @@
 
 #include "dem/output/picture.h"
 #include "protocol/app/standalone.h"
+#include "protocol/output/outputs.h"
 #include "protocol/scene/time_section.h"
 
 /* the command line of tandem-dem, but for bench */
@@ -19,9 +20,9 @@ extern const tdm_standalone_program dem_program;
 /* What a run reads besides the section dem. */
 typedef struct {
   tdm_time time;
-  double interval;           /* of the time histories [s] */
-  double particles_interval; /* of the .vtp files [s], 0: none */
-  int repose_along;          /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
+  double interval; /* of the time histories [s] */
+  tdm_outputs_settings outputs;
+  int repose_along; /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
   dem_picture_settings pictures;
 } dem_run_settings;
 

@@ -21,13 +21,6 @@ static void read_repose(dem_run_settings *s, tdm_object *output) {
   tdm_object_close(&o);
 }
 
-/* forces on triangles have nowhere to go without files */
-static void check_triangle_forces(const dem_run_settings *s, tdm_object *output, json_t *dem) {
-  if (json_is_true(json_object_get(dem, "triangle_forces")) && s->particles_interval == 0)
-    tdm_object_fail(output, "particles_interval",
-                    "missing: dem.triangle_forces go into the files for ParaView; give it, or remove that key");
-}
-
 tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, tdm_error *err) {
   *s = (dem_run_settings){0};
   tdm_object root = tdm_object_open(scene->root, "", err);
@@ -38,11 +31,9 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
   s->time = tdm_read_time(&root);
   tdm_object o = tdm_get_object(&root, "output", false);
   s->interval = tdm_read_interval(&o, "interval", 1e-3, s->time.dt);
-  if (tdm_has(&o, "particles_interval"))
-    s->particles_interval = tdm_read_interval(&o, "particles_interval", TDM_REQUIRED, s->time.dt);
+  tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->time.dt);
   dem_picture_settings_read(&s->pictures, &o, s->time.end);
   read_repose(s, &o);
-  check_triangle_forces(s, &o, json_object_get(scene->root, "dem"));
   tdm_object_close(&o);
   tdm_get_object(&root, "dem", true);
   tdm_object_close(&root);

@@ -89,8 +89,8 @@ void dem_pictures_begin(dem_pictures *p, const dem_picture_settings *s, const td
   }
 }
 
-tdm_status dem_pictures_watch(dem_pictures *p, const dem_snapshot *s, tdm_error *err) {
-  int64_t all = s->count > 0 ? s->id[s->count - 1] + 1 : 0;
+tdm_status dem_pictures_watch(dem_pictures *p, const tdm_snapshot *s, tdm_error *err) {
+  int64_t all = s->nparticle > 0 ? s->id[s->nparticle - 1] + 1 : 0;
   if (all <= p->nborn)
     return TDM_OK;
   if ((size_t)all > p->capacity) {
@@ -101,7 +101,7 @@ tdm_status dem_pictures_watch(dem_pictures *p, const dem_snapshot *s, tdm_error 
     p->born = born;
     p->capacity = room;
   }
-  for (int i = s->count - 1; i >= 0 && s->id[i] >= p->nborn; i--)
+  for (int i = s->nparticle - 1; i >= 0 && s->id[i] >= p->nborn; i--)
     p->born[s->id[i]] = s->position[i];
   p->nborn = all;
   return TDM_OK;
@@ -115,7 +115,7 @@ void dem_pictures_free(dem_pictures *p) {
 
 /* ---- drawing ---- */
 
-static double color_of(const dem_pictures *p, const dem_snapshot *s, int i) {
+static double color_of(const dem_pictures *p, const tdm_snapshot *s, int i) {
   switch (p->settings->color) {
   case DEM_COLOR_speed:
     return tdm_norm(s->velocity[i]);
@@ -138,17 +138,19 @@ static tdm_vec3 unit(int axis) {
 }
 
 /* Solid faces; of the planes only what is seen from the side: one seen from the front would hide what is behind it. */
-static void write_walls(FILE *f, const dem_pictures *p, const dem_polygons *walls) {
+static void write_walls(FILE *f, const dem_pictures *p, const tdm_scenery *scenery, const tdm_snapshot *s) {
   tdm_vec3 view = tdm_cross(unit(p->settings->across), unit(p->settings->up));
-  for (int k = 0; k < walls->count; k++) {
-    const dem_polygon *w = &walls->polygon[k];
+  for (int k = 0; k < scenery->npolygon; k++) {
+    const tdm_view_polygon *w = &scenery->polygon[k];
+    const tdm_pose pose = s->pose[w->body];
     tdm_vec3 area = {0, 0, 0}; /* twice the polygon's, as a vector */
     for (int c = 2; c < w->ncorner; c++)
       area = tdm_add(area, tdm_cross(tdm_sub(w->corner[c - 1], w->corner[0]), tdm_sub(w->corner[c], w->corner[0])));
+    area = tdm_quat_rotate(pose.orientation, area);
     if (!w->solid && fabs(tdm_dot(area, view)) > 0.1 * tdm_norm(area))
       continue;
     for (int c = 0; c <= w->ncorner; c++) {
-      tdm_vec3 x = w->corner[c % w->ncorner];
+      tdm_vec3 x = tdm_pose_point(pose, w->corner[c % w->ncorner]);
       fprintf(f, "%.7g %.7g\n", component(x, p->settings->across), component(x, p->settings->up));
     }
     fputs("\n", f);
@@ -167,15 +169,15 @@ static int by_depth(const void *a, const void *b) {
 }
 
 /* the particles, from the farthest to the nearest */
-static tdm_status write_particles(FILE *f, const dem_pictures *p, const dem_snapshot *s, tdm_error *err) {
+static tdm_status write_particles(FILE *f, const dem_pictures *p, const tdm_snapshot *s, tdm_error *err) {
   tdm_vec3 view = tdm_cross(unit(p->settings->across), unit(p->settings->up));
-  depth *order = malloc(((size_t)s->count + 1) * sizeof *order);
+  depth *order = malloc(((size_t)s->nparticle + 1) * sizeof *order);
   if (!order)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a picture of %d particles", s->count);
-  for (int i = 0; i < s->count; i++)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a picture of %d particles", s->nparticle);
+  for (int i = 0; i < s->nparticle; i++)
     order[i] = (depth){tdm_dot(s->position[i], view), i};
-  qsort(order, (size_t)s->count, sizeof *order, by_depth);
-  for (int k = 0; k < s->count; k++) {
+  qsort(order, (size_t)s->nparticle, sizeof *order, by_depth);
+  for (int k = 0; k < s->nparticle; k++) {
     int i = order[k].particle;
     fprintf(f, "%.7g %.7g %.7g %.7g\n", component(s->position[i], p->settings->across),
             component(s->position[i], p->settings->up), s->radius[i], color_of(p, s, i));
@@ -254,20 +256,20 @@ static tdm_status close_file(const dem_pictures *p, FILE *f, tdm_error *err) {
   return err->status;
 }
 
-static tdm_status write_data(const dem_pictures *p, const dem_snapshot *s, const dem_polygons *walls, tdm_error *err) {
+static tdm_status write_data(const dem_pictures *p, const tdm_scenery *scenery, const tdm_snapshot *s, tdm_error *err) {
   char file[64];
   snprintf(file, sizeof file, "picture_%03d.dat", p->drawn);
   FILE *f = tdm_results_file(p->results, file, err);
   if (!f)
     return err->status;
   fputs("# walls: across [m], up [m]\n", f);
-  write_walls(f, p, walls);
+  write_walls(f, p, scenery, s);
   fputs("nan nan\n\n\n# particles: across [m], up [m], radius [m], color\nnan nan nan nan\n", f);
   write_particles(f, p, s, err);
   return close_file(p, f, err);
 }
 
-tdm_status dem_picture_draw(dem_pictures *p, double t, const dem_snapshot *s, const dem_polygons *walls,
+tdm_status dem_picture_draw(dem_pictures *p, double t, const tdm_scenery *scenery, const tdm_snapshot *s,
                             tdm_error *err) {
   char name[64];
   double size[2], *time = realloc(p->time, ((size_t)p->drawn + 1) * sizeof *time);
@@ -276,7 +278,7 @@ tdm_status dem_picture_draw(dem_pictures *p, double t, const dem_snapshot *s, co
   p->time = time;
   p->time[p->drawn] = t;
   snprintf(name, sizeof name, "picture_%03d", p->drawn);
-  if (write_data(p, s, walls, err) != TDM_OK)
+  if (write_data(p, scenery, s, err) != TDM_OK)
     return err->status;
   panel_size(p, size);
   FILE *f = open_script(p, name, size[0] + 1.6 * MARGIN, size[1] + MARGIN, err);

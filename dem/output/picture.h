@@ -6,7 +6,7 @@
 #ifndef DEM_OUTPUT_PICTURE_H
 #define DEM_OUTPUT_PICTURE_H
 
-#include "dem/output/polygon.h"
+#include "dem/output/view.h"
 #include "protocol/results/results.h"
 #include "protocol/scene/scene.h"
 
@@ -57,12 +57,12 @@ void dem_pictures_begin(dem_pictures *pictures, const dem_picture_settings *sett
                         const dem_bounds *bounds);
 
 /* Note where new particles are. */
-tdm_status dem_pictures_watch(dem_pictures *pictures, const dem_snapshot *snapshot, tdm_error *err);
+tdm_status dem_pictures_watch(dem_pictures *pictures, const tdm_snapshot *snapshot, tdm_error *err);
 
 /* Draw the state of the time `t` [s], the step that the next time of the settings lies in or at. A missing gnuplot is
  * an error that the caller may take as a notice.
  */
-tdm_status dem_picture_draw(dem_pictures *pictures, double t, const dem_snapshot *snapshot, const dem_polygons *walls,
+tdm_status dem_picture_draw(dem_pictures *pictures, double t, const tdm_scenery *scenery, const tdm_snapshot *snapshot,
                             tdm_error *err);
 
 /* pictures.png: all that were drawn, in a row. */

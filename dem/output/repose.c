@@ -19,26 +19,26 @@ static double along_axis(const tdm_vec3 *x, int along) {
   return along == 0 ? x->x : x->y;
 }
 
-static bool make_profile(profile *p, const dem_snapshot *s, int along) {
+static bool make_profile(profile *p, const tdm_snapshot *s, int along) {
   double low = INFINITY, high = -INFINITY;
   *p = (profile){.foot = INFINITY, .peak = -INFINITY};
-  for (int i = 0; i < s->count; i++) {
+  for (int i = 0; i < s->nparticle; i++) {
     double u = along_axis(&s->position[i], along);
     low = fmin(low, u);
     high = fmax(high, u);
     p->width = fmax(p->width, 2 * s->radius[i]);
-    p->middle += u / s->count;
+    p->middle += u / s->nparticle;
     p->foot = fmin(p->foot, s->position[i].z - s->radius[i]);
     p->peak = fmax(p->peak, s->position[i].z + s->radius[i]);
   }
-  if (s->count == 0 || (high - low) / p->width > 1e6)
+  if (s->nparticle == 0 || (high - low) / p->width > 1e6)
     return false;
   p->first = low;
   p->n = (int)((high - low) / p->width) + 1;
   p->top = malloc((size_t)p->n * sizeof *p->top);
   for (int k = 0; p->top && k < p->n; k++)
     p->top[k] = -INFINITY;
-  for (int i = 0; p->top && i < s->count; i++) {
+  for (int i = 0; p->top && i < s->nparticle; i++) {
     int k = (int)((along_axis(&s->position[i], along) - low) / p->width);
     p->top[k] = fmax(p->top[k], s->position[i].z + s->radius[i]);
   }
@@ -63,7 +63,7 @@ static double flank(const profile *p, int sign) {
   return atan(-sign * slope) * 180 / M_PI;
 }
 
-dem_repose dem_repose_of(const dem_snapshot *s, int along) {
+dem_repose dem_repose_of(const tdm_snapshot *s, int along) {
   profile p;
   dem_repose out = {NAN, NAN, NAN};
   if (!make_profile(&p, s, along))

@@ -3,7 +3,7 @@
 #ifndef DEM_OUTPUT_REPOSE_H
 #define DEM_OUTPUT_REPOSE_H
 
-#include "dem/output/snapshot.h"
+#include "protocol/view/view.h"
 
 typedef struct {
   double low, high; /* angles of the flanks towards -axis and +axis [deg]; NaN: too few particles there */
@@ -12,6 +12,6 @@ typedef struct {
 
 /* Of the profile over the axis `along` (0: x, 1: y), height along z: the highest particle top in each strip that is one
  * largest particle wide; a line is fitted to a flank's strips between 15 and 85 % of the heap's height. */
-dem_repose dem_repose_of(const dem_snapshot *snapshot, int along);
+dem_repose dem_repose_of(const tdm_snapshot *snapshot, int along);
 
 #endif

@@ -63,7 +63,16 @@ static tdm_status restore(void *self, int slot, tdm_error *err) {
   return mbd_engine_restore(self, slot, err);
 }
 
-static const char *const capabilities[] = {"restore", "acceleration", "mobility", "matched_load", "energy", "ahead"};
+static tdm_status scenery(void *self, tdm_scenery *out, tdm_error *err) {
+  return mbd_engine_scenery(self, out, err);
+}
+
+static tdm_status snapshot(void *self, tdm_snapshot *out, tdm_error *err) {
+  return mbd_engine_snapshot(self, out, err);
+}
+
+static const char *const capabilities[] = {"restore", "acceleration", "mobility", "matched_load",
+                                           "energy",  "ahead",        "view"};
 
 const tdm_solver_ops mbd_solver_ops = {
     .capabilities = capabilities,
@@ -74,5 +83,7 @@ const tdm_solver_ops mbd_solver_ops = {
     .step = step,
     .save = save,
     .restore = restore,
+    .scenery = scenery,
+    .snapshot = snapshot,
     .destroy = destroy,
 };

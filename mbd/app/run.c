@@ -39,9 +39,11 @@ typedef struct {
   double *sample_time; /* (room) [s] */
   double *sample;      /* (room x nchannel) */
   course *course;      /* (nchannel) */
-  double t;            /* reached [s] */
+  tdm_outputs outputs;
+  double t; /* reached [s] */
   uint64_t windows;
   double setup, loop, step; /* wall times: until the start, the loop, the solver's part of it [s] */
+  double looked;            /* of the latter: writing what is looked at [s] */
 } run_state;
 
 /* ---- settings ---- */
@@ -73,6 +75,7 @@ tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, td
   if (s->end / s->interval > most_rows || (s->window > 0 && s->end / s->window > most_rows))
     tdm_object_fail(&o, "interval", "time.end = %g s has more than %g output intervals or steps; take longer ones",
                     s->end, most_rows);
+  tdm_outputs_settings_read(&s->outputs, &o, scene->root, 0);
   tdm_object_close(&o);
   if (s->window == 0)
     s->window = WINDOW_ROWS * s->interval;
@@ -91,6 +94,9 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
   run->total_rows = (uint64_t)fmax(1, ceil(s->end / s->interval - 1e-6)) + 1;
   run->room = (int)fmin(s->window / s->interval + 2, (double)run->total_rows);
   tdm_standalone_doubt_interval(&run->alone, s->interval, s->end);
+  tdm_warning doubt;
+  if (tdm_outputs_doubt(&s->outputs, s->end, &doubt))
+    tdm_standalone_doubt(&run->alone, doubt.path, "%s", doubt.message);
   return TDM_OK;
 }
 
@@ -132,6 +138,33 @@ static tdm_status write_row(run_state *run, const double *values, tdm_error *err
   return tdm_standalone_row(&run->alone, row_time(run, run->alone.nrow), values, err);
 }
 
+/* The state of a row, of time t [s], if a frame is due then. */
+static tdm_status look(run_state *run, double t, tdm_error *err) {
+  const double begin = tdm_clock();
+  if (!tdm_outputs_due(&run->outputs, t))
+    return TDM_OK;
+  if (mbd_engine_snapshot(run->engine, &run->outputs.snapshot, err) != TDM_OK)
+    return err->status;
+  run->outputs.snapshot.time = t;
+  tdm_outputs_write(&run->outputs, &run->outputs.snapshot, err);
+  run->looked += tdm_clock() - begin;
+  return err->status;
+}
+
+static tdm_status look_at_sample(void *looker, int sample, tdm_error *err) {
+  run_state *run = looker;
+  return look(run, run->sample_time[sample], err);
+}
+
+static tdm_status begin_frames(run_state *run, tdm_error *err) {
+  const mbd_run_settings *s = &run->settings;
+  if (tdm_outputs_wanted(&s->outputs) && mbd_engine_scenery(run->engine, &run->outputs.scenery, err) != TDM_OK)
+    return err->status;
+  if (tdm_outputs_begin(&run->outputs, &s->outputs, &run->alone.results, s->end, s->interval, err) != TDM_OK)
+    return err->status;
+  return look(run, 0, err);
+}
+
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   size_t nchannel = (size_t)run->alone.figures.nchannel;
   run->sample_time = calloc((size_t)run->room, sizeof *run->sample_time);
@@ -139,24 +172,28 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   run->course = calloc(nchannel, sizeof *run->course);
   if (!run->sample_time || !run->sample || !run->course)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d rows of outputs; take a smaller time.dt", run->room);
-  return tdm_standalone_begin(&run->alone, err) != TDM_OK ? err->status : write_row(run, run->alone.values, err);
+  if (tdm_standalone_begin(&run->alone, err) != TDM_OK || write_row(run, run->alone.values, err) != TDM_OK)
+    return err->status;
+  return begin_frames(run, err);
 }
 
 /* ---- the loop ---- */
 
 /* one window and the rows in it */
 static tdm_status advance(run_state *run, tdm_error *err) {
-  double begin = tdm_clock();
+  double begin = tdm_clock() - run->looked;
   mbd_window window = {.t0 = run->t, .sample_time = run->sample_time};
   window.t1 = fmin((double)(run->windows + 1) * run->settings.window, run->settings.end);
   if (run->settings.end - window.t1 < 1e-9 * run->settings.window)
     window.t1 = run->settings.end;
   for (uint64_t row = run->alone.nrow; row < run->total_rows && row_time(run, row) <= window.t1; row++)
     run->sample_time[window.nsample++] = row_time(run, row);
-  const mbd_outcome outcome = {.channel = run->sample};
+  const mbd_outcome outcome = {.channel = run->sample,
+                               .look = tdm_outputs_wanted(&run->settings.outputs) ? look_at_sample : NULL,
+                               .looker = run};
   if (mbd_engine_advance(run->engine, &window, &outcome, err) != TDM_OK)
     return err->status;
-  run->step += tdm_clock() - begin;
+  run->step += tdm_clock() - run->looked - begin;
   run->t = window.t1;
   run->windows++;
   for (int i = 0; i < window.nsample && err->status == TDM_OK; i++)
@@ -262,6 +299,7 @@ static void let_go(run_state *run) {
   free(run->sample_time);
   free(run->sample);
   free(run->course);
+  tdm_outputs_end(&run->outputs);
   tdm_standalone_free(&run->alone);
   mbd_engine_destroy(&run->engine);
 }
@@ -287,6 +325,9 @@ static void print_scene(const run_state *run) {
   printf("run\n  %-28s %g s\n", "time", s->end);
   printf("  %-28s every %g s: %llu rows of %d channels\n", "time histories", s->interval,
          (unsigned long long)run->total_rows, run->alone.figures.nchannel);
+  if (s->outputs.particles_interval > 0)
+    printf("  %-28s every %g s: %.0f\n", "frames for ParaView", s->outputs.particles_interval,
+           tdm_outputs_frames(&s->outputs, s->end));
   printf("mbd: %s\n", mbd_solver_ops.software);
   json_t *solver = solver_settings(mbd_engine_model(run->engine));
   json_object_del(solver, "formulation"); /* the report has it */

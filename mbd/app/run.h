@@ -1,7 +1,8 @@
 /* A scene of bodies alone: `tandem-mbd run` and `tandem-mbd check`, from a scene file to a result directory.
  *
  *   channels.csv                            time histories of all channels
- *   motion, reactions, energies, drift.png   their plots
+ *   mechanism_N.vtp, scene.pvd, frames.tdv  what there is to see, for ParaView and viewers
+ *   motion, reactions, energies, drift.png  their plots
  *   scene.json, summary.json, mbd.log       the scene with all overrides; settings, counts, times; the log
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
@@ -9,6 +10,7 @@
 #define MBD_APP_RUN_H
 
 #include "protocol/app/standalone.h"
+#include "protocol/output/outputs.h"
 
 /* the command line of tandem-mbd */
 extern const tdm_standalone_program mbd_program;
@@ -18,6 +20,7 @@ typedef struct {
   double end;      /* simulated time [s] */
   double window;   /* the integrator is stopped at its multiples [s] */
   double interval; /* of the time histories [s] */
+  tdm_outputs_settings outputs;
 } mbd_run_settings;
 
 /* Read the sections time and output; refuse dem and coupling. */

@@ -32,6 +32,8 @@ struct mbd_engine {
   void *integration; /* the integrator's own */
   mbd_assembly assembly;
   bool started;
+  const double *sampled;   /* unknowns of the sample that is looked at; NULL: none is */
+  double sampled_at;       /* its time [s] */
   long steps, most_steps;  /* made since the limit was set, and the limit; 0: none */
   bool acceleration;       /* of the coupled bodies, asked for */
   mbd_reduced *reduced;    /* NULL: not asked for */
@@ -252,9 +254,16 @@ static tdm_status sample(void *context, int i, double t, const double *y, tdm_er
   const mbd_outcome *o = to->outcome;
   for (int k = 0; k < m->ncoupled && o->sample_state; k++)
     o->sample_state[i * m->ncoupled + k] = mbd_body_state(y, m->coupled[k]);
-  if (!o->channel)
+  mbd_engine *s = to->self;
+  if (o->channel && mbd_channel_values(m, s->data, s->kkt, t, y, o->channel + i * s->start.nchannel, err))
+    return err->status;
+  if (!o->look)
     return TDM_OK;
-  return mbd_channel_values(m, to->self->data, to->self->kkt, t, y, o->channel + i * to->self->start.nchannel, err);
+  s->sampled = y;
+  s->sampled_at = t;
+  tdm_status status = o->look(o->looker, i, err);
+  s->sampled = NULL;
+  return status;
 }
 
 /* A force has turned too far: says so in place of what came of it. */
@@ -363,7 +372,8 @@ tdm_status mbd_engine_scenery(const mbd_engine *s, tdm_scenery *scenery, tdm_err
 }
 
 tdm_status mbd_engine_snapshot(const mbd_engine *s, tdm_snapshot *snapshot, tdm_error *err) {
-  return mbd_view_snapshot(s->model, s->data->t, s->data->y, snapshot, err);
+  return s->sampled ? mbd_view_snapshot(s->model, s->sampled_at, s->sampled, snapshot, err)
+                    : mbd_view_snapshot(s->model, s->data->t, s->data->y, snapshot, err);
 }
 
 const mbd_stats *mbd_engine_stats(mbd_engine *s) {

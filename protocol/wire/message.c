@@ -69,11 +69,16 @@ const char *tdm_message_name(int type) {
   return "?";
 }
 
+/* bytes of a frame at most */
+static size_t largest(int type) {
+  return type == TDM_VIEW ? TDM_VIEW_MAX : TDM_FRAME_MAX;
+}
+
 static tdm_status header_write(tdm_frame *frame, tdm_message_type type, uint64_t window, size_t payload,
                                tdm_error *err) {
-  if (payload + TDM_HEADER_BYTES > TDM_FRAME_MAX)
-    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "a %s of %zu bytes is larger than the protocol's limit of %d",
-                    tdm_message_name(type), payload, TDM_FRAME_MAX);
+  if (payload + TDM_HEADER_BYTES > largest(type))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "a %s of %zu bytes is larger than the protocol's limit of %zu",
+                    tdm_message_name(type), payload, largest(type));
   tdm_status status = frame_reserve(frame, TDM_HEADER_BYTES + payload, err);
   if (status != TDM_OK)
     return status;
@@ -104,8 +109,9 @@ tdm_status tdm_header_read(tdm_header *header, const void *frame, size_t size, t
     return tdm_fail(err, TDM_ERR_VERSION, NULL,
                     "it speaks protocol version %u, here it is %u; use a solver and a tandem of the same version",
                     words[0], TDM_PROTOCOL_VERSION);
-  if (size > TDM_FRAME_MAX)
-    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "oversized frame: %zu bytes, the limit is %d", size, TDM_FRAME_MAX);
+  if (size > largest(words[1]))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "oversized frame: %zu bytes, the limit is %zu", size,
+                    largest(words[1]));
   if (payload != size - TDM_HEADER_BYTES)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed frame: %u bytes of payload announced, %zu came", payload,
                     size - TDM_HEADER_BYTES);
@@ -173,6 +179,22 @@ void tdm_error_from_json(const json_t *json, tdm_error *err) {
   tdm_fail(err, code, path, "%s", message ? message : "no reason given");
 }
 
+/* ---- VIEW ---- */
+
+tdm_status tdm_view_write(tdm_frame *frame, uint64_t window, const tdm_scenery *scenery, const tdm_snapshot *snapshot,
+                          tdm_error *err) {
+  if (frame_reserve(frame, TDM_HEADER_BYTES, err) != TDM_OK)
+    return TDM_ERR_MEMORY;
+  tdm_view_bytes bytes = {frame->data, TDM_HEADER_BYTES, frame->capacity};
+  tdm_status status =
+      scenery ? tdm_scenery_encode(scenery, false, &bytes, err) : tdm_snapshot_encode(snapshot, false, &bytes, err);
+  frame->data = bytes.data;
+  frame->capacity = bytes.capacity;
+  if (status != TDM_OK)
+    return status;
+  return header_write(frame, TDM_VIEW, window, bytes.size - TDM_HEADER_BYTES, err);
+}
+
 /* ---- STEP and RESULT ---- */
 
 /* what a RESULT has behind its channels: bits of the u16 at 36 */
@@ -187,7 +209,7 @@ enum {
 };
 
 /* what a STEP has behind its sample times: bits of the u16 at 40 */
-enum { HAS_PROXY = 1, HAS_AHEAD = 2 };
+enum { HAS_PROXY = 1, HAS_AHEAD = 2, IS_SEEN = 4, STEP_ALL = 7 };
 
 _Static_assert(sizeof(tdm_interface) == TDM_INTERFACE_DOUBLES * sizeof(double), "sent as doubles");
 
@@ -317,8 +339,9 @@ tdm_status tdm_step_write(tdm_frame *frame, const tdm_step *s, tdm_error *err) {
   at = put_u32(at, (uint32_t)s->nstate);
   at = put_u32(at, (uint32_t)s->nload);
   at = put_u32(at, (uint32_t)s->nsample);
-  const uint16_t extra[2] = {(uint16_t)((s->has_proxy ? HAS_PROXY : 0) | (s->ahead > 0 ? HAS_AHEAD : 0)),
-                             (uint16_t)(s->has_proxy ? s->proxy.mobility.nfree : 0)};
+  const uint16_t extra[2] = {
+      (uint16_t)((s->has_proxy ? HAS_PROXY : 0) | (s->ahead > 0 ? HAS_AHEAD : 0) | (s->seen ? IS_SEEN : 0)),
+      (uint16_t)(s->has_proxy ? s->proxy.mobility.nfree : 0)};
   at = put(at, extra, sizeof extra);
   at = put_u32(at, (uint32_t)s->path.nnode);
   at = put(at, s->start, (size_t)s->nstate * sizeof(tdm_state));
@@ -362,13 +385,13 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
                     s->t1, (unsigned long long)s->nstep);
   s->has_proxy = extra[0] & HAS_PROXY;
   s->proxy.mobility = (tdm_mobility){.nbody = s->nbody, .nfree = extra[1]};
-  if (extra[0] > (HAS_PROXY | HAS_AHEAD) || extra[1] > (s->has_proxy ? TDM_FREE_MAX : 0) ||
-      (s->has_proxy && s->nstate == 0))
+  if (extra[0] > STEP_ALL || extra[1] > (s->has_proxy ? TDM_FREE_MAX : 0) || (s->has_proxy && s->nstate == 0))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: %u, %u where the proxy is announced", extra[0],
                     extra[1]);
   if (nnode > TDM_NODES_MAX || (nnode > 0 && s->nstate == 0))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a path of %u nodes; at most %d", nnode,
                     TDM_NODES_MAX);
+  s->seen = extra[0] & IS_SEEN;
   s->ahead = extra[0] & HAS_AHEAD; /* there is one: it counts */
   s->path.nnode = (int)nnode;
   status = copy_doubles(store, header, TDM_STEP_BYTES, step_doubles(s), err);

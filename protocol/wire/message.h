@@ -10,6 +10,7 @@
 
 #include "protocol/base/status.h"
 #include "protocol/version.h"
+#include "protocol/view/view.h"
 #include "protocol/wire/nodes.h"
 
 #include <jansson.h>
@@ -34,7 +35,8 @@ extern "C" {
   X(FINISH, 9, "server")     \
   X(ERROR, 10, "both")       \
   X(HEARTBEAT, 11, "both")   \
-  X(REMARKS, 12, "solver")
+  X(REMARKS, 12, "solver")   \
+  X(VIEW, 13, "both")
 
 /* Types of messages, with their numbers on the wire. */
 typedef enum {
@@ -45,8 +47,9 @@ typedef enum {
 
 enum {
   TDM_HEADER_BYTES = 24,
-  TDM_FRAME_MAX = 64 * 1024 * 1024, /* larger frames are refused */
-  TDM_STEP_BYTES = 48,              /* fixed blocks behind the header */
+  TDM_FRAME_MAX = 64 * 1024 * 1024,  /* larger frames are refused */
+  TDM_VIEW_MAX = 1024 * 1024 * 1024, /* but for a VIEW, which may have so many bytes */
+  TDM_STEP_BYTES = 48,               /* fixed blocks behind the header */
   TDM_RESULT_BYTES = 40,
   TDM_COUNT_MAX = 1 << 20,                                               /* of any count in STEP or RESULT */
   TDM_FURTHER = 6,                                                       /* coefficients behind the parabola */
@@ -93,6 +96,13 @@ json_t *tdm_numbers_to_json(const double *values, int n);
 json_t *tdm_error_to_json(const tdm_error *err);
 void tdm_error_from_json(const json_t *json, tdm_error *err);
 
+/* ---- VIEW ---- */
+
+/* Encode what there is to see into frame: the scenery, or where that is NULL the snapshot. TDM_ERR_PROTOCOL: it is
+ * larger than TDM_VIEW_MAX. */
+tdm_status tdm_view_write(tdm_frame *frame, uint64_t window, const tdm_scenery *scenery, const tdm_snapshot *snapshot,
+                          tdm_error *err);
+
 /* ---- STEP and RESULT ---- */
 
 /* The reduced model of a mechanism at the end of a window, in its f independent velocities u' (PROTOCOL.md, section 6);
@@ -132,6 +142,7 @@ typedef struct {
   const tdm_state *end;      /* (nstate) bodies at t1 */
   const tdm_wrench *load;    /* (nbody x nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
   const double *sample_time; /* (nsample) [s], ascending */
+  bool seen;                 /* to solvers with the capability "view": a snapshot of t1 will be asked for */
   double ahead;              /* to mbd: RESULT is to tell the path from t1 on until then [s]; 0: no path */
   tdm_nodes path;            /* to dem with the capability "path": how the bodies go; the last node is at t1. No node:
                               * as `end` or the proxy says */

@@ -33,6 +33,9 @@ struct tdm_participant {
   uint64_t window;
   double t1; /* end of the window under way */
   tdm_keeper keeper;
+  tdm_shower shower;
+  tdm_scenery scenery; /* what shower fills */
+  tdm_snapshot snapshot;
   bool tells;                       /* the server wants REMARKS */
   uint64_t told;                    /* changes of the remarks that it knows */
   double last_progress;             /* when it was last told what the solver is at [s] */
@@ -443,18 +446,49 @@ static tdm_status keep(tdm_participant *p, const tdm_header *header, tdm_error *
   return err->status;
 }
 
+void tdm_participant_show(tdm_participant *p, const tdm_shower *shower) {
+  p->shower = *shower;
+}
+
+/* VIEW, answered by one with what there is to see; without payload where there is nothing to send. That no memory is
+ * there for it, or no room in a message, is a warning: the run goes on. */
+static tdm_status show(tdm_participant *p, const tdm_header *header, tdm_error *err) {
+  json_t *json = NULL;
+  if (tdm_control_read(header, &json, err) != TDM_OK)
+    return err->status;
+  const char *what = json_string_value(json_object_get(json, "what"));
+  const bool scenery = what && strcmp(what, "scenery") == 0, snapshot = what && strcmp(what, "snapshot") == 0;
+  json_decref(json);
+  if (!scenery && !snapshot)
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed VIEW: \"what\" must be \"scenery\" or \"snapshot\"");
+  tdm_error own = {0};
+  tdm_status status = scenery ? p->shower.scenery(p->shower.self, &p->scenery, &own)
+                              : p->shower.snapshot(p->shower.self, &p->snapshot, &own);
+  if (status == TDM_OK)
+    status = tdm_view_write(&p->out, p->window, scenery ? &p->scenery : NULL, &p->snapshot, &own);
+  if (status == TDM_OK)
+    return send_frame(p, err);
+  tdm_remark(TDM_WARNING, "unseen", NULL, p->t1, "what there is to see cannot be told: %.900s", own.message);
+  return send_remarks(p, NULL, err) == TDM_OK ? send_control(p, TDM_VIEW, NULL, err) : err->status;
+}
+
+/* A message that is answered here, between two windows. Returns false when it is none, or after an error. */
+static bool answer(tdm_participant *p, const tdm_header *header, tdm_error *err) {
+  if (p->keeper.save && (header->type == TDM_SAVE || header->type == TDM_RESTORE))
+    return keep(p, header, err) == TDM_OK;
+  return p->shower.scenery && header->type == TDM_VIEW && show(p, header, err) == TDM_OK;
+}
+
 bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result, tdm_error *err) {
   tdm_error own = {0};
   err = err ? err : &own;
   tdm_header header;
-  bool kept;
-  do {
+  do
     if (p->finished || receive(p, &header, err) != TDM_OK)
       return false;
-    kept = p->keeper.save && (header.type == TDM_SAVE || header.type == TDM_RESTORE);
-    if (kept && keep(p, &header, err) != TDM_OK)
-      return false;
-  } while (kept);
+  while (answer(p, &header, err));
+  if (err->status != TDM_OK)
+    return false;
   if (header.type == TDM_FINISH) {
     p->finished = true;
     return false;
@@ -522,6 +556,8 @@ void tdm_participant_finalize(tdm_participant **participant, const tdm_error *er
   tdm_frame_free(&p->out);
   tdm_frame_free(&p->step_store);
   tdm_frame_free(&p->result_store);
+  tdm_scenery_free(&p->scenery);
+  tdm_snapshot_free(&p->snapshot);
   json_decref(p->assign);
   free(p->body);
   free(p);
@@ -553,6 +589,8 @@ tdm_status tdm_participant_run(const tdm_solver_ops *ops, const tdm_participant_
     tdm_log(TDM_LOG_INFO, "ready", "channels=%d warnings=%d", ready.nchannel, ready.nwarning);
     tdm_keeper keeper = {.self = self, .save = ops->save, .restore = ops->restore};
     tdm_participant_keep(p, &keeper);
+    tdm_shower shower = {.self = self, .scenery = ops->scenery, .snapshot = ops->snapshot};
+    tdm_participant_show(p, &shower);
     tdm_step step;
     tdm_result result;
     while (status == TDM_OK && tdm_participant_next(p, &step, &result, err)) {

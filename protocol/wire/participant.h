@@ -5,6 +5,7 @@
  *   tdm_participant_initialize(p, &assignment, err);   waits for ASSIGN
  *   tdm_participant_ready(p, &ready, err);             READY
  *   tdm_participant_keep(p, &keeper);                  only with the capability "restore"
+ *   tdm_participant_show(p, &shower);                  only with the capability "view"
  *   while (tdm_participant_next(p, &step, &result, err))   waits for STEP; false at FINISH or after an error
  *     ... solve from step.t0 to step.t1, fill result's arrays ...
  *     tdm_participant_advance(p, &result, err);        RESULT
@@ -141,6 +142,19 @@ typedef struct {
 /* From now on tdm_participant_next answers SAVE and RESTORE itself, with these (copied). */
 void tdm_participant_keep(tdm_participant *p, const tdm_keeper *keeper);
 
+/* A solver with the capability "view" tells what there is to see of it when the server asks between two windows: the
+ * scenery, and after that snapshots. Looking changes nothing of the run. A snapshot of the end of a window is announced
+ * in its STEP (step->seen). Both objects are the participant's: they are reused, and cleared or resized by who fills
+ * them. */
+typedef struct {
+  void *self;
+  tdm_status (*scenery)(void *self, tdm_scenery *scenery, tdm_error *err);
+  tdm_status (*snapshot)(void *self, tdm_snapshot *snapshot, tdm_error *err);
+} tdm_shower;
+
+/* From now on tdm_participant_next answers VIEW itself, with these (copied). */
+void tdm_participant_show(tdm_participant *p, const tdm_shower *shower);
+
 /* Wait for the next STEP. Sets *step and a zeroed *result with its arrays laid out for this role. Returns false at
  * FINISH (err untouched) or after an error. */
 bool tdm_participant_next(tdm_participant *p, tdm_step *step, tdm_result *result, tdm_error *err);
@@ -179,6 +193,9 @@ typedef struct {
   tdm_status (*save)(void *self, int slot, tdm_error *err);
   /* Likewise. */
   tdm_status (*restore)(void *self, int slot, tdm_error *err);
+  /* Capability "view" (tdm_shower); NULL: none. */
+  tdm_status (*scenery)(void *self, tdm_scenery *scenery, tdm_error *err);
+  tdm_status (*snapshot)(void *self, tdm_snapshot *snapshot, tdm_error *err);
   void (*destroy)(void *self); /* NULL is allowed as self */
 } tdm_solver_ops;
 

@@ -49,7 +49,7 @@ static tdm_status open_socket(tdm_transport **transport, const char *endpoint, v
   int failed = t->socket == NULL;
   if (!failed) {
     int linger = 500, mandatory = 1, send_timeout = 200, high_water = 0;
-    int64_t largest = 2 * (int64_t)TDM_FRAME_MAX; /* beyond this ZeroMQ drops the connection unread */
+    int64_t largest = 2 * (int64_t)TDM_VIEW_MAX; /* beyond this ZeroMQ drops the connection unread */
     zmq_setsockopt(t->socket, ZMQ_LINGER, &linger, sizeof linger);
     zmq_setsockopt(t->socket, ZMQ_SNDTIMEO, &send_timeout, sizeof send_timeout);
     zmq_setsockopt(t->socket, ZMQ_SNDHWM, &high_water, sizeof high_water);

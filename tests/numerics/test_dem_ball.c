@@ -2,8 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 #include "dem/geometry/shape/rows.h"
-#include "dem/output/polygon.h"
-#include "dem/output/snapshot.h"
+#include "dem/output/view.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"
 #include "tests/test_main.h"
@@ -39,8 +38,8 @@ START_TEST(geometry) {
   ck_vector(dem_wall_surface(w, at, tdm_v3(1.5, 2, 4), tdm_v3(1, 0, 0)), tdm_v3(0, 1, 0), 1e-14);
   ck_near(dem_wall_belt_speed(w), 1, 1e-14);
   /* outputs */
-  dem_snapshot none = {0};
-  dem_bounds b = dem_scene_bounds(r->data, &none);
+  dem_bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  dem_wall_bounds(w, &r->data->state.pose[w->body], &b);
   ck_vector(b.low, tdm_v3(0.5, 1.5, 3.5), 1e-14);
   ck_vector(b.high, tdm_v3(1.5, 2.5, 4.5), 1e-14);
   dem_polygons all = {0};
@@ -48,7 +47,9 @@ START_TEST(geometry) {
   ck_assert(dem_polygons_make(&all, r->data, &b, &err) == TDM_OK);
   double area = 0;
   for (int k = 0; k < all.count; k++) {
-    const tdm_vec3 *c = all.polygon[k].corner;
+    tdm_vec3 c[4];
+    for (int i = 0; i < 4; i++)
+      c[i] = tdm_pose_point(r->data->state.pose[all.polygon[k].body], all.polygon[k].corner[i]);
     ck_assert(all.polygon[k].solid);
     for (int i = 0; i < 4; i++)
       ck_near(tdm_norm(tdm_sub(c[i], tdm_v3(1, 2, 4))), 0.5, 1e-14);

@@ -3,7 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/free_space.h"
 #include "dem/geometry/shape/shape.h"
-#include "dem/output/polygon.h"
+#include "dem/output/view.h"
 #include "dem/settle/settle.h"
 #include "dem/store/fingerprint.h"
 #include "dem/watch/energy_balance.h"
@@ -54,7 +54,7 @@ static void draw_torus(const dem_wall *wall, const dem_wall_view *view, dem_poly
   enum { SIDES = 48 };
   const double step = 2 * M_PI / SIDES;
   for (int k = 0; k < SIDES * SIDES; k++) {
-    dem_polygon p = {.body = wall->body, .solid = wall->solid, .ncorner = 4, .force = DEM_FORCE_UNKNOWN};
+    dem_polygon p = {.body = wall->body, .solid = wall->solid, .ncorner = 4};
     const int a = k / SIDES, b = k % SIDES;
     const int corner[4][2] = {{a, b}, {a + 1, b}, {a + 1, b + 1}, {a, b + 1}};
     for (int c = 0; c < 4; c++)
@@ -156,8 +156,7 @@ END_TEST
 /* Polygons lie on it and cover it; the bounds of a picture and its extent are those of its box. */
 START_TEST(it_is_drawn) {
   rig *r = rig_of("[0,0,0]", "'radii':[0.2,0.03]", "[0,0,1]", "");
-  const dem_snapshot none = {0};
-  dem_bounds bounds = dem_scene_bounds(r->data, &none);
+  dem_bounds bounds = dem_scene_bounds(r->data);
   ck_near(bounds.low.x, -0.23, 1e-15);
   ck_near(bounds.high.z, 1.03, 1e-15);
   double low, high;
@@ -169,7 +168,9 @@ START_TEST(it_is_drawn) {
   ck_assert(dem_polygons_make(&all, r->data, &bounds, &err) == TDM_OK);
   double area = 0;
   for (int k = 0; k < all.count; k++) {
-    const tdm_vec3 *c = all.polygon[k].corner;
+    tdm_vec3 c[4];
+    for (int i = 0; i < 4; i++)
+      c[i] = tdm_pose_point(r->data->state.pose[all.polygon[k].body], all.polygon[k].corner[i]);
     tdm_vec3 n;
     ck_near(dem_wall_gap(&r->model->wall[0], &r->data->state.wall[0], c[0], &n), 0, 1e-15);
     area += 0.5 * tdm_norm(tdm_cross(tdm_sub(c[2], c[0]), tdm_sub(c[3], c[1])));

@@ -10,7 +10,8 @@ set(protocol
   "scene view"
   "motion results surface wire"
   "app"
-  "draw")
+  "draw"
+  "output")
 set(dem
   "base"
   "numbers geometry search/method"

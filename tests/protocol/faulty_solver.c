@@ -14,7 +14,9 @@
  *   channel, unit, twin   announce a channel of the name or unit FAULT_TEXT, or two of one name
  *   further    announces "matched_load" as well, and returns such a coefficient
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
- *   wordy      logs a line, then reports ERROR              deaf    ignores FINISH and SIGTERM
+ *   view       announces "view"; its answers are as FAULT_TEXT says: garbage, empty, kind (a snapshot where a scenery
+ * is due), bodies (more than the scenery has) wordy      logs a line, then reports ERROR              deaf    ignores
+ * FINISH and SIGTERM
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/base/log.h"
@@ -149,6 +151,30 @@ static void answer_step(const tdm_header *header) {
   tdm_frame_free(&result_store);
 }
 
+static void answer_view(const tdm_header *header) {
+  const char *text = getenv("FAULT_TEXT") ? getenv("FAULT_TEXT") : "";
+  json_t *question = NULL;
+  tdm_scenery scenery = {0};
+  tdm_snapshot snapshot = {0};
+  tdm_control_read(header, &question, NULL);
+  const char *what = json_string_value(json_object_get(question, "what"));
+  const int first = what && strcmp(what, "scenery") == 0 && strcmp(text, "kind") != 0;
+  if (strcmp(text, "bodies") == 0 && !first) {
+    tdm_snapshot_resize(&snapshot, 1, 0, 0, 0, NULL);
+    snapshot.pose[0] = (tdm_pose){.orientation = {1, 0, 0, 0}};
+  }
+  json_decref(question);
+  if (strcmp(text, "empty") == 0) {
+    tdm_control_write(&frame, TDM_VIEW, 0, NULL, NULL);
+  } else {
+    tdm_view_write(&frame, 0, first ? &scenery : NULL, &snapshot, NULL);
+    if (strcmp(text, "garbage") == 0)
+      memset(frame.data + TDM_HEADER_BYTES, 0xA5, frame.size - TDM_HEADER_BYTES);
+  }
+  tdm_snapshot_free(&snapshot);
+  send_frame();
+}
+
 /* channels of READY; NULL: none */
 static json_t *channels(void) {
   const char *text = getenv("FAULT_TEXT") ? getenv("FAULT_TEXT") : "";
@@ -205,6 +231,7 @@ int main(int argc, char **argv) {
     return 2;
   json_t *capabilities = is("further") ? json_pack("[s, s, s, s]", "interface", "energy", "proxy", "matched_load")
                          : is_extra()  ? json_pack("[s, s]", "interface", "energy")
+                         : is("view")  ? json_pack("[s]", "view")
                                        : json_array();
   send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s, s:o}", "name", "faulty", "role", is_mbd ? "mbd" : "dem", "software",
                                  "faulty 1.0", "capabilities", capabilities));
@@ -228,6 +255,8 @@ int main(int argc, char **argv) {
       continue;
     if (header.type == TDM_ASSIGN)
       answer_assign(&header);
+    if (header.type == TDM_VIEW)
+      answer_view(&header);
     if (header.type == TDM_STEP)
       answer_step(&header);
     if ((header.type == TDM_FINISH || header.type == TDM_ERROR) && !is("deaf"))

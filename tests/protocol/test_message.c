@@ -106,9 +106,13 @@ START_TEST(proxy_round_trip) {
     ck_assert_mem_eq(in.sample_time, out.sample_time, 3 * sizeof(double));
     ck_assert_mem_eq(in.proxy.acceleration, block, n * sizeof(double)); /* one block, in wire order */
     ck_assert_ptr_eq(in.proxy.mobility.B_rate + 12 * f, in.proxy.acceleration + n);
-    frame.data[TDM_HEADER_BYTES + 40] ^= 4; /* something else is announced */
+    ck_assert(!in.seen);
+    frame.data[TDM_HEADER_BYTES + 40] ^= 4; /* a snapshot is */
+    ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_OK);
+    ck_assert(in.seen && in.has_proxy);
+    frame.data[TDM_HEADER_BYTES + 40] ^= 12; /* something else is announced */
     ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
-    frame.data[TDM_HEADER_BYTES + 40] ^= 5; /* nothing is */
+    frame.data[TDM_HEADER_BYTES + 40] ^= 9; /* nothing is */
     ck_assert_int_eq(tdm_step_read(&in, &header, &store, &err), TDM_ERR_PROTOCOL);
     frame.data[TDM_HEADER_BYTES + 40] ^= 1;
     frame.data[TDM_HEADER_BYTES + 42] = TDM_FREE_MAX + 1; /* too much freedom */

@@ -1,8 +1,8 @@
 /* What the outputs of a run work out: slopes of heaps, walls as polygons, the starts of particles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/picture.h"
-#include "dem/output/polygon.h"
 #include "dem/output/repose.h"
+#include "dem/output/view.h"
 #include "tests/numerics/test_dem_support.h"
 #include "tests/test_main.h"
 
@@ -14,14 +14,14 @@ static tdm_vec3 position[MANY];
 static double radius[MANY];
 
 /* rows of particles under the lines z = height - tan(low) |x| (x < 0) and height - tan(high) x */
-static dem_snapshot heap(double low_deg, double high_deg, double height, double r) {
-  dem_snapshot s = {.position = position, .radius = radius};
+static tdm_snapshot heap(double low_deg, double high_deg, double height, double r) {
+  tdm_snapshot s = {.position = position, .radius = radius};
   double slope[2] = {tan(low_deg * M_PI / 180), tan(high_deg * M_PI / 180)};
   for (int column = -40; column <= 40; column++) {
     double x = 2 * r * column, top = height - slope[x > 0] * fabs(x);
-    for (double z = top - r; z > r && s.count < MANY; z -= 2 * r) {
-      position[s.count] = tdm_v3(x, 0.3 * x, z);
-      radius[s.count++] = r;
+    for (double z = top - r; z > r && s.nparticle < MANY; z -= 2 * r) {
+      position[s.nparticle] = tdm_v3(x, 0.3 * x, z);
+      radius[s.nparticle++] = r;
     }
   }
   return s;
@@ -30,7 +30,7 @@ static dem_snapshot heap(double low_deg, double high_deg, double height, double 
 START_TEST(the_slopes_of_a_heap) {
   static const double angles[][2] = {{30, 30}, {20, 35}, {5, 5}};
   for (int k = 0; k < 3; k++) {
-    dem_snapshot s = heap(angles[k][0], angles[k][1], k == 2 ? 0.06 : 0.4, 0.01);
+    tdm_snapshot s = heap(angles[k][0], angles[k][1], k == 2 ? 0.06 : 0.4, 0.01);
     dem_repose found = dem_repose_of(&s, 0);
     ck_assert_double_eq_tol(found.low, angles[k][0], 0.6);
     ck_assert_double_eq_tol(found.high, angles[k][1], 0.6);
@@ -40,10 +40,10 @@ START_TEST(the_slopes_of_a_heap) {
 END_TEST
 
 START_TEST(no_heap_has_no_slope) {
-  dem_snapshot none = {0};
+  tdm_snapshot none = {0};
   ck_assert(isnan(dem_repose_of(&none, 0).mean));
-  dem_snapshot s = heap(30, 30, 0.4, 0.01);
-  s.count = 1;
+  tdm_snapshot s = heap(30, 30, 0.4, 0.01);
+  s.nparticle = 1;
   ck_assert(isnan(dem_repose_of(&s, 1).mean));
 }
 END_TEST
@@ -92,7 +92,7 @@ START_TEST(walls_as_polygons) {
   ck_near(total[3], 4 * sqrt(14) / 3, 1e-6);
   const dem_polygon *slanted = &all.polygon[all.count - 1];
   for (int c = 0; c < slanted->ncorner; c++) {
-    tdm_vec3 x = slanted->corner[c];
+    tdm_vec3 x = slanted->corner[c]; /* its body stands at the origin */
     ck_near(x.x + 2 * x.y + 3 * x.z, 0, 1e-6);
     ck_assert(fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))) < 1 + 1e-6);
   }
@@ -103,16 +103,43 @@ END_TEST
 
 START_TEST(the_bounds_of_a_scene) {
   rig *r = walled_scene();
-  dem_snapshot s = {0};
-  tdm_error err = {0};
-  ck_assert_int_eq(dem_snapshot_take(&s, r->data, &err), TDM_OK);
-  ck_assert_int_eq(s.count, 0);
-  dem_bounds b = dem_scene_bounds(r->data, &s);
+  dem_bounds b = dem_scene_bounds(r->data);
   double angle = 2 * atan2(0.3, 0.9);
   ck_near(b.low.x, -0.5, 1e-12);
   ck_near(b.high.x, 5 + 0.5 * cos(angle) + 1 * sin(angle), 1e-12);
   ck_near(b.low.z, -1.5, 1e-12);
-  dem_snapshot_free(&s);
+  rig_free(r);
+}
+END_TEST
+
+/* Polygons are in the axes of their body: with its pose they are where the walls are. */
+START_TEST(what_there_is_to_see) {
+  rig *r = walled_scene();
+  tdm_error err = {0};
+  dem_view view = {0};
+  tdm_scenery scenery = {0};
+  tdm_snapshot now = {0};
+  ck_assert_int_eq(dem_view_scenery(&view, r->data, &scenery, &err), TDM_OK);
+  ck_assert_int_eq(dem_view_snapshot(&view, r->data, 0.5, &now, &err), TDM_OK);
+  ck_assert_int_eq(tdm_snapshot_check(&now, &scenery, &err), TDM_OK);
+  ck_assert_int_eq(scenery.nbody, 4);
+  ck_assert_str_eq(scenery.body[1].name, "block");
+  ck_assert(scenery.body[1].dem && !scenery.body[1].mbd && scenery.body[1].still && !scenery.body[1].marked);
+  ck_assert_int_eq(scenery.nmaterial, 1);
+  ck_assert_double_eq(now.time, 0.5);
+  for (int k = 0; k < scenery.npolygon; k++) {
+    const tdm_view_polygon *p = &scenery.polygon[k];
+    double nearest = INFINITY; /* of the walls of its body */
+    for (int w = 0; w < r->model->nwall; w++) {
+      tdm_vec3 n, x = tdm_pose_point(now.pose[p->body], p->corner[0]);
+      if (r->model->wall[w].body == p->body)
+        nearest = fmin(nearest, fabs(dem_wall_gap(&r->model->wall[w], &r->data->state.wall[w], x, &n)));
+    }
+    ck_near(nearest, 0, 1e-12);
+  }
+  tdm_scenery_free(&scenery);
+  tdm_snapshot_free(&now);
+  dem_view_free(&view);
   rig_free(r);
 }
 END_TEST
@@ -122,7 +149,7 @@ END_TEST
 START_TEST(particles_keep_the_colour_of_their_start) {
   tdm_error err = {0};
   int64_t id[3] = {0, 1, 2};
-  dem_snapshot s = {.count = 2, .id = id, .position = position, .radius = radius};
+  tdm_snapshot s = {.nparticle = 2, .id = id, .position = position, .radius = radius};
   dem_pictures p = {0};
   position[0] = tdm_v3(0, 0, 1);
   position[1] = tdm_v3(0, 0, 2);
@@ -141,4 +168,4 @@ START_TEST(particles_keep_the_colour_of_their_start) {
 END_TEST
 
 TEST_MAIN("dem_output", the_slopes_of_a_heap, no_heap_has_no_slope, walls_as_polygons, the_bounds_of_a_scene,
-          particles_keep_the_colour_of_their_start)
+          what_there_is_to_see, particles_keep_the_colour_of_their_start)

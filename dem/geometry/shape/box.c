@@ -162,7 +162,7 @@ static void box_of_box(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high) {
 
 static void draw_box(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
   for (int f = 0; f < 6 && err->status == TDM_OK; f++) {
-    dem_polygon p = {.body = wall->body, .solid = true, .ncorner = 4, .force = DEM_FORCE_UNKNOWN};
+    dem_polygon p = {.body = wall->body, .solid = true, .ncorner = 4};
     for (int i = 0; i < 4; i++)
       p.corner[i] = dem_wall_world(view->place, corner_of(wall->half, face_corners[f][i]));
     dem_polygons_add(all, &p, err);

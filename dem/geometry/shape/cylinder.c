@@ -108,8 +108,7 @@ static void draw_round(const dem_wall *wall, const dem_wall_view *view, double l
   for (int k = 0; k < SIDES && err->status == TDM_OK; k++) {
     double a = 2 * M_PI * k / SIDES, b = 2 * M_PI * (k + 1) / SIDES;
     const double r[2] = {wall->radius[0], wall->radius[1]};
-    dem_polygon p = {
-        .body = wall->body, .solid = wall->shape == &solid_frustum, .ncorner = 4, .force = DEM_FORCE_UNKNOWN};
+    dem_polygon p = {.body = wall->body, .solid = wall->shape == &solid_frustum, .ncorner = 4};
     p.corner[0] = dem_wall_world(view->place, tdm_v3(r[0] * cos(a), r[0] * sin(a), low));
     p.corner[1] = dem_wall_world(view->place, tdm_v3(r[0] * cos(b), r[0] * sin(b), low));
     p.corner[2] = dem_wall_world(view->place, tdm_v3(r[1] * cos(b), r[1] * sin(b), high));

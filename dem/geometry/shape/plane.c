@@ -63,7 +63,7 @@ static const dem_box *container_of(const dem_wall_view *view, const dem_wall *wa
 
 /* cut to its container, or else to the bounds of the scene */
 static void draw_plane(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
-  dem_polygon p = {.body = wall->body, .force = DEM_FORCE_UNKNOWN};
+  dem_polygon p = {.body = wall->body};
   const dem_box *box = container_of(view, wall);
   if (box) { /* in the box's axes: its own turn, then the body's pose */
     tdm_quat back = tdm_quat_conj(box->turn);

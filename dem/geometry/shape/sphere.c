@@ -53,7 +53,7 @@ static void draw_sphere(const dem_wall *wall, const dem_wall_view *view, dem_pol
     const double low = M_PI * (k / SIDES) / BANDS - M_PI / 2, high = low + M_PI / BANDS;
     const double from = 2 * M_PI * (k % SIDES) / SIDES, to = from + 2 * M_PI / SIDES;
     const double latitude[] = {low, low, high, high}, longitude[] = {from, to, to, from};
-    dem_polygon p = {.body = wall->body, .solid = !wall->inside, .ncorner = 4, .force = DEM_FORCE_UNKNOWN};
+    dem_polygon p = {.body = wall->body, .solid = !wall->inside, .ncorner = 4};
     for (int c = 0; c < 4; c++) {
       tdm_vec3 own = tdm_v3(r * cos(latitude[c]) * cos(longitude[c]), r * cos(latitude[c]) * sin(longitude[c]),
                             r * sin(latitude[c]));

@@ -26,18 +26,15 @@ enum { DEM_CORNERS_MAX = 12 };
 
 typedef struct {
   int body;
-  bool solid;     /* a face of a solid body, not a cut through a plane */
-  tdm_vec3 force; /* of the particles on a triangle of a mesh, world [N]; NaN: not known */
+  int wall;   /* that it is of; set by who asks for the polygons */
+  bool solid; /* a face of a solid body, not a cut through a plane */
   int ncorner;
-  tdm_vec3 corner[DEM_CORNERS_MAX]; /* world [m], in order around the polygon */
+  tdm_vec3 corner[DEM_CORNERS_MAX]; /* [m], in order around the polygon */
 } dem_polygon;
-
-#define DEM_FORCE_UNKNOWN ((tdm_vec3){NAN, NAN, NAN})
 
 typedef struct {
   int count, capacity;
   dem_polygon *polygon; /* (count) */
-  bool forces;          /* those of triangles are known */
 } dem_polygons;
 
 tdm_status dem_polygons_add(dem_polygons *polygons, const dem_polygon *polygon, tdm_error *err);

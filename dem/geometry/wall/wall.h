@@ -78,8 +78,7 @@ typedef struct {
   const dem_bounds *bounds; /* of the scene: what has no end is drawn so far */
   const dem_box *box;       /* (nbox) containers */
   int nbox;
-  double lid;            /* how far the wall, a lid, is moved outward [m] */
-  const tdm_vec3 *force; /* of the particles on each part, world [N]; NULL: not known */
+  double lid; /* how far the wall, a lid, is moved outward [m] */
 } dem_wall_view;
 
 /* The operations of a shape. Required: number, and gap or half_space. An operation that is NULL is one that the shape
@@ -107,7 +106,9 @@ struct dem_shape {
   double (*belt_speed)(const dem_wall *wall);
   void (*bounds)(const dem_wall *wall, const tdm_pose *frame, dem_bounds *bounds);
 
-  /* Append what is drawn. NULL: nothing. */
+  /* Append what is drawn, in the axes of the view; of a wall with parts one polygon each, in their order. NULL:
+   * nothing.
+   */
   void (*polygons)(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err);
 
   /* Of a wall with several parts (the triangles of a mesh), which a sphere may touch at several places; NULL: it
