@@ -292,6 +292,10 @@ static const struct {
   const char *program, *scene, *options, *event;
 } doubtful_runs[] = {
     {"tandem-mbd", "hoist", "--set mbd.bodies[0].velocity=[1,0,0]", "doubtful"},
+    {"tandem-mbd", "door",
+     "--set 'mbd.guard={\"action\":\"warn\",\"energy\":1e-5}' --set "
+     "'mbd.solver={\"relative_tolerance\":1e-2,\"absolute_tolerance\":1e-2}'",
+     "guard.balance"},
     {"tandem-dem", "vibrated", "--set dem.bodies[0].motion.oscillation.amplitude=[0,0,0.2]", "guard.step"},
     {"tandem-dem", "shear", "--set dem.bodies[1].motion.velocity=[4,0,0]", "fallen"},
     {"tandem-dem", "belt", "--set time.end=0.2 --set dem.sources[0].rate=5000 --set dem.sources[0].count=5000",
