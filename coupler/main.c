@@ -1,5 +1,6 @@
 /* tandem: the command line. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/page/view.h"
 #include "coupler/report/report.h"
 #include "coupler/run/run.h"
 #include "coupler/session/session.h"
@@ -47,6 +48,9 @@ static void usage(FILE *out) {
         "      --out PREFIX       write PREFIX_000.png ... (default: DIR/drawn)\n\n"
         "  tandem movie DIR [--view VIEW] [--set KEY=VALUE ...] [--fps N] [--size WxH] [--out FILE]\n"
         "      Make an animation of all snapshots by ffmpeg (default: DIR/movie.mp4, 25 pictures a second).\n\n"
+        "  tandem view DIR [--out FILE] [--budget MB]\n"
+        "      Make DIR/view.html, a page that plays the run in a browser: particles, bodies, time histories.\n"
+        "      --budget MB        leave out frames so that the page stays below that (default: 150)\n\n"
         "  tandem sweep SCENE [--dt LIST] [--n LIST] [--scheme LIST] [--set PATH=LIST ...] [--jobs J] [--resume]\n"
         "               [--out DIR] [--force] [--json FILE]\n"
         "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
@@ -73,7 +77,7 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *json, *scenarios, *dt, *n, *scheme, *jobs;
+  const char *out, *budget, *json, *scenarios, *dt, *n, *scheme, *jobs;
   bool force, strict, resume, full;
 } arguments;
 
@@ -88,6 +92,7 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--jobs", .value = &a->jobs},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
+                                {.name = "--budget", .value = &a->budget},
                                 {.name = "--full", .flag = &a->full},
                                 {.name = "--force", .flag = &a->force}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
@@ -97,13 +102,15 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 
 /* options that a command does not know */
 static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
+  const bool view = strcmp(command, "view") == 0;
   const struct {
     bool given, known;
     const char *name;
   } options[] = {
       {.name = "--set", .given = a->given.nset > 0, .known = run || sweep},
       {.name = "--strict", .given = a->strict, .known = run},
-      {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify},
+      {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view},
+      {.name = "--budget", .given = a->budget != NULL, .known = view},
       {.name = "--force", .given = a->force, .known = (run && strcmp(command, "check") != 0) || sweep || verify},
       {.name = "--json", .given = a->json != NULL, .known = sweep || verify},
       {.name = "--dt", .given = a->dt != NULL, .known = sweep},
@@ -162,6 +169,18 @@ static tdm_status command_report(const arguments *a, tdm_error *err) {
   if (a->given.nword != 1)
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "report: name one result directory");
   return cpl_report(a->given.word[0], scn_table, err);
+}
+
+static tdm_status command_view(const arguments *a, tdm_error *err) {
+  char *end = NULL;
+  double budget = a->budget ? strtod(a->budget, &end) * 1e6 : CPL_VIEW_BUDGET;
+  if (refuse(a, "view", false, false, false, err) != TDM_OK)
+    return err->status;
+  if (a->given.nword != 1)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "view: name one result directory");
+  if (!(budget > 0) || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "view: --budget %s: give a number of megabytes", a->budget);
+  return cpl_view(a->given.word[0], a->out, budget, err);
 }
 
 /* --jobs, or as many as there are processors */
@@ -239,8 +258,9 @@ int main(int argc, char **argv) {
   const struct {
     const char *name;
     tdm_status (*run)(const arguments *, tdm_error *); /* NULL: tandem-draw does it */
-  } commands[] = {{"run", command_run}, {"check", command_check}, {"report", command_report}, {"draw", NULL},
-                  {"movie", NULL},      {"sweep", command_sweep}, {"verify", command_verify}};
+  } commands[] = {
+      {"run", command_run}, {"check", command_check}, {"report", command_report}, {"view", command_view},
+      {"draw", NULL},       {"movie", NULL},          {"sweep", command_sweep},   {"verify", command_verify}};
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };
   const char *names[NCOMMAND];
   for (int i = 0; i < NCOMMAND; i++)

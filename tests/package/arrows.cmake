@@ -39,7 +39,7 @@ set(mbd
   "app"
   "main.c")
 set(coupler
-  "session"
+  "session page"
   "loop"
   "observe scheme"
   "run"

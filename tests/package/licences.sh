@@ -19,7 +19,7 @@ licence_of() {
 }
 
 for file in $(find CMakeLists.txt .clang-format .ci protocol dem mbd coupler scenarios tests docs -type f 2>/dev/null |
-    grep -E '(\.([ch]|sh|in|py|awk|cmake)|Doxyfile|/CMakeLists\.txt|^CMakeLists\.txt|\.ci/.*|\.clang-format)$'); do
+    grep -E '(\.([ch]|sh|in|py|awk|cmake|js|css|html)|Doxyfile|/CMakeLists\.txt|^CMakeLists\.txt|\.ci/.*|\.clang-format)$'); do
   case $(licence_of "$file") in
     MIT | GPL-3.0-or-later) ;;
     *) fail "$file: give it one line with SPDX-License""-Identifier: MIT or GPL-3.0-or-later" ;;
