@@ -3,6 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/view/frames.h"
 #include "tests/command.h"
+#include "tests/result_table.h"
 #include "tests/test_main.h"
 
 #include <math.h>
@@ -137,6 +138,80 @@ START_TEST(looking_changes_nothing) {
 }
 END_TEST
 
+/* Frames of a run that is killed are whole, and scene.pvd lists those that are there. */
+START_TEST(a_killed_run) {
+  setup();
+  char file[256], out[256];
+  snprintf(file, sizeof file, "%s/scene.json", dir);
+  snprintf(out, sizeof out, "%s/out", dir);
+  const pid_t pid = background(dir, (const char *const[]){"run", file, "--out", out, "--set", "time.end=1000", "--set",
+                                                          "output.particles_interval=1e-3", NULL});
+  WAIT_FOR(is_there(dir, "out", "mechanism_000009.vtp"));
+  kill(pid, SIGKILL);
+  background_end(pid);
+  tdm_frames frames;
+  tdm_error err = {0};
+  tdm_snapshot s = {0};
+  ck_assert_msg(tdm_frames_open(&frames, out, &err) == TDM_OK, "%s", err.message);
+  ck_assert_int_ge(frames.count, 9);
+  for (int k = 0; k < frames.count; k++)
+    ck_assert_msg(tdm_frames_load(&frames, k, &s, &err) == TDM_OK, "%s", err.message);
+  ck_assert_int_eq(
+      command("sh -c 'cd %s && tail -n 1 scene.pvd && for f in $(grep -o \"[a-z]*_[0-9]*.vtp\" scene.pvd); "
+              "do grep -q /VTKFile $f || exit 1; done'",
+              out),
+      0);
+  expect_output("</VTKFile>");
+  tdm_snapshot_free(&s);
+  tdm_frames_close(&frames);
+  WAIT_FOR(find_processes(dir, NULL) == 0); /* its solvers end with it */
+  directory_remove(dir);
+}
+END_TEST
+
+/* With windows of one step, what pushes the triangles in a frame is the load of the body in that row. */
+START_TEST(forces_on_triangles) {
+  static const char mesh[] = "solid s\nfacet normal 0 0 1\nouter loop\nvertex -0.2 -0.2 -0.2\nvertex 0.2 -0.2 -0.2\n"
+                             "vertex 0.2 0.2 -0.2\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\n"
+                             "vertex -0.2 -0.2 -0.2\nvertex 0.2 0.2 -0.2\nvertex -0.2 0.2 -0.2\nendloop\nendfacet\n"
+                             "endsolid s\n";
+  char text[8192], out[256];
+  const char *from = strstr(scene, "{'type': 'box', 'side': 'inside'"), *to = strstr(scene, "]}, {'name': 'slab'");
+  ck_assert(from && to);
+  snprintf(text, sizeof text, "%.*s{'type': 'mesh', 'file': 'plate.stl'}%s", (int)(from - scene), scene, to);
+  dir = directory_with_scene(text);
+  write_file(dir, "plate.stl", mesh);
+  run("out", "--set coupling.n=1 --set output.interval=1e-4 --set output.particles_interval=0.01 --set "
+             "dem.triangle_forces=true");
+  tdm_frames frames;
+  tdm_error err = {0};
+  tdm_snapshot s = {0};
+  cpl_table t;
+  snprintf(out, sizeof out, "%s/out", dir);
+  read_table(&t, dir, "out/body_tray.csv");
+  const double *fx = column(&t, "fx"), *fz = column(&t, "fz");
+  ck_assert_msg(tdm_frames_open(&frames, out, &err) == TDM_OK, "%s", err.message);
+  const int tray = find_body(&frames.scenery, "tray");
+  double most = 0;
+  for (int k = 0; k < frames.count; k++) {
+    tdm_vec3 sum = {0, 0, 0};
+    ck_assert_msg(tdm_frames_load(&frames, k, &s, &err) == TDM_OK, "%s", err.message);
+    ck_assert_int_eq(s.nforce, frames.scenery.npolygon);
+    for (int i = 0; i < s.nforce; i++)
+      if (frames.scenery.polygon[i].body == tray)
+        sum = tdm_add(sum, s.force_on[i]);
+    ck_assert_double_eq_tol(sum.x, fx[100 * k], 1e-6 * fabs(fz[100 * k]) + 1e-9);
+    ck_assert_double_eq_tol(sum.z, fz[100 * k], 1e-6 * fabs(fz[100 * k]) + 1e-9);
+    most = fmax(most, fabs(sum.z));
+  }
+  ck_assert_double_gt(most, 1);
+  cpl_table_free(&t);
+  tdm_snapshot_free(&s);
+  tdm_frames_close(&frames);
+  directory_remove(dir);
+}
+END_TEST
+
 /* Bodies alone: frames at rows, whatever the windows, which stay as they are. */
 START_TEST(bodies_alone) {
   dir = directory_with_scene(alone);
@@ -201,5 +276,5 @@ START_TEST(wrong_settings) {
 }
 END_TEST
 
-TEST_MAIN("frames", both_solvers_are_seen, looking_changes_nothing, bodies_alone, solvers_that_cannot_be_seen,
-          wrong_settings)
+TEST_MAIN("frames", both_solvers_are_seen, looking_changes_nothing, a_killed_run, forces_on_triangles, bodies_alone,
+          solvers_that_cannot_be_seen, wrong_settings)
