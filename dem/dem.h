@@ -14,7 +14,8 @@
  * run, TDM_ERR_INTERRUPTED, TDM_ERR_PROTOCOL for what another solver sent. After an error in advance or restore the
  * engine can be looked at and destroyed, not stepped.
  *
- * Creating an engine turns off GSL's own aborts for the whole process: its errors are returned.
+ * Creating an engine turns off GSL's own aborts for the whole process, and lets jansson's failed allocations be noted:
+ * these errors are returned.
  * Several engines may live in a process. Each belongs to one thread at a time; it shares its work among dem.threads
  * threads of its own. Remarks (protocol/scene/remark.h) are those of the calling thread.
  */

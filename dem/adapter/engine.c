@@ -16,6 +16,7 @@
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
 #include "protocol/base/log.h"
+#include "protocol/base/memory.h"
 #include "protocol/math/gsl_errors.h"
 
 #include <assert.h>
@@ -142,12 +143,16 @@ tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignme
                              tdm_error *err) {
   assert(!*engine);
   tdm_gsl_return_errors();
+  tdm_memory_watch_json();
+  const unsigned long before = tdm_memory_notes();
   dem_engine *e = calloc(1, sizeof *e);
   if (!e)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM engine");
   e->participant = participant;
-  if (dem_model_load(&e->model, assignment, err) || (assignment->proxy && dem_engine_check_proxy(e, err)) ||
-      allocate(e, assignment, err) || start(e, err)) {
+  if (!dem_model_load(&e->model, assignment, err) && !(assignment->proxy && dem_engine_check_proxy(e, err)) &&
+      !allocate(e, assignment, err))
+    start(e, err);
+  if (tdm_memory_since(before, "dem", err)) {
     dem_engine_destroy(&e);
     return err->status;
   }

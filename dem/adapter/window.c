@@ -7,6 +7,7 @@
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
+#include "protocol/base/memory.h"
 
 #include <string.h>
 
@@ -117,7 +118,7 @@ static void conclude(dem_engine *e, const dem_window *w, const dem_outcome *out)
   }
 }
 
-tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
+static tdm_status advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
   const double dt = step_length(e->model, w);
   if (w->mechanism &&
       (dem_engine_check_proxy(e, err) || dem_proxy_begin(e->proxy, e->data, w->mechanism, dt, e->contact_time, err)))
@@ -136,4 +137,10 @@ tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outc
   conclude(e, w, out);
   e->time = w->t1;
   return dem_check_finite(e->data, w->t1, err) ? err->status : dem_view_watch(&e->view, e->data, err);
+}
+
+tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
+  const unsigned long before = tdm_memory_notes();
+  advance(e, w, out, err);
+  return tdm_memory_since(before, "dem", err);
 }

@@ -1,6 +1,7 @@
 /* Dependent constraint rows: see rank.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/rank.h"
+#include "protocol/base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -56,6 +57,8 @@ static bool keep(elimination *e, const double *w, int pivot) {
       r->column[r->n] = k;
       r->value[r->n++] = w[k] / w[pivot];
     }
+  if (!r->column || !r->value)
+    tdm_memory_note();
   return r->column && r->value;
 }
 
@@ -114,6 +117,8 @@ bool mbd_rank_without(const mbd_model *model, mbd_data *data, int without, bool 
   elimination e = {.nv = 6 * model->nbody, .length = extent > 0 ? extent : 1, .near = -1, .share = near_share};
   double *w = malloc((MBD_ROWS_MAX * (size_t)e.nv + 1) * sizeof *w);
   e.row = calloc((size_t)model->nrow + 1, sizeof *e.row);
+  if (!w || !e.row)
+    tdm_memory_note();
   bool good = w && e.row && eliminate(model, data, without, &e, w, dependent);
   const int friction_rows = model->nrow - model->nfriction; /* nothing sticks yet */
   for (int i = friction_rows; i < model->nrow; i++)

@@ -4,6 +4,7 @@
 
 #include "mbd/mechanics/normal.h"
 #include "mbd/mechanics/residual.h"
+#include "protocol/base/memory.h"
 
 #include <gsl/gsl_linalg.h>
 #include <stdlib.h>
@@ -124,7 +125,10 @@ bool mbd_rubbing_respond(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, d
   sliding s = {.which = calloc(room, sizeof(int)),
                .factor = calloc(room, sizeof(double)),
                .normal = calloc(room, sizeof(double))};
-  bool good = s.which && s.factor && s.normal && find_responses(model, data, kkt, &s);
+  bool good = s.which && s.factor && s.normal;
+  if (!good)
+    tdm_memory_note();
+  good = good && find_responses(model, data, kkt, &s);
   if (good && s.n > 0) {
     const size_t n = (size_t)s.n;
     s.J = gsl_matrix_alloc(n, n);

@@ -5,6 +5,7 @@
 #include "mbd/assembly/consistent.h"
 #include "mbd/joint/frame.h"
 #include "mbd/mechanics/normal.h"
+#include "protocol/base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -269,6 +270,8 @@ bool mbd_stick_settle(const mbd_model *model, mbd_data *data, mbd_kkt *kkt, doub
   choice *c = calloc(n, sizeof *c);
   mbd_stick *before = malloc(n * sizeof *before);
   bool good = c && before, sticks = false;
+  if (!good)
+    tdm_memory_note();
   if (good) {
     memcpy(before, data->stick, n * sizeof *before);
     good = choose(model, data, kkt, t, y, c);

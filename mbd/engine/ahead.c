@@ -3,6 +3,7 @@
 #include "mbd/engine/ahead.h"
 
 #include "mbd/assembly/kkt.h"
+#include "protocol/base/memory.h"
 #include "protocol/math/hermite.h"
 
 #include <math.h>
@@ -51,6 +52,8 @@ void mbd_ahead_destroy(mbd_ahead **ahead) {
 static bool find_prescribed(mbd_ahead *a) {
   const mbd_model *m = a->model;
   double *load = calloc(6 * (size_t)m->nbody + 1, sizeof *load);
+  if (!load)
+    tdm_memory_note();
   bool good = load && mbd_accelerations(m, a->data, a->kkt, a->data->t, a->data->y);
   for (int c = 0; c < m->ncoupled && good; c++) {
     const int body = m->coupled[c];

@@ -14,8 +14,9 @@
 #include "mbd/reduced/reduced.h"
 #include "mbd/scene/scene.h"
 #include "protocol/base/log.h"
-#include "protocol/scene/remark.h"
+#include "protocol/base/memory.h"
 #include "protocol/math/gsl_errors.h"
+#include "protocol/scene/remark.h"
 #include "protocol/version.h"
 
 #include <assert.h>
@@ -227,11 +228,14 @@ tdm_status mbd_engine_create(mbd_engine **engine, const tdm_assignment *assignme
                              tdm_error *err) {
   assert(!*engine);
   tdm_gsl_return_errors();
+  tdm_memory_watch_json();
+  const unsigned long before = tdm_memory_notes();
   mbd_engine *s = calloc(1, sizeof *s);
   if (!s)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory");
   s->participant = participant;
-  if (create(s, assignment, err))
+  create(s, assignment, err);
+  if (tdm_memory_since(before, "mbd", err))
     mbd_engine_destroy(&s);
   *engine = s;
   return err->status;
@@ -309,7 +313,7 @@ static tdm_status integrate(mbd_engine *s, const mbd_window *in, const mbd_outco
   return err->status;
 }
 
-tdm_status mbd_engine_advance(mbd_engine *s, const mbd_window *in, const mbd_outcome *out, tdm_error *err) {
+static tdm_status advance(mbd_engine *s, const mbd_window *in, const mbd_outcome *out, tdm_error *err) {
   const mbd_model *m = s->model;
   if (mbd_model_check_times(m, in->t0, in->t1, err) ||
       mbd_data_set_load(s->data, m, in->t0, in->t1, in->nload, in->load, err) || integrate(s, in, out, err))
@@ -324,6 +328,12 @@ tdm_status mbd_engine_advance(mbd_engine *s, const mbd_window *in, const mbd_out
   if (in->ahead > 0 && s->ahead && out->path && mbd_ahead_path(s->ahead, s->data, in->t1, in->ahead, out->path, err))
     return err->status;
   return linearise(s, in->t1, out->acceleration, out->mobility, err);
+}
+
+tdm_status mbd_engine_advance(mbd_engine *s, const mbd_window *in, const mbd_outcome *out, tdm_error *err) {
+  const unsigned long before = tdm_memory_notes();
+  advance(s, in, out, err);
+  return tdm_memory_since(before, "mbd", err);
 }
 
 void mbd_engine_limit_steps(mbd_engine *s, long most) {

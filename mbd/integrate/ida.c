@@ -15,6 +15,7 @@
 #include "mbd/mechanics/jacobian.h"
 #include "mbd/mechanics/residual.h"
 #include "protocol/base/log.h"
+#include "protocol/base/memory.h"
 #include "protocol/scene/remark.h"
 
 #include <float.h>
@@ -258,7 +259,10 @@ static int configure(ida_solver *ida) {
   bad |= IDASetSuppressAlg(ida->mem, SUNTRUE);
   bad |= IDASetNonlinearSolver(ida->mem, ida->newton);
   bad |= SUNNonlinSolSetConvTestFn(ida->newton, converged, ida); /* after IDA has set its own */
-  bad |= IDASetLinearSolver(ida->mem, ida->solver, ida->matrix);
+  const int solver = IDASetLinearSolver(ida->mem, ida->solver, ida->matrix);
+  if (solver == IDALS_MEM_FAIL)
+    tdm_memory_note();
+  bad |= solver;
   bad |= IDASetJacFn(ida->mem, jacobian);
   bad |= IDASetMaxOrd(ida->mem, s->max_order);
   bad |= IDASetNonlinConvCoef(ida->mem, newton_coefficient);
@@ -322,8 +326,10 @@ static bool restart(ida_solver *ida, double t) {
            IDASetInitStep(ida->mem, first_step(ida)) == IDA_SUCCESS;
   }
   ida->started = true;
-  return IDAInit(ida->mem, residual, t, ida->z, ida->zp) == IDA_SUCCESS && configure(ida) == 0 &&
-         IDASetInitStep(ida->mem, first_step(ida)) == IDA_SUCCESS;
+  const int made = IDAInit(ida->mem, residual, t, ida->z, ida->zp);
+  if (made == IDA_MEM_FAIL)
+    tdm_memory_note();
+  return made == IDA_SUCCESS && configure(ida) == 0 && IDASetInitStep(ida->mem, first_step(ida)) == IDA_SUCCESS;
 }
 
 static tdm_status start(void *self, double t, tdm_error *err) {

@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/linear/sparse.h"
 
+#include "protocol/base/memory.h"
+
 #include <klu.h>
 #include <math.h>
 #include <stdlib.h>
@@ -70,6 +72,7 @@ void mbd_sparse_note(mbd_sparse *m, int call, int row, int col, double value) {
     mbd_entry *more = realloc(m->new_entry, (size_t)room * sizeof *more);
     if (!more) {
       m->out_of_memory = true;
+      tdm_memory_note();
       return;
     }
     m->new_entry = more;
@@ -160,8 +163,10 @@ mbd_sparse_end_state mbd_sparse_end(mbd_sparse *m) {
   if (m->nnew == 0)
     return MBD_SPARSE_SAME;
   qsort(m->new_entry, (size_t)m->nnew, sizeof *m->new_entry, by_place);
-  if (!more_slots(m, m->call) || !grow(m))
+  if (!more_slots(m, m->call) || !grow(m)) {
+    tdm_memory_note();
     return MBD_SPARSE_NO_MEMORY;
+  }
   for (int i = 0; i < m->nnew; i++) {
     const mbd_entry *e = &m->new_entry[i];
     int at = m->slot[e->call] = find(m, e->row, e->col);
@@ -172,7 +177,7 @@ mbd_sparse_end_state mbd_sparse_end(mbd_sparse *m) {
   return MBD_SPARSE_GREW;
 }
 
-bool mbd_sparse_factor(mbd_sparse *m) {
+static bool factor(mbd_sparse *m) {
   const double worst = 1e-12; /* reciprocal pivot growth below which old pivots are given up */
   if (!m->factors->symbolic && !(m->factors->symbolic = klu_analyze(m->n, m->column, m->row, &m->factors->common)))
     return false;
@@ -187,6 +192,13 @@ bool mbd_sparse_factor(mbd_sparse *m) {
   return m->factors->numeric && m->factors->common.status == KLU_OK;
 }
 
+bool mbd_sparse_factor(mbd_sparse *m) {
+  const bool good = factor(m);
+  if (m->factors->common.status == KLU_OUT_OF_MEMORY)
+    tdm_memory_note();
+  return good;
+}
+
 bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from) {
   const size_t n = (size_t)from->n, nnz = (size_t)from->nnz;
   mbd_sparse_reset(to);
@@ -194,8 +206,10 @@ bool mbd_sparse_copy(mbd_sparse *to, const mbd_sparse *from) {
   to->row = row ? row : to->row;
   double *value = realloc(to->value, (nnz + 1) * sizeof *value);
   to->value = value ? value : to->value;
-  if (!row || !value)
+  if (!row || !value) {
+    tdm_memory_note();
     return false;
+  }
   to->nnz = from->nnz;
   memcpy(to->column, from->column, (n + 1) * sizeof *to->column);
   memcpy(to->row, from->row, nnz * sizeof *to->row);

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/scene/scene.h"
 
+#include "protocol/base/memory.h"
 #include "protocol/scene/input.h"
 
 #include <ctype.h>
@@ -83,7 +84,7 @@ static tdm_status anchor_files(tdm_scene *scene, tdm_error *err) {
                          scene->file);
 }
 
-tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err) {
+static tdm_status read_scene(tdm_scene *scene, const char *file, tdm_error *err) {
   *scene = (tdm_scene){.file = strdup(file)};
   if (!scene->file)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "%s: out of memory", file);
@@ -100,6 +101,13 @@ tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_SCENE, NULL,
                     "%s:1:1: a scene is an object {…} with the sections time, coupling, mbd, dem", file);
   return anchor_files(scene, err);
+}
+
+tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err) {
+  tdm_memory_watch_json();
+  const unsigned long before = tdm_memory_notes();
+  read_scene(scene, file, err);
+  return tdm_memory_since(before, NULL, err);
 }
 
 void tdm_scene_destroy(tdm_scene *scene) {
