@@ -73,8 +73,11 @@ tdm_status cpl_launch_process(cpl_child **child, const char *command, const char
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", log, strerror(errno));
   char *argv[] = {path, "--connect", (char *)endpoint, "--name", (char *)name, "--timeout", seconds, NULL};
   cpl_child *c = calloc(1, sizeof *c);
-  pid_t server = getpid();
-  pid_t pid = c ? fork() : -1;
+  if (!c) {
+    close(file);
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  }
+  pid_t server = getpid(), pid = fork();
   if (pid == 0)
     become_solver(path, argv, file, server);
   close(file);

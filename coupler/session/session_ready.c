@@ -131,6 +131,8 @@ static void read_ahead(cpl_session *s, tdm_object *ready, tdm_error *err) {
   if (flags && json_array_size(flags) != nbody)
     tdm_object_fail(ready, "prescribed", "has %zu entries, expected %zu", json_array_size(flags), nbody);
   s->prescribed = flags && !err->status ? calloc(nbody + 1, sizeof *s->prescribed) : NULL;
+  if (flags && !err->status && !s->prescribed)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (size_t i = 0; i < nbody && s->prescribed; i++)
     s->prescribed[i] = json_is_true(json_array_get(flags, i));
   if (!tdm_has(ready, "path") || err->status)

@@ -125,7 +125,9 @@ tdm_status tdm_standalone_begin(tdm_standalone *run, tdm_error *err) {
     fprintf(run->channels, ",%s [%s]", run->figures.channel[c].name, run->figures.channel[c].unit);
   fputc('\n', run->channels);
   run->moved = calloc((size_t)run->figures.nchannel + 1, sizeof *run->moved);
-  run->plots = !run->options->no_plots && tdm_thin_begin(&run->thin, run->figures.nchannel);
+  run->plots = !run->options->no_plots;
+  if (!run->moved || (run->plots && !tdm_thin_begin(&run->thin, run->figures.nchannel)))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   return TDM_OK;
 }
 
@@ -233,9 +235,11 @@ static void add_data(panels *p, const tdm_standalone *run) {
 
 tdm_status tdm_standalone_plot(const tdm_standalone *run, const char *name, const char *const *of, tdm_error *err) {
   bool some = any_moved(run, of); /* then what is zero throughout is left out */
-  panels *p = run->plots ? calloc(1, sizeof *p) : NULL;
-  if (!p)
+  if (!run->plots)
     return TDM_OK;
+  panels *p = calloc(1, sizeof *p);
+  if (!p)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int c = 0; c < run->figures.nchannel; c++)
     if (wanted(run->figures.channel[c].name, of) && (!some || run->moved[c]))
       add_channel(p, run, c);

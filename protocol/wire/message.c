@@ -3,6 +3,7 @@
 #include "protocol/wire/message.h"
 
 #include "protocol/base/json.h"
+#include "protocol/base/memory.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -125,8 +126,20 @@ tdm_status tdm_header_read(tdm_header *header, const void *frame, size_t size, t
 
 /* ---- control messages ---- */
 
+/* A message of which a part could not be made, for lack of memory, is not sent: its receiver would take it for another
+ * one. What ends a run is always sent. */
+static tdm_status check_complete(tdm_message_type type, tdm_error *err) {
+  static _Thread_local unsigned long before; /* notes when the last message was written */
+  const unsigned long now = tdm_memory_notes();
+  const bool complete = now == before || type == TDM_ERROR || type == TDM_FINISH || type == TDM_HEARTBEAT;
+  before = type == TDM_HEARTBEAT ? before : now;
+  return complete ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a %s", tdm_message_name(type));
+}
+
 tdm_status tdm_control_write(tdm_frame *frame, tdm_message_type type, uint64_t window, const json_t *json,
                              tdm_error *err) {
+  if (check_complete(type, err))
+    return TDM_ERR_MEMORY;
   size_t n = json ? json_dumpb(json, NULL, 0, JSON_COMPACT) : 0;
   if (json && n == 0)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "a %s cannot be written as JSON", tdm_message_name(type));
@@ -139,8 +152,11 @@ tdm_status tdm_control_write(tdm_frame *frame, tdm_message_type type, uint64_t w
 
 tdm_status tdm_control_read(const tdm_header *header, json_t **json, tdm_error *err) {
   json_error_t json_error;
+  const unsigned long before = tdm_memory_notes();
   *json = header->size ? json_loadb((const char *)header->payload, header->size, JSON_REJECT_DUPLICATES, &json_error)
                        : json_object();
+  if (!*json && tdm_memory_notes() > before)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to read a %s", tdm_message_name(header->type));
   if (!*json)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed %s: its payload is not JSON: %s",
                     tdm_message_name(header->type), json_error.text);

@@ -5,6 +5,7 @@
 #include "protocol/base/interrupt.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
+#include "protocol/base/memory.h"
 #include "protocol/base/progress.h"
 #include "protocol/scene/remark.h"
 #include "protocol/scene/scene.h"
@@ -172,6 +173,7 @@ void tdm_participant_progress_end(tdm_participant *p) {
 
 tdm_status tdm_participant_connect(tdm_participant **participant, const tdm_participant_def *def, tdm_error *err) {
   assert(strcmp(def->role, "mbd") == 0 || strcmp(def->role, "dem") == 0);
+  tdm_memory_watch_json();
   tdm_participant *p = calloc(1, sizeof *p);
   if (!p)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
