@@ -140,13 +140,16 @@ tdm_status tdm_control_write(tdm_frame *frame, tdm_message_type type, uint64_t w
                              tdm_error *err) {
   if (check_complete(type, err))
     return TDM_ERR_MEMORY;
+  const unsigned long before = tdm_memory_notes();
   size_t n = json ? json_dumpb(json, NULL, 0, JSON_COMPACT) : 0;
+  if (json && n == 0 && tdm_memory_notes() > before)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a %s", tdm_message_name(type));
   if (json && n == 0)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "a %s cannot be written as JSON", tdm_message_name(type));
   if (header_write(frame, type, window, n, err) != TDM_OK)
     return err ? err->status : TDM_ERR_PROTOCOL;
-  if (n)
-    json_dumpb(json, (char *)frame->data + TDM_HEADER_BYTES, n, JSON_COMPACT);
+  if (n && json_dumpb(json, (char *)frame->data + TDM_HEADER_BYTES, n, JSON_COMPACT) != n)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a %s", tdm_message_name(type));
   return TDM_OK;
 }
 
