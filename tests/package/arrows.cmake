@@ -6,7 +6,8 @@ cmake_minimum_required(VERSION 3.16)
 # The rooms of each part, a floor a line, from the bottom up: a room may include those of lower floors and all of
 # protocol/. A file that lies in the part's own folder is a room by itself.
 set(protocol
-  "base math"
+  "base"
+  "math"
   "scene view"
   "motion results surface wire"
   "app"
