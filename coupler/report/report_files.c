@@ -123,6 +123,7 @@ static const struct {
     {"view.html", "viewer: plays the run in a browser"},
     {"movie.mp4", "the pictures as an animation"},
     {"scene.pvd", "open this in ParaView"},
+    {"frames.tdv", "what the viewer, pictures and the animation are made from"},
     {"*.vtp", "what scene.pvd shows"},
     {"picture_*.png", "pictures of the run"},
 };
