@@ -98,6 +98,20 @@ static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
   return own ? look(own, loop->t1, err) : TDM_OK;
 }
 
+static tdm_status finish(void *own, tdm_error *err) {
+  (void)err; /* pictures that fail are a remark */
+  viewer *v = own;
+  if (v)
+    tdm_outputs_finish(&v->outputs, v->outputs.snapshot.time);
+  return TDM_OK;
+}
+
+static void enter(const void *own, json_t *summary) {
+  const viewer *v = own;
+  if (v && v->outputs.settings->pictures.count > 0)
+    json_object_set_new(summary, "pictures", json_integer(tdm_outputs_pictures(&v->outputs)));
+}
+
 static void let_go(void *own) {
   viewer *v = own;
   for (int r = 0; v && r < CPL_NROLE; r++) {
@@ -115,5 +129,7 @@ const cpl_observer cpl_observer_view = {
     .name = "view",
     .open = begin,
     .window = window,
+    .close = finish,
+    .enter = enter,
     .free = let_go,
 };

@@ -110,7 +110,7 @@ static tdm_status start(run_state *run, tdm_error *err) {
   if (cpl_session_open(&run->session, &run->settings, endpoint, run->context, err) != TDM_OK)
     return err->status;
   tdm_warning doubt;
-  if (tdm_outputs_doubt(&run->settings.outputs, run->settings.time_end, &doubt))
+  for (int k = 0; tdm_outputs_doubt(&run->settings.outputs, run->settings.time_end, k, &doubt); k++)
     json_array_append_new(run->session.warnings, json_pack("{s:s, s:s}", "path", doubt.path, "message", doubt.message));
   tdm_progress_begin(&run->session.progress, 0, "", run->options->quiet);
   for (int r = 0; r < CPL_NROLE; r++)

@@ -208,7 +208,7 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
 static void read_output(cpl_settings *s, tdm_object *root, const tdm_scene *scene) {
   tdm_object o = tdm_get_object(root, "output", false);
   s->output_interval = tdm_read_interval(&o, "interval", 1e-3, s->dt);
-  tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->dt);
+  tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->dt, s->time_end);
   tdm_object_close(&o);
 }
 
@@ -243,6 +243,7 @@ void cpl_settings_free(cpl_settings *s) {
     free(s->scheme_settings[k]);
   free(s->scheme_settings);
   free(s->body);
+  tdm_outputs_settings_free(&s->outputs);
   s->scheme_settings = NULL;
   s->body = NULL;
   s->nbody = 0;

@@ -27,8 +27,6 @@ typedef struct {
   double *rows;  /* (ndue x nchannel) */
 
   tdm_outputs outputs;
-  dem_pictures pictures;
-  tdm_error picture_notice; /* the first thing that went wrong with gnuplot */
 
   uint64_t nstep; /* done */
   double particle_steps;
@@ -45,12 +43,8 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
     return err->status;
   tdm_standalone_doubt_interval(&run->alone, s->interval, s->time.end);
   tdm_warning doubt;
-  if (tdm_outputs_doubt(&s->outputs, s->time.end, &doubt))
+  for (int k = 0; tdm_outputs_doubt(&s->outputs, s->time.end, k, &doubt); k++)
     tdm_standalone_doubt(&run->alone, doubt.path, "%s", doubt.message);
-  if (s->pictures.late > 0)
-    tdm_standalone_doubt(&run->alone, "output.pictures.times",
-                         "%d of %d are later than time.end = %g s: there will be no such pictures", s->pictures.late,
-                         s->pictures.late + s->pictures.ntime, s->time.end);
   return TDM_OK;
 }
 
@@ -90,11 +84,8 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   run->ndue = 1;
   const dem_run_settings *set = &run->settings;
   if (tdm_standalone_begin(&run->alone, err) != TDM_OK ||
-      ((tdm_outputs_wanted(&set->outputs) || set->pictures.ntime > 0) &&
-       dem_engine_scenery(run->engine, &run->outputs.scenery, err) != TDM_OK))
+      (tdm_outputs_wanted(&set->outputs) && dem_engine_scenery(run->engine, &run->outputs.scenery, err) != TDM_OK))
     return err->status;
-  const dem_bounds bounds = dem_scene_bounds(dem_engine_data(run->engine));
-  dem_pictures_begin(&run->pictures, &set->pictures, &run->alone.results, &bounds);
   return tdm_outputs_begin(&run->outputs, &set->outputs, &run->alone.results,
                            (double)tdm_total_steps(&set->time) * set->time.dt, set->time.dt, err);
 }
@@ -108,24 +99,11 @@ static double row_time(const run_state *run) {
   return (double)run->alone.nrow * run->settings.interval;
 }
 
-/* Pictures need gnuplot: without it the run goes on, but not when their data cannot be written. */
-static tdm_status draw(run_state *run, tdm_error *err) {
-  tdm_error notice = {0};
-  int before = run->pictures.drawn;
-  if (dem_picture_draw(&run->pictures, now(run), &run->outputs.scenery, &run->outputs.snapshot, &notice) != TDM_OK)
-    tdm_fail(run->pictures.drawn > before ? &run->picture_notice : err, notice.status, NULL, "%s", notice.message);
-  return err->status;
-}
-
 /* ---- when outputs are due ---- */
 
 /* the step that ends at time t or first after it */
 static uint64_t step_at(const run_state *run, double t) {
   return (uint64_t)fmax(0, ceil(t / run->settings.time.dt - 1e-6));
-}
-
-static bool picture_left(const run_state *run) {
-  return run->pictures.drawn < run->settings.pictures.ntime;
 }
 
 static uint64_t row_step(const run_state *run) {
@@ -136,27 +114,18 @@ static uint64_t least(uint64_t a, uint64_t b) {
   return a < b ? a : b;
 }
 
-static uint64_t frame_step(const run_state *run) {
+/* of a frame or a picture */
+static uint64_t look_step(const run_state *run) {
   const double next = tdm_outputs_next(&run->outputs);
   return isfinite(next) ? step_at(run, next) : UINT64_MAX;
-}
-
-static uint64_t picture_step(const run_state *run) {
-  return picture_left(run) ? step_at(run, run->settings.pictures.time[run->pictures.drawn]) : UINT64_MAX;
 }
 
 static tdm_status write_due(run_state *run, tdm_error *err) {
   for (int k = 0; k < run->ndue; k++)
     if (tdm_standalone_row(&run->alone, run->due[k], run->rows + k * run->alone.figures.nchannel, err) != TDM_OK)
       return err->status;
-  bool frame = run->nstep >= frame_step(run), picture = run->nstep >= picture_step(run);
-  if (frame || picture || run->settings.pictures.ntime > 0)
-    if (take_snapshot(run, err) != TDM_OK || dem_pictures_watch(&run->pictures, &run->outputs.snapshot, err) != TDM_OK)
-      return err->status;
-  if (frame && tdm_outputs_write(&run->outputs, &run->outputs.snapshot, err) != TDM_OK)
-    return err->status;
-  while (picture && run->nstep >= picture_step(run) && draw(run, err) == TDM_OK)
-    ;
+  if (run->nstep >= look_step(run) && take_snapshot(run, err) == TDM_OK)
+    tdm_outputs_write(&run->outputs, &run->outputs.snapshot, err);
   return err->status;
 }
 
@@ -180,7 +149,7 @@ static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   const dem_window window = {.t0 = now(run),
                              .t1 = (double)end * dt,
                              .nstep = end - run->nstep,
-                             .seen = end >= frame_step(run),
+                             .seen = end >= look_step(run),
                              .nsample = run->ndue,
                              .sample_time = run->due};
   double nparticle = d->state.nparticle;
@@ -200,7 +169,7 @@ static tdm_status solve(run_state *run, tdm_error *err) {
     return err->status;
   tdm_progress_begin(&progress, (double)total * dt, "steps", false);
   while (run->nstep < total && err->status == TDM_OK) {
-    uint64_t next = least(least(row_step(run), frame_step(run)), least(picture_step(run), total));
+    uint64_t next = least(least(row_step(run), look_step(run)), total);
     if (advance(run, next, err) == TDM_OK)
       write_due(run, err);
     tdm_progress_update(&progress, (double)run->nstep * dt, run->nstep);
@@ -223,12 +192,13 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   const dem_data *d = run->engine ? dem_engine_data(run->engine) : NULL;
   json_t *json = tdm_standalone_summary(&run->alone, err);
-  json_t *own = json_pack(
-      "{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings", "time.end", s->time.end,
-      "time.dt", s->time.dt, "output.interval", s->interval, "steps", (json_int_t)run->nstep, "simulated_s",
-      (double)run->nstep * s->time.dt, "particles", d ? d->state.nparticle : 0, "particle_steps", run->particle_steps,
-      "particle_steps_per_s", tdm_number_to_json(run->particle_steps / run->step), "wall_s", "all", wall, "setup",
-      run->setup, "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures", run->pictures.drawn);
+  json_t *own =
+      json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings", "time.end",
+                s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps", (json_int_t)run->nstep,
+                "simulated_s", (double)run->nstep * s->time.dt, "particles", d ? d->state.nparticle : 0,
+                "particle_steps", run->particle_steps, "particle_steps_per_s",
+                tdm_number_to_json(run->particle_steps / run->step), "wall_s", "all", wall, "setup", run->setup, "dem",
+                run->step, "output", fmax(0, run->loop - run->step), "pictures", tdm_outputs_pictures(&run->outputs));
   json_object_update_new(json, own);
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));
@@ -238,23 +208,21 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
 /* the files of the end: plots, summary.json, the last line of the log */
 static void conclude(run_state *run, double begin, tdm_error *err) {
   char pairs[128];
-  tdm_error late = {0};
+  tdm_error late = {0}, notice = {0};
+  const double t = (double)run->nstep * run->settings.time.dt;
   if (run->alone.channels) {
     tdm_standalone_close(&run->alone, err);
     if (run->engine && take_snapshot(run, &late) == TDM_OK)
-      tdm_standalone_plot(&run->alone, "channels", NULL, &run->picture_notice);
+      tdm_standalone_plot(&run->alone, "channels", NULL, &notice);
   }
-  if (run->pictures.drawn > 1)
-    dem_pictures_row(&run->pictures, &run->picture_notice);
-  if (run->picture_notice.status != TDM_OK && !tdm_plot_interrupted())
-    tdm_remark(TDM_NOTICE, "pictures", NULL, (double)run->nstep * run->settings.time.dt, "%s",
-               run->picture_notice.message);
+  if (notice.status != TDM_OK && !tdm_plot_interrupted())
+    tdm_remark(TDM_NOTICE, "plots", NULL, t, "%s", notice.message);
+  tdm_outputs_finish(&run->outputs, t);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);
   json_decref(json);
-  snprintf(pairs, sizeof pairs, "steps=%llu simulated=%g wall=%.3f", (unsigned long long)run->nstep,
-           (double)run->nstep * run->settings.time.dt, wall);
+  snprintf(pairs, sizeof pairs, "steps=%llu simulated=%g wall=%.3f", (unsigned long long)run->nstep, t, wall);
   tdm_standalone_log_end(pairs, err);
   if (run->nstep > 0)
     printf("%.6g s simulated in %llu steps, %d particles at the end; %.2f s wall, %.2f s of it until the start; %.3g "
@@ -265,7 +233,6 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
 
 static void let_go(run_state *run) {
   tdm_outputs_end(&run->outputs);
-  dem_pictures_free(&run->pictures);
   dem_run_settings_free(&run->settings);
   free(run->rows);
   tdm_standalone_free(&run->alone);
@@ -294,11 +261,7 @@ static void print_scene(const run_state *run) {
   printf("run\n");
   printf("  %-28s %g s in %llu steps of %g s\n", "time", s->time.end, (unsigned long long)total, s->time.dt);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, ceil(s->time.end / s->interval - 1e-6) + 1);
-  if (s->outputs.particles_interval > 0)
-    printf("  %-28s every %g s: %.0f\n", "frames for ParaView", s->outputs.particles_interval,
-           tdm_outputs_frames(&s->outputs, s->time.end));
-  if (s->pictures.ntime > 0)
-    printf("  %-28s %d\n", "pictures", s->pictures.ntime);
+  tdm_outputs_print(&s->outputs, s->time.end);
   printf("dem: %s\n", dem_solver_ops.software);
   tdm_print_json(run->alone.figures.report);
   printf("%d warning%s\n", run->alone.figures.nwarning, run->alone.figures.nwarning == 1 ? "" : "s");

@@ -9,7 +9,6 @@
 #ifndef DEM_APP_RUN_H
 #define DEM_APP_RUN_H
 
-#include "dem/output/picture.h"
 #include "protocol/app/standalone.h"
 #include "protocol/output/outputs.h"
 #include "protocol/scene/time_section.h"
@@ -23,7 +22,6 @@ typedef struct {
   double interval; /* of the time histories [s] */
   tdm_outputs_settings outputs;
   int repose_along; /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
-  dem_picture_settings pictures;
 } dem_run_settings;
 
 /* Read the sections time and output; refuse mbd and coupling. Freed with dem_run_settings_free, also after an error. */

@@ -31,8 +31,7 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
   s->time = tdm_read_time(&root);
   tdm_object o = tdm_get_object(&root, "output", false);
   s->interval = tdm_read_interval(&o, "interval", 1e-3, s->time.dt);
-  tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->time.dt);
-  dem_picture_settings_read(&s->pictures, &o, s->time.end);
+  tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->time.dt, s->time.end);
   read_repose(s, &o);
   tdm_object_close(&o);
   tdm_get_object(&root, "dem", true);
@@ -41,5 +40,5 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
 }
 
 void dem_run_settings_free(dem_run_settings *s) {
-  dem_picture_settings_free(&s->pictures);
+  tdm_outputs_settings_free(&s->outputs);
 }

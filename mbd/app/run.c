@@ -75,7 +75,7 @@ tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, td
   if (s->end / s->interval > most_rows || (s->window > 0 && s->end / s->window > most_rows))
     tdm_object_fail(&o, "interval", "time.end = %g s has more than %g output intervals or steps; take longer ones",
                     s->end, most_rows);
-  tdm_outputs_settings_read(&s->outputs, &o, scene->root, 0);
+  tdm_outputs_settings_read(&s->outputs, &o, scene->root, 0, s->end);
   tdm_object_close(&o);
   if (s->window == 0)
     s->window = WINDOW_ROWS * s->interval;
@@ -95,7 +95,7 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
   run->room = (int)fmin(s->window / s->interval + 2, (double)run->total_rows);
   tdm_standalone_doubt_interval(&run->alone, s->interval, s->end);
   tdm_warning doubt;
-  if (tdm_outputs_doubt(&s->outputs, s->end, &doubt))
+  for (int k = 0; tdm_outputs_doubt(&s->outputs, s->end, k, &doubt); k++)
     tdm_standalone_doubt(&run->alone, doubt.path, "%s", doubt.message);
   return TDM_OK;
 }
@@ -282,6 +282,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   }
   if (notice.status != TDM_OK && !tdm_plot_interrupted())
     tdm_remark(TDM_NOTICE, "plots", NULL, run->t, "%s", notice.message);
+  tdm_outputs_finish(&run->outputs, run->t);
   double wall = tdm_clock() - begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);
@@ -300,6 +301,7 @@ static void let_go(run_state *run) {
   free(run->sample);
   free(run->course);
   tdm_outputs_end(&run->outputs);
+  tdm_outputs_settings_free(&run->settings.outputs);
   tdm_standalone_free(&run->alone);
   mbd_engine_destroy(&run->engine);
 }
@@ -325,9 +327,7 @@ static void print_scene(const run_state *run) {
   printf("run\n  %-28s %g s\n", "time", s->end);
   printf("  %-28s every %g s: %llu rows of %d channels\n", "time histories", s->interval,
          (unsigned long long)run->total_rows, run->alone.figures.nchannel);
-  if (s->outputs.particles_interval > 0)
-    printf("  %-28s every %g s: %.0f\n", "frames for ParaView", s->outputs.particles_interval,
-           tdm_outputs_frames(&s->outputs, s->end));
+  tdm_outputs_print(&s->outputs, s->end);
   printf("mbd: %s\n", mbd_solver_ops.software);
   json_t *solver = solver_settings(mbd_engine_model(run->engine));
   json_object_del(solver, "formulation"); /* the report has it */

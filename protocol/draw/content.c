@@ -40,6 +40,11 @@ static bool is_finite(tdm_vec3 v) {
   return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
+/* what stands and has no surface is of no interest */
+static bool has_mark(const tdm_view_body *body) {
+  return body->marked && !body->still;
+}
+
 static bool whole(const tdm_view_polygon *polygon, tdm_pose pose) {
   for (int c = 0; c < polygon->ncorner; c++)
     if (!is_finite(tdm_pose_point(pose, polygon->corner[c])))
@@ -102,7 +107,7 @@ tdm_status tdm_content_bounds(tdm_bounds *b, const tdm_picture *p, const tdm_sce
   for (int i = 0; p->mechanism && i < s->npoint; i++)
     tdm_bounds_add(b, s->point[i], 0);
   for (int k = 0; p->mechanism && k < scenery->nbody; k++)
-    if (scenery->body[k].marked)
+    if (has_mark(&scenery->body[k]))
       tdm_bounds_add(b, s->pose[k].position, 0);
   return TDM_OK;
 }
@@ -317,7 +322,7 @@ static tdm_status add_mechanism(tdm_drawing *d, const tdm_content *c, tdm_error 
   for (int k = 0; k < c->scenery->nline && err->status == TDM_OK; k++)
     add_line(d, c, k, err);
   for (int k = 0; k < c->scenery->nbody && err->status == TDM_OK; k++)
-    if (c->scenery->body[k].marked)
+    if (has_mark(&c->scenery->body[k]))
       add_mark(d, c, k, err);
   return err->status;
 }

@@ -42,6 +42,12 @@ tdm_status tdm_drawer_begin(tdm_drawer *d, const tdm_pictures *pictures, json_t 
 
 /* ---- the program ---- */
 
+static void close_orders(tdm_drawer *d) {
+  if (d->orders >= 0)
+    close(d->orders);
+  d->orders = -1;
+}
+
 /* Send what the socket takes now. What a dead program does not take is of no use to anybody. */
 static void send_orders(tdm_drawer *d) {
   size_t sent = 0;
@@ -52,8 +58,7 @@ static void send_orders(tdm_drawer *d) {
     if (n < 0 && errno == EINTR)
       continue;
     if (n < 0) {
-      close(d->orders);
-      d->orders = -1;
+      close_orders(d);
     } else
       sent += (size_t)n;
   }
@@ -186,10 +191,8 @@ static int wait_for_child(tdm_drawer *d, double limit) {
     if (got < 0 && errno != EINTR)
       return -1;
     send_orders(d);
-    if (d->orders >= 0 && d->nwaiting == 0) { /* that was the last one */
-      close(d->orders);
-      d->orders = -1;
-    }
+    if (d->nwaiting == 0) /* that was the last one */
+      close_orders(d);
     if (tdm_signal_count != signals || tdm_clock() > deadline) {
       if (tdm_signal_count != signals)
         tdm_fail(&d->notice, TDM_ERR_INTERRUPTED, NULL,
@@ -248,15 +251,25 @@ static void mark_rows(const tdm_drawer *d) {
   }
 }
 
-void tdm_drawer_end(tdm_drawer *d, tdm_error *notice) {
+void tdm_drawer_finish(tdm_drawer *d, tdm_error *notice) {
   if (d->child) {
     mark_rows(d);
     take_log(d, wait_for_child(d, tdm_plot_patience() * (1 + submitted(d))));
+    d->child = 0;
   }
-  if (d->orders >= 0)
-    close(d->orders);
+  close_orders(d);
   if (d->notice.status != TDM_OK)
     tdm_fail(notice, d->notice.status, NULL, "%s", d->notice.message);
+}
+
+void tdm_drawer_end(tdm_drawer *d) {
+  if (d->child) {
+    kill(d->child, SIGKILL);
+    while (waitpid(d->child, NULL, 0) < 0 && errno == EINTR)
+      ;
+  }
+  if (d->pictures)
+    close_orders(d);
   json_decref(d->json);
   free(d->drawn);
   free(d->waiting);

@@ -40,7 +40,10 @@ tdm_status tdm_drawer_submit(tdm_drawer *drawer, int k, const tdm_scenery *scene
                              tdm_error *err);
 
 /* Wait until all pictures are drawn, and those of each view in a row (pictures.png, pictures_NAME.png). A signal ends
- * the wait and tandem-draw. Afterwards *notice (may be NULL) has the first thing that went wrong, if any. */
-void tdm_drawer_end(tdm_drawer *drawer, tdm_error *notice);
+ * the wait and tandem-draw. Afterwards *notice has the first thing that went wrong, if any. */
+void tdm_drawer_finish(tdm_drawer *drawer, tdm_error *notice);
+
+/* Free; tandem-draw is ended, unless tdm_drawer_finish was called. */
+void tdm_drawer_end(tdm_drawer *drawer);
 
 #endif

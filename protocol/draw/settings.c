@@ -113,15 +113,14 @@ static void read_camera(tdm_view *v, tdm_object *o) {
   v->from = tdm_get_vec3(o, "from", &none);
   v->at = tdm_get_vec3(o, "at", &none);
   v->up = tdm_get_vec3(o, "up", &none);
-  bool angle = tdm_has(o, "angle"), parallel = tdm_has(o, "parallel");
-  if (parallel) {
+  if (!tdm_has(o, "parallel"))
+    v->angle = tdm_get_number(o, "angle", angle_usual, TDM_POSITIVE);
+  else if (tdm_has(o, "angle"))
+    tdm_object_fail(o, "parallel", "stands beside \"angle\"; give an angle for perspective, or a height without it");
+  else {
     v->angle = 0;
     v->height = tdm_get_number(o, "parallel", TDM_REQUIRED, TDM_POSITIVE);
   }
-  if (angle && parallel)
-    tdm_object_fail(o, "parallel", "stands beside \"angle\"; give an angle for perspective, or a height without it");
-  else if (angle)
-    v->angle = tdm_get_number(o, "angle", TDM_REQUIRED, TDM_POSITIVE);
   if (v->angle > 150)
     tdm_object_fail(o, "angle", "is %g but must be at most 150 degrees", v->angle);
   tdm_object_close(o);

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/output/outputs.h"
 
+#include "protocol/scene/remark.h"
 #include "protocol/scene/time_section.h"
 
 #include <math.h>
@@ -16,14 +17,23 @@ static void check_triangle_forces(const tdm_outputs_settings *s, tdm_object *out
                     "missing: dem.triangle_forces go into the files for ParaView; give it, or remove that key");
 }
 
-void tdm_outputs_settings_read(tdm_outputs_settings *s, tdm_object *output, const json_t *root, double least) {
+void tdm_outputs_settings_read(tdm_outputs_settings *s, tdm_object *output, const json_t *root, double least,
+                               double end) {
   *s = (tdm_outputs_settings){0};
   if (tdm_has(output, "particles_interval"))
     s->particles_interval = tdm_read_interval(output, "particles_interval", TDM_REQUIRED, least);
+  tdm_pictures_read(&s->pictures, output, end);
+  s->pictures_json = json_incref(json_object_get(output->json, "pictures"));
   check_triangle_forces(s, output, root);
 }
 
-bool tdm_outputs_doubt(const tdm_outputs_settings *s, double end, tdm_warning *warning) {
+void tdm_outputs_settings_free(tdm_outputs_settings *s) {
+  tdm_pictures_free(&s->pictures);
+  json_decref(s->pictures_json);
+  s->pictures_json = NULL;
+}
+
+static bool frames_doubt(const tdm_outputs_settings *s, double end, tdm_warning *warning) {
   if (s->particles_interval <= end * (1 + 1e-9))
     return false;
   *warning = (tdm_warning){.path = "output.particles_interval"};
@@ -33,18 +43,59 @@ bool tdm_outputs_doubt(const tdm_outputs_settings *s, double end, tdm_warning *w
   return true;
 }
 
-double tdm_outputs_frames(const tdm_outputs_settings *s, double end) {
-  return s->particles_interval > 0 ? ceil(end / s->particles_interval - 1e-6) + 1 : 0;
+/* times of view i after the end */
+static bool times_doubt(const tdm_outputs_settings *s, double end, int i, tdm_warning *warning) {
+  const tdm_picture *p = &s->pictures.picture[i];
+  if (p->late == 0)
+    return false;
+  *warning = (tdm_warning){.path = "output.pictures.times"};
+  if (json_is_array(s->pictures_json))
+    snprintf(warning->path, sizeof warning->path, "output.pictures[%d].times", i);
+  snprintf(warning->message, sizeof warning->message,
+           "%d of %d are later than time.end = %g s: there will be no such pictures", p->late, p->late + p->ntime, end);
+  return true;
+}
+
+bool tdm_outputs_doubt(const tdm_outputs_settings *s, double end, int k, tdm_warning *warning) {
+  if (frames_doubt(s, end, warning) && k-- == 0)
+    return true;
+  for (int i = 0; i < s->pictures.count; i++)
+    if (times_doubt(s, end, i, warning) && k-- == 0)
+      return true;
+  return false;
+}
+
+void tdm_outputs_print(const tdm_outputs_settings *s, double end) {
+  if (s->particles_interval > 0)
+    printf("  %-28s every %g s: %.0f\n", "frames for ParaView", s->particles_interval,
+           ceil(end / s->particles_interval - 1e-6) + 1);
+  for (int i = 0; i < s->pictures.count; i++) {
+    const tdm_picture *p = &s->pictures.picture[i];
+    printf("  %-28s %d%s%s\n", i ? "" : "pictures", p->ntime, *p->name ? ", " : "", p->name);
+  }
 }
 
 bool tdm_outputs_wanted(const tdm_outputs_settings *s) {
-  return s->particles_interval > 0;
+  return s->particles_interval > 0 || s->pictures.count > 0;
 }
 
 /* ---- when ---- */
 
-double tdm_outputs_next(const tdm_outputs *o) {
+static double next_frame(const tdm_outputs *o) {
   return o->frames ? o->next : INFINITY;
+}
+
+/* of view i */
+static double next_picture(const tdm_outputs *o, int i) {
+  const tdm_picture *p = &o->settings->pictures.picture[i];
+  return o->drawer.drawn && o->drawer.drawn[i] < p->ntime ? p->time[o->drawer.drawn[i]] : INFINITY;
+}
+
+double tdm_outputs_next(const tdm_outputs *o) {
+  double next = next_frame(o);
+  for (int i = 0; o->settings && i < o->settings->pictures.count; i++)
+    next = fmin(next, next_picture(o, i));
+  return next;
 }
 
 bool tdm_outputs_due(const tdm_outputs *o, double t) {
@@ -61,27 +112,28 @@ static void go_on(tdm_outputs *o, double t) {
 
 /* ---- files ---- */
 
+static tdm_status begin_frames(tdm_outputs *o, tdm_error *err) {
+  o->parts = tdm_vtp_parts_of(&o->scenery);
+  tdm_results_path(o->results, TDM_FRAMES_FILE, o->path, sizeof o->path);
+  o->frames = tdm_results_file(o->results, TDM_FRAMES_FILE, err);
+  if (!o->frames || tdm_frames_write_scenery(o->frames, o->path, &o->scenery, &o->bytes, err) != TDM_OK)
+    return err->status;
+  return tdm_pvd_open(&o->pvd, o->results, err);
+}
+
 tdm_status tdm_outputs_begin(tdm_outputs *o, const tdm_outputs_settings *s, const tdm_results *results, double end,
                              double step, tdm_error *err) {
   o->settings = s;
   o->results = results;
   o->end = end;
   o->slack = 1e-6 * step;
-  if (!tdm_outputs_wanted(s))
-    return TDM_OK;
-  o->parts = tdm_vtp_parts_of(&o->scenery);
-  tdm_results_path(results, TDM_FRAMES_FILE, o->path, sizeof o->path);
-  o->frames = tdm_results_file(results, TDM_FRAMES_FILE, err);
-  if (!o->frames || tdm_frames_write_scenery(o->frames, o->path, &o->scenery, &o->bytes, err) != TDM_OK)
+  if (tdm_drawer_begin(&o->drawer, &s->pictures, s->pictures_json, results->dir, err) != TDM_OK)
     return err->status;
-  return tdm_pvd_open(&o->pvd, results, err);
+  return s->particles_interval > 0 ? begin_frames(o, err) : TDM_OK;
 }
 
-tdm_status tdm_outputs_write(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_error *err) {
-  if (!tdm_outputs_due(o, snapshot->time))
-    return TDM_OK;
-  if (tdm_results_there(o->results, err) != TDM_OK ||
-      tdm_vtp_write(o->results, o->pvd.number, &o->scenery, snapshot, err) != TDM_OK ||
+static tdm_status write_frame(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_error *err) {
+  if (tdm_vtp_write(o->results, o->pvd.number, &o->scenery, snapshot, err) != TDM_OK ||
       tdm_frames_write(o->frames, o->path, snapshot, &o->bytes, err) != TDM_OK ||
       tdm_pvd_add(&o->pvd, o->results, snapshot->time, o->parts, err) != TDM_OK)
     return err->status;
@@ -89,9 +141,39 @@ tdm_status tdm_outputs_write(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_e
   return TDM_OK;
 }
 
+tdm_status tdm_outputs_write(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_error *err) {
+  const double t = snapshot->time + o->slack;
+  if (!tdm_outputs_due(o, snapshot->time))
+    return TDM_OK;
+  if (tdm_results_there(o->results, err) == TDM_OK && t >= next_frame(o))
+    write_frame(o, snapshot, err);
+  for (int i = 0; i < o->settings->pictures.count; i++)
+    while (err->status == TDM_OK && t >= next_picture(o, i))
+      tdm_drawer_submit(&o->drawer, i, &o->scenery, snapshot, err);
+  return err->status;
+}
+
+int tdm_outputs_pictures(const tdm_outputs *o) {
+  int n = 0;
+  for (int i = 0; o->drawer.drawn && i < o->settings->pictures.count; i++)
+    n += o->drawer.drawn[i];
+  return n;
+}
+
+void tdm_outputs_finish(tdm_outputs *o, double t) {
+  tdm_error notice = {0};
+  if (!o->settings)
+    return;
+  tdm_drawer_finish(&o->drawer, &notice);
+  if (notice.status != TDM_OK && notice.status != TDM_ERR_INTERRUPTED)
+    tdm_remark(TDM_NOTICE, "pictures", "output.pictures", t, "%s", notice.message);
+}
+
 void tdm_outputs_end(tdm_outputs *o) {
   if (o->frames)
     fclose(o->frames);
+  if (o->settings)
+    tdm_drawer_end(&o->drawer);
   tdm_pvd_close(&o->pvd);
   tdm_scenery_free(&o->scenery);
   tdm_snapshot_free(&o->snapshot);

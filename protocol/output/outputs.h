@@ -1,20 +1,22 @@
-/* What a run writes to be looked at, besides its time histories: frames.tdv (protocol/view/frames.h) and files for
- * ParaView (vtp.h). One object for runs of one solver and for coupled runs.
+/* What a run writes to be looked at, besides its time histories: frames.tdv (protocol/view/frames.h), files for
+ * ParaView (vtp.h) and pictures (protocol/draw/drawer.h). One object for runs of one solver and for coupled runs.
  *
  *   tdm_outputs_settings_read   the keys of the section output
  *   tdm_outputs_begin           the scenery, which the caller has filled in
  *   tdm_outputs_due             is something due at the state of time t?
  *   tdm_outputs_write           that state, into all that is due
+ *   tdm_outputs_finish          all pictures are there, or why not
  *   tdm_outputs_end
  *
  * Times lie on a grid from 0 on. A frame shows the state of a step or of a window's end: the first at or after its time
  * on the grid, and the last of the run; and it has the time of that state. A state that is the first after several
- * times of the grid is written once.
+ * times of the grid is written once. A picture shows the first state at or after its time; there are as many as times.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_OUTPUT_OUTPUTS_H
 #define TDM_OUTPUT_OUTPUTS_H
 
+#include "protocol/draw/drawer.h"
 #include "protocol/output/vtp.h"
 #include "protocol/scene/scene.h"
 #include "protocol/view/frames.h"
@@ -23,16 +25,21 @@
 /* Keys of the section "output". */
 typedef struct {
   double particles_interval; /* between frames [s], 0: none */
+  tdm_pictures pictures;
+  json_t *pictures_json; /* as the scene has them; NULL: none */
 } tdm_outputs_settings;
 
-/* Read them; `root` is the scene, `least` [s] the shortest interval: a step. Errors stick in output->err. */
-void tdm_outputs_settings_read(tdm_outputs_settings *settings, tdm_object *output, const json_t *root, double least);
+/* Read them; `root` is the scene, `least` [s] the shortest interval: a step, `end` [s] the run's. Errors stick in
+ * output->err. Freed with tdm_outputs_settings_free, also after an error. */
+void tdm_outputs_settings_read(tdm_outputs_settings *settings, tdm_object *output, const json_t *root, double least,
+                               double end);
+void tdm_outputs_settings_free(tdm_outputs_settings *settings);
 
-/* What is doubtful about them in a run until `end` [s], into *warning; false: nothing. */
-bool tdm_outputs_doubt(const tdm_outputs_settings *settings, double end, tdm_warning *warning);
+/* What is doubtful about them in a run until `end` [s]: number k of it, from 0 on, into *warning; false: no more. */
+bool tdm_outputs_doubt(const tdm_outputs_settings *settings, double end, int k, tdm_warning *warning);
 
-/* For people: how many frames there will be. */
-double tdm_outputs_frames(const tdm_outputs_settings *settings, double end);
+/* For people: lines of how many frames and pictures there will be; nothing when there are none. */
+void tdm_outputs_print(const tdm_outputs_settings *settings, double end);
 
 /* Zero-initialise; freed with tdm_outputs_end. */
 typedef struct {
@@ -49,6 +56,7 @@ typedef struct {
   tdm_view_bytes bytes;
   tdm_pvd pvd;
   tdm_vtp_parts parts;
+  tdm_drawer drawer;
 } tdm_outputs;
 
 /* Whether a run with these settings is looked at. */
@@ -65,6 +73,13 @@ bool tdm_outputs_due(const tdm_outputs *outputs, double t);
 
 /* Write the state into what is due at its time; of a frame all files are whole, or it is not listed. */
 tdm_status tdm_outputs_write(tdm_outputs *outputs, const tdm_snapshot *snapshot, tdm_error *err);
+
+/* At the end of a run, also one that failed: wait for the pictures. What went wrong with them becomes a notice among
+ * the remarks, of time t [s]. Does nothing the second time. */
+void tdm_outputs_finish(tdm_outputs *outputs, double t);
+
+/* Pictures so far. */
+int tdm_outputs_pictures(const tdm_outputs *outputs);
 
 /* Close and free. What was written is on the disk. */
 void tdm_outputs_end(tdm_outputs *outputs);

@@ -210,7 +210,7 @@ START_TEST(without_gnuplot_runs_work) {
                        dir, dir);
   ck_assert_msg(status == 0, "%d: %s", status, command_output);
   expect_output("gnuplot is not installed");
-  ck_assert(is_there(dir, "out", "picture_002.dat") && is_there(dir, "out", "summary.json"));
+  ck_assert(is_there(dir, "out", "picture_002.png") && is_there(dir, "out", "summary.json"));
   directory_remove(dir);
 }
 END_TEST

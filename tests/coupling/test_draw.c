@@ -178,7 +178,8 @@ static void draw_run(const char *dir, tdm_error *notice) {
       ck_assert_msg(tdm_drawer_submit(&d, k, &scenery, &s, &err) == TDM_OK, "%s", err.message);
       tdm_snapshot_free(&s);
     }
-  tdm_drawer_end(&d, notice);
+  tdm_drawer_finish(&d, notice);
+  tdm_drawer_end(&d);
   tdm_scenery_free(&scenery);
   tdm_pictures_free(&pictures);
   json_decref(json);

@@ -1,6 +1,5 @@
 /* What the outputs of a run work out: slopes of heaps, walls as polygons, the starts of particles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/output/picture.h"
 #include "dem/output/repose.h"
 #include "dem/output/view.h"
 #include "tests/numerics/test_dem_support.h"
@@ -144,28 +143,5 @@ START_TEST(what_there_is_to_see) {
 }
 END_TEST
 
-/* ---- pictures ---- */
-
-START_TEST(particles_keep_the_colour_of_their_start) {
-  tdm_error err = {0};
-  int64_t id[3] = {0, 1, 2};
-  tdm_snapshot s = {.nparticle = 2, .id = id, .position = position, .radius = radius};
-  dem_pictures p = {0};
-  position[0] = tdm_v3(0, 0, 1);
-  position[1] = tdm_v3(0, 0, 2);
-  ck_assert_int_eq(dem_pictures_watch(&p, &s, &err), TDM_OK);
-  /* the first leaves, the second moves, a third comes */
-  id[0] = 1;
-  id[1] = 2;
-  position[0] = tdm_v3(0, 0, 7);
-  position[1] = tdm_v3(0, 0, 9);
-  ck_assert_int_eq(dem_pictures_watch(&p, &s, &err), TDM_OK);
-  ck_assert_int_eq(p.nborn, 3);
-  ck_assert_double_eq(p.born[1].z, 2);
-  ck_assert_double_eq(p.born[2].z, 9);
-  dem_pictures_free(&p);
-}
-END_TEST
-
 TEST_MAIN("dem_output", the_slopes_of_a_heap, no_heap_has_no_slope, walls_as_polygons, the_bounds_of_a_scene,
-          what_there_is_to_see, particles_keep_the_colour_of_their_start)
+          what_there_is_to_see)
