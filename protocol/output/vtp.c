@@ -261,39 +261,7 @@ static tdm_status write_forces(FILE *f, const tdm_scenery *scenery, const tdm_sn
   return err->status;
 }
 
-static void write_points(FILE *f, const cells *c) {
-  fputs("<Points>\n", f);
-  write_array(f, "Float64", "position", 3, c->point, (size_t)c->npoint, sizeof(double));
-  fputs("</Points>\n", f);
-}
-
-static tdm_status write_walls(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,
-                              tdm_error *err) {
-  char name[64];
-  cells c;
-  make_cells(&c, scenery, s, true, err);
-  int64_t *index = err->status == TDM_OK ? malloc(((size_t)c.npoint + 1) * sizeof *index) : NULL;
-  if (!index)
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d walls", scenery->npolygon);
-  FILE *f = index ? open_vtp(r, "walls", number, name, err) : NULL;
-  if (f) {
-    fprintf(f, "<PolyData>\n<Piece NumberOfPoints=\"%d\" NumberOfPolys=\"%d\">\n<CellData Scalars=\"body\">\n",
-            c.npoint, c.ncell[POLYS]);
-    write_array(f, "Int32", "body", 1, c.body, (size_t)c.ncell[POLYS], sizeof(int32_t));
-    if (s->nforce > 0)
-      write_forces(f, scenery, s, err);
-    fputs("</CellData>\n", f);
-    write_points(f, &c);
-    write_cells(f, "Polys", &c, POLYS, index);
-    fputs("</Piece>\n</PolyData>\n</VTKFile>\n", f);
-    close_file(r, name, f, err);
-  }
-  free(index);
-  free_cells(&c);
-  return err->status;
-}
-
-/* ---- the mechanism ---- */
+/* ---- walls and mechanism ---- */
 
 /* Names, as the codes of their characters with a zero behind each. */
 static void write_names(FILE *f, const char *what, const void *first, size_t stride, int n) {
@@ -323,32 +291,46 @@ static void write_field(FILE *f, const tdm_scenery *s) {
   fputs("</FieldData>\n", f);
 }
 
-static tdm_status write_mechanism(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,
-                                  tdm_error *err) {
+/* All of a file but its head: of the bodies that DEM computes with, or of the others and the lines. */
+static void write_body(FILE *f, const tdm_scenery *scenery, const tdm_snapshot *s, bool dem, cells *c, int64_t *index,
+                       tdm_error *err) {
+  const size_t n = (size_t)(c->ncell[VERTS] + c->ncell[LINES] + c->ncell[POLYS]);
+  fputs("<PolyData>\n", f);
+  if (!dem)
+    write_field(f, scenery);
+  fprintf(f, "<Piece NumberOfPoints=\"%d\" ", c->npoint);
+  if (!dem)
+    fprintf(f, "NumberOfVerts=\"%d\" NumberOfLines=\"%d\" ", c->ncell[VERTS], c->ncell[LINES]);
+  fprintf(f, "NumberOfPolys=\"%d\">\n<CellData Scalars=\"body\">\n", c->ncell[POLYS]);
+  write_array(f, "Int32", "body", 1, c->body, n, sizeof(int32_t));
+  if (!dem) {
+    write_array(f, "Int32", "line", 1, c->line, n, sizeof(int32_t));
+    write_array(f, "Int32", "kind", 1, c->kind, n, sizeof(int32_t));
+  } else if (s->nforce > 0) {
+    write_forces(f, scenery, s, err);
+  }
+  fputs("</CellData>\n<Points>\n", f);
+  write_array(f, "Float64", "position", 3, c->point, (size_t)c->npoint, sizeof(double));
+  fputs("</Points>\n", f);
+  if (!dem) {
+    write_cells(f, "Verts", c, VERTS, index);
+    write_cells(f, "Lines", c, LINES, index);
+  }
+  write_cells(f, "Polys", c, POLYS, index);
+  fputs("</Piece>\n</PolyData>\n</VTKFile>\n", f);
+}
+
+static tdm_status write_bodies(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,
+                               bool dem, tdm_error *err) {
   char name[64];
   cells c;
-  make_cells(&c, scenery, s, false, err);
+  make_cells(&c, scenery, s, dem, err);
   int64_t *index = err->status == TDM_OK ? malloc(((size_t)c.npoint + 1) * sizeof *index) : NULL;
   if (!index)
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of the mechanism");
-  FILE *f = index ? open_vtp(r, "mechanism", number, name, err) : NULL;
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d polygons", scenery->npolygon);
+  FILE *f = index ? open_vtp(r, dem ? "walls" : "mechanism", number, name, err) : NULL;
   if (f) {
-    const size_t n = (size_t)(c.ncell[VERTS] + c.ncell[LINES] + c.ncell[POLYS]);
-    fputs("<PolyData>\n", f);
-    write_field(f, scenery);
-    fprintf(f,
-            "<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"%d\" NumberOfLines=\"%d\" NumberOfPolys=\"%d\">\n"
-            "<CellData Scalars=\"body\">\n",
-            c.npoint, c.ncell[VERTS], c.ncell[LINES], c.ncell[POLYS]);
-    write_array(f, "Int32", "body", 1, c.body, n, sizeof(int32_t));
-    write_array(f, "Int32", "line", 1, c.line, n, sizeof(int32_t));
-    write_array(f, "Int32", "kind", 1, c.kind, n, sizeof(int32_t));
-    fputs("</CellData>\n", f);
-    write_points(f, &c);
-    write_cells(f, "Verts", &c, VERTS, index);
-    write_cells(f, "Lines", &c, LINES, index);
-    write_cells(f, "Polys", &c, POLYS, index);
-    fputs("</Piece>\n</PolyData>\n</VTKFile>\n", f);
+    write_body(f, scenery, s, dem, &c, index, err);
     close_file(r, name, f, err);
   }
   free(index);
@@ -369,9 +351,9 @@ tdm_status tdm_vtp_write(const tdm_results *r, int number, const tdm_scenery *sc
                          tdm_error *err) {
   const tdm_vtp_parts parts = tdm_vtp_parts_of(scenery);
   if (parts.particles &&
-      (write_particles(r, number, s, err) != TDM_OK || write_walls(r, number, scenery, s, err) != TDM_OK))
+      (write_particles(r, number, s, err) != TDM_OK || write_bodies(r, number, scenery, s, true, err) != TDM_OK))
     return err->status;
-  return parts.mechanism ? write_mechanism(r, number, scenery, s, err) : TDM_OK;
+  return parts.mechanism ? write_bodies(r, number, scenery, s, false, err) : TDM_OK;
 }
 
 /* ---- the list of all files ---- */
