@@ -85,7 +85,7 @@ typedef struct {
   tdm_state *sample_state; /* (nsample x ncoupled) */
   /* Called at each sample time, in their order: meanwhile mbd_engine_snapshot shows that time. */
   tdm_status (*look)(void *looker, int sample, tdm_error *err);
-  void *looker;
+  void *looker; /* what `look` gets */
 } mbd_outcome;
 
 /* Compute one window, up to the first error. */

@@ -36,6 +36,7 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
          session->scheme->summary);
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->output_interval,
          ceil((double)cpl_total_steps(s) * s->dt / s->output_interval - 1e-6) + 1);
+  tdm_outputs_print(&s->outputs, s->time_end);
   for (int i = 0; i < s->nbody; i++)
     print_body(&s->body[i], &session->body[i], &session->load[i], i == 0);
 }

@@ -8,7 +8,6 @@
 #include "dem/output/repose.h"
 #include "dem/watch/check.h"
 #include "protocol/app/plot.h"
-#include "protocol/app/print.h"
 #include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
@@ -30,14 +29,13 @@ typedef struct {
 
   uint64_t nstep; /* done */
   double particle_steps;
-  double setup, loop, step; /* wall times: until the start, the loop, the solver's part of it [s] */
+  double loop, step; /* wall times: the loop, the solver's part of it [s] */
 } run_state;
 
 /* ---- start ---- */
 
-static tdm_status load_scene(run_state *run, tdm_error *err) {
-  if (tdm_standalone_read(&run->alone, err) != TDM_OK)
-    return err->status;
+static tdm_status load(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   const dem_run_settings *s = &run->settings;
   if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
@@ -48,11 +46,8 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status open_results(run_state *run, tdm_error *err) {
-  return tdm_standalone_open(&run->alone, err);
-}
-
-static tdm_status start_engine(run_state *run, tdm_error *err) {
+static tdm_status start(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   const tdm_assignment assignment = {.scene = tdm_standalone_section(&run->alone),
                                      .time_end = run->settings.time.end,
                                      .dt = run->settings.time.dt,
@@ -161,7 +156,8 @@ static tdm_status advance(run_state *run, uint64_t end, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status solve(run_state *run, tdm_error *err) {
+static tdm_status solve(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   tdm_progress progress;
   uint64_t total = tdm_total_steps(&run->settings.time);
   double begin = tdm_clock(), dt = run->settings.time.dt;
@@ -192,13 +188,13 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   const dem_data *d = run->engine ? dem_engine_data(run->engine) : NULL;
   json_t *json = tdm_standalone_summary(&run->alone, err);
-  json_t *own =
-      json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings", "time.end",
-                s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps", (json_int_t)run->nstep,
-                "simulated_s", (double)run->nstep * s->time.dt, "particles", d ? d->state.nparticle : 0,
-                "particle_steps", run->particle_steps, "particle_steps_per_s",
-                tdm_number_to_json(run->particle_steps / run->step), "wall_s", "all", wall, "setup", run->setup, "dem",
-                run->step, "output", fmax(0, run->loop - run->step), "pictures", tdm_outputs_pictures(&run->outputs));
+  json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:I, s:f, s:i, s:f, s:o, s:{s:f, s:f, s:f, s:f}, s:i}", "settings",
+                          "time.end", s->time.end, "time.dt", s->time.dt, "output.interval", s->interval, "steps",
+                          (json_int_t)run->nstep, "simulated_s", (double)run->nstep * s->time.dt, "particles",
+                          d ? d->state.nparticle : 0, "particle_steps", run->particle_steps, "particle_steps_per_s",
+                          tdm_number_to_json(run->particle_steps / run->step), "wall_s", "all", wall, "setup",
+                          run->alone.setup, "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures",
+                          tdm_outputs_pictures(&run->outputs));
   json_object_update_new(json, own);
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));
@@ -206,7 +202,8 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
 }
 
 /* the files of the end: plots, summary.json, the last line of the log */
-static void conclude(run_state *run, double begin, tdm_error *err) {
+static void conclude(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   char pairs[128];
   tdm_error late = {0}, notice = {0};
   const double t = (double)run->nstep * run->settings.time.dt;
@@ -218,7 +215,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   if (notice.status != TDM_OK && !tdm_plot_interrupted())
     tdm_remark(TDM_NOTICE, "plots", NULL, t, "%s", notice.message);
   tdm_outputs_finish(&run->outputs, t);
-  double wall = tdm_clock() - begin;
+  double wall = tdm_clock() - alone->begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);
   json_decref(json);
@@ -228,34 +225,21 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
     printf("%.6g s simulated in %llu steps, %d particles at the end; %.2f s wall, %.2f s of it until the start; %.3g "
            "particle-steps/s; results in %s\n",
            (double)run->nstep * run->settings.time.dt, (unsigned long long)run->nstep, run->outputs.snapshot.nparticle,
-           wall, run->setup, run->particle_steps / run->step, run->alone.results.dir);
+           wall, run->alone.setup, run->particle_steps / run->step, run->alone.results.dir);
 }
 
-static void let_go(run_state *run) {
+static void let_go(tdm_standalone *alone) {
+  run_state *run = (run_state *)alone;
   tdm_outputs_end(&run->outputs);
   dem_run_settings_free(&run->settings);
   free(run->rows);
-  tdm_standalone_free(&run->alone);
   dem_engine_destroy(&run->engine);
-}
-
-tdm_status dem_run(const tdm_standalone_options *options, tdm_error *err) {
-  double begin = tdm_clock();
-  run_state run = {.alone = {.program = &dem_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK) {
-    run.setup = tdm_clock() - begin;
-    solve(&run, err);
-  }
-  tdm_scene_locate(&run.alone.scene, err);
-  if (run.alone.results.log)
-    conclude(&run, begin, err);
-  let_go(&run);
-  return err->status;
 }
 
 /* ---- check ---- */
 
-static void print_scene(const run_state *run) {
+static void print(const tdm_standalone *alone) {
+  const run_state *run = (const run_state *)alone;
   const dem_run_settings *s = &run->settings;
   uint64_t total = tdm_total_steps(&s->time);
   printf("run\n");
@@ -263,17 +247,6 @@ static void print_scene(const run_state *run) {
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->interval, ceil(s->time.end / s->interval - 1e-6) + 1);
   tdm_outputs_print(&s->outputs, s->time.end);
   printf("dem: %s\n", dem_solver_ops.software);
-  tdm_print_json(run->alone.figures.report);
-  printf("%d warning%s\n", run->alone.figures.nwarning, run->alone.figures.nwarning == 1 ? "" : "s");
-}
-
-tdm_status dem_run_check(const tdm_standalone_options *options, tdm_error *err) {
-  run_state run = {.alone = {.program = &dem_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK)
-    print_scene(&run);
-  tdm_scene_locate(&run.alone.scene, err);
-  let_go(&run);
-  return err->status;
 }
 
 const tdm_standalone_program dem_program = {
@@ -298,6 +271,11 @@ const tdm_standalone_program dem_program = {
             "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
             "  --help, --version\n",
     .ops = &dem_solver_ops,
-    .run = dem_run,
-    .check = dem_run_check,
+    .size = sizeof(run_state),
+    .load = load,
+    .start = start,
+    .solve = solve,
+    .conclude = conclude,
+    .print = print,
+    .let_go = let_go,
 };

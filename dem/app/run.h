@@ -28,10 +28,4 @@ typedef struct {
 tdm_status dem_run_settings_read(dem_run_settings *settings, const tdm_scene *scene, tdm_error *err);
 void dem_run_settings_free(dem_run_settings *settings);
 
-/* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
-tdm_status dem_run(const tdm_standalone_options *options, tdm_error *err);
-
-/* Load and settle the scene, and print what would run. */
-tdm_status dem_run_check(const tdm_standalone_options *options, tdm_error *err);
-
 #endif

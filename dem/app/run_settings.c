@@ -2,15 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/run.h"
 
-static void refuse_coupling(tdm_object *root) {
-  static const char *const sections[] = {"mbd", "coupling"};
-  for (int k = 0; k < 2; k++)
-    if (tdm_has(root, sections[k]))
-      tdm_object_fail(root, sections[k],
-                      "belongs to a co-simulation; run this scene with tandem run, or remove the section to run its "
-                      "particles alone");
-}
-
 static void read_repose(dem_run_settings *s, tdm_object *output) {
   static const char *const axes[] = {"x", "y"};
   s->repose_along = -1;
@@ -26,7 +17,7 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
   tdm_object root = tdm_object_open(scene->root, "", err);
   tdm_has(&root, "$schema"); /* for editors */
   tdm_get_string(&root, "title", "");
-  refuse_coupling(&root);
+  tdm_standalone_refuse_coupling(&root, "mbd", "particles");
   tdm_check_gravity(&root);
   s->time = tdm_read_time(&root);
   tdm_object o = tdm_get_object(&root, "output", false);

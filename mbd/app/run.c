@@ -42,27 +42,18 @@ typedef struct {
   tdm_outputs outputs;
   double t; /* reached [s] */
   uint64_t windows;
-  double setup, loop, step; /* wall times: until the start, the loop, the solver's part of it [s] */
-  double looked;            /* of the latter: writing what is looked at [s] */
+  double loop, step; /* wall times: the loop, the solver's part of it [s] */
+  double looked;     /* of the latter: writing what is looked at [s] */
 } run_state;
 
 /* ---- settings ---- */
-
-static void refuse_coupling(tdm_object *root) {
-  static const char *const sections[] = {"dem", "coupling"};
-  for (int k = 0; k < 2; k++)
-    if (tdm_has(root, sections[k]))
-      tdm_object_fail(root, sections[k],
-                      "belongs to a co-simulation; run this scene with tandem run, or remove the section to run its "
-                      "bodies alone");
-}
 
 tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, tdm_error *err) {
   const double most_rows = 1e9;
   tdm_object root = tdm_object_open(scene->root, "", err);
   tdm_has(&root, "$schema"); /* for editors */
   tdm_get_string(&root, "title", "");
-  refuse_coupling(&root);
+  tdm_standalone_refuse_coupling(&root, "dem", "bodies");
   tdm_check_gravity(&root);
   tdm_object o = tdm_get_object(&root, "time", true);
   s->end = tdm_get_number(&o, "end", TDM_REQUIRED, TDM_POSITIVE);
@@ -86,9 +77,9 @@ tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, td
 
 /* ---- start ---- */
 
-static tdm_status load_scene(run_state *run, tdm_error *err) {
-  if (tdm_standalone_read(&run->alone, err) != TDM_OK ||
-      mbd_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
+static tdm_status load(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
+  if (mbd_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
   const mbd_run_settings *s = &run->settings;
   run->total_rows = (uint64_t)fmax(1, ceil(s->end / s->interval - 1e-6)) + 1;
@@ -100,11 +91,8 @@ static tdm_status load_scene(run_state *run, tdm_error *err) {
   return TDM_OK;
 }
 
-static tdm_status open_results(run_state *run, tdm_error *err) {
-  return tdm_standalone_open(&run->alone, err);
-}
-
-static tdm_status start_engine(run_state *run, tdm_error *err) {
+static tdm_status start(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   const tdm_assignment assignment = {
       .scene = tdm_standalone_section(&run->alone), .time_end = run->settings.end, .dt = run->settings.window, .n = 1};
   if (mbd_engine_create(&run->engine, &assignment, NULL, err) != TDM_OK)
@@ -201,7 +189,8 @@ static tdm_status advance(run_state *run, tdm_error *err) {
   return err->status;
 }
 
-static tdm_status solve(run_state *run, tdm_error *err) {
+static tdm_status solve(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   tdm_progress progress;
   double begin = tdm_clock();
   if (begin_outputs(run, err) != TDM_OK)
@@ -252,7 +241,7 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   json_t *json = tdm_standalone_summary(&run->alone, err);
   json_t *own = json_pack("{s:{s:f, s:f, s:f}, s:f, s:{s:f, s:f, s:f, s:f}}", "settings", "time.end", s->end, "window",
                           s->window, "output.interval", s->interval, "simulated_s", run->t, "wall_s", "all", wall,
-                          "setup", run->setup, "mbd", run->step, "output", fmax(0, run->loop - run->step));
+                          "setup", run->alone.setup, "mbd", run->step, "output", fmax(0, run->loop - run->step));
   json_object_update_new(json, own);
   if (run->windows == 0)
     return json;
@@ -272,7 +261,8 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
 }
 
 /* the files of the end: plots, summary.json, the last line of the log */
-static void conclude(run_state *run, double begin, tdm_error *err) {
+static void conclude(tdm_standalone *alone, tdm_error *err) {
+  run_state *run = (run_state *)alone;
   tdm_error notice = {0};
   char pairs[128];
   if (run->alone.channels) {
@@ -283,7 +273,7 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
   if (notice.status != TDM_OK && !tdm_plot_interrupted())
     tdm_remark(TDM_NOTICE, "plots", NULL, run->t, "%s", notice.message);
   tdm_outputs_finish(&run->outputs, run->t);
-  double wall = tdm_clock() - begin;
+  double wall = tdm_clock() - alone->begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);
   json_decref(json);
@@ -296,33 +286,20 @@ static void conclude(run_state *run, double begin, tdm_error *err) {
            run->t, steps, largest_drift(run), wall, run->step, run->alone.results.dir);
 }
 
-static void let_go(run_state *run) {
+static void let_go(tdm_standalone *alone) {
+  run_state *run = (run_state *)alone;
   free(run->sample_time);
   free(run->sample);
   free(run->course);
   tdm_outputs_end(&run->outputs);
   tdm_outputs_settings_free(&run->settings.outputs);
-  tdm_standalone_free(&run->alone);
   mbd_engine_destroy(&run->engine);
-}
-
-tdm_status mbd_run(const tdm_standalone_options *options, tdm_error *err) {
-  double begin = tdm_clock();
-  run_state run = {.alone = {.program = &mbd_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && open_results(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK) {
-    run.setup = tdm_clock() - begin;
-    solve(&run, err);
-  }
-  tdm_scene_locate(&run.alone.scene, err);
-  if (run.alone.results.log)
-    conclude(&run, begin, err);
-  let_go(&run);
-  return err->status;
 }
 
 /* ---- check ---- */
 
-static void print_scene(const run_state *run) {
+static void print(const tdm_standalone *alone) {
+  const run_state *run = (const run_state *)alone;
   const mbd_run_settings *s = &run->settings;
   printf("run\n  %-28s %g s\n", "time", s->end);
   printf("  %-28s every %g s: %llu rows of %d channels\n", "time histories", s->interval,
@@ -333,17 +310,6 @@ static void print_scene(const run_state *run) {
   json_object_del(solver, "formulation"); /* the report has it */
   tdm_print_json(solver);
   json_decref(solver);
-  tdm_print_json(run->alone.figures.report);
-  printf("%d warning%s\n", run->alone.figures.nwarning, run->alone.figures.nwarning == 1 ? "" : "s");
-}
-
-tdm_status mbd_run_check(const tdm_standalone_options *options, tdm_error *err) {
-  run_state run = {.alone = {.program = &mbd_program, .options = options}};
-  if (load_scene(&run, err) == TDM_OK && start_engine(&run, err) == TDM_OK)
-    print_scene(&run);
-  tdm_scene_locate(&run.alone.scene, err);
-  let_go(&run);
-  return err->status;
 }
 
 const tdm_standalone_program mbd_program = {
@@ -351,7 +317,7 @@ const tdm_standalone_program mbd_program = {
     .help = "tandem-mbd: the multibody solver of tandem\n\n"
             "  tandem-mbd run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--no-plots]\n"
             "      Run a scene that has only bodies: a JSON file, or the name of a scene in scenarios/mbd.\n"
-            "      Results go to DIR (default: run-out): time histories, plots, a summary.\n"
+            "      Results go to DIR (default: run-out): time histories, plots, frames.\n"
             "      --force            replace the results of an earlier run in DIR\n"
             "      --set PATH=VALUE   override a value of the scene: --set time.end=2 --set mbd.bodies[0].mass=3\n"
             "      --strict           refuse a run that the solver has doubts about\n"
@@ -366,6 +332,11 @@ const tdm_standalone_program mbd_program = {
             "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
             "  --help, --version\n",
     .ops = &mbd_solver_ops,
-    .run = mbd_run,
-    .check = mbd_run_check,
+    .size = sizeof(run_state),
+    .load = load,
+    .start = start,
+    .solve = solve,
+    .conclude = conclude,
+    .print = print,
+    .let_go = let_go,
 };

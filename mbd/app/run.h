@@ -26,10 +26,4 @@ typedef struct {
 /* Read the sections time and output; refuse dem and coupling. */
 tdm_status mbd_run_settings_read(mbd_run_settings *settings, const tdm_scene *scene, tdm_error *err);
 
-/* Run the scene; the result directory holds what was computed, also after an error or an interrupt. */
-tdm_status mbd_run(const tdm_standalone_options *options, tdm_error *err);
-
-/* Load and assemble the scene, and print what would run. */
-tdm_status mbd_run_check(const tdm_standalone_options *options, tdm_error *err);
-
 #endif

@@ -3,6 +3,7 @@
 #include "protocol/app/standalone.h"
 
 #include "protocol/app/plot.h"
+#include "protocol/app/print.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
 #include "protocol/version.h"
@@ -20,7 +21,7 @@ static const double flush_interval = 1; /* of the time histories, wall clock [s]
 
 /* ---- start ---- */
 
-tdm_status tdm_standalone_read(tdm_standalone *run, tdm_error *err) {
+static tdm_status read_scene(tdm_standalone *run, tdm_error *err) {
   const tdm_standalone_options *o = run->options;
   run->teller = (tdm_teller){.program = run->program->name, .scene = &run->scene};
   tdm_remarks_open(&run->remarks);
@@ -32,7 +33,9 @@ tdm_status tdm_standalone_read(tdm_standalone *run, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status tdm_standalone_open(tdm_standalone *run, tdm_error *err) {
+/* The result directory with ROLE.log as its log; an earlier run's results stay unless --force was given, and then until
+ * tdm_standalone_begin. */
+static tdm_status open_results(tdm_standalone *run, tdm_error *err) {
   const tdm_standalone_options *o = run->options;
   const char *role = run->program->ops->role;
   char name[64];
@@ -42,6 +45,16 @@ tdm_status tdm_standalone_open(tdm_standalone *run, tdm_error *err) {
     return err->status;
   tdm_log_open(run->results.log, role);
   return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
+}
+
+void tdm_standalone_refuse_coupling(tdm_object *root, const char *other, const char *what) {
+  const char *const sections[] = {other, "coupling"};
+  for (int k = 0; k < 2; k++)
+    if (tdm_has(root, sections[k]))
+      tdm_object_fail(root, sections[k],
+                      "belongs to a co-simulation; run this scene with tandem run, or remove the section to run its "
+                      "%s alone",
+                      what);
 }
 
 void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *format, ...) {
@@ -284,7 +297,7 @@ void tdm_standalone_log_end(const char *pairs, const tdm_error *err) {
     tdm_log(TDM_LOG_INFO, "finished", "%s", pairs);
 }
 
-void tdm_standalone_free(tdm_standalone *run) {
+static void let_go(tdm_standalone *run) {
   tdm_remarks_open(NULL);
   tdm_teller_free(&run->teller);
   if (run->results.staged)
@@ -298,4 +311,37 @@ void tdm_standalone_free(tdm_standalone *run) {
   json_decref(run->warnings);
   free(run->values);
   tdm_scene_destroy(&run->scene);
+}
+
+/* ---- all of it ---- */
+
+static void print(const tdm_standalone *run) {
+  run->program->print(run);
+  tdm_print_json(run->figures.report);
+  printf("%d warning%s\n", run->figures.nwarning, run->figures.nwarning == 1 ? "" : "s");
+}
+
+tdm_status tdm_standalone_perform(const tdm_standalone_program *program, const tdm_standalone_options *options,
+                                  bool check, tdm_error *err) {
+  tdm_standalone *run = calloc(1, program->size);
+  if (!run)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  run->program = program;
+  run->options = options;
+  run->begin = tdm_clock();
+  if (read_scene(run, err) == TDM_OK && program->load(run, err) == TDM_OK &&
+      (check || open_results(run, err) == TDM_OK) && program->start(run, err) == TDM_OK) {
+    run->setup = tdm_clock() - run->begin;
+    if (check)
+      print(run);
+    else
+      program->solve(run, err);
+  }
+  tdm_scene_locate(&run->scene, err);
+  if (run->results.log)
+    program->conclude(run, err);
+  program->let_go(run);
+  let_go(run);
+  free(run);
+  return err->status;
 }

@@ -1,8 +1,6 @@
 /* A scene for one solver alone: `tandem-dem run`, `tandem-mbd run` and their `check`.
  *
- *   tdm_standalone_main          the command line: commands, options, the scene's file
- *   tdm_standalone_read          the scene with its overrides
- *   tdm_standalone_open          the result directory: log, scene.json
+ *   tdm_standalone_main          the command line: commands, options, the scene's file; then the program's operations
  *   tdm_standalone_loaded        what the engine says of its start, and its warnings
  *   tdm_standalone_begin/_row    channels.csv, the time histories of all of the solver's channels
  *   tdm_standalone_close/_plot   and its plots
@@ -31,21 +29,40 @@ typedef struct {
   bool no_plots;          /* leave out the plots of time histories */
 } tdm_standalone_options;
 
+typedef struct tdm_standalone tdm_standalone;
+
+/* A solver that also runs scenes alone. The operations come in this order; after an error conclude, if there is a
+ * result directory, and let_go. */
 typedef struct {
   const char *name; /* of the program: "tandem-dem" */
   const char *help; /* all of --help */
   const tdm_solver_ops *ops;
-  tdm_status (*run)(const tdm_standalone_options *options, tdm_error *err);
-  tdm_status (*check)(const tdm_standalone_options *options, tdm_error *err);
+  size_t size; /* of the solver's own run, whose first member is a tdm_standalone: the operations get that one */
+  /* Read the scene's other sections (run->scene is there), and doubt them. */
+  tdm_status (*load)(tdm_standalone *run, tdm_error *err);
+  /* Make the engine; ends with tdm_standalone_loaded. */
+  tdm_status (*start)(tdm_standalone *run, tdm_error *err);
+  /* Of a run: begins with tdm_standalone_begin. */
+  tdm_status (*solve)(tdm_standalone *run, tdm_error *err);
+  /* Of a run: the files of the end. The result directory holds what was computed, also after an error. */
+  void (*conclude)(tdm_standalone *run, tdm_error *err);
+  /* Of a check: print what would run; the engine's report follows. */
+  void (*print)(const tdm_standalone *run);
+  /* Free what is the solver's own. */
+  void (*let_go)(tdm_standalone *run);
 } tdm_standalone_program;
 
 /* main() of a solver that also runs scenes alone: run SCENE, check SCENE, or the options of tdm_solver_main. A SCENE
  * without a file of its name is looked for in scenarios/ROLE. Returns the exit status. */
 int tdm_standalone_main(const tdm_standalone_program *program, int argc, char **argv);
 
+/* One scene, from its file to the result directory or, for a check, to what would run. */
+tdm_status tdm_standalone_perform(const tdm_standalone_program *program, const tdm_standalone_options *options,
+                                  bool check, tdm_error *err);
+
 /* ---- a run ---- */
 
-enum { TDM_STANDALONE_DOUBTS = 4 };
+enum { TDM_STANDALONE_DOUBTS = 24 };
 
 /* What a solver says of its start; borrowed while the run lasts. */
 typedef struct {
@@ -57,10 +74,12 @@ typedef struct {
   json_t *report;             /* the solver's own figures, may be NULL */
 } tdm_standalone_figures;
 
-/* Zero-initialise but for the first two; tdm_standalone_free lets go of it whatever happened. */
-typedef struct {
+/* A run or a check. */
+struct tdm_standalone {
   const tdm_standalone_program *program;
   const tdm_standalone_options *options;
+  double begin; /* wall clock [s] */
+  double setup; /* wall time until the start [s] */
   tdm_scene scene;
   tdm_results results;
   tdm_standalone_figures figures;
@@ -78,13 +97,10 @@ typedef struct {
   tdm_thin thin;     /* the rows, as plots show them */
   bool plots;        /* they are gathered there */
   double *values;    /* (nchannel) */
-} tdm_standalone;
+};
 
-tdm_status tdm_standalone_read(tdm_standalone *run, tdm_error *err);
-
-/* Open the result directory with ROLE.log as its log; an earlier run's results stay unless --force was given, and then
- * until tdm_standalone_begin. */
-tdm_status tdm_standalone_open(tdm_standalone *run, tdm_error *err);
+/* Refuse the sections of a co-simulation: `other` solver's, and coupling. `what`: "particles" of this one. */
+void tdm_standalone_refuse_coupling(tdm_object *root, const char *other, const char *what);
 
 /* Doubt a setting of the run, with printf's arguments; TDM_STANDALONE_DOUBTS at most, before tdm_standalone_loaded. */
 void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *format, ...)
@@ -118,7 +134,5 @@ json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err);
 
 /* The last line of the log: `pairs` after a good end, else the error. */
 void tdm_standalone_log_end(const char *pairs, const tdm_error *err);
-
-void tdm_standalone_free(tdm_standalone *run);
 
 #endif

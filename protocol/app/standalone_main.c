@@ -44,7 +44,7 @@ static tdm_status perform(const tdm_standalone_program *p, const arguments *a, b
                                           .force = a->force,
                                           .strict = a->strict,
                                           .no_plots = a->no_plots};
-  return check ? p->check(&options, err) : p->run(&options, err);
+  return tdm_standalone_perform(p, &options, check, err);
 }
 
 int tdm_standalone_main(const tdm_standalone_program *p, int argc, char **argv) {

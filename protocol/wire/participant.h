@@ -147,8 +147,10 @@ void tdm_participant_keep(tdm_participant *p, const tdm_keeper *keeper);
  * in its STEP (step->seen). Both objects are the participant's: they are reused, and cleared or resized by who fills
  * them. */
 typedef struct {
-  void *self;
+  void *self; /* the solver's own */
+  /* What stays as it is. */
   tdm_status (*scenery)(void *self, tdm_scenery *scenery, tdm_error *err);
+  /* The state that the solver has now. */
   tdm_status (*snapshot)(void *self, tdm_snapshot *snapshot, tdm_error *err);
 } tdm_shower;
 
@@ -195,6 +197,7 @@ typedef struct {
   tdm_status (*restore)(void *self, int slot, tdm_error *err);
   /* Capability "view" (tdm_shower); NULL: none. */
   tdm_status (*scenery)(void *self, tdm_scenery *scenery, tdm_error *err);
+  /* The same. */
   tdm_status (*snapshot)(void *self, tdm_snapshot *snapshot, tdm_error *err);
   void (*destroy)(void *self); /* NULL is allowed as self */
 } tdm_solver_ops;
