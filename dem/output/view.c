@@ -120,9 +120,23 @@ static tdm_status add_names(const dem_model *m, tdm_scenery *scenery, tdm_error 
   return TDM_OK;
 }
 
+/* Planes without end that lie beside all the rest, but no farther away than that is wide: a floor onto which particles
+ * will fall is to be seen. */
+static void add_planes(dem_bounds *b, const dem_data *d) {
+  const tdm_vec3 middle = tdm_scale(0.5, tdm_add(b->low, b->high));
+  const double wide = tdm_norm(tdm_sub(b->high, b->low));
+  for (int w = 0; w < d->model->nwall; w++) {
+    const dem_wall_place *at = &d->state.wall[w];
+    const double away = tdm_dot(tdm_sub(middle, at->point), at->normal);
+    if (!dem_wall_ends(&d->model->wall[w]) && fabs(away) <= wide)
+      dem_bounds_add(b, tdm_axpy(-away, at->normal, middle), 1e-3 * wide);
+  }
+}
+
 tdm_status dem_view_scenery(dem_view *v, const dem_data *d, tdm_scenery *scenery, tdm_error *err) {
   dem_polygons all = {0};
-  const dem_bounds bounds = dem_scene_bounds(d);
+  dem_bounds bounds = dem_scene_bounds(d);
+  add_planes(&bounds, d);
   v->looks = true;
   tdm_scenery_clear(scenery);
   scenery->gravity = d->model->gravity;

@@ -15,6 +15,18 @@
 
 enum { OVER = 2 }; /* samples a pixel in each direction; shader_image_fragment takes as many */
 
+#ifdef __SANITIZE_ADDRESS__
+/* What these libraries keep until the program ends is no leak of ours. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) {
+  return "leak:libOSMesa.so\nleak:libfontconfig.so\n";
+}
+const char *__lsan_default_options(void);
+const char *__lsan_default_options(void) {
+  return "print_suppressions=0"; /* what tandem-draw says is taken for an error */
+}
+#endif
+
 /* ---- lists ---- */
 
 static tdm_status make_room(void **array, size_t *capacity, size_t n, size_t size, tdm_error *err) {

@@ -2,6 +2,7 @@
 # What frames cost: a coupled run of 20 000 grains in a box on a spring, with frames every 10 ms against the same
 # without, in alternating pairs. Prints the wall time of the loop, and the processor time of all processes in brackets.
 #   tests/bench/bench_frames.sh [BIN [PAIRS [OPTIONS OF tandem run ...]]]
+# LOOK in the environment: what is measured in place of frames, as PATH=VALUE.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 bin=${1:-build/release/bin}
@@ -38,7 +39,7 @@ run() {
 
 for ((i = 0; i < pairs; i++)); do
   without=$(run "$@")
-  with=$(run "$@" --set output.particles_interval=0.01)
+  with=$(run "$@" --set "${LOOK:-output.particles_interval=0.01}")
   echo "$without $with"
 done | tee "$dir/pairs" |
   awk '{ printf "without %.3f s (%.2f s), with %.3f s (%.2f s): %.3f (%.3f)\n", $1, $2, $3, $4, $3 / $1, $4 / $2 }'

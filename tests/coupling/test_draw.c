@@ -267,6 +267,33 @@ START_TEST(a_signal_ends_it) {
 }
 END_TEST
 
+/* ---- runs ---- */
+
+/* Runs of all three kinds draw; what they compute is the same bit for bit. */
+START_TEST(runs_draw_and_compute_the_same) {
+  static const struct {
+    const char *program, *scene, *options, *history;
+  } rows[] = {{"tandem", "torsional", "--set time.end=0.02", "body_box.csv"},
+              {"tandem-dem", "repose", "--no-plots --set time.end=0.01", "channels.csv"},
+              {"tandem-mbd", "slider_crank", "--no-plots --set time.end=0.02", "channels.csv"}};
+  const char *dir = directory_make();
+  const char *program = rows[_i].program, *scene = rows[_i].scene, *options = rows[_i].options;
+  ck_assert_msg(command("%s run %s --out %s/plain %s", program, scene, dir, options) == 0, "%s", command_output);
+  const char *pictures = "--set 'output.pictures=[{\"times\": [0, 0.001], \"size\": [300, 300]}, {\"name\": \"space\", "
+                         "\"interval\": 0.001, \"view\": {}, \"size\": [300, 200]}]'";
+  ck_assert_msg(command("%s run %s --out %s/drawn %s %s", program, scene, dir, options, pictures) == 0, "%s",
+                command_output);
+  ck_assert_msg(command("cmp %s/plain/%s %s/drawn/%s", dir, rows[_i].history, dir, rows[_i].history) == 0, "%s",
+                command_output);
+  static const char *const files[] = {"picture_001.png", "pictures.png", "picture_space_002.png", "pictures_space.png"};
+  for (int i = 0; i < 4; i++)
+    ck_assert_msg(is_there(dir, "drawn", files[i]), "%s", files[i]);
+  ck_assert_msg(command("ls %s/drawn/*.frame", dir) != 0, "%s", command_output);
+  ck_assert_int_eq(command("test -e %s/drawn/draw.log", dir), 1);
+  directory_remove(dir);
+}
+END_TEST
+
 TEST_MAIN_ROWS("draw", {pictures_after_a_run, 1}, {views_of_the_scene, 1}, {a_killed_run_shows_what_there_is, 1},
                {what_is_wrong_is_named, 1}, {an_animation, 1}, {pictures_of_a_run, 1}, {a_program_that_fails, 3},
-               {no_program, 1}, {a_signal_ends_it, 1})
+               {no_program, 1}, {a_signal_ends_it, 1}, {runs_draw_and_compute_the_same, 3})
