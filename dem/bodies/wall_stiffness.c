@@ -22,11 +22,12 @@ static void add_spring(matrix6 K, double k, tdm_vec3 lever, tdm_vec3 e) {
       K[i][j] += k * g[i] * g[j];
 }
 
-/* k_n n n^T + k_t (I - n n^T) at the contact of a particle and a body */
-static void add_contact(const dem_data *d, matrix6 K, int particle, int body, double gap, tdm_vec3 n) {
+/* k_n n n^T + k_t (I - n n^T) at the contact of a particle and a wall */
+static void add_contact(const dem_data *d, matrix6 K, int particle, const dem_wall *wall, double gap, tdm_vec3 n) {
   const dem_model *m = d->model;
   const dem_sphere *s = &d->state.sphere[particle];
-  const dem_pair *pair = &m->pair[d->state.material[particle] * m->nmaterial + m->body[body].material];
+  const int body = wall->body;
+  const dem_pair *pair = &m->pair[d->state.material[particle] * m->nmaterial + wall->material];
   tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->state.pose[body].position);
   dem_impact at = {.mass = 1 / dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n),
                    .radius = s->radius};
@@ -50,14 +51,14 @@ static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) 
     tdm_vec3 n;
     double gap = dem_gap(d, i, w, &n);
     if (dem_wall_touches(wall, gap, s->radius))
-      add_contact(d, K, i, wall->body, gap, n);
+      add_contact(d, K, i, wall, gap, n);
     return;
   }
   dem_touch found[DEM_TOUCHES_MAX];
   int many = wall->shape->touches(wall, &d->lists.walls.entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
                                   dem_wall_own(place, s->position), s->radius, found);
   for (int c = 0; c < many; c++)
-    add_contact(d, K, i, wall->body, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
+    add_contact(d, K, i, wall, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
 }
 
 static void add_walls(const dem_data *d, matrix6 *K) {

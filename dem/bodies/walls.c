@@ -195,7 +195,7 @@ double dem_lid_force(const dem_data *d, const dem_box *box) {
     if (w != box->lid)
       continue;
     double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, w, NULL);
-    const dem_pair *pair = &m->settle_pair[d->state.material[i] * m->nmaterial + m->body[box->body].material];
+    const dem_pair *pair = &m->settle_pair[d->state.material[i] * m->nmaterial + m->wall[w].material];
     dem_impact at = {.mass = d->state.mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
     if (gap < radius && gap > -radius)
       sum += dem_normal_force(m, pair, at, radius - gap);

@@ -147,6 +147,7 @@
   H(turn, BYTES, PLACED)                       \
   H(data, SHAPE_DATA, PLACED)                  \
   H(surface, BYTES, RUN)                       \
+  H(material, NUMBER, MATERIALS)               \
   F(geometry, "of the shapes, which have all") \
   F(endless, "follows from the sizes")         \
   F(solid, "for limits that are told")         \

@@ -63,19 +63,17 @@ tdm_status dem_polygons_make(dem_polygons *all, const dem_data *d, const dem_bou
   return TDM_OK;
 }
 
-/* The triangle that each polygon is: a wall with parts draws each, in their order. */
+/* The triangle, or other part of a wall, that each polygon shows. */
 static tdm_status number_triangles(dem_view *v, const dem_model *m, const dem_polygons *all, tdm_error *err) {
   int *triangle = realloc(v->triangle, ((size_t)all->count + 1) * sizeof *triangle);
   if (!triangle)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d walls", all->count);
   v->triangle = triangle;
-  for (int k = 0, first = 0; k < all->count; k++) {
-    const int w = all->polygon[k].wall;
-    if (w != all->polygon[first].wall)
-      first = k;
-    const bool parts = m->wall[w].shape->parts != NULL;
-    assert(!parts || k - first < m->wall[w].shape->parts(&m->wall[w]));
-    triangle[k] = parts ? m->first_triangle[w] + k - first : -1;
+  for (int k = 0; k < all->count; k++) {
+    const dem_polygon *p = &all->polygon[k];
+    const dem_wall *wall = &m->wall[p->wall];
+    assert(!wall->shape->parts || p->part < wall->shape->parts(wall));
+    triangle[k] = wall->shape->parts && p->part >= 0 ? m->first_triangle[p->wall] + p->part : -1;
   }
   return TDM_OK;
 }

@@ -259,7 +259,7 @@ void dem_pairs_check(const dem_model *m, tdm_error *err) {
     for (int b = a; b < m->nmaterial; b++) {
       bool meet = a == b ? many[a] > 1 : many[a] > 0 && many[b] > 0;
       for (int w = 0; w < m->nwall; w++) {
-        int of_wall = m->body[m->wall[w].body].material;
+        int of_wall = m->wall[w].material;
         meet = meet || (of_wall == a && many[b] > 0) || (of_wall == b && many[a] > 0);
       }
       if (meet && !m->pair[a * m->nmaterial + b].given)

@@ -143,6 +143,7 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
   body->drive = dem_drive_read(o, &body->start.pose);
   m->ndriven += body->drive.given;
 
+  walls->body_material = body->material;
   walls->part = (dem_part){coupled, coupled ? coupled->state.pose : body->start.pose};
   walls->part.start.orientation = tdm_quat_unit(walls->part.start.orientation);
   json_t *shapes = tdm_get_array(o, "shapes", true);
@@ -157,7 +158,10 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
 static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assignment, tdm_error *err) {
   size_t n = json_array_size(array);
   m->body = allocate(n, sizeof *m->body, err);
-  dem_wall_list walls = {0};
+  const char **materials = allocate((size_t)m->nmaterial, sizeof *materials, err);
+  for (int k = 0; materials && k < m->nmaterial; k++)
+    materials[k] = m->material[k].name;
+  dem_wall_list walls = {.material = materials, .nmaterial = m->nmaterial};
   for (size_t i = 0; i < n && !err->status; i++) {
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "dem.bodies[%zu]", i);
@@ -165,6 +169,7 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
     read_body(m, &o, assignment, &walls);
     tdm_object_close(&o);
   }
+  free(materials);
   m->wall = walls.wall;
   m->nwall = walls.count;
   m->box = walls.box;

@@ -12,14 +12,18 @@ static inline double dem_gap_at(const dem_data *d, int w, tdm_vec3 x, tdm_vec3 *
   return dem_wall_gap(&d->model->wall[w], &d->state.wall[w], x, normal ? normal : &n);
 }
 
-/* The same of the centre of particle i. */
+/* The same of the centre of particle i, as wall w is to spheres of its size. */
 static inline double dem_gap(const dem_data *d, int i, int w, tdm_vec3 *normal) {
-  return dem_gap_at(d, w, d->state.sphere[i].position, normal);
+  const dem_sphere *s = &d->state.sphere[i];
+  tdm_vec3 n;
+  return dem_wall_sphere_gap(&d->model->wall[w], &d->state.wall[w], s->position, s->radius, normal ? normal : &n);
 }
 
 /* Does a sphere of this radius at x touch wall w? One that is altogether behind a plane does not. */
 static inline bool dem_touches_at(const dem_data *d, int w, tdm_vec3 x, double radius) {
-  return dem_wall_touches(&d->model->wall[w], dem_gap_at(d, w, x, NULL), radius);
+  const dem_wall *wall = &d->model->wall[w];
+  tdm_vec3 n;
+  return dem_wall_touches(wall, dem_wall_sphere_gap(wall, &d->state.wall[w], x, radius, &n), radius);
 }
 
 /* Is particle i altogether behind plane w? False for walls that are no planes. */

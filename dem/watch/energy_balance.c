@@ -104,8 +104,7 @@ static double elastic_of_wall(const dem_data *d, size_t k) {
   double gap = dem_gap(d, e->particle, e->wall, &n), overlap = s->radius - gap;
   if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
     return 0;
-  contact c = {.pair =
-                   &m->pair[d->state.material[e->particle] * m->nmaterial + m->body[m->wall[e->wall].body].material],
+  contact c = {.pair = &m->pair[d->state.material[e->particle] * m->nmaterial + m->wall[e->wall].material],
                .at = {.mass = 1 / s->inverse_mass, .radius = s->radius},
                .overlap = overlap,
                .history = d->lists.walls.history ? &d->lists.walls.history[k] : NULL,

@@ -200,7 +200,7 @@ static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, doubl
   const dem_model *m = d->model;
   int i = e->particle;
   double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
-  const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + m->body[m->wall[e->wall].body].material];
+  const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + m->wall[e->wall].material];
   if (gap < radius && gap > -radius)
     sum[i] += stiffness(m, pair, (dem_impact){.mass = d->state.mass[i], .radius = radius}, radius - gap);
 }

@@ -147,7 +147,7 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
     b->history[q][l] = list->history[(size_t)q * list->capacity + k];
   b->entry[l] = (int)k;
   b->body[l] = body;
-  b->index[l] = d->state.material[i] * m->nmaterial + m->body[body].material;
+  b->index[l] = d->state.material[i] * m->nmaterial + m->wall[w].material;
   b->lever[l] = lever;
   if (b->count == DEM_W)
     r.flush(task, b);
@@ -169,7 +169,7 @@ DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t 
     if (left_out(task, s, wall->body))
       continue;
     tdm_vec3 n;
-    double gap = dem_wall_gap(wall, place, s->position, &n);
+    double gap = dem_wall_sphere_gap(wall, place, s->position, s->radius, &n);
     if (gap >= s->radius + reach || (wall->endless && gap <= -s->radius))
       close_entry(list, k, r.ncolumn);
     else
@@ -253,7 +253,7 @@ DEM_KERNEL void plane_loop(dem_loop_task *task, size_t begin, size_t end, const 
     c.mass = vd_set(1) / c.inverse_mass;
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
-        c.pair.index[l] = d->state.material[i[l]] * m->nmaterial + m->body[body].material;
+        c.pair.index[l] = d->state.material[i[l]] * m->nmaterial + m->wall[w].material;
     outcome out = law(task, &c, velocity, history, list->capacity, r, 0);
     vd3 twist = vd3_scale(vd_pick(c.touching, arm, vd_set(0)), out.twist);
     vd3 moment = vd3_only(c.touching, vd3_cross(lever, out.force));

@@ -35,7 +35,7 @@ static void box_of_mesh(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high) {
 
 static void draw_mesh(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
   for (int t = 0; t < dem_mesh_figures(wall->data)->triangles && err->status == TDM_OK; t++) {
-    dem_polygon p = {.body = wall->body, .ncorner = 3};
+    dem_polygon p = {.body = wall->body, .part = t, .ncorner = 3};
     tdm_vec3 corner[3], normal;
     dem_mesh_triangle(wall->data, t, corner, &normal);
     for (int k = 0; k < 3; k++)

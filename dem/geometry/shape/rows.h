@@ -11,7 +11,8 @@
   X(cylinder)             \
   X(cone)                 \
   X(sphere)               \
-  X(mesh)
+  X(mesh)                 \
+  X(screen)
 
 #define X(name) extern const dem_shape dem_shape_##name;
 DEM_SHAPE_LIST(X)

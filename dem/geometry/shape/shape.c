@@ -66,8 +66,10 @@ void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_
   int first = list->count;
   shapes[shape]->read(&o, body, list);
   tdm_twist belt = read_surface(&o);
+  const int material = tdm_get_choice(&o, "material", list->material, list->nmaterial, list->body_material);
   for (int w = first; w < list->count; w++) {
     list->wall[w].geometry = geometry;
+    list->wall[w].material = material < 0 ? 0 : material;
     set_surface(&list->wall[w], belt);
   }
   tdm_object_close(&o);

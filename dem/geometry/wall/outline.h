@@ -27,6 +27,7 @@ enum { DEM_CORNERS_MAX = 12 };
 typedef struct {
   int body;
   int wall;   /* that it is of; set by who asks for the polygons */
+  int part;   /* of a wall with parts: whose force it shows, at most one polygon a part; -1: none */
   bool solid; /* a face of a solid body, not a cut through a plane */
   int ncorner;
   tdm_vec3 corner[DEM_CORNERS_MAX]; /* [m], in order around the polygon */

@@ -25,6 +25,7 @@ typedef struct dem_shape dem_shape;
 typedef struct {
   const dem_shape *shape;
   int body;
+  int material;      /* index among the scene's materials */
   int geometry;      /* of dem_model.geometry */
   tdm_vec3 point;    /* on the plane, centre of the box, middle of the end at z = 0; body axes, from the centre of mass
                         [m]. A mesh: 0 */
@@ -68,7 +69,10 @@ typedef struct {
   int count;
   dem_box *box;
   int nbox;
-  dem_part part; /* of the body that is read now */
+  dem_part part;               /* of the body that is read now */
+  const char *const *material; /* (nmaterial) names of the scene's materials */
+  int nmaterial;
+  int body_material; /* of the body that is read now */
 } dem_wall_list;
 
 /* What a wall needs to draw itself. */
@@ -96,6 +100,10 @@ struct dem_shape {
    * have no inside: the distance is never negative. */
   double (*gap)(const dem_wall *wall, tdm_vec3 x, tdm_vec3 *normal);
 
+  /* The same for the centre of a sphere, of a shape that is another to spheres of another size: a screen that lets the
+   * small ones through. It changes with x by no more than x does. NULL: as gap. */
+  double (*sphere_gap)(const dem_wall *wall, tdm_vec3 x, double radius, tdm_vec3 *normal);
+
   /* The box around the wall, its own axes. NULL: it has no end. */
   void (*box)(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high);
 
@@ -106,9 +114,7 @@ struct dem_shape {
   double (*belt_speed)(const dem_wall *wall);
   void (*bounds)(const dem_wall *wall, const tdm_pose *frame, dem_bounds *bounds);
 
-  /* Append what is drawn, in the axes of the view; of a wall with parts one polygon each, in their order. NULL:
-   * nothing.
-   */
+  /* Append what is drawn, in the axes of the view; NULL: nothing. */
   void (*polygons)(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err);
 
   /* Of a wall with several parts (the triangles of a mesh), which a sphere may touch at several places; NULL: it
@@ -142,6 +148,10 @@ dem_wall_place dem_wall_put(const dem_wall *wall, const tdm_pose *pose);
 /* Signed distance of the point x from the wall's surface (negative inside) and the unit normal there, from the wall
  * towards x, both world. A wall with parts may have more touches than this nearest one: shape->touches. */
 static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, tdm_vec3 *normal);
+
+/* The same for the centre of a sphere of this radius. */
+static inline double dem_wall_sphere_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, double radius,
+                                         tdm_vec3 *normal);
 
 /* Does a sphere at this gap touch the wall? */
 static inline bool dem_wall_touches(const dem_wall *wall, double gap, double radius) {
@@ -201,6 +211,16 @@ static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *pl
   }
   tdm_vec3 n;
   double gap = wall->shape->gap(wall, dem_wall_own(place, x), &n);
+  *normal = tdm_m3_mul(place->axes, n);
+  return gap;
+}
+
+static inline double dem_wall_sphere_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, double radius,
+                                         tdm_vec3 *normal) {
+  if (!wall->shape->sphere_gap)
+    return dem_wall_gap(wall, place, x, normal);
+  tdm_vec3 n;
+  double gap = wall->shape->sphere_gap(wall, dem_wall_own(place, x), radius, &n);
   *normal = tdm_m3_mul(place->axes, n);
   return gap;
 }

@@ -1,0 +1,216 @@
+/* Decks of a screen: see screen.h. Three surfaces: [A07]'s reduced hole, wires and a punched plate; the parts
+ * of the latter two are their bars. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/geometry/screen/screen.h"
+
+#include "dem/geometry/shape/rows.h"
+#include "protocol/base/hash.h"
+
+#include <stdlib.h>
+
+static const dem_shape wires_and_plates;
+
+/* ---- reading ---- */
+
+static const char *const decks[] = {
+    [DEM_DECK_REDUCED] = "reduced", [DEM_DECK_WIRES] = "wires", [DEM_DECK_PLATE] = "plate"};
+static const char *const models[] = {"center", "radius"};
+
+enum { AISLES_MAX = 100000 }; /* of holes, on each side of the middle one */
+
+static void read_reduced(tdm_object *o, dem_screen *s) {
+  s->by_radius = tdm_get_choice(o, "model", models, 2, 0) == 1;
+  s->zeta = tdm_get_number(o, "zeta", 0, TDM_UNIT_INTERVAL);
+  s->clearance = tdm_get_number(o, "clearance", -1, tdm_has(o, "clearance") ? TDM_NOT_NEGATIVE : TDM_ANY);
+  if (tdm_has(o, "zeta") && tdm_has(o, "clearance"))
+    tdm_object_fail(o, "clearance", "and \"zeta\" are two ways to give the clearance; remove one of them");
+}
+
+static void read_bars(tdm_object *o, dem_screen *s) {
+  s->thickness = tdm_get_number(o, "thickness", s->bar, TDM_POSITIVE);
+  if (s->deck == DEM_DECK_PLATE)
+    return;
+  s->layer = tdm_get_integer(o, "layers", 2, 1) == 1 ? 0 : 0.5 * s->thickness;
+  if (tdm_get_integer(o, "layers", 2, 1) > 2)
+    tdm_object_fail(o, "layers", "must be 1, wires in one plane, or 2, those along x over those along y");
+  if (!o->err->status && !(s->thickness < dem_screen_pitch(s)))
+    tdm_object_fail(o, "thickness", "is %g m but must be less than hole + bar, %g m, or there are no holes",
+                    s->thickness, dem_screen_pitch(s));
+}
+
+static void count_aisles(tdm_object *o, dem_screen *s) {
+  double aisles = nearbyint(s->radius / dem_screen_pitch(s));
+  if (o->err->status)
+    return;
+  if (aisles > AISLES_MAX)
+    tdm_object_fail(o, "radius", "gives %g holes along the radius, more than %d; is \"hole\" in metres?", aisles,
+                    AISLES_MAX);
+  if (aisles < 1)
+    tdm_object_fail(o, "radius", "is %g m, less than half of hole + bar, %g m: there is no bar; give a larger deck",
+                    s->radius, dem_screen_pitch(s));
+  if (s->inner >= s->radius)
+    tdm_object_fail(o, "inner_radius", "is %g m but must be less than \"radius\", %g m", s->inner, s->radius);
+  s->aisles = (int)aisles;
+}
+
+static void read_screen(tdm_object *o, int body, dem_wall_list *list) {
+  dem_screen s = {.deck = tdm_get_choice(o, "deck", decks, 3, -1), .zeta = 0, .clearance = -1};
+  s.half = 0.5 * tdm_get_number(o, "hole", TDM_REQUIRED, TDM_POSITIVE);
+  s.bar = tdm_get_number(o, "bar", TDM_REQUIRED, TDM_POSITIVE);
+  s.radius = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_POSITIVE);
+  s.inner = tdm_get_number(o, "inner_radius", 0, TDM_NOT_NEGATIVE);
+  s.pieces = s.inner > 0 ? 2 : 1;
+  count_aisles(o, &s);
+  if (s.deck == DEM_DECK_REDUCED)
+    read_reduced(o, &s);
+  else
+    read_bars(o, &s);
+  dem_wall wall = {.shape = s.deck == DEM_DECK_REDUCED ? &dem_shape_screen : &wires_and_plates, .body = body};
+  wall.point = tdm_get_vec3(o, "center", &(tdm_vec3){0, 0, 0});
+  wall.turn = tdm_get_orientation(o, "orientation");
+  if (o->err->status)
+    return;
+  dem_screen *data = malloc(sizeof *data);
+  if (!data) {
+    tdm_fail(o->err, TDM_ERR_MEMORY, NULL, "no memory for a screen");
+    return;
+  }
+  *data = s;
+  wall.data = data;
+  dem_walls_append(list, wall, o->err);
+}
+
+/* ---- what all decks do ---- */
+
+static void box_of_screen(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high) {
+  const dem_screen *s = wall->data;
+  *high = tdm_v3(s->radius, s->radius, 0.5 * s->thickness + s->layer);
+  *low = tdm_scale(-1, *high);
+}
+
+static unsigned long long hash_of(const dem_wall *wall) {
+  const dem_screen *s = wall->data;
+  const double numbers[] = {s->deck,  s->aisles, s->by_radius, s->half,      s->bar,  s->radius,
+                            s->inner, s->zeta,   s->clearance, s->thickness, s->layer};
+  return tdm_hash_bytes(TDM_HASH_START, numbers, sizeof numbers);
+}
+
+/* ---- drawing ---- */
+
+enum { POLYGONS_MAX = 20000 };
+
+/* a face of a bar, between two of its four edges along its axis */
+static void draw_face(const dem_wall *wall, const dem_wall_view *view, const tdm_vec3 edge[2][2], int part,
+                      dem_polygons *all, tdm_error *err) {
+  const dem_screen *s = wall->data;
+  dem_polygon p = {.body = wall->body, .solid = s->thickness > 0, .part = part, .ncorner = 4};
+  p.corner[0] = dem_wall_world(view->place, edge[0][0]);
+  p.corner[1] = dem_wall_world(view->place, edge[0][1]);
+  p.corner[2] = dem_wall_world(view->place, edge[1][1]);
+  p.corner[3] = dem_wall_world(view->place, edge[1][0]);
+  dem_polygons_add(all, &p, err);
+}
+
+/* One bar as the four long faces of a box, of which the upper one shows its force, or as one face of a deck of no
+ * thickness. */
+static void draw_bar(const dem_wall *wall, const dem_wall_view *view, int part, dem_polygons *all, tdm_error *err) {
+  const dem_screen *s = wall->data;
+  double ends[2], across, wide = 0.5 * (s->deck == DEM_DECK_WIRES ? s->thickness : s->bar);
+  if (!dem_screen_bar(s, part, ends, &across))
+    return;
+  bool second = part >= dem_screen_parts(s) / 2;
+  double level = second ? -s->layer : s->layer;
+  tdm_vec3 edge[5][2];
+  for (int k = 0; k < 5; k++)
+    for (int end = 0; end < 2; end++) {
+      double side = across + (k % 4 == 1 || k % 4 == 2 ? wide : -wide),
+             z = level + (k % 4 < 2 ? 0.5 : -0.5) * s->thickness;
+      edge[k][end] = second ? tdm_v3(side, ends[end], z) : tdm_v3(ends[end], side, z);
+    }
+  for (int k = 0; k < (s->thickness > 0 ? 4 : 1); k++)
+    draw_face(wall, view, &edge[k], k == 0 ? part : -1, all, err);
+}
+
+/* a net that is too fine for polygons: a ring */
+static void draw_ring(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
+  enum { SECTORS = 72 };
+  const dem_screen *s = wall->data;
+  tdm_vec3 edge[2][2];
+  for (int k = 0; k < SECTORS; k++) {
+    for (int e = 0; e < 2; e++) {
+      double angle = 2 * M_PI * (k + e) / SECTORS;
+      edge[e][0] = tdm_v3(s->inner * cos(angle), s->inner * sin(angle), 0);
+      edge[e][1] = tdm_v3(s->radius * cos(angle), s->radius * sin(angle), 0);
+    }
+    draw_face(wall, view, edge, -1, all, err);
+  }
+}
+
+static void draw_screen(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
+  const dem_screen *s = wall->data;
+  const int parts = dem_screen_parts(s);
+  if (parts * (s->thickness > 0 ? 4 : 1) > POLYGONS_MAX) {
+    draw_ring(wall, view, all, err);
+    return;
+  }
+  for (int part = 0; part < parts && err->status == TDM_OK; part++)
+    draw_bar(wall, view, part, all, err);
+}
+
+/* ---- the reduced hole ---- */
+
+static double gap_of_reduced(const dem_wall *wall, tdm_vec3 x, tdm_vec3 *normal) {
+  return dem_screen_reduced_gap(wall->data, x, 0, normal);
+}
+
+static double gap_of_sphere(const dem_wall *wall, tdm_vec3 x, double radius, tdm_vec3 *normal) {
+  return dem_screen_reduced_gap(wall->data, x, radius, normal);
+}
+
+const dem_shape dem_shape_screen = {
+    .type = "screen",
+    .number = 7,
+    .read = read_screen,
+    .gap = gap_of_reduced,
+    .sphere_gap = gap_of_sphere,
+    .box = box_of_screen,
+    .polygons = draw_screen,
+    .hash = hash_of,
+    .destroy = free,
+};
+
+/* ---- wires and plates ---- */
+
+static double gap_of_bars(const dem_wall *wall, tdm_vec3 x, tdm_vec3 *normal) {
+  return dem_screen_gap(wall->data, x, normal);
+}
+
+static int bars_of(const dem_wall *wall) {
+  return dem_screen_parts(wall->data);
+}
+
+static int near_bars(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max) {
+  return dem_screen_near(wall->data, x, range, out, max);
+}
+
+static int touches_of(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
+                      dem_touch out[DEM_TOUCHES_MAX]) {
+  return dem_screen_touches(wall->data, part, stride, n, x, radius, out);
+}
+
+static bool passes(const dem_wall *wall, int from, int to) {
+  return dem_screen_passes(wall->data, from, to);
+}
+
+static const dem_shape wires_and_plates = {
+    .number = 8,
+    .gap = gap_of_bars,
+    .box = box_of_screen,
+    .polygons = draw_screen,
+    .parts = bars_of,
+    .near = near_bars,
+    .touches = touches_of,
+    .passes = passes,
+    .hash = hash_of,
+    .destroy = free,
+};
