@@ -187,6 +187,28 @@ START_TEST(runs_are_bit_identical) {
 }
 END_TEST
 
+/* Frames between rows change no byte of the rows, whatever the threads: enough balls for two chunks of particles. */
+START_TEST(frames_do_not_change_the_run) {
+  static const char *const options[] = {"", "--set output.particles_interval=0.0034",
+                                        "--set output.particles_interval=0.0034 --set dem.threads=2"};
+  setup();
+  for (int k = 0; k < 3; k++) {
+    char out[8], all[256];
+    snprintf(out, sizeof out, "%d", k);
+    snprintf(all, sizeof all,
+             "--set output.particles_interval=1 --set time.end=0.02 --set time.dt=2e-5 --set output.interval=0.005 "
+             "--set dem.particles[0].count=2500 --set dem.particles[0].radius=0.007 %s",
+             options[k]);
+    run(out, all);
+  }
+  ck_assert(is_there(dir, "1", "particles_000006.vtp") && !is_there(dir, "0", "particles_000003.vtp"));
+  for (int k = 1; k < 3; k++)
+    ck_assert_int_eq(command("cmp %s/0/channels.csv %s/%d/channels.csv", dir, dir, k), 0);
+  ck_assert_int_eq(command("cmp %s/1/frames.tdv %s/2/frames.tdv", dir, dir), 0);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(outputs_do_not_change_the_run) {
   setup();
   run("one", "");
@@ -536,8 +558,8 @@ START_TEST(installed_scenes_are_whole) {
 }
 END_TEST
 
-TEST_MAIN("dem_run", a_run_writes_its_files, runs_are_bit_identical, outputs_do_not_change_the_run,
-          without_gnuplot_runs_work, values_of_the_scene, command_lines, result_directories,
-          an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
+TEST_MAIN("dem_run", a_run_writes_its_files, runs_are_bit_identical, frames_do_not_change_the_run,
+          outputs_do_not_change_the_run, without_gnuplot_runs_work, values_of_the_scene, command_lines,
+          result_directories, an_interrupt_keeps_what_was_computed, a_check_says_what_would_run, the_scenes_load,
           meshes_are_beside_the_scene, forces_on_triangles, a_shorter_run, doubts_are_told, the_benchmark,
           installed_scenes_are_whole)
