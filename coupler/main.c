@@ -1,5 +1,6 @@
 /* tandem: the command line. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/live/live.h"
 #include "coupler/page/view.h"
 #include "coupler/report/report.h"
 #include "coupler/run/run.h"
@@ -26,11 +27,13 @@ static const cpl_solver solvers[CPL_NROLE] = {
 
 static void usage(FILE *out) {
   fputs("tandem: co-simulation of discrete elements and multibody dynamics\n\n"
-        "  tandem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict]\n"
+        "  tandem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--live [PORT]]\n"
         "      Run a scene: a JSON file, or the name of a scenario. Results go to DIR (default: run-out).\n"
         "      --force            replace the results of an earlier run in DIR\n"
         "      --set PATH=VALUE   override a value of the scene: --set coupling.n=25 --set dem.pairs[0].friction=0.3\n"
-        "      --strict           refuse a run that a solver has doubts about\n\n"
+        "      --strict           refuse a run that a solver has doubts about\n"
+        "      --live [PORT]      show the run in a browser while it goes, at an address of this machine that is "
+        "printed\n\n"
         "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
         "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n"
         "      --out DIR          keep the logs there; results that it holds stay\n\n"
@@ -77,8 +80,8 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *budget, *json, *scenarios, *dt, *n, *scheme, *jobs;
-  bool force, strict, resume, full;
+  const char *out, *budget, *json, *port, *scenarios, *dt, *n, *scheme, *jobs;
+  bool force, strict, resume, full, live;
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
@@ -93,6 +96,7 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
+                                {.name = "--live", .flag = &a->live, .value = &a->port},
                                 {.name = "--full", .flag = &a->full},
                                 {.name = "--force", .flag = &a->force}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
@@ -102,23 +106,23 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 
 /* options that a command does not know */
 static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
-  const bool view = strcmp(command, "view") == 0;
+  const bool view = strcmp(command, "view") == 0, check = strcmp(command, "check") == 0;
   const struct {
     bool given, known;
     const char *name;
-  } options[] = {
-      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep},
-      {.name = "--strict", .given = a->strict, .known = run},
-      {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view},
-      {.name = "--budget", .given = a->budget != NULL, .known = view},
-      {.name = "--force", .given = a->force, .known = (run && strcmp(command, "check") != 0) || sweep || verify},
-      {.name = "--json", .given = a->json != NULL, .known = sweep || verify},
-      {.name = "--dt", .given = a->dt != NULL, .known = sweep},
-      {.name = "--n", .given = a->n != NULL, .known = sweep},
-      {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
-      {.name = "--jobs", .given = a->jobs != NULL, .known = sweep || verify},
-      {.name = "--resume", .given = a->resume, .known = sweep},
-      {.name = "--full", .given = a->full, .known = verify}};
+  } options[] = {{.name = "--set", .given = a->given.nset > 0, .known = run || sweep},
+                 {.name = "--strict", .given = a->strict, .known = run},
+                 {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view},
+                 {.name = "--budget", .given = a->budget != NULL, .known = view},
+                 {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify},
+                 {.name = "--live", .given = a->live, .known = run && !check},
+                 {.name = "--json", .given = a->json != NULL, .known = sweep || verify},
+                 {.name = "--dt", .given = a->dt != NULL, .known = sweep},
+                 {.name = "--n", .given = a->n != NULL, .known = sweep},
+                 {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
+                 {.name = "--jobs", .given = a->jobs != NULL, .known = sweep || verify},
+                 {.name = "--resume", .given = a->resume, .known = sweep},
+                 {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s does not go with this command; see tandem --help", command,
@@ -133,10 +137,22 @@ static tdm_status find_scene(const arguments *a, const char *command, char *scen
   return tdm_find_scene(scene, size, "", a->given.word[0], a->scenarios, err);
 }
 
+/* --live [PORT]: serve before the run begins */
+static tdm_status open_live(const arguments *a, cpl_live **live, tdm_error *err) {
+  char *end = NULL;
+  long port = a->port ? strtol(a->port, &end, 10) : 0;
+  if (port < 0 || port > 65535 || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "run: --live %s: give a port from 1 to 65535, or none for a free one",
+                    a->port);
+  return cpl_live_open(live, (int)port, err);
+}
+
 /* run and check: one scene, up to its end or until both solvers are ready */
 static tdm_status one_scene(const arguments *a, const char *command, bool check, tdm_error *err) {
   char scene[4096];
-  cpl_run_result result;
+  cpl_run_result result = {0};
+  cpl_live *live = NULL;
+  const cpl_observer *observers[] = {NULL, NULL};
   if (refuse(a, command, true, false, false, err) != TDM_OK ||
       find_scene(a, command, scene, sizeof scene, err) != TDM_OK)
     return err->status;
@@ -144,7 +160,13 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
       .scene = scene, .set = a->given.set, .force = a->force, .strict = a->strict, .check = check};
   options.out = a->out ? a->out : check ? NULL : "run-out";
   memcpy(options.solver, solvers, sizeof solvers);
-  cpl_run(&options, &result, err);
+  if (a->live && open_live(a, &live, err) == TDM_OK) {
+    observers[0] = cpl_live_observer(live);
+    options.observers = observers;
+  }
+  if (err->status == TDM_OK)
+    cpl_run(&options, &result, err);
+  cpl_live_close(&live);
   if (result.windows > 0)
     cpl_run_print(&result, options.out);
   if (result.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away */

@@ -14,6 +14,7 @@
   X(three, "three.min.js", CPL_THREE)             \
   X(orbit, "OrbitControls.js", CPL_ORBIT)         \
   X(data, "data.js", CPL_WEB "/data.js")          \
+  X(live, "live.js", CPL_WEB "/live.js")          \
   X(colours, "colours.js", CPL_WEB "/colours.js") \
   X(grains, "grains.js", CPL_WEB "/grains.js")    \
   X(machine, "machine.js", CPL_WEB "/machine.js") \

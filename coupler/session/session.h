@@ -52,6 +52,7 @@ typedef struct {
   tdm_frame out;
   double last_heartbeat;
   double seen_from; /* states are looked at from then on [s]: STEPs until then or later announce it */
+  bool seen_next;   /* so is the state at the end of the next window */
 } cpl_session;
 
 /* Listen at `endpoint` (tcp ports may be wildcards: tdm_transport_endpoint tells). The context is for inproc. */

@@ -58,7 +58,7 @@ bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
 }
 
 bool cpl_session_sees(const cpl_session *s, cpl_role role, double t) {
-  return t >= s->seen_from - 1e-6 * s->settings->dt && cpl_session_has(s, role, "view");
+  return (s->seen_next || t >= s->seen_from - 1e-6 * s->settings->dt) && cpl_session_has(s, role, "view");
 }
 
 tdm_interpolation cpl_session_interpolation(const cpl_session *s) {

@@ -8,7 +8,8 @@
 
 #include <stdbool.h>
 
-/* An option "--name": with a value, a flag, or (both NULL) one of --set, which may come more than once. */
+/* An option "--name": with a value, a flag, a flag that a whole number may follow (both), or (both NULL) one of --set,
+ * which may come more than once. */
 typedef struct {
   const char *name, **value;
   bool *flag;

@@ -43,7 +43,7 @@ set(coupler
   "session page"
   "loop"
   "observe scheme"
-  "run"
+  "run live"
   "verify"
   "report"
   "sweep"

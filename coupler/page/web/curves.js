@@ -28,8 +28,8 @@
   }
 
   tandem.Curves = function (run, list, filter, stack, onTime) {
-    const channels = channelsOf(run), chosen = new Set(), data = [];
-    let time = 0, panels = [];
+    const chosen = new Set(), data = [];
+    let channels = channelsOf(run), time = 0, panels = [];
     const dataOf = (of) => data[of] = data[of] || run.channels(of);
     const values = (c) => dataOf(c.of).column[c.column] || new Float32Array(0);
     const changes = (c) => {
@@ -238,17 +238,40 @@
         if (p.plain && p.canvas.width > 0)
           cursor(p);
     };
-    /* the run has gone on: rows are read anew */
+    /* The run has gone on: rows are read anew, and files that are new are there to choose from. */
     this.renew = function () {
+      const before = channels.length;
       data.length = 0;
-      if (chosen.size === 0 && channels.length > 0) {
+      channels = channelsOf(run);
+      this.count = channels.length;
+      if (chosen.size === 0)
         chooseAtFirst();
-        build();
+      if (channels.length !== before)
         buildList();
-      } else {
+      if (panels.length !== chosen.size)
+        build();
+      else
         this.resize();
-      }
     };
+    /* the last value of a column, NaN: there is none */
+    this.last = function (file, name) {
+      const c = channels.find((x) => x.file === file && x.name === name), v = c ? values(c) : [];
+      return v.length ? v[v.length - 1] : NaN;
+    };
+    /* the columns' values at a time, of the row before it, and the greatest length of the vector that they are */
+    const columns = (file, names) => names.map((name) => channels.find((c) => c.file === file && c.name === name));
+    this.at = function (file, names, when) {
+      const found = columns(file, names), t = found[0] ? dataOf(found[0].of).time : [];
+      return found.map((c) => c && t.length ? values(c)[rowAt(t, when)] : NaN);
+    };
+    this.greatest = function (file, names) {
+      const found = columns(file, names).filter((c) => c).map(values);
+      let most = 0;
+      for (let i = 0; found.length && i < found[0].length; i++)
+        most = Math.max(most, Math.hypot(...found.map((v) => v[i])) || 0);
+      return most;
+    };
+    this.names = (file) => channels.filter((c) => c.file === file).map((c) => c.name);
 
     filter.addEventListener('input', buildList);
     chooseAtFirst();

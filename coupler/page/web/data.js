@@ -107,9 +107,12 @@ window.tandem = {};
     return element ? element.textContent : null;
   };
 
-  /* A run: meta, polygons, channels; times of its frames; frame(k), head(k) and roster(serial) of them. */
+  /* A run: meta, polygons, channels(k); times of its frames; frame(k), head(k) and roster(serial) of them. That of a
+   * page with meta.live is under way (live.js). */
   tandem.pageRun = function () {
     const meta = JSON.parse(textOf('meta'));
+    if (meta.live)
+      return tandem.liveRun(meta, tandem.unpackSurface(bytesOf(textOf('surface'))));
     const kept = new Map(), rosters = new Map(), heads = [];
     const remember = (map, key, most, make) => {
       if (map.has(key)) {

@@ -12,43 +12,60 @@
     uniform vec3 low, size;
     uniform float pixels;   /* of one metre at one metre's distance */
     uniform vec4 cut;       /* what lies before this plane is not drawn: normal, offset */
-    varying vec3 centre, colour;
-    varying float r;
+    varying vec4 grain;     /* centre as seen from the eye, radius */
+    varying vec3 colour;
+    varying vec2 spread;    /* width of the point [pixels]; half of it by the sphere's radius in the picture */
     void main() {
       vec3 place = low + size * position;
       vec4 eye = modelViewMatrix * vec4(place, 1.0);
-      centre = eye.xyz;
+      float d = length(eye.xyz), slope = length(eye.xy) / -eye.z;
+      grain = vec4(eye.xyz, radius);
       colour = tint / 255.0;
-      r = radius;
-      float d = length(eye.xyz);
       gl_Position = projectionMatrix * eye;
       gl_PointSize = 0.0;
-      if (dot(cut.xyz, place) > cut.w || d <= r || eye.z >= 0.0) {
+      if (dot(cut.xyz, place) > cut.w || d <= radius || eye.z >= 0.0) {
         gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
         return;
       }
-      float slope = length(eye.xy) / -eye.z, own = r / sqrt(d * d - r * r);
-      gl_PointSize = 2.0 * pixels * (own + slope * slope * own) / max(1.0 - slope * own, 0.05) + 1.0;
+      float own = radius / sqrt(d * d - radius * radius);
+      float width = 2.0 * pixels * (own + slope * slope * own) / max(1.0 - slope * own, 0.05);
+      gl_PointSize = width > WIDE ? width + 1.0 : max(2.0 * pixels * own, 1.0);
+      spread = vec2(width, gl_PointSize / (2.0 * pixels * own));
     }`;
 
+  /* A wide sphere is exact; a small one is a disc with the shading and the depth of a sphere, which is cheaper. */
   const fragment = `
     uniform vec4 lens;   /* half width and height of the picture at one metre; its size in pixels */
     uniform mat4 projectionMatrix;
-    varying vec3 centre, colour;
-    varying float r;
+    varying vec4 grain;
+    varying vec3 colour;
+    varying vec2 spread;
     void main() {
-      vec3 ray = normalize(vec3((2.0 * gl_FragCoord.xy / lens.zw - 1.0) * lens.xy, -1.0));
-      float along = dot(ray, centre);
-      vec3 off = along * ray - centre;
-      float h2 = r * r - dot(off, off);
-      if (h2 < 0.0)
-        discard;
-      float h = sqrt(h2);
-      vec3 normal = (off - h * ray) / r;
+      vec3 normal;
+      float z, rim;
+      if (spread.x > WIDE) {
+        vec3 ray = normalize(vec3((2.0 * gl_FragCoord.xy / lens.zw - 1.0) * lens.xy, -1.0));
+        float along = dot(ray, grain.xyz);
+        vec3 off = along * ray - grain.xyz;
+        float h2 = grain.w * grain.w - dot(off, off);
+        if (h2 < 0.0)
+          discard;
+        float h = sqrt(h2);
+        normal = (off - h * ray) / grain.w;
+        z = (along - h) * ray.z;
+        rim = -dot(normal, ray);
+      } else {
+        vec2 q = spread.y * (2.0 * gl_PointCoord - 1.0);
+        float h2 = 1.0 - dot(q, q);
+        if (h2 < 0.0)
+          discard;
+        normal = vec3(q.x, -q.y, sqrt(h2));
+        z = grain.z + grain.w * normal.z;
+        rim = normal.z;
+      }
       float light = 0.42 + 0.5 * max(dot(normal, vec3(0.30, 0.50, 0.81)), 0.0) + 0.14 * normal.y;
-      gl_FragColor = vec4(colour * light * smoothstep(-0.25, 0.45, -dot(normal, ray)), 1.0);
+      gl_FragColor = vec4(colour * (light * (0.55 + 0.45 * rim)), 1.0);
     #ifdef GL_EXT_frag_depth
-      float z = (along - h) * ray.z;
       gl_FragDepthEXT = 0.5 + 0.5 * (projectionMatrix[2][2] * z + projectionMatrix[3][2]) / -z;
     #endif
     }`;
@@ -56,7 +73,8 @@
   tandem.Grains = function (scene) {
     const uniforms = {low: {value: new THREE.Vector3()}, size: {value: new THREE.Vector3()}, pixels: {value: 1},
                       cut: {value: new THREE.Vector4(0, 0, 0, 1)}, lens: {value: new THREE.Vector4(1, 1, 1, 1)}};
-    const material = new THREE.ShaderMaterial({uniforms, vertexShader: vertex, fragmentShader: fragment});
+    const material = new THREE.ShaderMaterial({uniforms, vertexShader: vertex, fragmentShader: fragment,
+                                               defines: {WIDE: '24.0'}});
     material.extensions.fragDepth = true;
     let points = null, capacity = 0;
     this.frame = this.roster = null;
@@ -68,6 +86,7 @@
         points.geometry.dispose();
       }
       capacity = n;
+      order = null;
       const geometry = new THREE.BufferGeometry();
       const add = (name, array, width, normalized) => {
         const attribute = new THREE.BufferAttribute(array, width, normalized);
@@ -118,6 +137,64 @@
       const a = points.geometry.attributes.tint;
       paint(a.array);
       a.needsUpdate = true;
+    };
+
+    /* Leave out what others hide, for a processor that draws: it would shade every pixel of every particle. A particle
+     * covers the cells of the picture that lie wholly within its outline, at its centre's depth; one all of whose cells
+     * are covered by something before its foremost point cannot be seen. */
+    let order = null, cells = null;
+    this.cull = function (camera, width, height) {
+      const f = this.frame, n = f ? f.n : 0, m = camera.matrixWorldInverse.elements, cut = uniforms.cut.value;
+      if (!points || !n)
+        return;
+      const pixels = uniforms.pixels.value, lens = uniforms.lens.value, radius = this.roster.radius;
+      const at = new Float32Array(4 * n); /* place in the picture, radius there, depth; depth 0: out of sight */
+      let sum = 0, seen = 0;
+      for (let i = 0; i < n; i++) {
+        const x = f.low[0] + f.size[0] / 65535 * f.position[3 * i], y = f.low[1] + f.size[1] / 65535 * f.position[3 * i + 1];
+        const z = f.low[2] + f.size[2] / 65535 * f.position[3 * i + 2], d = -(m[2] * x + m[6] * y + m[10] * z + m[14]);
+        const scale = pixels / d, r = radius[i] * scale;
+        const px = 0.5 * width + scale * (m[0] * x + m[4] * y + m[8] * z + m[12]);
+        const py = 0.5 * height + scale * (m[1] * x + m[5] * y + m[9] * z + m[13]);
+        if (d <= radius[i] || px < -r || py < -r || px > width + r || py > height + r || cut.x * x + cut.y * y + cut.z * z > cut.w)
+          continue;
+        at.set([px, py, r, d], 4 * i);
+        sum += r;
+        seen++;
+      }
+      const c = Math.max(1, sum / Math.max(1, seen) / 3), columns = Math.ceil(width / c) + 1, rows = Math.ceil(height / c) + 1;
+      if (!cells || cells.length < columns * rows)
+        cells = new Float32Array(columns * rows);
+      cells.fill(Infinity);
+      for (let i = 0; i < 4 * n; i += 4) {
+        const px = at[i], py = at[i + 1], r = at[i + 2], d = at[i + 3];
+        if (!d)
+          continue;
+        for (let j = Math.max(0, Math.ceil((py - r) / c)); j < rows && (j + 1) * c <= py + r; j++) {
+          const off = Math.max(Math.abs(j * c - py), Math.abs((j + 1) * c - py)), half = Math.sqrt(Math.max(0, r * r - off * off));
+          for (let k = Math.max(0, Math.ceil((px - half) / c)); k < columns && (k + 1) * c <= px + half; k++)
+            if (d < cells[j * columns + k])
+              cells[j * columns + k] = d;
+        }
+      }
+      if (!order || order.length < n) {
+        order = new Uint32Array(Math.ceil(1.25 * n) + 16);
+        points.geometry.setIndex(new THREE.BufferAttribute(order, 1).setUsage(THREE.DynamicDrawUsage));
+      }
+      let count = 0;
+      for (let i = 0; i < n; i++) {
+        const px = at[4 * i], py = at[4 * i + 1], r = at[4 * i + 2], d = at[4 * i + 3];
+        let hidden = true;
+        const before = d - radius[i], last = Math.min(columns - 1, Math.floor((px + r) / c));
+        for (let j = Math.max(0, Math.floor((py - r) / c)); d && hidden && j < rows && j * c < py + r; j++)
+          for (let k = Math.max(0, Math.floor((px - r) / c)); hidden && k <= last; k++)
+            hidden = cells[j * columns + k] < before;
+        if (!hidden)
+          order[count++] = i;
+      }
+      points.geometry.index.needsUpdate = true;
+      points.geometry.setDrawRange(0, count);
+      this.drawn = count;
     };
 
     this.setCut = (normal, offset) => uniforms.cut.value.set(normal[0], normal[1], normal[2], offset);

@@ -4,7 +4,8 @@
   'use strict';
 
   const STILL = 0x9aa5b1, MOVING = [0x3d7ebf, 0xd08a2e, 0x4c9a6a, 0x9a5fa8, 0x2f9aa0, 0xb5606a, 0x7a7f2d, 0x6b6fc4];
-  tandem.lineColours = {joint: 0x1b1f27, spring: 0xe07a10, cable: 0x7a4a1e, cylinder: 0x1763b6, other: 0x6d7683};
+  tandem.lineColours = {joint: 0x1b1f27, spring: 0xe07a10, cable: 0x7a4a1e, cylinder: 0x1763b6, other: 0x8a5fb0,
+                        bar: 0x59636f};
   const LOAD = tandem.loadColour = 0xd41f3a;
   const EDGES_MOST = 30000; /* triangles of a body; the edges of more are not looked for */
 
@@ -114,7 +115,7 @@
         if (to > from && (line.kind === 'joint' || to - from === 1))
           dot(at(from), 0.007 * size, material);
         for (let i = from; i + 1 < to; i++)
-          rod(at(i), at(i + 1), (line.kind === 'cylinder' ? 0.005 : line.kind === 'joint' ? 0.002 : 0.003) * size, material);
+          rod(at(i), at(i + 1), (line.kind === 'cylinder' || line.kind === 'bar' ? 0.005 : line.kind === 'joint' ? 0.002 : 0.003) * size, material);
       });
       for (const what in pool)
         for (let i = used[what]; i < pool[what].length; i++)
@@ -137,7 +138,7 @@
     function drawLoads(frame, mostLoad) {
       arrows.forEach((arrow, b) => {
         const f = new THREE.Vector3(frame.load[3 * b], frame.load[3 * b + 1], frame.load[3 * b + 2]), force = f.length();
-        const length = 0.22 * size * force / mostLoad, thick = 0.004 * size, head = Math.min(0.5 * length, 5 * thick);
+        const length = 0.2 * size * force / mostLoad, thick = 0.004 * size, head = Math.min(0.5 * length, 5 * thick);
         arrow.visible = force > 0 && length > 0.008 * size;
         if (!arrow.visible)
           return;

@@ -1,4 +1,4 @@
-/* The page: it shows a run (data.js; live.js while it goes), and does what the user asks for. */
+/* The page: it shows a run (data.js; live.js while it goes on), and does what the user asks for. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 (function (tandem) {
   'use strict';
@@ -8,13 +8,16 @@
   const meta = run.meta;
   let space = null, curves = null, now = 0, playing = false, clock = 0, picked = null;
   let colour = 'speed', range = [0, 1], ranges = {}, mostLoad = 1;
+  const typed = new Set(); /* quantities whose range the user has given */
 
   /* ---- what stands at the top ---- */
 
   function tellStatus() {
-    $('title').textContent = meta.scene || 'a run of tandem';
-    document.title = 'tandem: ' + (meta.scene || 'a run');
-    const words = {TDM_OK: ['finished', 'good'], unfinished: ['unfinished', 'bad'], TDM_ERR_INTERRUPTED: ['interrupted', '']};
+    const scene = (meta.scene || 'a run of tandem').split('/').slice(-2).join('/');
+    $('title').textContent = scene;
+    $('title').title = meta.scene || '';
+    document.title = 'tandem: ' + scene;
+    const words = {running: ['running', ''], lost: ['lost', 'bad'], TDM_OK: ['finished', 'good'], unfinished: ['unfinished', 'bad'], TDM_ERR_INTERRUPTED: ['interrupted', '']};
     const [word, kind] = words[meta.status] || (meta.status ? ['failed', 'bad'] : ['', '']);
     $('status').textContent = word;
     $('status').className = kind;
@@ -27,7 +30,9 @@
       div.className = bad ? 'bad' : '';
       notes.append(div);
     };
-    if (meta.error)
+    if (meta.status === 'TDM_ERR_INTERRUPTED')
+      add('The run was interrupted: this shows what it did until then.', false);
+    else if (meta.error)
       add('The run failed, and this shows what it did until then: ' + meta.error, true);
     else if (meta.status === 'unfinished')
       add('The run was ended by force, or goes on: what it wrote is shown.', true);
@@ -46,12 +51,21 @@
     now = Math.min(Math.max(Math.round(k), 0), Math.max(0, run.times.length - 1));
     if (space && run.times.length) {
       const f = run.frame(now), r = run.roster(f.roster);
+      takeLoads(f);
       space.grains.show(f, r, paint);
       space.machine.show(f, mostLoad);
       showPicked();
       space.draw();
     }
     tellTime();
+  }
+
+  /* Loads that the frames do not have are those of the coupled bodies' histories: the mean since the row before. */
+  function takeLoads(f) {
+    meta.bodies.forEach((b, k) => {
+      if (!Number.isFinite(f.load[3 * k]) && curves)
+        f.load.set(curves.at(`body_${b.name}.csv`, ['fx', 'fy', 'fz'], f.time), 3 * k);
+    });
   }
 
   function tellTime() {
@@ -162,7 +176,7 @@
           input.addEventListener('change', () => {
             const y = Number(input.value);
             if (Number.isFinite(y) && (side ? y > range[0] : y < range[1]))
-              range[side] = y;
+              range[side] = y, typed.add(colour);
             setColour(colour);
           });
           ends.append(input);
@@ -192,6 +206,8 @@
     let most = 0;
     for (let k = 0; k < run.times.length; k++)
       most = Math.max(most, run.head(k).most.load);
+    for (const b of meta.bodies)
+      most = Math.max(most, curves.greatest(`body_${b.name}.csv`, ['fx', 'fy', 'fz']));
     hasLoads = most > 0;
     mostLoad = most || 1;
   }
@@ -371,12 +387,90 @@
     });
   }
 
+  /* ---- a run that goes on ---- */
+
+  const clockText = (s) => s < 100 ? Math.round(s) + ' s' : s < 6000 ? Math.round(s / 60) + ' min' : tandem.number(s / 3600) + ' h';
+
+  function tellProgress(state) {
+    const parts = [`${tandem.number(state.t)} of ${tandem.number(state.end)} s`, `${state.windows} windows`, clockText(state.wall_s)];
+    if (!state.over && state.left_s !== undefined)
+      parts.push('about ' + clockText(state.left_s) + ' left');
+    for (const [name, text, unit] of [['balance', 'energy balance', 'J'], ['exchange', 'exchange', 'J']])
+      if (Number.isFinite(curves.last('ledger.csv', name)))
+        parts.push(`${text} ${tandem.number(curves.last('ledger.csv', name))} ${unit}`);
+    const drift = Math.max(...curves.names('ledger.csv').filter((n) => /\.drift$/.test(n)).map((n) => curves.last('ledger.csv', n)));
+    if (Number.isFinite(drift))
+      parts.push('drift ' + tandem.length(drift));
+    $('progress').textContent = parts.join('  ·  ');
+    $('progress').hidden = false;
+    $('stop').hidden = state.over;
+    if (meta.status !== state.status) {
+      meta.status = state.status;
+      meta.error = state.error;
+      tellStatus();
+    }
+  }
+
+  /* Ranges and the longest arrow follow what has come; a range that was typed stays. */
+  let renewed = 0;
+  function takeFrame() {
+    if (!space) {
+      if (run.times.length === 1)
+        openSpace();
+      return;
+    }
+    const h = run.head(run.times.length - 1);
+    if (h.most.load > (hasLoads ? mostLoad : 0)) {
+      mostLoad = h.most.load;
+      hasLoads = true;
+      drawLegend();
+    }
+    if (performance.now() - renewed > 1000 && !document.activeElement.closest('#legend')) {
+      renewed = performance.now();
+      for (const key in ranges)
+        if (!typed.has(key))
+          delete ranges[key];
+      setColour(colour);
+    }
+    if ($('newest').checked && !playing)
+      showFrame(run.times.length - 1);
+    else
+      tellTime();
+  }
+
+  function watch() {
+    $('newestLabel').hidden = false;
+    $('newest').addEventListener('change', () => $('newest').checked && showFrame(run.times.length - 1));
+    $('stop').addEventListener('click', () => {
+      $('stop').disabled = true;
+      run.stop();
+    });
+    run.begin({
+      frame: takeFrame, state: tellProgress,
+      channels: () => {
+        curves.renew();
+        if (space) {
+          findLoads();
+          drawLegend();
+        }
+        $('side').hidden = curves.count === 0;
+        tellTime();
+      },
+      lost: () => {
+        meta.status = 'lost';
+        $('stop').hidden = true;
+        meta.notes = ['The run does not answer any more: it has ended, or was ended. What was seen of it stays here; the result directory has the rest.'];
+        tellStatus();
+      },
+    });
+  }
+
   /* ---- start ---- */
 
   function openSpace() {
     if (!run.times.length) {
       $('nothing').hidden = false;
-      $('nothing').textContent = 'There are no frames to show.';
+      $('nothing').textContent = meta.live ? 'Waiting for the first frame ...' : 'There are no frames to show.';
       for (const id of ['controls', 'legend'])
         $(id).hidden = true;
       return;
@@ -388,45 +482,56 @@
       $('nothing').textContent = 'This browser cannot draw in space (WebGL): ' + e.message;
       return;
     }
+    for (const id of ['controls', 'legend', 'nothing'])
+      $(id).hidden = id === 'nothing';
     findLoads();
     wireSpace();
     space.resize();
     space.look('space');
-    showFrame(0);
+    showFrame(run.times.length && meta.live ? run.times.length - 1 : 0);
     setColour(run.head(0).n || run.head(run.times.length - 1).n ? 'speed' : 'height');
-    showFrame(0);
   }
 
   /* Frames a second of a playback as fast as it goes, each one drawn to its end: {frames, seconds, rate}. */
-  tandem.benchmark = function (frames = 60) {
-    const gl = space.renderer.getContext(), pixel = new Uint8Array(4), n = run.times.length, begin = performance.now();
-    for (let i = 0; i < frames; i++) {
-      showFrame(i % n);
+  tandem.benchmark = (frames = 60) => new Promise((done) => {
+    const gl = space.renderer.getContext(), pixel = new Uint8Array(4);
+    let i = 0, begin = 0;
+    const next = () => {
+      if (i === 0)
+        begin = performance.now();
+      if (i === frames) {
+        const seconds = (performance.now() - begin) / 1000;
+        done({frames, seconds, rate: frames / seconds});
+        return;
+      }
+      showFrame(i++ % run.times.length);
       space.drawNow();
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-    }
-    const seconds = (performance.now() - begin) / 1000;
-    return {frames, seconds, rate: frames / seconds};
-  };
+      requestAnimationFrame(next);
+    };
+    requestAnimationFrame(next);
+  });
   /* for tests, and for scripts of the user's own */
   tandem.show = showFrame;
   tandem.state = () => ({frame: now, frames: run.times.length, time: run.times[now], playing, colour, picked});
   tandem.where = (i) => space.project(space.grains.place(i));
   tandem.whereBody = (k) => space.project(space.machine.bodies[k].group.position.toArray());
-  tandem.draw = () => space.drawNow();
+  tandem.draw = () => space.drawNow(true);
   tandem.run = run;
   tandem.place = (i) => space.grains.place(i);
 
   tellStatus();
   wire();
   offerSpeeds();
-  openSpace();
   curves = new tandem.Curves(run, $('list'), $('filter'), $('stack'), (time) => {
     setPlaying(false);
     showFrame(frameAt(time));
   });
+  openSpace();
   $('side').hidden = curves.count === 0;
   if (space)
     space.resize();
   tellTime();
+  if (meta.live)
+    watch();
 })(window.tandem);

@@ -9,18 +9,30 @@
     return !gl || !info || /swiftshader|llvmpipe|software|softpipe/i.test(gl.getParameter(info.UNMASKED_RENDERER_WEBGL));
   }
 
-  /* The box of a run: particles of all frames, bodies at the first and the last, the lines' points; walls that stand
-   * unless they are much wider, as cuts through planes without end may be. */
+  /* Widen the box by the particles of a few frames, but for the fiftieth that lies farthest out along each axis: what
+   * flies away does not make the machine small. */
+  function addParticles(box, run) {
+    const n = run.times.length, place = [[], [], []];
+    for (let j = 0; j < Math.min(n, 5); j++) {
+      const f = run.frame(Math.round(j * (n - 1) / Math.max(1, Math.min(n, 5) - 1))), step = Math.max(1, Math.floor(f.n / 1000));
+      for (let i = 0; i < f.n; i += step)
+        for (let c = 0; c < 3; c++)
+          place[c].push(f.low[c] + f.size[c] / 65535 * f.position[3 * i + c]);
+    }
+    if (!place[0].length)
+      return;
+    for (const values of place)
+      values.sort((x, y) => x - y);
+    for (const share of [0.02, 0.98])
+      box.expandByPoint(new THREE.Vector3(...place.map((values) => values[Math.round(share * (values.length - 1))])));
+  }
+
+  /* The box of a run: particles; bodies at the first frame and the last, the lines' points; walls that stand unless they
+   * are much wider, as cuts through planes without end may be. */
   function boxOf(run) {
     const box = new THREE.Box3(), wide = new THREE.Box3(), point = new THREE.Vector3(), n = run.times.length;
     const add = (x, y, z) => Number.isFinite(x + y + z) && box.expandByPoint(point.set(x, y, z));
-    for (let k = 0; k < n; k++) {
-      const h = run.head(k);
-      if (h.n > 0) {
-        add(...h.low);
-        add(h.low[0] + h.size[0], h.low[1] + h.size[1], h.low[2] + h.size[2]);
-      }
-    }
+    addParticles(box, run);
     for (const k of n > 1 ? [0, n - 1] : n ? [0] : []) {
       const f = run.frame(k), q = new THREE.Quaternion();
       for (let i = 0; i < f.npoint; i++)
@@ -55,7 +67,7 @@
     const size = Math.max(extent.length(), 1e-6);
     const g = run.meta.gravity || [0, 0, 0], weight = Math.hypot(...g);
     const up = new THREE.Vector3(...(weight > 0 ? g.map((x) => -x / weight) : [0, 0, 1]));
-    const renderer = new THREE.WebGLRenderer({canvas, antialias: !isSoftware(), preserveDrawingBuffer: true});
+    const software = isSoftware(), renderer = new THREE.WebGLRenderer({canvas, antialias: !software, preserveDrawingBuffer: true});
     renderer.localClippingEnabled = true;
     renderer.setClearColor(0xeaeff5, 1);
     const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(32, 1, 0.002 * size, 40 * size);
@@ -101,6 +113,11 @@
     const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), up);
     const directions = {space: [0.62, -1, 0.5], x: [1, 0, 0], y: [0, -1, 0], top: [0, -0.001, 1]};
     this.look = function (name) {
+      if (run.meta.live) { /* it may have grown */
+        box.copy(boxOf(run));
+        box.getCenter(centre);
+        box.getSize(extent);
+      }
       const direction = new THREE.Vector3(...directions[name]).normalize().applyQuaternion(turn);
       controls.target.copy(centre);
       /* as near as the box's corners allow */
@@ -118,15 +135,46 @@
       this.draw();
     };
 
+    /* Pixels of the picture by those of the page. Where a processor draws and is too slow, fewer while something moves,
+     * and all of them again at rest. */
+    const fullRatio = () => Math.min(window.devicePixelRatio || 1, 2);
+    let ratio = 0, moving = 1, last = -Infinity, pace = 0, rest = 0;
+    function setRatio(wanted) {
+      if (wanted === ratio)
+        return;
+      ratio = wanted;
+      renderer.setPixelRatio(ratio);
+      renderer.setSize(canvas.clientWidth || 1, canvas.clientHeight || 1, false);
+      grains.setLens(camera, canvas.width, canvas.height);
+    }
+    const adapt = () => {
+      const now = performance.now(), gap = now - last;
+      last = now;
+      clearTimeout(rest);
+      if (gap > 300) {
+        setRatio(fullRatio());
+        return;
+      }
+      pace = 0.7 * pace + 0.3 * gap;
+      if (pace > 45 && moving > 0.5) {
+        moving -= 0.25;
+        pace = 30;
+      }
+      setRatio(moving * fullRatio());
+      rest = setTimeout(() => {
+        last = -Infinity;
+        this.drawNow(true);
+      }, 350);
+    };
+
     this.resize = function () {
       const width = canvas.clientWidth || 1, height = canvas.clientHeight || 1;
-      renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
-      renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      overlay.width = width * renderer.getPixelRatio();
-      overlay.height = height * renderer.getPixelRatio();
-      grains.setLens(camera, canvas.width, canvas.height);
+      overlay.width = width * fullRatio();
+      overlay.height = height * fullRatio();
+      ratio = 0;
+      setRatio(fullRatio());
       this.draw();
     };
 
@@ -249,13 +297,20 @@
         requestAnimationFrame(() => this.drawNow());
       }
     };
-    this.drawNow = function () {
+    /* `still`: with all pixels, however long it takes */
+    this.drawNow = function (still) {
       asked = false;
+      if (software && !still)
+        adapt();
+      else
+        setRatio(fullRatio());
       if (ring.visible)
         ring.quaternion.copy(camera.quaternion);
+      if (software)
+        grains.cull(camera, canvas.width, canvas.height);
       renderer.render(scene, camera);
-      const c = over, ratio = renderer.getPixelRatio(), width = overlay.width / ratio, height = overlay.height / ratio;
-      c.setTransform(ratio, 0, 0, ratio, 0, 0);
+      const c = over, full = fullRatio(), width = overlay.width / full, height = overlay.height / full;
+      c.setTransform(full, 0, 0, full, 0, 0);
       c.clearRect(0, 0, width, height);
       c.font = '600 12px system-ui, sans-serif';
       drawAxes(c, height);
