@@ -40,6 +40,7 @@ struct cpl_server {
   bool last, last_told; /* the state will not change any more; a viewer knows it */
   bool parted;          /* and has got the histories after it, the last that it asks for */
   double watched;       /* when a frame was last asked for [s] */
+  double polled;        /* when the state was [s] */
   char dir[4096];
   pthread_mutex_t reading; /* of the histories */
   cpl_channels channels;
@@ -168,6 +169,7 @@ static int send_state(cpl_server *s, struct mg_connection *c) {
   pthread_mutex_lock(&s->lock);
   char *state = strdup(s->state ? s->state : "{}");
   const bool last = s->last;
+  s->polled = tdm_clock();
   pthread_mutex_unlock(&s->lock);
   if (!state)
     return refuse(c, 500, "Internal Server Error", "out of memory\n");
@@ -403,12 +405,13 @@ void cpl_server_close(cpl_server **server) {
   cpl_server *s = *server;
   if (!s)
     return;
-  if (s->web && cpl_server_watched(s)) {
+  if (s->web) {
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
     until.tv_sec++;
     pthread_mutex_lock(&s->lock);
-    while (s->last && !s->parted && pthread_cond_timedwait(&s->told, &s->lock, &until) == 0)
+    const bool awake = s->polled > 0 && tdm_clock() - s->polled < 1; /* who does not read is not waited for */
+    while (awake && s->last && !s->parted && pthread_cond_timedwait(&s->told, &s->lock, &until) == 0)
       ;
     pthread_mutex_unlock(&s->lock);
   }
