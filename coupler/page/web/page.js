@@ -448,12 +448,17 @@
     run.begin({
       frame: takeFrame, state: tellProgress,
       channels: () => {
+        const hidden = $('side').hidden;
+        $('side').hidden = meta.channels.length === 0;
         curves.renew();
         if (space) {
           findLoads();
           drawLegend();
         }
-        $('side').hidden = curves.count === 0;
+        if (space && hidden && !$('side').hidden) { /* the picture has become narrower */
+          space.resize();
+          space.look('space');
+        }
         tellTime();
       },
       lost: () => {
