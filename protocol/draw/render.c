@@ -325,6 +325,48 @@ static int farthest_first(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
+/* ---- what is hidden ---- */
+
+/* The pixels of a disc, cut to the image: for each row the columns. */
+typedef struct {
+  int x0, x1, y0, y1;
+} patch;
+
+static patch patch_of(double x, double y, double r, int width, int height) {
+  return (patch){(int)fmin(fmax(0, floor(x - r)), width), (int)fmin(fmax(-1, floor(x + r)), width - 1),
+                 (int)fmin(fmax(0, floor(y - r)), height), (int)fmin(fmax(-1, floor(y + r)), height - 1)};
+}
+
+/* Without perspective, balls that others hide wholly are taken out: in a heap most are. `nearest` (width x height) has
+ * for each pixel a depth behind which nothing is seen: that of a ball's surface at the pixel's farthest corner. Balls
+ * are in order, the nearest first. */
+static void cull(tdm_balls *list, const look *l, int width, int height, float *nearest) {
+  const double sx = 0.5 * width * l->projection[0], sy = 0.5 * height * l->projection[5];
+  size_t left = 0;
+  for (int i = 0; i < width * height; i++)
+    nearest[i] = -INFINITY;
+  for (size_t i = 0; i < list->count; i++) {
+    const tdm_ball b = list->ball[i];
+    const double x = 0.5 * width + sx * b.center[0], y = 0.5 * height + sy * b.center[1], r = sy * b.radius;
+    const float front = b.center[2] + b.radius;
+    const patch p = patch_of(x, y, r + 1, width, height);
+    bool hidden = true;
+    for (int row = p.y0; row <= p.y1 && hidden; row++)
+      for (int column = p.x0; column <= p.x1 && hidden; column++)
+        hidden = nearest[row * width + column] >= front;
+    if (hidden)
+      continue;
+    list->ball[left++] = b;
+    for (int row = p.y0; row <= p.y1; row++)
+      for (int column = p.x0; column <= p.x1; column++) {
+        const double dx = fabs(column + 0.5 - x) + 0.5, dy = fabs(row + 0.5 - y) + 0.5, h2 = r * r - dx * dx - dy * dy;
+        const float depth = h2 > 0 ? (float)(b.center[2] + sqrt(h2) / sy) : -INFINITY;
+        nearest[row * width + column] = fmaxf(nearest[row * width + column], depth);
+      }
+  }
+  list->count = left;
+}
+
 /* ---- what is seen ---- */
 
 /* the least and the greatest distance in front of the eye, of all there is */
@@ -421,6 +463,10 @@ tdm_status tdm_render(tdm_renderer *r, tdm_drawing *d, const tdm_camera *camera,
   const look l = make_look(d, camera, up, height);
   if (d->balls.count > 1)
     qsort(d->balls.ball, d->balls.count, sizeof *d->balls.ball, nearest_first);
+  float *nearest = camera->perspective ? NULL : malloc((size_t)width * (size_t)height * sizeof *nearest);
+  if (nearest)
+    cull(&d->balls, &l, width, height, nearest);
+  free(nearest);
   if (d->glass.count > 3)
     qsort(d->glass.vertex, d->glass.count / 3, 3 * sizeof *d->glass.vertex, farthest_first);
   glBindFramebuffer(GL_FRAMEBUFFER, r->target);
