@@ -133,7 +133,11 @@ tdm_status cpl_join_snapshots(const cpl_join *j, const tdm_snapshot of[CPL_NROLE
     memcpy(both->name + mbd->nparticle, dem->name, (size_t)dem->nparticle * sizeof *both->name);
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
-  return TDM_OK;
+  if (dem->norientation == 0 || mbd->nparticle > 0)
+    return TDM_OK;
+  if (tdm_snapshot_orient(both, err) == TDM_OK)
+    memcpy(both->orientation, dem->orientation, (size_t)dem->norientation * sizeof *both->orientation);
+  return err->status;
 }
 
 void cpl_join_free(cpl_join *j) {

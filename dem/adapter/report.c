@@ -392,6 +392,8 @@ tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *
   json_object_set_new(r->json, "contacts", json_integer(d->state.ncontact));
   for (dem_family f = 0; f < DEM_FAMILIES; f++)
     json_object_set_new(r->json, dem_family_names[f], json_string(dem_law_of(m, f)->name));
+  if (m->wall_normal != m->normal)
+    json_object_set_new(r->json, "wall_normal", json_string(m->wall_normal->head.name));
   json_object_set_new(r->json, "tail", json_string(m->clip ? "clip" : "keep"));
   json_object_set_new(r->json, "integrator", json_string(m->integrator->name));
   json_object_set_new(r->json, "simd", json_string(m->simd));

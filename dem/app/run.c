@@ -3,6 +3,7 @@
 #include "dem/app/run.h"
 
 #include "dem/adapter/solver.h"
+#include "dem/app/moldyn_files.h"
 #include "dem/bodies/walls.h"
 #include "dem/dem.h"
 #include "dem/output/repose.h"
@@ -26,6 +27,7 @@ typedef struct {
   double *rows;  /* (ndue x nchannel) */
 
   tdm_outputs outputs;
+  dem_moldyn_files moldyn;
 
   uint64_t nstep; /* done */
   double particle_steps;
@@ -81,6 +83,9 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   if (tdm_standalone_begin(&run->alone, err) != TDM_OK ||
       (tdm_outputs_wanted(&set->outputs) && dem_engine_scenery(run->engine, &run->outputs.scenery, err) != TDM_OK))
     return err->status;
+  if (dem_moldyn_open(&run->moldyn, set->xb, set->str, dem_engine_data(run->engine), set->outputs.particles_interval,
+                      &run->alone.results, err) != TDM_OK)
+    return err->status;
   return tdm_outputs_begin(&run->outputs, &set->outputs, &run->alone.results,
                            (double)tdm_total_steps(&set->time) * set->time.dt, set->time.dt, err);
 }
@@ -119,8 +124,11 @@ static tdm_status write_due(run_state *run, tdm_error *err) {
   for (int k = 0; k < run->ndue; k++)
     if (tdm_standalone_row(&run->alone, run->due[k], run->rows + k * run->alone.figures.nchannel, err) != TDM_OK)
       return err->status;
+  const int frames = run->outputs.pvd.number;
   if (run->nstep >= look_step(run) && take_snapshot(run, err) == TDM_OK)
     tdm_outputs_write(&run->outputs, &run->outputs.snapshot, err);
+  if (err->status == TDM_OK && run->outputs.pvd.number > frames)
+    dem_moldyn_write(&run->moldyn, dem_engine_data(run->engine), &run->outputs.snapshot, err);
   return err->status;
 }
 
@@ -207,6 +215,7 @@ static void conclude(tdm_standalone *alone, tdm_error *err) {
   char pairs[128];
   tdm_error late = {0}, notice = {0};
   const double t = (double)run->nstep * run->settings.time.dt;
+  dem_moldyn_close(&run->moldyn, err);
   if (run->alone.channels) {
     tdm_standalone_close(&run->alone, err);
     if (run->engine && take_snapshot(run, &late) == TDM_OK)
@@ -261,6 +270,8 @@ const tdm_standalone_program dem_program = {
             "      --no-plots         leave out the plots of time histories\n\n"
             "  tandem-dem check SCENE [--set PATH=VALUE ...] [--strict]\n"
             "      Load and settle the scene, print what would run, step limits and doubts, and end.\n\n"
+            "  tandem-dem import BASE.cin [OPTIONS]\n"
+            "      Make a scene of the files of MOLDYN; see tandem-dem import --help.\n\n"
             "  tandem-dem bench [OPTIONS]\n"
             "      Measure the engine's speed; see tandem-dem bench --help.\n\n"
             "  tandem-dem --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n"

@@ -2,6 +2,7 @@
  *
  *   channels.csv                         time histories, and channels.png: their plots
  *   particles_N.vtp, walls_N.vtp, scene.pvd, frames.tdv  what there is to see, for ParaView and viewers
+ *   particles.xb, scene.str              for the viewers of MOLDYN (moldyn_files.h)
  *   picture_N.png, pictures.png          pictures
  *   scene.json, summary.json, dem.log    the scene with all overrides; settings, times, how it ended; the log
  */
@@ -21,6 +22,7 @@ typedef struct {
   tdm_time time;
   double interval; /* of the time histories [s] */
   tdm_outputs_settings outputs;
+  bool xb, str;     /* files for the viewers of MOLDYN, at each frame */
   int repose_along; /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
 } dem_run_settings;
 

@@ -182,7 +182,7 @@ double dem_deepest(const dem_data *d, int w) {
 
 double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
   const dem_wall_contacts *list = &d->lists.walls;
-  bool keeps = d->model->normal->keeps_deepest;
+  bool keeps = d->model->wall_normal->keeps_deepest;
   return keeps ? list->history[(size_t)d->model->columns.normal * list->capacity + k] : 0;
 }
 

@@ -74,18 +74,27 @@ static bool calls(const dem_model *m) {
   return any;
 }
 
+/* the set of a normal law for the scene's instruction set; laws from elsewhere are called in plain C */
+static const dem_loop_set *set_of(const dem_model *m, const dem_normal_law *law) {
+  const dem_loop_set *set = law->loops[dem_simd_find(m->simd)];
+  return set && !calls(m) ? set : law->loops[DEM_PLAIN];
+}
+
+static const dem_loops *loops_of(const dem_model *m, const dem_loop_set *set) {
+  return calls(m) ? &set->called : m->all_terms ? &set->all_terms : &set->with[m->place.tangential];
+}
+
 bool dem_loops_choose(dem_model *m) {
   m->place.tangential = place_of(m, DEM_FAMILY_TANGENTIAL);
   m->place.rolling = place_of(m, DEM_FAMILY_ROLLING);
   m->place.twisting = place_of(m, DEM_FAMILY_TWISTING);
   m->place.cohesion = place_of(m, DEM_FAMILY_COHESION);
-  const dem_loop_set *set = m->normal->loops[dem_simd_find(m->simd)];
-  if (!set || calls(m))
-    set = m->normal->loops[DEM_PLAIN];
-  m->loops = calls(m) ? &set->called : m->all_terms ? &set->all_terms : &set->with[m->place.tangential];
+  const dem_loop_set *set = set_of(m, m->normal);
+  m->loops = loops_of(m, set);
+  m->wall_loops = loops_of(m, set_of(m, m->wall_normal));
   m->nsum = set->nsum;
   m->sum_loops = set->nsum > 0 ? &set->sums : NULL;
-  return m->normal->circle || !m->tangential->needs_circle;
+  return (m->normal->circle && m->wall_normal->circle) || !m->tangential->needs_circle;
 }
 
 /* append the columns of a row; the first of them, -1: it has none */
@@ -99,7 +108,8 @@ static int append(dem_columns *c, const dem_law_head *row) {
 void dem_columns_choose(dem_model *m, bool sliding) {
   dem_columns c = {0};
   append(&c, &m->tangential->head);
-  c.normal = append(&c, &m->normal->head);
+  const dem_law_head *of = &m->normal->head, *of_walls = &m->wall_normal->head;
+  c.normal = append(&c, of->ncolumn < of_walls->ncolumn ? of_walls : of);
   c.rolling = append(&c, &m->rolling->head);
   c.cohesion = append(&c, &m->cohesion->head);
   c.sliding = append(&c, &(dem_law_head){.ncolumn = sliding});

@@ -12,6 +12,7 @@
 
 #define DEM_MODEL_FIELDS(H, F)                               \
   H(normal, LAW, LAWS)                                       \
+  H(wall_normal, WALL_LAW, LAWS)                             \
   H(tangential, LAW, LAWS)                                   \
   H(rolling, LAW, LAWS)                                      \
   H(twisting, LAW, LAWS)                                     \
@@ -41,6 +42,9 @@
   H(position, PARTICLES, PARTICLES)                          \
   H(velocity, PARTICLES, PARTICLES)                          \
   H(spin, PARTICLES, PARTICLES)                              \
+  H(oriented, OPTION, PARTICLES)                             \
+  H(still, OPTIONAL, PARTICLES)                              \
+  H(orientation, OPTIONAL, PARTICLES)                        \
   H(integrator, NAME, RUN)                                   \
   H(multi_step, MULTI_STEP, RUN)                             \
   H(wall_mass, NUMBER, RUN)                                  \
@@ -61,6 +65,7 @@
   F(skin, "results have the same bits")                      \
   F(mean_radius, "for the skin")                             \
   F(loops, "follow from the laws")                           \
+  F(wall_loops, "follow from the laws")                      \
   F(sum_loops, "follow from the laws")                       \
   F(nsum, "follows from the laws")                           \
   F(all_terms, "results have the same bits")                 \
@@ -113,6 +118,7 @@
   H(rolling, BYTES, EACH)          \
   H(twisting, BYTES, EACH)         \
   H(cohesion, BYTES, EACH)         \
+  F(law, "follows from the laws")  \
   F(given, "hashed of every pair")
 
 /* Bodies are held while settling: a bed is one also for other masses and motions. */

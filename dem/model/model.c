@@ -47,7 +47,8 @@ void dem_model_destroy(dem_model **model) {
   void *arrays[] = {m->pouring,           m->source,         m->sink,     m->box,         m->material,
                     m->geometry,          m->first_triangle, m->pair,     m->settle_pair, m->body,
                     m->coupled_body,      m->wall,           m->group,    m->radius,      m->mass,
-                    m->particle_material, m->position,       m->velocity, m->spin};
+                    m->particle_material, m->position,       m->velocity, m->spin,        m->still,
+                    m->orientation};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

@@ -26,8 +26,9 @@ enum { DEM_COEFFICIENTS_MAX = 5 }; /* of one law */
 /* What a contact of two materials needs, worked out at load time; 0 where no law of the scene asks for it. All doubles
  * after `given`: contacts gather them by their place. */
 typedef struct {
-  bool given;         /* the scene has this pair */
-  double restitution; /* 0: the damping is given otherwise */
+  const struct dem_normal_law *law; /* its own normal law, at walls; NULL: the scene's */
+  bool given;                       /* the scene has this pair */
+  double restitution;               /* 0: the damping is given otherwise */
   double friction, static_friction;
   double floor;           /* least normal force: -inf, or 0 when the attractive tail is cut [N] */
   double effective_young; /* E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa] */
@@ -168,14 +169,16 @@ typedef struct dem_model {
   tdm_interpolation interpolation;
   tdm_vec3 gravity; /* [m/s2] */
 
-  const char *simd;                    /* instruction set, of dem_simd_names */
-  const struct dem_normal_law *normal; /* the contact laws (contact/law/law.h) */
+  const char *simd;                         /* instruction set, of dem_simd_names */
+  const struct dem_normal_law *normal;      /* the contact laws (contact/law/law.h) */
+  const struct dem_normal_law *wall_normal; /* of contacts with walls: the same, or the one that pairs name */
   const struct dem_tangential_law *tangential;
   const struct dem_rolling_law *rolling;
   const struct dem_twisting_law *twisting;
   const struct dem_cohesion_law *cohesion;
   double normal_setting[DEM_SETTINGS_MAX]; /* of dem.contact, named in the normal law's file */
   const struct dem_loops *loops;           /* over contacts with these laws */
+  const struct dem_loops *wall_loops;      /* those of the law of walls */
   const struct dem_loops *sum_loops;       /* before these, the sums over the contacts of a particle; NULL: none */
   int nsum;                                /* how many, of a law that has them */
   bool all_terms;                          /* of the loops: those with all families and energies */
@@ -189,6 +192,7 @@ typedef struct dem_model {
   dem_columns columns;  /* of the contacts' history */
   double reach;         /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;
+  bool oriented;                        /* the state keeps how the particles are turned */
   bool remembers;                       /* the integrator keeps something for each particle (dem_state.memory) */
   const struct dem_integrator *settler; /* velocity Verlet, for settling */
   struct {
@@ -230,7 +234,7 @@ typedef struct dem_model {
 
   int ngroup;
   dem_group *group; /* (ngroup) by entry of dem.particles */
-  bool fixes;       /* a group is fixed */
+  bool fixes;       /* a group or a particle is fixed */
 
   int npouring;
   dem_pouring *pouring; /* (npouring) one after the other */
@@ -251,6 +255,8 @@ typedef struct dem_model {
   tdm_vec3 *position;     /* (nparticle) at the start [m] */
   tdm_vec3 *velocity;     /* (nparticle) at the start [m/s] */
   tdm_vec3 *spin;         /* (nparticle) angular velocity at the start [rad/s] */
+  bool *still;            /* (nparticle) never moves, besides those of fixed groups; NULL: none */
+  tdm_quat *orientation;  /* (nparticle) at the start; NULL unless oriented */
 
   double expected_speed; /* largest relative speed that the user expects [m/s], 0: estimated */
 

@@ -216,6 +216,8 @@ static void take_particles(const dem_view *v, const dem_data *d, const rank *ord
     s->spin[k] = d->state.pace[i].spin;
     s->force[k] = contact_force(d, i);
     s->born[k] = v->born[d->state.id[i]];
+    if (s->norientation > 0)
+      s->orientation[k] = d->state.orientation[i];
   }
 }
 
@@ -233,6 +235,10 @@ tdm_status dem_view_snapshot(dem_view *v, const dem_data *d, double t, tdm_snaps
   rank *order = rank_particles(d);
   if (!order)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", d->state.nparticle);
+  if (d->model->oriented && tdm_snapshot_orient(s, err) != TDM_OK) {
+    free(order);
+    return err->status;
+  }
   s->time = t;
   memcpy(s->pose, d->state.pose, (size_t)d->model->nbody * sizeof *s->pose);
   take_particles(v, d, order, s);

@@ -16,6 +16,8 @@ static void begin(dem_data *d) {
     d->state.sphere[i] = (dem_sphere){m->position[i], m->radius[i], m->velocity[i], 1 / m->mass[i]};
     d->state.rotor[i] = (dem_rotor){tdm_scale(m->radius[i], m->spin[i]), m->radius[i]};
     d->state.pace[i] = (dem_pace){.velocity = m->velocity[i], .spin = m->spin[i]};
+    if (m->oriented)
+      d->state.orientation[i] = m->orientation[i];
     dem_exact_sum_add(&d->state.ledger.mass, m->mass[i]);
   }
   dem_drive_particles(d);

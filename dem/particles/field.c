@@ -13,6 +13,12 @@ tdm_vec3 dem_fixed_force(const dem_data *d) {
   return sum;
 }
 
+/* it never moves: nothing is left of gravity, exactly */
+static void hold(dem_data *d, int i) {
+  d->state.drive[i].velocity = tdm_scale(-1, d->model->gravity);
+  d->state.sphere[i].inverse_mass = 0;
+}
+
 void dem_drive_particles(dem_data *d) {
   const dem_model *m = d->model;
   for (int i = 0; m->driven && i < d->state.nparticle; i++) {
@@ -23,11 +29,11 @@ void dem_drive_particles(dem_data *d) {
       if (d->state.id[i] < (uint64_t)group->first || d->state.id[i] >= (uint64_t)(group->first + group->count))
         continue;
       d->state.drive[i].velocity = tdm_axpy(1 / d->state.mass[i], group->force, group->acceleration);
-      if (!group->fixed)
-        continue;
-      d->state.drive[i].velocity = tdm_scale(-1, m->gravity); /* nothing is left of gravity, exactly */
-      d->state.sphere[i].inverse_mass = 0;
+      if (group->fixed)
+        hold(d, i);
     }
+    if (m->still && d->state.id[i] < (uint64_t)m->nparticle && m->still[d->state.id[i]])
+      hold(d, i);
   }
 }
 

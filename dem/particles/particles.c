@@ -33,6 +33,8 @@ tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
     d->state.spare_push[i] = (dem_push){0};
   if (m->driven)
     d->state.drive[i] = (dem_pace){0};
+  if (m->oriented)
+    d->state.orientation[i] = tdm_quat_identity();
   if (m->integrator->remember && !d->state.restart)
     m->integrator->remember(d, i, i + 1, d->state.memory_dt);
   d->lists.position_at_list[i] = newcomer->position;

@@ -38,25 +38,54 @@ static void read_simd(dem_model *m, tdm_object *section) {
   m->simd = "plain";
 }
 
-/* settings of the normal law; those of others are refused by name */
+/* The normal law of walls: that of the first pair which names another than the scene's. */
+static void find_wall_law(dem_model *m, tdm_object *section) {
+  json_t *pairs = json_object_get(section->json, "pairs");
+  m->wall_normal = m->normal;
+  for (size_t i = 0; i < json_array_size(pairs) && m->wall_normal == m->normal; i++) {
+    const char *name = json_string_value(json_object_get(json_array_get(pairs, i), "normal"));
+    int place = name ? dem_law_place(DEM_FAMILY_NORMAL, name) : -1;
+    if (place >= 0)
+      m->wall_normal = (const dem_normal_law *)dem_law_at(DEM_FAMILY_NORMAL, place);
+  }
+}
+
+/* settings of the normal laws; those of others are refused by name */
 static void read_settings(dem_model *m, tdm_object *o) {
   const dem_law_head *row;
   for (int k = 0; (row = dem_law_at(DEM_FAMILY_NORMAL, k)); k++) {
     const dem_normal_law *other = (const dem_normal_law *)row;
-    for (int q = 0; other != m->normal && other->setting_keys[q]; q++)
+    for (int q = 0; other != m->normal && other != m->wall_normal && other->setting_keys[q]; q++)
       if (tdm_has(o, other->setting_keys[q]))
         tdm_object_fail(o, other->setting_keys[q], "is for \"normal\": \"%s\" only, not for \"%s\"; remove it",
                         row->name, m->normal->head.name);
   }
   if (m->normal->read_settings)
     m->normal->read_settings(m, o);
+  if (m->wall_normal != m->normal && m->wall_normal->read_settings)
+    m->wall_normal->read_settings(m, o);
+}
+
+/* another law at walls: settings and sums are of one law */
+static void check_wall_law(const dem_model *m, tdm_object *o) {
+  const dem_normal_law *of[] = {m->normal, m->wall_normal};
+  int settings = 0, sums = 0;
+  for (int k = 0; k < 2 && m->normal != m->wall_normal; k++) {
+    settings += of[k]->setting_keys[0] != NULL;
+    sums += of[k]->loops[DEM_PLAIN]->nsum > 0;
+  }
+  if (settings > 1 || sums > 0)
+    tdm_object_fail(o, "normal",
+                    "\"%s\" does not go with the \"%s\" that dem.pairs name for walls; let walls have the law of the "
+                    "particles",
+                    m->normal->head.name, m->wall_normal->head.name);
 }
 
 /* tail and cohesion that go with loops, but not with the other laws */
 static void check_laws(const dem_model *m, tdm_object *o) {
   if (m->cohesion->check)
     m->cohesion->check(m, o);
-  if (m->clip && m->normal->why_not_clip)
+  if (m->clip && m->normal->why_not_clip && m->wall_normal->why_not_clip)
     tdm_object_fail(o, "tail", "\"clip\" has no meaning with normal \"%s\", %s; use \"keep\"", m->normal->head.name,
                     m->normal->why_not_clip);
 }
@@ -75,6 +104,7 @@ void dem_contact_read(dem_model *m, tdm_object *section) {
   read_simd(m, section);
   tdm_object o = tdm_get_object(section, "contact", false);
   m->normal = (const dem_normal_law *)choose_law(&o, DEM_FAMILY_NORMAL, "hertz");
+  find_wall_law(m, section);
   m->tangential = (const dem_tangential_law *)choose_law(&o, DEM_FAMILY_TANGENTIAL, m->normal->tangential);
   m->rolling = (const dem_rolling_law *)choose_law(&o, DEM_FAMILY_ROLLING, "none");
   m->twisting = (const dem_twisting_law *)choose_law(&o, DEM_FAMILY_TWISTING, "none");
@@ -83,7 +113,8 @@ void dem_contact_read(dem_model *m, tdm_object *section) {
   if (!dem_loops_choose(m))
     tdm_object_fail(&o, "tangential",
                     "\"%s\" needs the contact circle of normal \"hertz\", which \"%s\" does not have; use \"spring\"",
-                    m->tangential->head.name, m->normal->head.name);
+                    m->tangential->head.name, (m->normal->circle ? m->wall_normal : m->normal)->head.name);
+  check_wall_law(m, &o);
   read_settings(m, &o);
   check_laws(m, &o);
   read_wall_mass(m, &o);
@@ -94,7 +125,7 @@ void dem_contact_read(dem_model *m, tdm_object *section) {
 
 /* do all contacts follow from elastic constants? (hunt-crossley: those of pairs without a stiffness) */
 static bool needs_young(const dem_model *m) {
-  bool needs = false;
+  bool needs = m->wall_normal->head.needs_young;
   for (dem_family f = 0; f < DEM_FAMILIES; f++)
     needs = needs || dem_law_of(m, f)->needs_young;
   return needs;
@@ -170,7 +201,7 @@ static void read_others(const dem_model *m, tdm_object *o, dem_pair *p) {
     m->cohesion->read(m, o, p);
 }
 
-static void refuse_if_unused(const dem_model *m, tdm_object *o, const char *key) {
+static void refuse_if_unused(const dem_model *m, tdm_object *o, const dem_pair *p, const char *key) {
   bool asked = false;
   for (int a = 0; a < o->nasked; a++)
     asked = asked || strcmp(o->asked[a], key) == 0;
@@ -178,18 +209,18 @@ static void refuse_if_unused(const dem_model *m, tdm_object *o, const char *key)
     tdm_object_fail(o, key,
                     "is read by none of the scene's laws (normal \"%s\", tangential \"%s\", rolling \"%s\", twisting "
                     "\"%s\", cohesion \"%s\"); remove it, or choose its law in dem.contact",
-                    m->normal->head.name, m->tangential->head.name, m->rolling->head.name, m->twisting->head.name,
-                    m->cohesion->head.name);
+                    dem_normal_of(m, p)->head.name, m->tangential->head.name, m->rolling->head.name,
+                    m->twisting->head.name, m->cohesion->head.name);
 }
 
 /* keys of laws that the scene has not chosen are no typing errors: say what they are */
-static void refuse_unused(const dem_model *m, tdm_object *o) {
+static void refuse_unused(const dem_model *m, tdm_object *o, const dem_pair *p) {
   const dem_law_head *row;
-  refuse_if_unused(m, o, "friction");
+  refuse_if_unused(m, o, p, "friction");
   for (dem_family f = 0; f < DEM_FAMILIES; f++)
     for (int k = 0; (row = dem_law_at(f, k)); k++)
       for (int q = 0; row->keys[q].name; q++)
-        refuse_if_unused(m, o, row->keys[q].name);
+        refuse_if_unused(m, o, p, row->keys[q].name);
 }
 
 /* ---- pairs ---- */
@@ -217,20 +248,31 @@ static void elastic_constants(const dem_material *a, const dem_material *b, dem_
   p->effective_shear = 1 / ((2 - a->poisson) / a->shear + (2 - b->poisson) / b->shear);
 }
 
+/* the pair's own normal law; walls have one */
+static const dem_normal_law *read_wall_law(const dem_model *m, tdm_object *o) {
+  if (!tdm_has(o, dem_family_names[DEM_FAMILY_NORMAL]))
+    return NULL;
+  const dem_normal_law *law = (const dem_normal_law *)choose_law(o, DEM_FAMILY_NORMAL, m->normal->head.name);
+  if (law != m->normal && law != m->wall_normal)
+    tdm_object_fail(o, "normal", "\"%s\" is not the law that another pair names for walls, \"%s\"; give all walls one",
+                    law->head.name, m->wall_normal->head.name);
+  return law;
+}
+
 static void read_pair(dem_model *m, tdm_object *o) {
   size_t n = (size_t)m->nmaterial;
   int which[2] = {0, 0};
   if (!read_pair_names(m, o, which))
     return;
   const dem_material *a = &m->material[which[0]], *b = &m->material[which[1]];
-  dem_pair pair = {.given = true, .floor = m->clip ? 0 : -INFINITY};
+  dem_pair pair = {.law = read_wall_law(m, o), .given = true, .floor = m->clip ? 0 : -INFINITY};
   if (m->pair[(size_t)which[0] * n + (size_t)which[1]].given)
     tdm_object_fail(o, NULL, "the pair \"%s\", \"%s\" is given twice; remove one", a->name, b->name);
   elastic_constants(a, b, &pair);
-  m->normal->read(m, o, &pair);
+  dem_normal_of(m, &pair)->read(m, o, &pair);
   read_tangential(m, o, &pair);
   read_others(m, o, &pair);
-  refuse_unused(m, o);
+  refuse_unused(m, o, &pair);
   m->pair[(size_t)which[0] * n + (size_t)which[1]] = pair;
   m->pair[(size_t)which[1] * n + (size_t)which[0]] = pair;
 }
@@ -248,6 +290,22 @@ void dem_pairs_read(dem_model *m, json_t *array, tdm_error *err) {
   }
 }
 
+/* the law of a pair must be that of the contacts that it has */
+static void check_pair_law(const dem_model *m, int a, int b, bool particles, bool walls, tdm_error *err) {
+  const dem_normal_law *law = dem_normal_of(m, &m->pair[a * m->nmaterial + b]);
+  if (particles && law != m->normal)
+    tdm_fail(
+        err, TDM_ERR_SCENE, "dem.pairs",
+        "\"%s\" and \"%s\" meet as particles, whose normal law is dem.contact.normal, \"%s\", and not \"%s\": that "
+        "is for walls; give the walls a material of their own, or remove \"normal\" from the pair",
+        m->material[a].name, m->material[b].name, m->normal->head.name, law->head.name);
+  else if (walls && law != m->wall_normal)
+    tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
+             "\"%s\" and \"%s\" meet at walls, whose normal law is \"%s\" in another pair; give this pair the same "
+             "\"normal\" and its coefficients",
+             m->material[a].name, m->material[b].name, m->wall_normal->head.name);
+}
+
 /* every pair that can meet must be given */
 void dem_pairs_check(const dem_model *m, tdm_error *err) {
   int *many = allocate((size_t)m->nmaterial, sizeof *many, err); /* particles of a material */
@@ -257,16 +315,17 @@ void dem_pairs_check(const dem_model *m, tdm_error *err) {
     many[m->source[s].material] += m->source[s].count > 1 ? 2 : (int)m->source[s].count;
   for (int a = 0; many && a < m->nmaterial; a++)
     for (int b = a; b < m->nmaterial; b++) {
-      bool meet = a == b ? many[a] > 1 : many[a] > 0 && many[b] > 0;
+      bool particles = a == b ? many[a] > 1 : many[a] > 0 && many[b] > 0, walls = false;
       for (int w = 0; w < m->nwall; w++) {
         int of_wall = m->wall[w].material;
-        meet = meet || (of_wall == a && many[b] > 0) || (of_wall == b && many[a] > 0);
+        walls = walls || (of_wall == a && many[b] > 0) || (of_wall == b && many[a] > 0);
       }
-      if (meet && !m->pair[a * m->nmaterial + b].given)
+      if ((particles || walls) && !m->pair[a * m->nmaterial + b].given)
         tdm_fail(err, TDM_ERR_SCENE, "dem.pairs",
                  "\"%s\" and \"%s\" can touch but have no entry; add {\"materials\": [\"%s\", \"%s\"], "
                  "\"restitution\": …, \"friction\": …}",
                  m->material[a].name, m->material[b].name, m->material[a].name, m->material[b].name);
+      check_pair_law(m, a, b, particles, walls, err);
     }
   free(many);
 }
@@ -275,7 +334,7 @@ void dem_pairs_check(const dem_model *m, tdm_error *err) {
 
 void dem_settle_pairs_read(dem_model *m, tdm_object *o) {
   const dem_tangential_law *law = m->tangential;
-  bool keep = m->normal->settles_as_it_is && !tdm_has(o, "restitution"), rubs = tdm_has(o, "friction");
+  bool given = tdm_has(o, "restitution"), rubs = tdm_has(o, "friction");
   double e = dem_get_restitution(o, 0.3), dynamic = 0, hold = 0;
   if (rubs && !law->friction)
     tdm_object_fail(o, "friction", "is not read by tangential \"%s\"; remove it", law->head.name);
@@ -286,6 +345,7 @@ void dem_settle_pairs_read(dem_model *m, tdm_object *o) {
     *pair = m->pair[k];
     if (rubs)
       pair->friction = dynamic, pair->static_friction = hold;
+    bool keep = dem_normal_of(m, pair)->settles_as_it_is && !given;
     if (!keep && pair->given)
       dem_set_restitution(m, pair, e, o->err, "dem.settle.restitution");
   }
@@ -308,7 +368,8 @@ void dem_contact_finish(dem_model *m) {
     for (int settling = 0; settling < 2; settling++) {
       const dem_pair *p = settling ? &m->settle_pair[k] : &m->pair[k];
       sliding = sliding || (m->tangential->sticks && p->static_friction != p->friction);
-      needs = needs || (m->normal->needs_all_terms && m->normal->needs_all_terms(p));
+      const dem_normal_law *law = dem_normal_of(m, p);
+      needs = needs || (law->needs_all_terms && law->needs_all_terms(p));
     }
   m->couples = !m->rolling->head.none || !m->twisting->head.none;
   bool shared = m->multi_step.substeps > 0; /* an evaluation may leave contacts out */

@@ -9,6 +9,7 @@
 #include "dem/scene/fill.h"
 
 #include "dem/model/cells.h"
+#include "dem/moldyn/particles.h"
 #include "dem/scene/keys.h"
 
 #include <gsl/gsl_randist.h>
@@ -24,7 +25,8 @@ enum { PARTICLES_MAX = 20000000, CELLS_MANY = 100000000 };
   X(list)            \
   X(block)           \
   X(random)          \
-  X(poured)
+  X(poured)          \
+  X(moldyn)
 
 /* One entry of dem.particles while it is read. */
 typedef struct {
@@ -62,7 +64,8 @@ static tdm_status make_room(filler *f, long n) {
   if (grow(&m->radius, total, sizeof *m->radius) || grow(&m->mass, total, sizeof *m->mass) ||
       grow(&m->particle_material, total, sizeof *m->particle_material) ||
       grow(&m->position, total, sizeof *m->position) || grow(&m->velocity, total, sizeof *m->velocity) ||
-      grow(&m->spin, total, sizeof *m->spin))
+      grow(&m->spin, total, sizeof *m->spin) || (m->still && grow(&m->still, total, sizeof *m->still)) ||
+      (m->oriented && grow(&m->orientation, total, sizeof *m->orientation)))
     return tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
   return TDM_OK;
 }
@@ -86,6 +89,10 @@ static void add(filler *f, tdm_vec3 x, double radius) {
   m->position[i] = tdm_pose_point(f->frame, x);
   m->velocity[i] = f->velocity;
   m->spin[i] = f->spin;
+  if (m->still)
+    m->still[i] = false;
+  if (m->oriented)
+    m->orientation[i] = tdm_quat_identity();
 }
 
 /* ---- list ---- */
@@ -278,6 +285,54 @@ static void read_poured(filler *f) {
   m->npoured += p.count;
 }
 
+/* ---- moldyn ---- */
+
+/* particle i of the model never moves */
+static void hold(filler *f, int i) {
+  dem_model *m = f->m;
+  if (!m->still)
+    m->still = calloc((size_t)m->nparticle + 1, sizeof *m->still);
+  if (!m->still) {
+    tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for fixed particles");
+    return;
+  }
+  m->still[i] = true;
+  m->driven = m->fixes = true;
+}
+
+/* what a file says of each particle itself */
+static void set_particle(filler *f, int i, const dem_pin_particle *p) {
+  dem_model *m = f->m;
+  m->velocity[i] = tdm_quat_rotate(f->frame.orientation, p->velocity);
+  m->spin[i] = tdm_quat_rotate(f->frame.orientation, p->spin);
+  if (m->oriented)
+    m->orientation[i] = tdm_quat_mul(f->frame.orientation, p->orientation);
+  if (!p->moves)
+    hold(f, i);
+}
+
+static void read_moldyn(filler *f) {
+  tdm_object *o = f->o;
+  static const char *const own[] = {"radius", "velocity", "spin", "fixed", "seed"};
+  for (int k = 0; k < 5; k++)
+    if (tdm_has(o, own[k]))
+      tdm_object_fail(o, own[k], "comes from the file; remove it");
+  const char *file = tdm_get_string(o, "file", NULL);
+  dem_pin pin;
+  char path[TDM_PATH_MAX];
+  tdm_path(path, o, "file", -1);
+  if (o->err->status)
+    return;
+  if (dem_pin_read(&pin, file, path, o->err) == TDM_OK && !make_room(f, pin.count)) {
+    int first = f->m->nparticle;
+    for (int k = 0; k < pin.count; k++)
+      add(f, pin.particle[k].position, pin.particle[k].radius);
+    for (int k = 0; k < pin.count && !o->err->status; k++)
+      set_particle(f, first + k, &pin.particle[k]);
+  }
+  dem_pin_free(&pin);
+}
+
 /* ---- entries ---- */
 
 /* "material" and "body" by name */
@@ -344,7 +399,8 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   const tdm_vec3 zero = {0, 0, 0};
   f.velocity = dem_read_vector(o, "velocity", &zero);
   f.spin = dem_read_vector(o, "spin", &zero);
-  dem_sizes_read(o, &f.sizes);
+  if (read[type < 0 ? 0 : type] != read_moldyn)
+    dem_sizes_read(o, &f.sizes);
   f.seed = (uint64_t)tdm_get_integer(o, "seed", 1, 0);
   f.mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
   f.total_mass = tdm_get_number(o, "total_mass", 0, tdm_has(o, "total_mass") ? TDM_POSITIVE : TDM_ANY);

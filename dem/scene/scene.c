@@ -268,6 +268,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   if (!err->status)
     read_bodies(m, bodies, assignment, err);
   read_loads(m, &o);
+  m->oriented = tdm_get_bool(&o, "orientation", false);
   json_t *particles = tdm_get_array(&o, "particles", false);
   if (!err->status)
     dem_fill_read(m, particles, err);

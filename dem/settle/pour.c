@@ -41,6 +41,8 @@ static tdm_status add(dem_data *d, tdm_vec3 x) {
   int i = d->state.nparticle - 1;
   d->state.pace[i].spin = m->spin[id];
   d->state.rotor[i].surface = tdm_scale(m->radius[id], m->spin[id]);
+  if (m->oriented)
+    d->state.orientation[i] = m->orientation[id];
   return TDM_OK;
 }
 

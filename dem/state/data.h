@@ -141,20 +141,21 @@ typedef struct {
 
   /* particles, (nparticle) each, room for (work.capacity) */
   int nparticle;
-  int restart;          /* 1: memory is to be made anew */
-  uint64_t *id;         /* order of creation, ascending; never used twice */
-  int *material;        /* index of model.material */
-  uint32_t *touched;    /* bit s: sink s waits until the particle has left its body again */
-  double *mass;         /* [kg] */
-  dem_sphere *sphere;   /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
-  dem_rotor *rotor;     /* likewise */
-  dem_pace *pace;       /* velocity and spin; in a step between the two kicks: at mid-step */
-  dem_push *push;       /* sums of contacts; after those of the particles one of none and the crossings. Lists
-                         * are built when they are not needed, and use their memory (pairs.h) */
-  dem_push *spare_push; /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
-  dem_pace *drive;      /* model.driven: accelerations besides contacts and gravity; else none */
-  dem_pace *memory;     /* what the integrator keeps (integrate.h), if anything */
-  uint8_t *front;       /* (nparticle x nwall) the particle began in front of this plane */
+  int restart;           /* 1: memory is to be made anew */
+  uint64_t *id;          /* order of creation, ascending; never used twice */
+  int *material;         /* index of model.material */
+  uint32_t *touched;     /* bit s: sink s waits until the particle has left its body again */
+  double *mass;          /* [kg] */
+  dem_sphere *sphere;    /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
+  dem_rotor *rotor;      /* likewise */
+  dem_pace *pace;        /* velocity and spin; in a step between the two kicks: at mid-step */
+  dem_push *push;        /* sums of contacts; after those of the particles one of none and the crossings. Lists
+                          * are built when they are not needed, and use their memory (pairs.h) */
+  dem_push *spare_push;  /* multi-step: of the fast contacts, push then has the slow ones; else NULL */
+  dem_pace *drive;       /* model.driven: accelerations besides contacts and gravity; else none */
+  dem_pace *memory;      /* what the integrator keeps (integrate.h), if anything */
+  tdm_quat *orientation; /* model.oriented; else none */
+  uint8_t *front;        /* (nparticle x nwall) the particle began in front of this plane */
 
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */

@@ -8,17 +8,18 @@
 #define DEM_STATE_FIELDS_H
 
 /* Arrays of particles: X(member, entries a particle, name of the section in stored states). */
-#define DEM_PARTICLE_STATE(X)                      \
-  X(state.sphere, 1, "sphere")                     \
-  X(state.rotor, 1, "rotor")                       \
-  X(state.pace, 1, "pace")                         \
-  X(lists.position_at_list, 1, "position_at_list") \
-  X(state.mass, 1, "mass")                         \
-  X(state.material, 1, "kind")                     \
-  X(state.id, 1, "id")                             \
-  X(state.touched, 1, "touched")                   \
-  X(state.drive, d->model->driven, "drive")        \
-  X(state.memory, d->model->remembers, "memory")   \
+#define DEM_PARTICLE_STATE(X)                             \
+  X(state.sphere, 1, "sphere")                            \
+  X(state.rotor, 1, "rotor")                              \
+  X(state.pace, 1, "pace")                                \
+  X(lists.position_at_list, 1, "position_at_list")        \
+  X(state.mass, 1, "mass")                                \
+  X(state.material, 1, "kind")                            \
+  X(state.id, 1, "id")                                    \
+  X(state.touched, 1, "touched")                          \
+  X(state.drive, d->model->driven, "drive")               \
+  X(state.memory, d->model->remembers, "memory")          \
+  X(state.orientation, d->model->oriented, "orientation") \
   X(state.front, d->model->nwall, "front")
 
 /* Sums of contacts, which have memory of their own: X(member, name of the section); NULL where there is none. */

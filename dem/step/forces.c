@@ -38,7 +38,7 @@ static void geometry_loads(dem_loop_task *task) {
     for (task->wall_end = k + 1; task->wall_end < last && m->wall[entry[task->wall_end].wall].geometry == g;)
       task->wall_end++;
     tdm_wrench before = task->load[b], *grown = &task->load[m->nbody + g];
-    m->loops->walls(task);
+    m->wall_loops->walls(task);
     grown->force = tdm_sub(task->load[b].force, before.force);
     grown->moment = tdm_sub(task->load[b].moment, before.moment);
   }
@@ -87,7 +87,7 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
     if (m->geometry_loads)
       geometry_loads(&task);
     else
-      m->loops->walls(&task);
+      m->wall_loops->walls(&task);
     touching += task.touching;
     d->work.chunk_flux[c] = task.flux;
     if (integrator && d->work.nthread == 1) {

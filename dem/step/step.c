@@ -70,6 +70,12 @@ static void move_bodies(dem_data *d, const dem_step_task *s, const substeps *p, 
     dem_domain_strain(d, p->h);
 }
 
+/* The particles of a chunk turn with the spin that they have in the middle of the substep. */
+static void turn_particles(dem_data *d, int chunk, double h) {
+  for (int i = chunk * DEM_CHUNK, last = dem_chunk_end(d, chunk); i < last; i++)
+    d->state.orientation[i] = tdm_quat_turned(d->state.orientation[i], tdm_scale(h, d->state.pace[i].spin));
+}
+
 /* Kick and drift of the particles, forces zeroed. Returns the largest way since the lists were made, squared [m2]; NaN:
  * a position is no number. */
 static double move_particles(dem_data *d, const dem_step_task *s, const substeps *p, uint64_t j) {
@@ -81,6 +87,8 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(max : moved2) reduction(&& : numbers)
   for (int c = 0; c < d->lists.nchunk; c++) {
     double r2 = p->integrator->begin(d, c, &stride);
+    if (d->model->oriented)
+      turn_particles(d, c, p->h);
     numbers = numbers && r2 >= 0;
     moved2 = r2 > moved2 ? r2 : moved2;
   }

@@ -41,6 +41,7 @@ static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
 #define AS_BYTES(x) tdm_hash_bytes(h, &(x), sizeof(x)) /* of doubles, or of one number */
 #define AS_NAME(x) hash_name(h, (x)->name)
 #define AS_LAW(x) hash_name(h, (x)->head.name)
+#define AS_WALL_LAW(x) ((x) == s->normal ? h : AS_LAW(x))
 #define AS_TAIL(x) hash_name(h, (x) ? "clip" : "keep")
 #define AS_FLAT(x) (s->flat >= 0 ? AS_NUMBER(x) : h)
 #define AS_AXIS(x) hash_number(h, (double)(x)[k])
@@ -48,6 +49,8 @@ static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
 #define AS_SHAPE(x) hash_number(h, (x)->number)
 #define AS_SHAPE_DATA(x) hash_data(h, s)
 #define AS_MULTI_STEP(x) hash_number(hash_number(h, (double)(x).substeps), (x).mass)
+#define AS_OPTION(x) ((x) ? hash_name(h, "with " #x) : h) /* of a scene without it as if there were none */
+#define AS_OPTIONAL(x) ((x) ? AS_PARTICLES(x) : h)
 #define AS_PARTICLES(x) tdm_hash_bytes(h, x, (size_t)s->nparticle * sizeof *(x))
 
 /* ---- a function of each list ---- */

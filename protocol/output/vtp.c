@@ -119,6 +119,8 @@ static tdm_status write_particles(const tdm_results *r, int number, const tdm_sn
     write_array(f, "Float64", "radius", 1, s->radius, n, sizeof(double));
     write_array(f, "Float64", "velocity", 3, s->velocity, n, sizeof(double));
     write_array(f, "Float64", "spin", 3, s->spin, n, sizeof(double));
+    if (s->norientation > 0)
+      write_array(f, "Float64", "orientation", 4, s->orientation, n, sizeof(double));
     write_array(f, "Int64", "id", 1, s->id, n, sizeof(int64_t));
     write_array(f, "Int32", "material", 1, s->material, n, sizeof(int32_t));
     write_array(f, "Float64", "force", 3, s->force, n, sizeof(double));

@@ -1,6 +1,6 @@
 /* What there is to see for ParaView: .vtp files (VTK XML, PolyData) of each time, and the .pvd file that lists them.
  *
- *   particles_NNNNNN.vtp  the particles as points: radius, velocity, spin, id, material, force, size_class
+ *   particles_NNNNNN.vtp  the particles as points: radius, velocity, spin, id, material, force, size_class, orientation
  *   walls_NNNNNN.vtp      the surfaces of bodies that DEM computes with, as polygons with the index of their body;
  * where forces on triangles are known also `force` [N], `pressure` [Pa], > 0 when pushed from the front, and `shear`,
  * the traction along the triangle [Pa] (NaN elsewhere) mechanism_NNNNNN.vtp  of the others: polygons with the index of

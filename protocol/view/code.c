@@ -126,7 +126,7 @@ _Static_assert(sizeof(tdm_pose) == 7 * sizeof(double), "a pose is 7 doubles");
 tdm_status tdm_snapshot_encode(const tdm_snapshot *s, bool single, tdm_view_bytes *bytes, tdm_error *err) {
   writer w = {.bytes = bytes, .single = single, .err = err};
   size_t start = begin(&w, TDM_VIEW_SNAPSHOT), n = (size_t)s->nparticle;
-  const int counts[6] = {s->nbody, s->nline, s->npoint, s->nforce, s->nparticle, 0};
+  const int counts[6] = {s->nbody, s->nline, s->npoint, s->nforce, s->nparticle, s->norientation};
   for (int k = 0; k < 6; k++)
     put_u32(&w, (uint32_t)counts[k]);
   put(&w, &s->time, sizeof s->time);
@@ -137,6 +137,7 @@ tdm_status tdm_snapshot_encode(const tdm_snapshot *s, bool single, tdm_view_byte
 #define X(type, name, numbers, unit, text) PUT_##type(&w, s->name, n);
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
+  put_reals(&w, (const double *)s->orientation, 4 * (size_t)s->norientation);
   return end(&w, start);
 }
 
@@ -313,9 +314,11 @@ tdm_status tdm_snapshot_decode(tdm_snapshot *s, const void *data, size_t size, t
     return tdm_fail(err, own.status, NULL, "%s", own.message);
   int nbody = get_count(&r, 7 * sizeof(float)), nline = get_count(&r, sizeof(int32_t));
   int npoint = get_count(&r, 3 * sizeof(float)), nforce = get_count(&r, 3 * sizeof(float));
-  int nparticle = get_count(&r, 16 * sizeof(float));
-  get_u32(&r);
+  int nparticle = get_count(&r, 16 * sizeof(float)), norientation = get_count(&r, 4 * sizeof(float));
+  r.bad = r.bad || (norientation > 0 && norientation != nparticle);
   if (!r.bad && tdm_snapshot_resize(s, nbody, nline, nforce, nparticle, err) != TDM_OK)
+    return err ? err->status : TDM_ERR_MEMORY;
+  if (!r.bad && norientation > 0 && tdm_snapshot_orient(s, err) != TDM_OK)
     return err ? err->status : TDM_ERR_MEMORY;
   s->npoint = 0;
   for (int k = 0; k < npoint && !r.bad; k++)
@@ -330,11 +333,12 @@ tdm_status tdm_snapshot_decode(tdm_snapshot *s, const void *data, size_t size, t
 #define X(type, name, numbers, unit, text) GET_##type(&r, s->name, (size_t)nparticle);
     TDM_VIEW_PARTICLE_LIST(X)
 #undef X
+    get_reals(&r, (double *)s->orientation, 4 * (size_t)norientation);
     for (int k = 0, last = 0; k < nline && !r.bad; last = s->line_end[k++])
       r.bad = s->line_end[k] < last || s->line_end[k] > npoint || (k + 1 == nline && s->line_end[k] != npoint);
   }
   if (close_record(&r, "snapshot", err) == TDM_OK)
     return TDM_OK;
-  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = 0;
+  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = 0;
   return err ? err->status : TDM_ERR_PROTOCOL;
 }

@@ -83,7 +83,7 @@ void tdm_scenery_free(tdm_scenery *s) {
 
 /* ---- snapshot ---- */
 
-enum { POSES, ENDS, POINTS, FORCES, PARTICLES };
+enum { POSES, ENDS, POINTS, FORCES, PARTICLES, ORIENTATIONS };
 
 #define GROW(s, which, array, n)                                                                  \
   do {                                                                                            \
@@ -107,7 +107,7 @@ static tdm_status resize_particles(tdm_snapshot *s, int n, tdm_error *err) {
 }
 
 tdm_status tdm_snapshot_resize(tdm_snapshot *s, int nbody, int nline, int nforce, int nparticle, tdm_error *err) {
-  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = 0;
+  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = 0;
   GROW(s, POSES, pose, nbody);
   GROW(s, ENDS, line_end, nline);
   GROW(s, FORCES, force_on, nforce);
@@ -119,6 +119,12 @@ tdm_status tdm_snapshot_resize(tdm_snapshot *s, int nbody, int nline, int nforce
   s->nline = nline;
   s->nforce = nforce;
   s->nparticle = nparticle;
+  return TDM_OK;
+}
+
+tdm_status tdm_snapshot_orient(tdm_snapshot *s, tdm_error *err) {
+  GROW(s, ORIENTATIONS, orientation, s->nparticle);
+  s->norientation = s->nparticle;
   return TDM_OK;
 }
 
@@ -137,6 +143,7 @@ void tdm_snapshot_free(tdm_snapshot *s) {
   free(s->line_end);
   free(s->point);
   free(s->force_on);
+  free(s->orientation);
 #define X(type, name, n, unit, text) free(s->name);
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X

@@ -123,15 +123,20 @@ typedef struct {
   int nforce;         /* npolygon of the scenery, or 0: forces on polygons are not known */
   tdm_vec3 *force_on; /* (nforce) of the particles on each polygon, world [N]; NaN: not known for this one */
 
+  int norientation;      /* nparticle, or 0: the scene does not keep them */
+  tdm_quat *orientation; /* (norientation) of the particles */
+
   int nparticle; /* arrays (nparticle), ascending by id */
 #define X(type, name, n, unit, text) type *name;
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
-  size_t capacity[5]; /* of bodies, lines, points, forces, particles */
+  size_t capacity[6]; /* of bodies, lines, points, forces, particles, orientations */
 } tdm_snapshot;
 
 /* Make room for so many and set the counts; contents are undefined. Points are added by tdm_snapshot_add_point. */
 tdm_status tdm_snapshot_resize(tdm_snapshot *snapshot, int nbody, int nline, int nforce, int nparticle, tdm_error *err);
+/* Make room for an orientation of each particle; contents are undefined. */
+tdm_status tdm_snapshot_orient(tdm_snapshot *snapshot, tdm_error *err);
 /* Append a point; then say that line k ends there. Lines are to be filled in their order. */
 tdm_status tdm_snapshot_add_point(tdm_snapshot *snapshot, tdm_vec3 point, tdm_error *err);
 void tdm_snapshot_end_line(tdm_snapshot *snapshot, int k);

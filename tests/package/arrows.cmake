@@ -18,7 +18,7 @@ set(dem
   "numbers geometry search/method"
   "geometry/mesh geometry/wall"
   "geometry/shape model"
-  "state contact/law geometry/screen"
+  "state contact/law geometry/screen moldyn"
   "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies output"
   "contact search proxy flow dem.h"
   "contact/loop scene store watch"

@@ -26,10 +26,11 @@ DEM_KERNEL void dem_cohesion_dmt(dem_contact *c, vd *history) {
 #include <string.h>
 
 static void check_dmt(const dem_model *m, tdm_object *o) {
-  if (strcmp(m->normal->head.name, "hertz") != 0)
+  const dem_normal_law *law = strcmp(m->normal->head.name, "hertz") == 0 ? m->wall_normal : m->normal;
+  if (strcmp(law->head.name, "hertz") != 0)
     tdm_object_fail(o, "cohesion",
                     "\"dmt\" is Hertz's force with a constant pull, not with normal \"%s\"; use \"sjkr\"",
-                    m->normal->head.name);
+                    law->head.name);
 }
 
 static void read_dmt(const dem_model *m, tdm_object *o, dem_pair *p) {

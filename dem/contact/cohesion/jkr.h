@@ -64,9 +64,10 @@ DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
 #include <string.h>
 
 static void check_jkr(const dem_model *m, tdm_object *o) {
-  if (strcmp(m->normal->head.name, "hertz") != 0)
+  const dem_normal_law *law = strcmp(m->normal->head.name, "hertz") == 0 ? m->wall_normal : m->normal;
+  if (strcmp(law->head.name, "hertz") != 0)
     tdm_object_fail(o, "cohesion", "\"jkr\" changes the contact circle of normal \"hertz\", not \"%s\"; use \"sjkr\"",
-                    m->normal->head.name);
+                    law->head.name);
   if (m->clip)
     tdm_object_fail(o, "tail", "\"clip\" cuts the attraction that cohesion \"jkr\" is there for; use \"keep\"");
 }

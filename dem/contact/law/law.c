@@ -37,7 +37,8 @@ void dem_set_restitution(const dem_model *m, dem_pair *p, double e, tdm_error *e
   p->restitution = e;
   p->beta = dem_beta_keep(e);
   p->viscosity = 0;
-  tdm_status status = m->normal->damp ? m->normal->damp(m, p) : TDM_OK;
+  const dem_normal_law *law = dem_normal_of(m, p);
+  tdm_status status = law->damp ? law->damp(m, p) : TDM_OK;
   if (status == TDM_ERR_MEMORY)
     tdm_fail(err, status, path, "no memory to find the damping");
   else if (status)

@@ -126,6 +126,11 @@ typedef struct dem_cohesion_law {
   double (*reach)(const dem_pair *pair, double radius); /* optional: gap over which a contact holds [m] */
 } dem_cohesion_law;
 
+/* The normal law of a pair. */
+static inline const dem_normal_law *dem_normal_of(const dem_model *model, const dem_pair *pair) {
+  return pair->law ? pair->law : model->normal;
+}
+
 /* ---- what readers share ---- */
 
 /* A number that the law needs; the message says so when it is missing. */

@@ -14,31 +14,32 @@ double dem_contact_time(double mass, double radius, double young, double speed) 
 /* ---- by the scene's laws ---- */
 
 double dem_normal_contact_time(const dem_model *m, const dem_pair *p, dem_impact i) {
-  return m->normal->time(m, p, i);
+  return dem_normal_of(m, p)->time(m, p, i);
 }
 
 double dem_normal_step_time(const dem_model *m, const dem_pair *p, dem_impact i) {
-  return m->normal->step_time ? m->normal->step_time(m, p, i) : m->normal->time(m, p, i);
+  const dem_normal_law *law = dem_normal_of(m, p);
+  return law->step_time ? law->step_time(m, p, i) : law->time(m, p, i);
 }
 
 double dem_normal_overlap(const dem_model *m, const dem_pair *p, dem_impact i) {
-  return m->normal->overlap(m, p, i);
+  return dem_normal_of(m, p)->overlap(m, p, i);
 }
 
 double dem_normal_restitution(const dem_model *m, const dem_pair *p, dem_impact i) {
-  return m->normal->restitution(m, p, i);
+  return dem_normal_of(m, p)->restitution(m, p, i);
 }
 
 double dem_normal_force(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
-  return m->normal->force(m, p, i, overlap);
+  return dem_normal_of(m, p)->force(m, p, i, overlap);
 }
 
 double dem_normal_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
-  return m->normal->stiffness(m, p, i, overlap);
+  return dem_normal_of(m, p)->stiffness(m, p, i, overlap);
 }
 
 double dem_normal_elastic(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
-  return m->normal->elastic(m, p, i, overlap);
+  return dem_normal_of(m, p)->elastic(m, p, i, overlap);
 }
 
 double dem_tangential_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {

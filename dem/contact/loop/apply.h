@@ -148,7 +148,8 @@ DEM_INLINE void add_flux(dem_flux *flux, int mechanism, const dem_contact *c, vd
 
 DEM_KERNEL void energy_of_scene(dem_flux *flux, int walls, const dem_contact *c, const dem_tangential *t,
                                 const dem_couple *couple) {
-  int normal = c->model->normal->plastic ? DEM_ENERGY_PLASTIC : DEM_ENERGY_NORMAL;
+  const dem_normal_law *law = walls ? c->model->wall_normal : c->model->normal;
+  int normal = law->plastic ? DEM_ENERGY_PLASTIC : DEM_ENERGY_NORMAL;
   add_flux(flux, walls + normal, c, (c->force + c->pull) * c->rate, c->elastic);
   add_flux(flux, walls + DEM_ENERGY_TANGENTIAL, c, -vd3_dot(t->force, c->slip), t->elastic);
   add_flux(flux, walls + DEM_ENERGY_ROLLING, c, -vd3_dot(couple->couple, c->spin), couple->elastic);

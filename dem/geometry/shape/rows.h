@@ -12,7 +12,8 @@
   X(cone)                 \
   X(sphere)               \
   X(mesh)                 \
-  X(screen)
+  X(screen)               \
+  X(moldyn)
 
 #define X(name) extern const dem_shape dem_shape_##name;
 DEM_SHAPE_LIST(X)

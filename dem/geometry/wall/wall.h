@@ -124,6 +124,7 @@ struct dem_shape {
    * order, and may have others (returns their number); does a contact that ended on part `from` go on as one that
    * begins on `to`? */
   int (*parts)(const dem_wall *wall);
+  tdm_vec3 (*middle)(const dem_wall *wall, int part); /* of a part, own axes; NULL: lists of walls have it as one */
   int (*near)(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max);
   int (*touches)(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
                  dem_touch out[DEM_TOUCHES_MAX]);
