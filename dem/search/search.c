@@ -9,11 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SEARCHES(X)             \
-  X(cells, "cells")             \
-  X(sweep, "sweep")             \
-  X(grid, "grid")               \
-  X(verlet_1967, "verlet-1967") \
+#define SEARCHES(X)                 \
+  X(cells, "cells")                 \
+  X(sweep, "sweep")                 \
+  X(linked_linear, "linked-linear") \
+  X(grid, "grid")                   \
+  X(verlet_1967, "verlet-1967")     \
   X(all, "all")
 
 #define X(symbol, name) name,

@@ -3,8 +3,8 @@
  * A search is a row of the table in search.c. It gets the spheres and a distance, and returns for every particle i the
  * particles j > i, ascending, whose surfaces are nearer than `skin`:
  *   |x_i - x_j| < r_i + r_j + skin
- * (the nearest images when the box repeats). So results do not depend on the search, only the time does. A sphere whose
- * position is not finite has no partners.
+ * (the nearest images when the box repeats). So results do not depend on the search, only the time does: "verlet-1967"
+ * lists more, which does not touch. A sphere whose position is not finite has no partners.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_SEARCH_H
@@ -19,8 +19,8 @@
  * Nothing in it decides the result. */
 typedef struct dem_search dem_search;
 
-/* The searches' names, NULL-terminated: "cells", "sweep", "grid", "verlet-1967", "all" (every pair, for tests);
- * "auto" is not among them. */
+/* The searches' names, NULL-terminated: "cells", "sweep", "linked-linear", "grid", "verlet-1967", "all" (every pair,
+ * for tests); "auto" is not among them. */
 extern const char *const dem_search_names[];
 
 /* The search that "auto" takes for these spheres: "cells", or "grid" when the radii differ widely. Much cheaper than a
@@ -39,7 +39,8 @@ tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem
 /* Are the lists of this search to be made anew after so many steps even if nothing moved? 0: no. */
 int dem_search_interval(const dem_search *search);
 
-/* The skin of this search: the one that the scene asks for, or the search's own (verlet-1967: 5 r_max - 2 r_max). */
+/* The skin of this search: the one that the scene asks for, or the search's own (verlet-1967: 5 r_max -
+ * 2 r_max; linked-linear: next to none). */
 double dem_search_skin(const dem_search *search, double asked, double largest_radius);
 
 #endif

@@ -99,6 +99,13 @@ tdm_status dem_check_step(const dem_data *d, double dt, const char *path, tdm_er
   dem_limits limits;
   if (dem_limits_expected(d, &limits, err))
     return err->status;
+  if (guard->chosen && dt > DEM_CONTACT_SHARE * limits.contact)
+    return tdm_fail(
+        err, TDM_ERR_SCENE, path,
+        "%g s is more than a twentieth of the shortest contact, %.4g s at %.3g m/s, which dem.guard.action "
+        "\"stop\" asks for; use at most %.3g s, softer particles, or dem.expected_speed if the speed is lower "
+        "(to run all the same, remove \"action\" or set it to \"warn\")",
+        dt, limits.contact, limits.speed, DEM_CONTACT_SHARE * limits.contact);
   if (dt > DEM_CONTACT_SHARE_REFUSED * limits.contact)
     tdm_fail(err, TDM_ERR_SCENE, path,
              "%g s is more than half of the shortest contact, %.4g s at %.3g m/s: particles would pass through each "

@@ -10,7 +10,8 @@
 tdm_status dem_check_start(const dem_data *data, int *nbehind, tdm_error *err);
 
 /* Refuse a step of dt (at `path` of the scene) that is longer than half of the shortest contact: contacts would be over
- * between two steps. Not if the scene says dem.guard.action "warn". */
+ * between two steps. Not if the scene says dem.guard.action "warn"; if it says "stop", a twentieth is
+ * the limit ([A07] Section 2.4.2). */
 tdm_status dem_check_step(const dem_data *data, double dt, const char *path, tdm_error *err);
 
 /* The scene's entry that made particle i, and its number there (its id, if it came from a source). */

@@ -91,10 +91,10 @@ static bool run(const char *name, int group, long steps) {
 }
 
 int main(int argc, char **argv) {
-  static const char *const searches[] = {"verlet-1967", "sweep", "cells", "grid"};
+  static const char *const searches[] = {"verlet-1967", "linked-linear", "sweep", "cells", "grid"};
   long steps = argc > 1 ? atol(argv[1]) : 20000;
   for (int group = 1; group <= 5; group++)
-    for (int s = 0; s < 4; s++)
+    for (int s = 0; s < 5; s++)
       if (!run(searches[s], group, steps))
         return EXIT_FAILURE;
   return EXIT_SUCCESS;

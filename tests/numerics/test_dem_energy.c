@@ -369,9 +369,10 @@ static void ck_same(const dem_data *a, const dem_data *b, int set, const char *w
 
 /* Pairs share a batch as the lists have them: neither skin, search nor instruction set may be seen in the results. */
 START_TEST(test_lists_do_not_matter) {
-  static const char *const ways[] = {",'search':'sweep'",       ",'search':'grid'", ",'search':'all','skin':0.02",
-                                     ",'search':'verlet-1967'", ",'skin':0.004",    ",'skin':0.0001",
-                                     ",'simd':'plain'",         ",'simd':'avx2'",   ",'simd':'plain','skin':0.003"};
+  static const char *const ways[] = {",'search':'sweep'",        ",'search':'grid'", ",'search':'all','skin':0.02",
+                                     ",'search':'verlet-1967'",  ",'skin':0.004",    ",'skin':0.0001",
+                                     ",'simd':'plain'",          ",'simd':'avx2'",   ",'simd':'plain','skin':0.003",
+                                     ",'search':'linked-linear'"};
   rig *plain = heap(_i, "");
   rig_steps(plain, 400);
   ck_assert_int_gt(plain->data->state.ncontact, 100);

@@ -94,9 +94,9 @@ END_TEST
 START_TEST(test_size_ratio) {
   /* 1 to 100, each search: the small one bounces off the large one at rest with the given restitution; mass ratio 1e6
    */
-  static const char *const searches[] = {"auto", "cells", "sweep", "grid", "all", "verlet-1967"};
-  tdm_vec3 v[6];
-  for (int k = 0; k < 6; k++) {
+  static const char *const searches[] = {"auto", "cells", "sweep", "linked-linear", "grid", "all", "verlet-1967"};
+  tdm_vec3 v[7];
+  for (int k = 0; k < 7; k++) {
     rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],"
                                  "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0}],'gravity':[0,0,0],"
                                  "'search':'%s','particles':["

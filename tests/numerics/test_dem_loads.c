@@ -413,7 +413,7 @@ static tdm_error create_error(json_t *json, double dt, tdm_warning *first) {
 
 START_TEST(test_step) {
   /* a step longer than half a contact is refused, for each law and when it is overdamped, unless the guard is told to
-   * warn; just below it is a warning */
+   * warn; just below it is a warning; when the guard is told to stop a twentieth is the limit */
   static const char *const critical = "'damping':'critical','stiffness':2e4";
   tdm_warning warning;
   for (size_t k = 0; k <= sizeof laws / sizeof laws[0]; k++) {
@@ -430,6 +430,12 @@ START_TEST(test_step) {
     double time = strtod(strstr(err.message, "contact, ") + 9, NULL);
     err = create_error(scene_json(format, pair, contact, "'action':'stop'"), 0.51 * time, &warning);
     ck_assert_str_eq(err.path, "time.dt");
+    /* "stop": [A07]'s rule, a twentieth */
+    err = create_error(scene_json(format, pair, contact, "'action':'stop'"), 0.0501 * time, &warning);
+    ck_assert_str_eq(err.path, "time.dt");
+    ck_assert_ptr_nonnull(strstr(err.message, "a twentieth of the shortest contact, "));
+    err = create_error(scene_json(format, pair, contact, "'action':'stop'"), 0.0499 * time, &warning);
+    ck_assert_msg(err.status == TDM_OK, "%s", err.message);
     err = create_error(scene_json(format, pair, contact, ""), 0.49 * time, &warning);
     ck_assert_msg(err.status == TDM_OK, "%s", err.message);
     ck_assert_str_eq(warning.path, "time.dt");

@@ -12,7 +12,7 @@
 
 enum { MOST = 4000, SEARCHES = 4 };
 
-static const char *const fast[SEARCHES] = {"cells", "sweep", "grid", "verlet-1967"};
+static const char *const fast[SEARCHES] = {"cells", "sweep", "grid", "linked-linear"};
 
 static uint64_t random_state;
 
@@ -342,11 +342,32 @@ START_TEST(test_table) {
     dem_search *search = dem_search_create(*name);
     ck_assert_ptr_nonnull(search);
     ck_assert_str_eq(dem_search_name(search), *name);
-    bool verlet = !strcmp(*name, "verlet-1967");
-    ck_assert_double_eq(dem_search_skin(search, 0.2, 2), verlet ? 6 : 0.2); /* r_v = 5 r_max = 2 r_max + skin */
-    ck_assert_int_eq(dem_search_interval(search), verlet ? 20 : 0);
+    bool verlet = !strcmp(*name, "verlet-1967"), linked = !strcmp(*name, "linked-linear");
+    ck_assert_double_eq(dem_search_skin(search, 0.2, 2), verlet ? 6 : linked ? 2e-9 : 0.2); /* r_v = 2 r_max + skin */
+    ck_assert_int_eq(dem_search_interval(search), verlet ? 20 : linked ? 1 : 0);
     dem_search_destroy(&search);
   }
+}
+END_TEST
+
+/* [A07] Eq. 2.64: exactly the pairs nearer than 5 r_max, whatever their radii */
+START_TEST(test_verlet_circles) {
+  enum { N = 300 };
+  random_state = 7;
+  for (int i = 0; i < N; i++)
+    sphere[i] = (dem_sphere){.position = {30 * unit(), 30 * unit(), 30 * unit()}, .radius = i == 17 ? 2 : 0.5 + unit()};
+  dem_search *search = dem_search_create("verlet-1967");
+  dem_search_input in = {.sphere = sphere, .n = N, .skin = dem_search_skin(search, 0.1, 2), .nthread = 1};
+  dem_rows rows = {0};
+  ck_assert(dem_search_run(search, &in, &rows) == TDM_OK);
+  for (int i = 0; i < N; i++) {
+    int at = rows.first[i];
+    for (int j = i + 1; j < N; j++)
+      if (tdm_norm(tdm_sub(sphere[i].position, sphere[j].position)) < 5 * 2.0)
+        ck_assert_int_eq(rows.other[at++], j);
+    ck_assert_int_eq(at, rows.first[i + 1]);
+  }
+  dem_search_destroy(&search);
 }
 END_TEST
 
@@ -453,4 +474,5 @@ END_TEST
 
 TEST_MAIN_ROWS("dem_search", {test_agree, CLOUDS}, {test_domain_changes, 1}, {test_low_corner, 1}, {test_lattice, 1},
                {test_coincident, 1}, {test_far, 1}, {test_far_in_large_bed, 1}, {test_scratch, 1}, {test_table, 1},
-               {test_choose, 1}, {test_table_2_2, 1}, {test_exchange_rules, (int)(sizeof rules / sizeof *rules)})
+               {test_verlet_circles, 1}, {test_choose, 1}, {test_table_2_2, 1},
+               {test_exchange_rules, (int)(sizeof rules / sizeof *rules)})

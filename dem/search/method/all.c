@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/method/method.h"
 
-tdm_status dem_find_all(void *state, const dem_search_input *input, dem_found *found) {
+static tdm_status find_all(void *state, const dem_search_input *input, dem_found *found) {
   (void)state;
   dem_near near = dem_near_make(input);
   for (int i = 0; i < input->n; i++)
@@ -15,4 +15,4 @@ tdm_status dem_find_all(void *state, const dem_search_input *input, dem_found *f
   return TDM_OK;
 }
 
-const dem_search_method dem_search_all = {.find = dem_find_all};
+const dem_search_method dem_search_all = {.find = find_all};

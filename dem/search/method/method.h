@@ -51,11 +51,8 @@ typedef struct {
   int interval;                 /* steps; 0: as the skin needs */
 } dem_search_method;
 
-extern const dem_search_method dem_search_cells, dem_search_sweep, dem_search_grid, dem_search_verlet_1967,
-    dem_search_all;
-
-/* Every pair checked: the search of "all" and "verlet-1967". */
-tdm_status dem_find_all(void *state, const dem_search_input *input, dem_found *found);
+extern const dem_search_method dem_search_cells, dem_search_sweep, dem_search_linked_linear, dem_search_grid,
+    dem_search_verlet_1967, dem_search_all;
 
 /* Is one grid of cells right for n spheres, of this largest radius and this sum of radii cubed, where a radius is that
  * with half the skin? In a packing a sphere has about 15 n r_max^3 / sum r^3 candidates in cells of the largest
