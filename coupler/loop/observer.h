@@ -1,6 +1,6 @@
 /* Observers of the coupled loop: they see every window and change none of it.
  *
- * To add one: a file observe/<name>.c with a row of this type, and its line in observe/table.c. A program that runs
+ * To add one: a file observe/<name>.c with a row of this type, and its name in observe/observers.h. A program that runs
  * scenes itself can also hand rows to cpl_run.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */

@@ -16,9 +16,17 @@
 
 #include "coupler/loop/observer.h"
 
-extern const cpl_observer *const cpl_observer_table[]; /* NULL-terminated, in the order of their calls */
+#define CPL_OBSERVER_LIST(X) \
+  X(record)                  \
+  X(ledger)                  \
+  X(view)                    \
+  X(progress)
 
-extern const cpl_observer cpl_observer_record, cpl_observer_ledger, cpl_observer_view, cpl_observer_progress;
+#define X(name) extern const cpl_observer cpl_observer_##name;
+CPL_OBSERVER_LIST(X)
+#undef X
+
+extern const cpl_observer *const cpl_observer_table[]; /* NULL-terminated, in the order of their calls */
 
 /* The name of the file of a coupled body, by mbd's name for it. Returns out. */
 const char *cpl_record_body_file(const char *body, char *out, size_t size);

@@ -5,9 +5,20 @@
 
 #include "coupler/session/scheme.h"
 
-extern const cpl_scheme *const cpl_schemes[]; /* NULL-terminated; the first is the default */
+/* proxy: DEM carries the mechanism through the window; iterative: the same, over and over until both solvers agree;
+ * dem_first: DEM first on a predicted path; lommen: quadratic extrapolation of window means, MBD first; hold: the last
+ * window mean held, MBD first */
+#define CPL_SCHEME_LIST(X) \
+  X(proxy)                 \
+  X(iterative)             \
+  X(dem_first)             \
+  X(lommen)                \
+  X(hold)
 
-extern const cpl_scheme cpl_scheme_lommen, cpl_scheme_hold, cpl_scheme_dem_first, cpl_scheme_proxy,
-    cpl_scheme_iterative;
+#define X(name) extern const cpl_scheme cpl_scheme_##name;
+CPL_SCHEME_LIST(X)
+#undef X
+
+extern const cpl_scheme *const cpl_schemes[]; /* NULL-terminated; the first is the default */
 
 #endif

@@ -1,6 +1,6 @@
 /* Coupling schemes: who goes first in a window, and with which load.
  *
- * To add one: a file scheme/<name>.c with its equations at the head, one row in scheme/table.c, its key in
+ * To add one: a file scheme/<name>.c with its equations at the head, one row in scheme/schemes.h, its key in
  * scenarios/scene.schema.json, its paragraph in docs/theory/coupling.md. A scheme moves the loop over one window with
  * the operations of loop/solve.h. It owns its settings, what it keeps, its remarks and what summary.json says of it.
  */

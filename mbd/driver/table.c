@@ -1,28 +1,23 @@
-/* The driver types. To add one: a file that defines its ops, its name below, and a line in ../CMakeLists.txt and in
- * docs/mbd.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene there.
+/* The driver types. To add one: a file here that defines its operations, mbd_driver_NAME, and its row
+ * below; its keys in scenarios/scene.schema.json. tests/unit/test_mbd_jacobian.c asks for a scene with it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/table.h"
 
-#include <string.h>
+#define MBD_DRIVER_LIST(X) \
+  X(rotational_motor)      \
+  X(linear_motor)          \
+  X(point_motion)          \
+  X(orientation_motion)
 
-extern const mbd_driver_ops mbd_driver_rotational_motor, mbd_driver_linear_motor, mbd_driver_point_motion,
-    mbd_driver_orientation_motion;
+#define X(name) extern const mbd_driver_ops mbd_driver_##name;
+MBD_DRIVER_LIST(X)
+#undef X
 
-const mbd_driver_ops *mbd_driver_table[MBD_DRIVER_TYPES_MAX] = {
-    &mbd_driver_rotational_motor,
-    &mbd_driver_linear_motor,
-    &mbd_driver_point_motion,
-    &mbd_driver_orientation_motion,
-};
-int mbd_driver_ntype = 4;
+#define X(name) &mbd_driver_##name,
+tdm_types mbd_driver_types = {{MBD_DRIVER_LIST(X)}};
+#undef X
 
-bool mbd_driver_register(const mbd_driver_ops *ops) {
-  for (int i = 0; i < mbd_driver_ntype; i++)
-    if (strcmp(mbd_driver_table[i]->name, ops->name) == 0)
-      return false;
-  if (mbd_driver_ntype == MBD_DRIVER_TYPES_MAX)
-    return false;
-  mbd_driver_table[mbd_driver_ntype++] = ops;
-  return true;
+tdm_status mbd_driver_add(const mbd_driver_ops *ops, tdm_error *err) {
+  return tdm_type_add(&mbd_driver_types, ops, err);
 }

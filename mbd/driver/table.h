@@ -5,12 +5,9 @@
 
 #include "mbd/model/model.h"
 
-enum { MBD_DRIVER_TYPES_MAX = 32 };
-extern const mbd_driver_ops *mbd_driver_table[MBD_DRIVER_TYPES_MAX]; /* (mbd_driver_ntype) */
-extern int mbd_driver_ntype;
+extern tdm_types mbd_driver_types; /* rows: mbd_driver_ops */
 
-/* Add a type that stands outside of this folder; before any scene is read, and from one thread. The ops must live on.
- * false: the table is full, or has the name already. */
-bool mbd_driver_register(const mbd_driver_ops *ops);
+/* Add a type that stands outside of this folder (tdm_type_add). */
+tdm_status mbd_driver_add(const mbd_driver_ops *ops, tdm_error *err);
 
 #endif

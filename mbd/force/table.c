@@ -1,28 +1,27 @@
-/* The force types. To add one: a file that defines its ops, its name below, and a line in ../CMakeLists.txt and in
- * docs/mbd.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene there.
+/* The force types. To add one: a file here that defines its operations, mbd_force_NAME, and its row
+ * below; its keys in scenarios/scene.schema.json. tests/unit/test_mbd_jacobian.c asks for a scene with it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/force/table.h"
 
-#include <string.h>
+#define MBD_FORCE_LIST(X)    \
+  X(spring_damper)           \
+  X(torsional_spring_damper) \
+  X(bushing)                 \
+  X(cable)                   \
+  X(friction)                \
+  X(stop)                    \
+  X(bump)                    \
+  X(wrench)
 
-extern const mbd_force_ops mbd_force_spring_damper, mbd_force_torsional_spring_damper, mbd_force_bushing,
-    mbd_force_cable, mbd_force_friction, mbd_force_stop, mbd_force_bump, mbd_force_wrench;
+#define X(name) extern const mbd_force_ops mbd_force_##name;
+MBD_FORCE_LIST(X)
+#undef X
 
-const mbd_force_ops *mbd_force_table[MBD_FORCE_TYPES_MAX] = {
-    &mbd_force_spring_damper, &mbd_force_torsional_spring_damper,
-    &mbd_force_bushing,       &mbd_force_cable,
-    &mbd_force_friction,      &mbd_force_stop,
-    &mbd_force_bump,          &mbd_force_wrench,
-};
-int mbd_force_ntype = 8;
+#define X(name) &mbd_force_##name,
+tdm_types mbd_force_types = {{MBD_FORCE_LIST(X)}};
+#undef X
 
-bool mbd_force_register(const mbd_force_ops *ops) {
-  for (int i = 0; i < mbd_force_ntype; i++)
-    if (strcmp(mbd_force_table[i]->name, ops->name) == 0)
-      return false;
-  if (mbd_force_ntype == MBD_FORCE_TYPES_MAX)
-    return false;
-  mbd_force_table[mbd_force_ntype++] = ops;
-  return true;
+tdm_status mbd_force_add(const mbd_force_ops *ops, tdm_error *err) {
+  return tdm_type_add(&mbd_force_types, ops, err);
 }

@@ -5,12 +5,9 @@
 
 #include "mbd/model/model.h"
 
-enum { MBD_FORCE_TYPES_MAX = 32 };
-extern const mbd_force_ops *mbd_force_table[MBD_FORCE_TYPES_MAX]; /* (mbd_force_ntype) */
-extern int mbd_force_ntype;
+extern tdm_types mbd_force_types; /* rows: mbd_force_ops */
 
-/* Add a type that stands outside of this folder; before any scene is read, and from one thread. The ops must live on.
- * false: the table is full, or has the name already. */
-bool mbd_force_register(const mbd_force_ops *ops);
+/* Add a type that stands outside of this folder (tdm_type_add). */
+tdm_status mbd_force_add(const mbd_force_ops *ops, tdm_error *err);
 
 #endif

@@ -1,40 +1,33 @@
-/* The joint types. To add one: a file that defines its ops (fixed.c is the shortest), its name below, and a line in
- * ../CMakeLists.txt and in docs/mbd.md. tests/unit/test_mbd_jacobian.c picks it up from here when it has a scene
- * there.
+/* The joint types. To add one: a file here that defines its operations, mbd_joint_NAME (fixed.c is the shortest), and
+ * its row below; its keys in scenarios/scene.schema.json. tests/unit/test_mbd_jacobian.c asks for a scene with it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/joint/table.h"
 
-#include <string.h>
+#define MBD_JOINT_LIST(X) \
+  X(fixed)                \
+  X(revolute)             \
+  X(prismatic)            \
+  X(cylindrical)          \
+  X(spherical)            \
+  X(universal)            \
+  X(planar)               \
+  X(point_on_line)        \
+  X(rod)                  \
+  X(screw)                \
+  X(gear)                 \
+  X(rack_and_pinion)      \
+  X(revolute_spherical)   \
+  X(point_in_plane)
 
-extern const mbd_joint_ops mbd_joint_fixed, mbd_joint_revolute, mbd_joint_prismatic, mbd_joint_spherical,
-    mbd_joint_universal, mbd_joint_planar, mbd_joint_point_on_line, mbd_joint_rod, mbd_joint_screw, mbd_joint_gear,
-    mbd_joint_rack_and_pinion, mbd_joint_revolute_spherical, mbd_joint_point_in_plane, mbd_joint_cylindrical;
+#define X(name) extern const mbd_joint_ops mbd_joint_##name;
+MBD_JOINT_LIST(X)
+#undef X
 
-const mbd_joint_ops *mbd_joint_table[MBD_JOINT_TYPES_MAX] = {
-    &mbd_joint_fixed,
-    &mbd_joint_revolute,
-    &mbd_joint_prismatic,
-    &mbd_joint_cylindrical,
-    &mbd_joint_spherical,
-    &mbd_joint_universal,
-    &mbd_joint_planar,
-    &mbd_joint_point_on_line,
-    &mbd_joint_rod,
-    &mbd_joint_screw,
-    &mbd_joint_gear,
-    &mbd_joint_rack_and_pinion,
-    &mbd_joint_revolute_spherical,
-    &mbd_joint_point_in_plane,
-};
-int mbd_joint_ntype = 14;
+#define X(name) &mbd_joint_##name,
+tdm_types mbd_joint_types = {{MBD_JOINT_LIST(X)}};
+#undef X
 
-bool mbd_joint_register(const mbd_joint_ops *ops) {
-  for (int i = 0; i < mbd_joint_ntype; i++)
-    if (strcmp(mbd_joint_table[i]->name, ops->name) == 0)
-      return false;
-  if (mbd_joint_ntype == MBD_JOINT_TYPES_MAX)
-    return false;
-  mbd_joint_table[mbd_joint_ntype++] = ops;
-  return true;
+tdm_status mbd_joint_add(const mbd_joint_ops *ops, tdm_error *err) {
+  return tdm_type_add(&mbd_joint_types, ops, err);
 }

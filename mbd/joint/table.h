@@ -5,12 +5,9 @@
 
 #include "mbd/model/model.h"
 
-enum { MBD_JOINT_TYPES_MAX = 32 };
-extern const mbd_joint_ops *mbd_joint_table[MBD_JOINT_TYPES_MAX]; /* (mbd_joint_ntype) */
-extern int mbd_joint_ntype;
+extern tdm_types mbd_joint_types; /* rows: mbd_joint_ops */
 
-/* Add a type that stands outside of this folder; before any scene is read, and from one thread. The ops must live on.
- * false: the table is full, or has the name already. */
-bool mbd_joint_register(const mbd_joint_ops *ops);
+/* Add a type that stands outside of this folder (tdm_type_add). */
+tdm_status mbd_joint_add(const mbd_joint_ops *ops, tdm_error *err);
 
 #endif

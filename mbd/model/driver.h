@@ -14,7 +14,7 @@
 typedef struct mbd_driver mbd_driver;
 
 typedef struct {
-  const char *name;
+  const char *name;          /* first: as tdm_types asks */
   mbd_coordinate coordinate; /* of the joint */
   /* Read the type's own keys and set the joint; name, type and motion are read for it. */
   void (*read)(mbd_driver *driver, tdm_object *o, const mbd_model *model);

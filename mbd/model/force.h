@@ -36,7 +36,7 @@ typedef struct {
 } mbd_force_value;
 
 typedef struct {
-  const char *name;
+  const char *name;            /* first: as tdm_types asks */
   size_t size;                 /* of the force's own parameters [bytes], 0: it has none */
   const char *value_unit;      /* "N" or "N m"; NULL: as its joint coordinate has it, also the two below */
   const char *coordinate_name; /* "length" or "angle" */

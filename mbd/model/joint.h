@@ -30,7 +30,7 @@ extern const mbd_coordinate_words mbd_coordinate_table[]; /* indexed by mbd_coor
 enum { MBD_HAS_ANGLE = 1 << MBD_ANGLE, MBD_HAS_TRANSLATION = 1 << MBD_TRANSLATION };
 
 typedef struct {
-  const char *name;
+  const char *name;            /* first: as tdm_types asks */
   size_t size;                 /* of the joint's own parameters [bytes], 0: it has none */
   int nrow;                    /* at most MBD_ROWS_MAX */
   const char *const *equation; /* (nrow) what each row holds, for messages */

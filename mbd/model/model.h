@@ -77,10 +77,9 @@ typedef struct {
 } mbd_part;
 
 struct mbd_model {
-  const json_t *section;                  /* borrowed while it is read, NULL afterwards */
-  const mbd_joint_ops *const *joint_type; /* (njoint_type) that a scene may name; as the section */
-  int njoint_type;
-  tdm_vec3 gravity; /* [m/s2] */
+  const json_t *section;        /* borrowed while it is read, NULL afterwards */
+  const tdm_types *joint_types; /* that a scene may name, rows mbd_joint_ops; as the section */
+  tdm_vec3 gravity;             /* [m/s2] */
   int nbody;
   mbd_body *body; /* (nbody) */
   int njoint;

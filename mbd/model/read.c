@@ -75,19 +75,16 @@ int mbd_read_body(tdm_object *o, const mbd_model *model) {
 /* "revolute, cylindrical or screw": the types that have one of the coordinates. Returns out. */
 static const char *types_with(const mbd_model *model, unsigned coordinates, char *out, size_t size) {
   int count = 0, left = 0;
-  for (int i = 0; i < model->njoint_type; i++)
-    count += (model->joint_type[i]->coordinates & coordinates) != 0;
+  const mbd_joint_ops *type;
+  for (int i = 0; (type = model->joint_types->row[i]); i++)
+    count += (type->coordinates & coordinates) != 0;
   left = count;
   out[0] = 0;
-  for (int i = 0; i < model->njoint_type; i++) {
-    if (!(model->joint_type[i]->coordinates & coordinates))
+  for (int i = 0; (type = model->joint_types->row[i]); i++) {
+    if (!(type->coordinates & coordinates))
       continue;
     size_t used = strlen(out);
-    snprintf(out + used, size - used, "%s%s",
-             left == count ? ""
-             : left == 1   ? " or "
-                           : ", ",
-             model->joint_type[i]->name);
+    snprintf(out + used, size - used, "%s%s", left == count ? "" : left == 1 ? " or " : ", ", type->name);
     left--;
   }
   return out;

@@ -26,14 +26,10 @@ static void *own_of(tdm_object *o, size_t size) {
 static void read_joint(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
   mbd_joint *j = &model->joint[model->njoint]; /* counted below: the readers see those before it */
-  const char *names[MBD_JOINT_TYPES_MAX];
-  for (int i = 0; i < mbd_joint_ntype; i++)
-    names[i] = mbd_joint_table[i]->name;
   mbd_read_name(&o, j->name);
-  int type = tdm_get_choice(&o, "type", names, mbd_joint_ntype, -1);
+  j->ops = tdm_get_type(&o, &mbd_joint_types);
   if (err->status)
     return;
-  j->ops = mbd_joint_table[type];
   if (!j->ops->couples)
     mbd_read_bodies(&o, model, j->body);
   j->row = model->nrow;
@@ -51,14 +47,10 @@ static void read_joint(mbd_model *model, json_t *json, const char *path, tdm_err
 static void read_driver(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
   mbd_driver *d = &model->driver[model->ndriver++];
-  const char *names[MBD_DRIVER_TYPES_MAX];
-  for (int i = 0; i < mbd_driver_ntype; i++)
-    names[i] = mbd_driver_table[i]->name;
   mbd_read_name(&o, d->name);
-  int type = tdm_get_choice(&o, "type", names, mbd_driver_ntype, -1);
+  d->ops = tdm_get_type(&o, &mbd_driver_types);
   if (err->status)
     return;
-  d->ops = mbd_driver_table[type];
   d->row = model->nrow;
   d->ops->read(d, &o, model);
   tdm_motion_read(&d->motion, &o, "motion");
@@ -77,14 +69,10 @@ static void read_driver(mbd_model *model, json_t *json, const char *path, tdm_er
 static void read_force(mbd_model *model, json_t *json, const char *path, tdm_error *err) {
   tdm_object o = tdm_object_open(json, path, err);
   mbd_force *f = &model->force[model->nforce];
-  const char *names[MBD_FORCE_TYPES_MAX];
-  for (int i = 0; i < mbd_force_ntype; i++)
-    names[i] = mbd_force_table[i]->name;
   mbd_read_name(&o, f->name);
-  int type = tdm_get_choice(&o, "type", names, mbd_force_ntype, -1);
+  f->ops = tdm_get_type(&o, &mbd_force_types);
   if (err->status)
     return;
-  f->ops = mbd_force_table[type];
   f->own = own_of(&o, f->ops->size);
   if (!err->status)
     f->ops->read(f, &o, model);
@@ -163,8 +151,7 @@ tdm_status mbd_model_read(mbd_model **model, json_t *json, bool restores, tdm_er
 
   const tdm_vec3 earth = {0, 0, -9.81};
   m->section = json;
-  m->joint_type = mbd_joint_table;
-  m->njoint_type = mbd_joint_ntype;
+  m->joint_types = &mbd_joint_types;
   tdm_object o = tdm_object_open(json, "mbd", err);
   m->gravity = tdm_get_vec3(&o, "gravity", &earth);
   read_array(&o, "bodies", true, m, mbd_body_read);

@@ -4,42 +4,39 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-extern const tdm_motion_ops tdm_motion_constant_rate, tdm_motion_constant, tdm_motion_polynomial, tdm_motion_harmonic,
-    tdm_motion_of_table, tdm_motion_step;
+#define TDM_MOTION_LIST(X) \
+  X(constant_rate)         \
+  X(constant)              \
+  X(polynomial)            \
+  X(harmonic)              \
+  X(table)                 \
+  X(step)
 
-const tdm_motion_ops *tdm_motion_table[TDM_MOTION_TYPES_MAX] = {
-    &tdm_motion_constant_rate, &tdm_motion_constant, &tdm_motion_polynomial,
-    &tdm_motion_harmonic,      &tdm_motion_of_table, &tdm_motion_step,
-};
-int tdm_motion_ntype = 6;
+#define X(name) extern const tdm_motion_ops tdm_motion_##name;
+TDM_MOTION_LIST(X)
+#undef X
 
-bool tdm_motion_register(const tdm_motion_ops *ops) {
-  for (int i = 0; i < tdm_motion_ntype; i++)
-    if (strcmp(tdm_motion_table[i]->name, ops->name) == 0)
-      return false;
-  if (tdm_motion_ntype == TDM_MOTION_TYPES_MAX)
-    return false;
-  tdm_motion_table[tdm_motion_ntype++] = ops;
-  return true;
+#define X(name) &tdm_motion_##name,
+tdm_types tdm_motion_types = {{TDM_MOTION_LIST(X)}};
+#undef X
+
+tdm_status tdm_motion_add(const tdm_motion_ops *ops, tdm_error *err) {
+  return tdm_type_add(&tdm_motion_types, ops, err);
 }
 
 void tdm_motion_read(tdm_motion *motion, tdm_object *owner, const char *key) {
   tdm_object o = tdm_get_object(owner, key, true);
-  const char *names[TDM_MOTION_TYPES_MAX];
-  for (int i = 0; i < tdm_motion_ntype; i++)
-    names[i] = tdm_motion_table[i]->name;
-  int type = tdm_get_choice(&o, "type", names, tdm_motion_ntype, -1);
+  const tdm_motion_ops *ops = tdm_get_type(&o, &tdm_motion_types);
   if (o.err->status)
     return;
-  motion->own = calloc(1, tdm_motion_table[type]->size);
+  motion->own = calloc(1, ops->size);
   if (!motion->own) {
     tdm_object_fail(&o, NULL, "no memory for the motion law");
     o.err->status = TDM_ERR_MEMORY;
     return;
   }
-  motion->ops = tdm_motion_table[type];
+  motion->ops = ops;
   motion->range = (tdm_motion_range){-INFINITY, INFINITY};
   motion->ops->read(motion->own, &o, &motion->range);
   tdm_object_close(&o);

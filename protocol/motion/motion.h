@@ -2,8 +2,8 @@
  * what scales their applied forces, and the oscillations of driven bodies in dem/.
  *
  * A law must be continuous with its rate (a jump of the rate is only possible before the run starts), and its
- * acceleration should be. To add one: a file with its parameters, their reader and its ops (constant_rate.c is short),
- * its name in the table of motion.c, a line in ../CMakeLists.txt and in docs/mbd.md.
+ * acceleration should be. To add one: a file with its parameters, their reader and its ops, tdm_motion_NAME
+ * (constant_rate.c is short), and its row in motion.c; its keys in scenarios/scene.schema.json.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_MOTION_MOTION_H
@@ -21,8 +21,8 @@ typedef struct {
 } tdm_motion_range;
 
 typedef struct {
-  const char *name;
-  size_t size; /* of the law's own parameters [bytes] */
+  const char *name; /* first: as tdm_types asks */
+  size_t size;      /* of the law's own parameters [bytes] */
   /* Read the keys behind "type" into the parameters, which are zero; narrow the range of times that it has values for,
    * which is all times. */
   void (*read)(void *own, tdm_object *o, tdm_motion_range *range);
@@ -36,13 +36,10 @@ typedef struct {
   tdm_motion_range range;
 } tdm_motion;
 
-enum { TDM_MOTION_TYPES_MAX = 32 };
-extern const tdm_motion_ops *tdm_motion_table[TDM_MOTION_TYPES_MAX]; /* (tdm_motion_ntype) */
-extern int tdm_motion_ntype;
+extern tdm_types tdm_motion_types; /* rows: tdm_motion_ops */
 
-/* Add a law that stands outside of this folder; before any scene is read, and from one thread. The ops must live on.
- * false: the table is full, or has the name already. */
-bool tdm_motion_register(const tdm_motion_ops *ops);
+/* Add a law that stands outside of this folder (tdm_type_add). */
+tdm_status tdm_motion_add(const tdm_motion_ops *ops, tdm_error *err);
 
 /* Read the object `key`, which is there; the caller clears the motion (also after an error). */
 void tdm_motion_read(tdm_motion *motion, tdm_object *o, const char *key);

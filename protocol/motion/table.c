@@ -130,8 +130,8 @@ static tdm_motion_value at(const void *own, double t) {
   return (tdm_motion_value){c.y, c.slope, c.second};
 }
 
-extern const tdm_motion_ops tdm_motion_of_table;
-const tdm_motion_ops tdm_motion_of_table = {
+extern const tdm_motion_ops tdm_motion_table;
+const tdm_motion_ops tdm_motion_table = {
     .name = "table",
     .size = sizeof(law),
     .read = read,

@@ -227,6 +227,36 @@ int tdm_get_choice(tdm_object *o, const char *key, const char *const *choices, i
   return -1;
 }
 
+static const char *name_of(const void *row) {
+  return *(const char *const *)row;
+}
+
+const char *tdm_type_name(const tdm_types *types, int i) {
+  return types->row[i] ? name_of(types->row[i]) : NULL;
+}
+
+const void *tdm_get_type(tdm_object *o, const tdm_types *types) {
+  const char *names[TDM_TYPES_MAX];
+  int n = 0;
+  for (; types->row[n]; n++)
+    names[n] = name_of(types->row[n]);
+  int type = tdm_get_choice(o, "type", names, n, -1);
+  return type < 0 || o->err->status ? NULL : types->row[type];
+}
+
+tdm_status tdm_type_add(tdm_types *types, const void *row, tdm_error *err) {
+  int n = 0;
+  for (; types->row[n]; n++)
+    if (strcmp(name_of(types->row[n]), name_of(row)) == 0)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "there is a type \"%s\" already; give the new one another name",
+                      name_of(row));
+  if (n == TDM_TYPES_MAX)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "there is no room for the type \"%s\": a table has %d types at most",
+                    name_of(row), TDM_TYPES_MAX);
+  types->row[n] = row;
+  return TDM_OK;
+}
+
 bool tdm_get_numbers(tdm_object *o, const char *key, double *out, int n, bool required) {
   json_t *value = ask(o, key);
   char path[TDM_PATH_MAX], what[64];

@@ -111,6 +111,23 @@ bool tdm_get_bool(tdm_object *o, const char *key, bool fallback);
 /* The index of a string among `choices`; -1 after an error. `fallback` when missing (-1: an error). */
 int tdm_get_choice(tdm_object *o, const char *key, const char *const *choices, int nchoice, int fallback);
 
+/* The types that objects of one kind may name under "type". A row is the type's operations, whatever they are, which
+ * begin with its name (a const char *). NULL behind the last. */
+enum { TDM_TYPES_MAX = 32 };
+typedef struct {
+  const void *row[TDM_TYPES_MAX + 1];
+} tdm_types;
+
+/* The row that "type" names; NULL after an error. */
+const void *tdm_get_type(tdm_object *o, const tdm_types *types);
+
+/* The name of row i, NULL behind the last. */
+const char *tdm_type_name(const tdm_types *types, int i);
+
+/* Add a type from elsewhere; before any scene is read, and from one thread. The row stays the caller's and must outlive
+ * the table. An error (TDM_ERR_ARGUMENT): the table is full, or has the name already. */
+tdm_status tdm_type_add(tdm_types *types, const void *row, tdm_error *err);
+
 /* Three finite numbers; *fallback when missing (NULL: an error). */
 tdm_vec3 tdm_get_vec3(tdm_object *o, const char *key, const tdm_vec3 *fallback);
 

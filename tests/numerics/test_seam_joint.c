@@ -181,22 +181,27 @@ START_TEST(a_motion_law) {
 }
 END_TEST
 
-/* ---- registering ---- */
+/* ---- adding ---- */
 
 START_TEST(names_are_taken_once) {
-  ck_assert(!mbd_joint_register(&slope_ops));
-  ck_assert(!mbd_force_register(&drag_ops));
-  ck_assert(!tdm_motion_register(&settling_ops));
+  tdm_error err = {0};
+  ck_assert_int_eq(mbd_joint_add(&slope_ops, &err), TDM_ERR_ARGUMENT);
+  ck_assert(strstr(err.message, slope_ops.name) && strstr(err.message, "already"));
+  ck_assert_int_eq(mbd_force_add(&drag_ops, NULL), TDM_ERR_ARGUMENT);
+  ck_assert_int_eq(tdm_motion_add(&settling_ops, NULL), TDM_ERR_ARGUMENT);
 }
 END_TEST
 
-static bool register_all(void) {
-  return mbd_joint_register(&slope_ops) && mbd_force_register(&drag_ops) && tdm_motion_register(&settling_ops);
+static bool add_all(void) {
+  tdm_error err = {0};
+  mbd_joint_add(&slope_ops, &err);
+  mbd_force_add(&drag_ops, &err);
+  return tdm_motion_add(&settling_ops, &err) == TDM_OK;
 }
 
 int main(void) {
   const test_row rows[] = {{a_joint, 1}, {its_keys, 1}, {a_force, 1}, {a_motion_law, 1}, {names_are_taken_once, 1}};
-  if (!register_all())
+  if (!add_all())
     return EXIT_FAILURE;
   return test_run("seam_joint", rows, sizeof rows / sizeof rows[0]);
 }

@@ -333,16 +333,12 @@ END_TEST
 /* every type of every table stands in a scene above */
 START_TEST(test_all_types) {
   const int nscene = sizeof scenes / sizeof scenes[0];
-  const char *names[MBD_JOINT_TYPES_MAX + MBD_FORCE_TYPES_MAX + MBD_DRIVER_TYPES_MAX + TDM_MOTION_TYPES_MAX];
+  const tdm_types *const tables[] = {&mbd_joint_types, &mbd_force_types, &mbd_driver_types, &tdm_motion_types};
+  const char *names[4 * TDM_TYPES_MAX];
   int n = 0;
-  for (int t = 0; t < mbd_joint_ntype; t++)
-    names[n++] = mbd_joint_table[t]->name;
-  for (int t = 0; t < mbd_force_ntype; t++)
-    names[n++] = mbd_force_table[t]->name;
-  for (int t = 0; t < mbd_driver_ntype; t++)
-    names[n++] = mbd_driver_table[t]->name;
-  for (int t = 0; t < tdm_motion_ntype; t++)
-    names[n++] = tdm_motion_table[t]->name;
+  for (int k = 0; k < 4; k++)
+    for (int t = 0; tdm_type_name(tables[k], t); t++)
+      names[n++] = tdm_type_name(tables[k], t);
   for (int t = 0; t < n; t++) {
     char quoted[64];
     snprintf(quoted, sizeof quoted, "'type':'%s'", names[t]);
