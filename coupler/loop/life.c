@@ -1,9 +1,9 @@
 /* The life of a loop, from its beginning to its end, and its way back: see loop.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/loop.h"
+#include "coupler/state/loop.h"
 
-#include "coupler/loop/mismatch.h"
-#include "coupler/loop/path.h"
+#include "coupler/state/mismatch.h"
+#include "coupler/state/path.h"
 
 #include <math.h>
 #include <stdlib.h>

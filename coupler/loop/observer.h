@@ -7,7 +7,7 @@
 #ifndef CPL_LOOP_OBSERVER_H
 #define CPL_LOOP_OBSERVER_H
 
-#include "coupler/loop/loop.h"
+#include "coupler/state/loop.h"
 #include "protocol/results/results.h"
 
 /* Where observers may write. */

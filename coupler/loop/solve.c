@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/solve.h"
 
-#include "coupler/loop/path.h"
+#include "coupler/state/path.h"
 #include "protocol/math/legendre.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef CPL_LOOP_SOLVE_H
 #define CPL_LOOP_SOLVE_H
 
-#include "coupler/loop/loop.h"
+#include "coupler/state/loop.h"
 
 /* MBD over the window under loop->load (its first `ncoefficient` entries a body): sets state_end. */
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err);

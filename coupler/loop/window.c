@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/loop/window.h"
 
-#include "coupler/loop/mismatch.h"
-#include "coupler/loop/path.h"
+#include "coupler/state/mismatch.h"
+#include "coupler/state/path.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef CPL_OBSERVE_JOIN_H
 #define CPL_OBSERVE_JOIN_H
 
-#include "coupler/session/settings.h"
+#include "coupler/settings/settings.h"
 #include "protocol/view/view.h"
 
 /* Where the parts of both went. Zero-initialise; freed with cpl_join_free. */

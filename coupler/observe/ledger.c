@@ -2,11 +2,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/observe/ledger.h"
 
-#include "coupler/loop/path.h"
 #include "coupler/observe/histories.h"
 #include "coupler/observe/momentum.h"
 #include "coupler/observe/observers.h"
-#include "protocol/base/json.h"
+#include "coupler/state/path.h"
+#include "protocol/scene/json.h"
 #include "protocol/scene/remark.h"
 
 #include <math.h>

@@ -10,7 +10,7 @@
 #ifndef CPL_OBSERVE_MOMENTUM_H
 #define CPL_OBSERVE_MOMENTUM_H
 
-#include "coupler/loop/loop.h"
+#include "coupler/state/loop.h"
 
 /* of one body */
 typedef struct {

@@ -4,7 +4,7 @@
 
 #include "coupler/observe/observers.h"
 #include "coupler/report/words.h"
-#include "coupler/session/settings.h"
+#include "coupler/settings/settings.h"
 #include "protocol/scene/input.h"
 
 #include <dirent.h>

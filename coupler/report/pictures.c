@@ -3,7 +3,7 @@
 #include "coupler/report/pictures.h"
 
 #include "coupler/report/words.h"
-#include "coupler/session/settings.h"
+#include "coupler/settings/settings.h"
 #include "protocol/app/plot.h"
 #include "protocol/results/thin.h"
 

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/run/check.h"
 
-#include "coupler/session/scheme.h"
+#include "coupler/settings/scheme.h"
 #include "protocol/app/print.h"
 
 #include <math.h>

@@ -12,10 +12,10 @@
  * whose load at t = 0 is known, since MBD has no acceleration under a load before.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/path.h"
 #include "coupler/loop/solve.h"
 #include "coupler/scheme/extrapolate.h"
 #include "coupler/scheme/schemes.h"
+#include "coupler/state/path.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #ifndef CPL_SCHEME_EXTRAPOLATE_H
 #define CPL_SCHEME_EXTRAPOLATE_H
 
-#include "coupler/loop/loop.h"
+#include "coupler/state/loop.h"
 
 enum { CPL_HISTORY_MAX = 3 };
 

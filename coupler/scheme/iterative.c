@@ -11,10 +11,10 @@
  * as the mechanism does, Z - E depends little on c. A window that does not converge goes on with the smallest residual.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/mismatch.h"
 #include "coupler/loop/solve.h"
 #include "coupler/scheme/accelerate.h"
 #include "coupler/scheme/schemes.h"
+#include "coupler/state/mismatch.h"
 #include "protocol/scene/remark.h"
 
 #include <math.h>

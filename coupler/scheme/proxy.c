@@ -10,9 +10,9 @@
  * window, where the linearisation ends. Where the mechanism cannot move, this is `dem-first`.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/mismatch.h"
 #include "coupler/loop/solve.h"
 #include "coupler/scheme/schemes.h"
+#include "coupler/state/mismatch.h"
 #include "protocol/scene/remark.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
-/* The table of tandem's coupling schemes (session/scheme.h says how to add one). */
+/* The table of tandem's coupling schemes (settings/scheme.h says how to add one). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_SCHEME_SCHEMES_H
 #define CPL_SCHEME_SCHEMES_H
 
-#include "coupler/session/scheme.h"
+#include "coupler/settings/scheme.h"
 
 /* proxy: DEM carries the mechanism through the window; iterative: the same, over and over until both solvers agree;
  * dem_first: DEM first on a predicted path; lommen: quadratic extrapolation of window means, MBD first; hold: the last

@@ -3,7 +3,7 @@
 #ifndef CPL_SESSION_LAUNCH_H
 #define CPL_SESSION_LAUNCH_H
 
-#include "coupler/session/settings.h"
+#include "coupler/settings/settings.h"
 
 #include <stdbool.h>
 #include <stddef.h>

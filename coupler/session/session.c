@@ -2,10 +2,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/session/session.h"
 
-#include "coupler/session/scheme.h"
+#include "coupler/settings/scheme.h"
 #include "protocol/app/command_line.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
+#include "protocol/scene/json.h"
 #include "protocol/scene/remark.h"
 
 #include <assert.h>

@@ -8,7 +8,7 @@
 #define CPL_SESSION_SESSION_H
 
 #include "coupler/session/launch.h"
-#include "coupler/session/settings.h"
+#include "coupler/settings/settings.h"
 #include "protocol/base/progress.h"
 #include "protocol/wire/transport.h"
 

@@ -1,7 +1,7 @@
 /* What the solvers of a session can do, what is asked of them, and the scheme that follows: see session.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/session/scheme.h"
 #include "coupler/session/session.h"
+#include "coupler/settings/scheme.h"
 #include "protocol/scene/remark.h"
 
 #include <stdio.h>

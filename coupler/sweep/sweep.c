@@ -5,8 +5,8 @@
 
 #include "coupler/observe/observers.h"
 #include "protocol/app/command_line.h"
-#include "protocol/base/hash.h"
 #include "protocol/base/log.h"
+#include "protocol/math/hash.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -4,9 +4,9 @@
 #include "coupler/sweep/sweep.h"
 
 #include "coupler/verify/table.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/results/results.h"
+#include "protocol/scene/json.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,9 +5,9 @@
 #include "coupler/verify/jobs.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/results/results.h"
+#include "protocol/scene/json.h"
 #include "protocol/version.h"
 
 #include <assert.h>

@@ -7,7 +7,7 @@
 #include "dem/geometry/shape/mesh_wall.h"
 #include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
-#include "protocol/base/json.h"
+#include "protocol/scene/json.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -13,12 +13,12 @@
 #include "dem/step/step.h"
 #include "dem/store/state_file.h"
 #include "dem/watch/energy_balance.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/status.h"
 #include "protocol/math/gsl_errors.h"
 #include "protocol/math/random.h"
 #include "protocol/results/results.h"
+#include "protocol/scene/json.h"
 
 #include <errno.h>
 #include <limits.h>

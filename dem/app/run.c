@@ -9,9 +9,9 @@
 #include "dem/output/repose.h"
 #include "dem/watch/check.h"
 #include "protocol/app/plot.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/scene/json.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "dem/contact/table.h"
 #include "dem/model/fields.h"
 #include "dem/model/integrator.h"
-#include "protocol/base/hash.h"
+#include "protocol/math/hash.h"
 
 #include <string.h>
 

@@ -8,7 +8,7 @@
 #include "dem/particles/field.h"
 #include "dem/search/pairs.h"
 #include "dem/store/fingerprint.h"
-#include "protocol/base/hash.h"
+#include "protocol/math/hash.h"
 #include "protocol/scene/input.h"
 
 #include <assert.h>

@@ -7,9 +7,9 @@
 #include "mbd/mbd.h"
 #include "protocol/app/plot.h"
 #include "protocol/app/print.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/scene/json.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 #include "mbd/assembly/assemble.h"
 
 #include "mbd/assembly/rank.h"
-#include "mbd/assembly/rubbing.h"
-#include "mbd/assembly/stick.h"
+#include "mbd/consistent/rubbing.h"
+#include "mbd/consistent/stick.h"
 #include "mbd/joint/frame.h"
 #include "mbd/linear/largest.h"
 #include "mbd/mechanics/energy.h"

@@ -3,7 +3,7 @@
 #ifndef MBD_ASSEMBLY_ASSEMBLE_H
 #define MBD_ASSEMBLY_ASSEMBLE_H
 
-#include "mbd/assembly/consistent.h"
+#include "mbd/consistent/consistent.h"
 
 /* how far the start was moved to satisfy the joints; velocities that a driver gives to bodies are not counted */
 typedef struct {

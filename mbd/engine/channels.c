@@ -7,7 +7,7 @@
 #include "mbd/engine/channels.h"
 
 #include "mbd/assembly/balance.h"
-#include "mbd/assembly/stick.h"
+#include "mbd/consistent/stick.h"
 #include "mbd/joint/frame.h"
 #include "mbd/mechanics/energy.h"
 

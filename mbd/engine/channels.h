@@ -7,7 +7,7 @@
 #ifndef MBD_ENGINE_CHANNELS_H
 #define MBD_ENGINE_CHANNELS_H
 
-#include "mbd/assembly/consistent.h"
+#include "mbd/consistent/consistent.h"
 
 int mbd_channel_count(const mbd_model *model);
 

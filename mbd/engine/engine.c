@@ -3,7 +3,6 @@
 #include "mbd/mbd.h"
 
 #include "mbd/assembly/assemble.h"
-#include "mbd/engine/ahead.h"
 #include "mbd/engine/channels.h"
 #include "mbd/engine/guard.h"
 #include "mbd/engine/report.h"
@@ -11,6 +10,7 @@
 #include "mbd/integrate/integrator.h"
 #include "mbd/mechanics/energy.h"
 #include "mbd/mechanics/free.h"
+#include "mbd/reduced/ahead.h"
 #include "mbd/reduced/reduced.h"
 #include "mbd/scene/scene.h"
 #include "protocol/base/log.h"

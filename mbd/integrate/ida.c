@@ -4,16 +4,16 @@
  * IDA's unknowns z are those of the mechanism, y, but that the velocities that the coupling loads have given are taken
  * out (impulse.h): loads jump between windows, and a BDF would mix what they were with what they are. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/assembly/stick.h"
-#include "mbd/assembly/work.h"
+#include "mbd/consistent/stick.h"
+#include "mbd/consistent/work.h"
+#include "mbd/equations/jacobian.h"
+#include "mbd/equations/residual.h"
 #include "mbd/integrate/impulse.h"
 #include "mbd/integrate/integrator.h"
 #include "mbd/integrate/pace.h"
 #include "mbd/integrate/past.h"
 #include "mbd/linear/linear_solver.h"
 #include "mbd/linear/vector.h"
-#include "mbd/mechanics/jacobian.h"
-#include "mbd/mechanics/residual.h"
 #include "protocol/base/log.h"
 #include "protocol/base/memory.h"
 #include "protocol/scene/remark.h"

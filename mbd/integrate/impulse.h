@@ -14,7 +14,7 @@
 #ifndef MBD_INTEGRATE_IMPULSE_H
 #define MBD_INTEGRATE_IMPULSE_H
 
-#include "mbd/assembly/kkt.h"
+#include "mbd/consistent/kkt.h"
 
 typedef struct mbd_impulse mbd_impulse;
 

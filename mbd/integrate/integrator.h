@@ -8,7 +8,7 @@
 #ifndef MBD_INTEGRATE_INTEGRATOR_H
 #define MBD_INTEGRATE_INTEGRATOR_H
 
-#include "mbd/assembly/consistent.h"
+#include "mbd/consistent/consistent.h"
 
 /* Called for each sample time with the state there (dense output); y is borrowed. */
 typedef tdm_status (*mbd_sample_fn)(void *context, int sample, double t, const double *y, tdm_error *err);

@@ -56,7 +56,7 @@ typedef struct {
   void (*clear)(mbd_force *force); /* free what its own parameters own; NULL: nothing */
 } mbd_force_ops;
 
-/* Friction, as far as the modes of sticking and sliding know it (assembly/stick.h): its force is level(rate) times a
+/* Friction, as far as the modes of sticking and sliding know it (consistent/stick.h): its force is level(rate) times a
  * normal force, which is `base` and what the joint's own reaction adds. */
 typedef struct {
   double hold; /* coefficient of friction at rest [1]; or the limit itself [N, N m] */

@@ -9,7 +9,7 @@
 
 #include "mbd/model/driver.h"
 #include "mbd/model/force.h"
-#include "mbd/model/outline.h"
+#include "mbd/shape/outline.h"
 #include "protocol/wire/participant.h"
 
 enum { MBD_GROUND = -1, MBD_NAME_MAX = 40 };

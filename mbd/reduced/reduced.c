@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/reduced/reduced.h"
 
-#include "mbd/mechanics/tangent.h"
+#include "mbd/equations/tangent.h"
 
 #include <gsl/gsl_linalg.h>
 #include <stdlib.h>

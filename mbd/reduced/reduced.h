@@ -22,7 +22,7 @@
 #ifndef MBD_REDUCED_REDUCED_H
 #define MBD_REDUCED_REDUCED_H
 
-#include "mbd/assembly/consistent.h"
+#include "mbd/consistent/consistent.h"
 
 typedef struct mbd_reduced mbd_reduced;
 

@@ -6,8 +6,8 @@
 #include "mbd/force/table.h"
 #include "mbd/joint/table.h"
 #include "mbd/mechanics/slim.h"
-#include "mbd/model/body.h"
 #include "mbd/model/read.h"
+#include "mbd/scene/body.h"
 #include "mbd/scene/settings.h"
 
 #include <stdlib.h>

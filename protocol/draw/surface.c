@@ -3,7 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/draw/surface.h"
 
-#include "protocol/base/hash.h"
+#include "protocol/math/hash.h"
 
 #include <stdlib.h>
 #include <string.h>

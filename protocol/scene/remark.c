@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/scene/remark.h"
 
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
+#include "protocol/scene/json.h"
 
 #include <math.h>
 #include <stdarg.h>

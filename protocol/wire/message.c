@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/wire/message.h"
 
-#include "protocol/base/json.h"
 #include "protocol/base/memory.h"
+#include "protocol/scene/json.h"
 
 #include <assert.h>
 #include <stdlib.h>

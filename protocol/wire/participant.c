@@ -3,10 +3,10 @@
 #include "protocol/wire/participant.h"
 
 #include "protocol/base/interrupt.h"
-#include "protocol/base/json.h"
 #include "protocol/base/log.h"
 #include "protocol/base/memory.h"
 #include "protocol/base/progress.h"
+#include "protocol/scene/json.h"
 #include "protocol/scene/remark.h"
 #include "protocol/scene/scene.h"
 #include "protocol/wire/transport.h"

@@ -1,8 +1,8 @@
 /* The path ahead: what drivers prescribe, exactly; what moves on springs beside them; when no nodes are needed. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/assembly/assemble.h"
-#include "mbd/assembly/kkt.h"
-#include "mbd/engine/ahead.h"
+#include "mbd/consistent/kkt.h"
+#include "mbd/reduced/ahead.h"
 #include "mbd/scene/scene.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"

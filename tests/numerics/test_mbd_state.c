@@ -1,7 +1,7 @@
 /* The state of a run, saved and restored: every field of its lists is copied, and nothing beside the lists and the
  * workspace is state. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/integrate/alpha.h"
+#include "mbd/integrate/alpha/alpha.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,6 @@
 /* The length of the next window, and the measure that it follows. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/loop/mismatch.h"
+#include "coupler/state/mismatch.h"
 #include "tests/test_main.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * against exact values.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "mbd/model/inertia.h"
+#include "mbd/shape/inertia.h"
 #include "tests/numerics/test_mbd_support.h"
 #include "tests/test_main.h"
 

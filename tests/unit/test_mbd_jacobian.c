@@ -3,11 +3,11 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mbd/driver/table.h"
+#include "mbd/equations/jacobian.h"
+#include "mbd/equations/residual.h"
+#include "mbd/equations/tangent.h"
 #include "mbd/force/table.h"
 #include "mbd/joint/table.h"
-#include "mbd/mechanics/jacobian.h"
-#include "mbd/mechanics/residual.h"
-#include "mbd/mechanics/tangent.h"
 #include "mbd/scene/scene.h"
 #include "protocol/math/random.h"
 #include "tests/numerics/test_mbd_support.h"

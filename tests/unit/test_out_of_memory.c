@@ -8,8 +8,8 @@
 #include "dem/state/data.h"
 #include "dem/store/state_file.h"
 #include "mbd/mbd.h"
-#include "protocol/base/hash.h"
 #include "protocol/base/memory.h"
+#include "protocol/math/hash.h"
 #include "protocol/scene/scene.h"
 #include "tests/test_main.h"
 

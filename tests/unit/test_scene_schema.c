@@ -6,7 +6,7 @@
  * asked for in one of them. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/scheme/schemes.h"
-#include "coupler/session/settings.h"
+#include "coupler/settings/settings.h"
 #include "dem/app/run.h"
 #include "dem/scene/scene.h"
 #include "mbd/app/run.h"

@@ -1,7 +1,7 @@
 /* Closed surfaces, solids and cavities of STL files: the check that mbd and dem share. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/mesh/mesh.h"
-#include "mbd/model/inertia.h"
+#include "mbd/shape/inertia.h"
 #include "protocol/surface/surface.h"
 #include "tests/test_main.h"
 

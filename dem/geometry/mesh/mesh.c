@@ -4,7 +4,7 @@
 
 #include "dem/geometry/mesh/mesh_data.h"
 #include "dem/geometry/mesh/mesh_tree.h"
-#include "protocol/base/hash.h"
+#include "protocol/math/hash.h"
 #include "protocol/surface/surface.h"
 
 #include <stdint.h>
