@@ -286,5 +286,46 @@ START_TEST(every_key_has_a_text) {
 }
 END_TEST
 
+/* May the value be a number that is no count, or an array of such? An orientation says its own units. */
+static bool has_numbers(const json_t *node) {
+  static const char *const choices[] = {"oneOf", "anyOf"};
+  const char *ref = json_string_value(json_object_get(node, "$ref"));
+  if (ref && strcmp(ref, "#/definitions/orientation") == 0)
+    return false;
+  if (ref)
+    return has_numbers(json_object_get(json_object_get(schema, "definitions"), strrchr(ref, '/') + 1));
+  const char *type = json_string_value(json_object_get(node, "type"));
+  if (type)
+    return strcmp(type, "number") == 0 || (strcmp(type, "array") == 0 && has_numbers(json_object_get(node, "items")));
+  for (size_t k = 0; k < sizeof choices / sizeof *choices; k++) {
+    size_t i;
+    json_t *choice;
+    json_array_foreach(json_object_get(node, choices[k]), i, choice) {
+      if (has_numbers(choice))
+        return true;
+    }
+  }
+  return false;
+}
+
+START_TEST(every_number_has_a_unit) {
+  read_schema();
+  int fault = 0, count = 0;
+  const char *key;
+  json_t *node;
+  json_object_foreach(nodes, key, node) {
+    if (!has_numbers(node))
+      continue;
+    count++;
+    if (json_object_get(node, "x-unit"))
+      continue;
+    fprintf(stderr, "%s: a number without a unit; give \"x-unit\", which is \"1\" for ratios and directions\n", key);
+    fault++;
+  }
+  ck_assert_int_eq(fault, 0);
+  ck_assert_int_gt(count, 150);
+}
+END_TEST
+
 TEST_MAIN("scene_schema", what_readers_ask_for_is_in_the_schema, what_is_in_the_schema_is_asked_for,
-          defaults_are_the_readers, every_key_has_a_text)
+          defaults_are_the_readers, every_key_has_a_text, every_number_has_a_unit)
