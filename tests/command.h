@@ -3,6 +3,8 @@
 #ifndef TEST_COMMAND_H
 #define TEST_COMMAND_H
 
+#include "tests/scene_json.h"
+
 #include <check.h>
 #include <ctype.h>
 #include <dirent.h>
@@ -73,8 +75,7 @@ static inline const char *directory_with_scene(const char *scene) {
   const char *dir = directory_make();
   ck_assert_uint_lt(strlen(scene), sizeof text);
   strcpy(text, scene);
-  for (char *c = text; *c; c++)
-    *c = *c == '\'' ? '"' : *c;
+  double_quotes(text);
   write_file(dir, "scene.json", text);
   return dir;
 }

@@ -7,6 +7,7 @@
 #include "dem/settle/bed.h"
 #include "dem/settle/settle.h"
 #include "dem/watch/limits.h"
+#include "test_session_support.h"
 #include "tests/test_main.h"
 
 #include <sys/stat.h>
@@ -25,38 +26,21 @@ static json_t *bed_json(double e, double friction, int seed, const char *store, 
                     e, friction, store ? ",'store':'" : "", store ? store : "", store ? "'" : "", seed, more);
 }
 
-typedef struct {
-  json_t *json;
-  tdm_assigned_body body;
-  tdm_assignment assignment;
-  tdm_ready ready;
-  void *self;
-  tdm_error err;
-} session;
-
-static void prepare_session(session *s, json_t *json, double dt) {
-  s->json = json;
-  s->body = (tdm_assigned_body){.name = "box", .mass = 10, .state = state_at(0.1, 0.2, 0.3)};
-  s->body.state.pose.orientation = tdm_quat_from_rotvec(tdm_v3(0, 0.4, 0.02));
-  s->assignment = (tdm_assignment){.scene = json, .time_end = 1, .dt = dt, .n = 1, .nbody = 1, .body = &s->body};
+static session *prepare_box(json_t *json, double dt) {
+  tdm_assigned_body box = {.name = "box", .mass = 10, .state = state_at(0.1, 0.2, 0.3)};
+  box.state.pose.orientation = tdm_quat_from_rotvec(tdm_v3(0, 0.4, 0.02));
+  return prepare_session(json, box, dt);
 }
 
 static session *open_session_with(json_t *json, double dt, bool proxy) {
-  session *s = calloc(1, sizeof *s);
-  prepare_session(s, json, dt);
+  session *s = prepare_box(json, dt);
   s->assignment.proxy = proxy;
-  dem_solver_ops.create(&s->self, &s->assignment, &s->ready, NULL, &s->err);
+  start_session(s);
   return s;
 }
 
 static session *open_session(json_t *json, double dt) {
   return open_session_with(json, dt, false);
-}
-
-static void close_session(session *s) {
-  dem_solver_ops.destroy(s->self);
-  json_decref(s->json);
-  free(s);
 }
 
 static double figure(const session *s, const char *group, const char *key) {
@@ -244,11 +228,10 @@ START_TEST(test_bed_of_a_body_that_moves) {
   outcome out[3];
   for (int k = 0; k < 3; k++) { /* at rest, fast with the stored bed, fast with a bed of its own */
     json_t *json = bed_json(0.5, 0.4, 1, k < 2 ? name : NULL, "");
-    session *s = calloc(1, sizeof *s);
-    prepare_session(s, json, 1e-4);
+    session *s = prepare_box(json, 1e-4);
     if (k > 0)
       s->body.state.twist = (tdm_twist){{3, -4, 5}, {1, 2, 3}};
-    dem_solver_ops.create(&s->self, &s->assignment, &s->ready, NULL, &s->err);
+    start_session(s);
     ck_assert_msg(!s->err.status, "%s: %s", s->err.path, s->err.message);
     ck_assert_int_eq(json_is_true(json_object_get(json_object_get(s->ready.report, "settle"), "stored")), k == 1);
     out[k] = run(s, 20);

@@ -12,10 +12,10 @@
 #include "dem/step/forces.h"
 #include "dem/step/step.h"
 #include "dem/watch/guard.h"
+#include "tests/scene_json.h"
 
 #include <check.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,22 +33,6 @@ static inline void ck_vector(tdm_vec3 v, tdm_vec3 e, double tolerance) {
   double off = tdm_norm(tdm_sub(v, e));
   ck_assert_msg(off <= tolerance, "[%.17g, %.17g, %.17g] is off [%.17g, %.17g, %.17g] by %.3g", v.x, v.y, v.z, e.x, e.y,
                 e.z, off);
-}
-
-/* JSON with ' for ", so that scenes read well in C. printf format. */
-static inline json_t *scene_json(const char *format, ...) {
-  static char text[65536];
-  va_list args;
-  va_start(args, format);
-  vsnprintf(text, sizeof text, format, args);
-  va_end(args);
-  for (char *c = text; *c; c++)
-    if (*c == '\'')
-      *c = '"';
-  json_error_t error;
-  json_t *json = json_loads(text, JSON_REJECT_DUPLICATES, &error);
-  ck_assert_msg(json != NULL, "test scene: %s at line %d column %d", error.text, error.line, error.column);
-  return json;
 }
 
 /* A state at rest at x. */

@@ -11,7 +11,7 @@
 static tdm_motion motion_of(const char *text) {
   tdm_motion motion = {0};
   tdm_error err = {0};
-  json_t *json = scene_json(text);
+  json_t *json = scene_json("%s", text);
   tdm_object o = tdm_object_open(json, "", &err);
   tdm_motion_read(&motion, &o, "motion");
   ck_assert_msg(!err.status, "%s: %s", err.path, err.message);

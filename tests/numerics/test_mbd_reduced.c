@@ -24,7 +24,7 @@ static void open_mechanism(mechanism *q, const char *scene, int ncoupled, const 
   memset(q, 0, sizeof *q);
   for (int i = 0; i < ncoupled; i++)
     body[i].name = names[i];
-  q->json = scene_json(scene);
+  q->json = scene_json("%s", scene);
   ck_assert_msg(!mbd_model_read(&q->model, q->json, false, &err), "%s: %s", err.path, err.message);
   ck_assert_msg(!mbd_model_couple(q->model, body, ncoupled, &err), "%s: %s", err.path, err.message);
   q->data = mbd_data_create(q->model);

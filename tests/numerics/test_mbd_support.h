@@ -8,6 +8,7 @@
 #include "mbd/mbd.h"
 #include "protocol/base/log.h"
 #include "protocol/math/random.h"
+#include "tests/scene_json.h"
 
 #include <check.h>
 #include <stdio.h>
@@ -30,24 +31,11 @@ typedef struct {
   double *channel; /* (RUN_SAMPLES x nchannel) */
 } run;
 
-/* JSON from text in which ' stands for ". */
-static inline json_t *scene_json(const char *text) {
-  char *copy = strdup(text);
-  for (char *c = copy; *c; c++)
-    if (*c == '\'')
-      *c = '"';
-  json_error_t where;
-  json_t *json = json_loads(copy, 0, &where);
-  ck_assert_msg(json != NULL, "%s at %d in %s", where.text, where.position, copy);
-  free(copy);
-  return json;
-}
-
 /* Create a solver; `names` are the coupled bodies, separated by spaces ("" for none). Look at r->status. */
 static inline void run_open(run *r, const char *scene, const char *names) {
   static char buffer[RUN_BODIES][64];
   memset(r, 0, sizeof *r);
-  r->scene = scene_json(scene);
+  r->scene = scene_json("%s", scene);
   for (int used; sscanf(names, "%63s%n", buffer[r->nbody], &used) == 1; names += used) {
     r->body[r->nbody].name = buffer[r->nbody];
     r->nbody++;

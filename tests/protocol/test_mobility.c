@@ -22,13 +22,7 @@ static json_t *assign(wire *w, json_t *results) {
 static tdm_result window(wire *w, double force) {
   tdm_wrench load = {{0, 0, force}, {0, 0, 0}};
   tdm_step step = {.t1 = 1e-3, .nstep = 1, .nbody = 1, .nload = 1, .load = &load};
-  ck_assert_int_eq(tdm_step_write(&w->out, &step, &w->err), TDM_OK);
-  ck_assert_int_eq(tdm_transport_send(w->transport, &w->peer, &w->out, &w->err), TDM_OK);
-  tdm_header header = hear(w);
-  tdm_result result;
-  ck_assert_int_eq(header.type, TDM_RESULT);
-  ck_assert_int_eq(tdm_result_read(&result, &header, &w->store, &w->err), TDM_OK);
-  return result;
+  return step_over(w, &step);
 }
 
 #define CLOSE(x, y) ck_assert_double_eq_tol(x, y, 1e-6)

@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <signal.h>
-#include <time.h>
 
 /* A free body of 1 kg, started at 1 m/s; dem is a foreign solver. */
 static const char scene[] =
@@ -122,13 +121,11 @@ enum { NFAULT = sizeof faults / sizeof faults[0] };
 START_TEST(faults_are_named) {
   setup();
   for (int i = 0; i < NFAULT; i++) {
-    time_t begin = time(NULL);
     int status = run_with(faults[i].fault, faults[i].window);
     ck_assert_msg(status == 1, "%s: exit status %d: %s", faults[i].fault, status, command_output);
     for (int w = 0; w < 3 && faults[i].words[w]; w++)
       ck_assert_msg(strstr(command_output, faults[i].words[w]) != NULL, "%s %s: no \"%s\" in: %s", faults[i].fault,
                     faults[i].window ? faults[i].window : "", faults[i].words[w], command_output);
-    ck_assert_msg(time(NULL) - begin < 20, "%s took too long", faults[i].fault);
     expect_nothing_left(dir);
   }
   directory_remove(dir);
@@ -276,10 +273,8 @@ START_TEST(a_server_that_dies_takes_its_solvers) {
 END_TEST
 
 START_TEST(a_solver_without_a_server_gives_up) {
-  time_t begin = time(NULL);
   ck_assert_int_eq(command("tandem-mbd --connect ipc:///tmp/tandem-test-nobody --timeout 0.5"), 1);
   expect_output("nothing heard from the server");
-  ck_assert_int_lt((int)(time(NULL) - begin), 10);
   ck_assert_int_eq(command("tandem-dem --connect tcp://127.0.0.1:1 --timeout 0.5"), 1);
   expect_output("nothing heard from the server at tcp://127.0.0.1:1");
   ck_assert_int_eq(command("tandem-dem --connect nonsense"), 1);

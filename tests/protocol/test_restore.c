@@ -60,12 +60,7 @@ static outcome window(wire *w, int k, double way) {
                    .start = ends,
                    .end = ends + 1,
                    .sample_time = &t1};
-  ck_assert_int_eq(tdm_step_write(&w->out, &step, &w->err), TDM_OK);
-  ck_assert_int_eq(tdm_transport_send(w->transport, &w->peer, &w->out, &w->err), TDM_OK);
-  tdm_header header = hear(w);
-  tdm_result result;
-  ck_assert_int_eq(header.type, TDM_RESULT);
-  ck_assert_int_eq(tdm_result_read(&result, &header, &w->store, &w->err), TDM_OK);
+  tdm_result result = step_over(w, &step);
   outcome out = {{0}};
   memcpy(out.value, result.load, sizeof *result.load);
   memcpy(out.value + 6, result.sample_load, sizeof *result.sample_load);

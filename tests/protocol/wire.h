@@ -62,6 +62,17 @@ static inline json_t *say(wire *w, tdm_message_type type, json_t *json, tdm_mess
   return json;
 }
 
+/* The result of a step, in w->store. */
+static inline tdm_result step_over(wire *w, const tdm_step *step) {
+  ck_assert_int_eq(tdm_step_write(&w->out, step, &w->err), TDM_OK);
+  ck_assert_int_eq(tdm_transport_send(w->transport, &w->peer, &w->out, &w->err), TDM_OK);
+  tdm_header header = hear(w);
+  tdm_result result;
+  ck_assert_int_eq(header.type, TDM_RESULT);
+  ck_assert_int_eq(tdm_result_read(&result, &header, &w->store, &w->err), TDM_OK);
+  return result;
+}
+
 /* Start the solver and hear its HELLO, which must announce `capability`. */
 static inline void open_wire(wire *w, const tdm_solver_ops *ops, const char *endpoint, const char *capability) {
   *w = (wire){.context = tdm_context_create(), .ops = ops, .endpoint = endpoint};

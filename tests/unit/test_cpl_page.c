@@ -73,7 +73,7 @@ START_TEST(frames_come_back) {
 }
 END_TEST
 
-/* numbers that are none, and nothing at all, are packed as well */
+/* NaN, infinite numbers, and nothing at all, are packed as well */
 START_TEST(spoiled_frames_are_packed) {
   tdm_error err = {0};
   tdm_scenery scenery = {0};

@@ -1,6 +1,7 @@
 /* The solver through its operations: bad scenes are refused with their path, good ones report; windows and samples. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "../numerics/test_dem_support.h"
+#include "../numerics/test_session_support.h"
 #include "dem/adapter/solver.h"
 #include "tests/test_main.h"
 
@@ -179,29 +180,11 @@ END_TEST
 
 /* ---- the solver in windows ---- */
 
-typedef struct {
-  json_t *json;
-  tdm_assigned_body body;
-  tdm_assignment assignment;
-  tdm_ready ready;
-  void *self;
-} session;
-
 static session *open_session(const char *scene, double dt) {
-  session *s = calloc(1, sizeof *s);
-  s->json = scene_json("%s", scene);
-  s->body = box_body();
-  s->assignment = (tdm_assignment){.scene = s->json, .time_end = 1, .dt = dt, .n = 1, .nbody = 1, .body = &s->body};
-  tdm_error err = {0};
-  ck_assert_msg(!dem_solver_ops.create(&s->self, &s->assignment, &s->ready, NULL, &err), "%s: %s", err.path,
-                err.message);
+  session *s = prepare_session(scene_json("%s", scene), box_body(), dt);
+  start_session(s);
+  ck_assert_msg(s->err.status == TDM_OK, "%s: %s", s->err.path, s->err.message);
   return s;
-}
-
-static void close_session(session *s) {
-  dem_solver_ops.destroy(s->self);
-  json_decref(s->json);
-  free(s);
 }
 
 enum { SAMPLES = 4 };

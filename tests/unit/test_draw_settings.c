@@ -1,19 +1,14 @@
 /* What output.pictures may be, and what its errors say. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/draw/settings.h"
+#include "tests/scene_json.h"
 #include "tests/test_main.h"
 
 #include <string.h>
 
 /* Read output.pictures, single quotes for double ones, of a run that ends after 1 s. */
 static json_t *read_pictures(tdm_pictures *all, const char *text, tdm_error *err) {
-  char copy[1024];
-  snprintf(copy, sizeof copy, "{\"pictures\": %s}", text);
-  for (char *c = copy; *c; c++)
-    *c = *c == '\'' ? '"' : *c;
-  json_error_t where;
-  json_t *json = json_loads(copy, 0, &where);
-  ck_assert_msg(json != NULL, "%s: %s", text, where.text);
+  json_t *json = scene_json("{'pictures': %s}", text);
   tdm_object output = tdm_object_open(json, "output", err);
   tdm_pictures_read(all, &output, 1.0);
   tdm_object_close(&output);

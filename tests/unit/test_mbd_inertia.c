@@ -8,7 +8,7 @@
 
 static mbd_shape shape_of(const char *text) {
   tdm_error err = {0};
-  json_t *json = scene_json(text);
+  json_t *json = scene_json("%s", text);
   tdm_object o = tdm_object_open(json, "", &err);
   mbd_shape s = mbd_shape_read(&o);
   ck_assert_msg(!err.status, "%s: %s", err.path, err.message);

@@ -167,7 +167,7 @@ static double deviation(const mbd_model *m, mbd_data *d, uint64_t draw) {
 }
 
 START_TEST(test_jacobian) {
-  json_t *json = scene_json(scenes[_i]);
+  json_t *json = scene_json("%s", scenes[_i]);
   mbd_model *m = NULL;
   tdm_error err = {0};
   ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);
@@ -212,7 +212,7 @@ static void move_on(const mbd_model *m, double *y, double h) {
 
 /* what forces do is what their potential loses, less heat, plus what comes from outside; heat is not negative */
 START_TEST(test_power) {
-  json_t *json = scene_json(scenes[_i]);
+  json_t *json = scene_json("%s", scenes[_i]);
   mbd_model *m = NULL;
   tdm_error err = {0};
   ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);
@@ -286,7 +286,7 @@ static void add_entry(void *matrix, int row, int col, double value) {
 }
 
 START_TEST(test_tangent) {
-  json_t *json = scene_json(scenes[_i]);
+  json_t *json = scene_json("%s", scenes[_i]);
   mbd_model *m = NULL;
   tdm_error err = {0};
   ck_assert_msg(mbd_model_read(&m, json, false, &err) == TDM_OK, "%s: %s", err.path, err.message);

@@ -11,6 +11,7 @@
 #include "protocol/base/memory.h"
 #include "protocol/math/hash.h"
 #include "protocol/scene/scene.h"
+#include "tests/scene_json.h"
 #include "tests/test_main.h"
 
 #include <dlfcn.h>
@@ -342,8 +343,7 @@ START_TEST(test_dem) {
   snprintf(text, sizeof text, "{'dem':");
   snprintf(text + strlen(text), sizeof text - strlen(text), grains, mesh);
   strcat(text, "}");
-  for (char *c = text; *c; c++)
-    *c = *c == '\'' ? '"' : *c;
+  double_quotes(text);
   write_file(dem_file, text);
   fail_everywhere(grains_work);
   unlink(mesh);
@@ -362,8 +362,7 @@ START_TEST(test_mbd) {
   formulation = formulations[_i];
   snprintf(mbd_file, sizeof mbd_file, "%s/test_out_of_memory.mbd.json", TANDEM_TEST_DIR);
   snprintf(text, sizeof text, mechanism, formulation);
-  for (char *c = text; *c; c++)
-    *c = *c == '\'' ? '"' : *c;
+  double_quotes(text);
   write_file(mbd_file, text);
   fail_everywhere(mechanism_work);
   unlink(mbd_file);

@@ -38,7 +38,13 @@ START_TEST(titles_are_data) {
   for (int i = 0; i < NHOSTILE; i++) {
     tdm_error err = {0};
     const tdm_curve curve = {"x.csv", "1:2", hostile[i], "lines"};
-    const tdm_plot plot = {hostile[i], hostile[i], hostile[i], NULL, 1, &curve};
+    const tdm_plot plot = {
+        .title = hostile[i],
+        .xlabel = hostile[i],
+        .ylabel = hostile[i],
+        .ncurve = 1,
+        .curve = &curve,
+    };
     ck_assert_msg(tdm_plot_write(dir, "plot", 1, &plot, &err) == TDM_OK, "%s: %s", hostile[i], err.message);
     ck_assert_msg(command("ls %s/pwned", dir) != 0, "%s was executed", hostile[i]);
     ck_assert_int_eq(command("test -s %s/plot.png", dir), 0);
@@ -46,7 +52,13 @@ START_TEST(titles_are_data) {
   /* what stands in the picture is what was given: no enhanced mode, nothing replaced */
   tdm_error err = {0};
   const tdm_curve curve = {"x.csv", "1:2", "`date` it's {/=40 x}_{y} %g @z", "lines"};
-  const tdm_plot plot = {"", "", "", NULL, 1, &curve};
+  const tdm_plot plot = {
+      .title = "",
+      .xlabel = "",
+      .ylabel = "",
+      .ncurve = 1,
+      .curve = &curve,
+  };
   ck_assert_msg(tdm_plot_write(dir, "plot", 1, &plot, &err) == TDM_OK, "%s", err.message);
   ck_assert_int_eq(command("sh -c 'cd %s && sed \"s/pngcairo/svg/; s/plot.png/plot.svg/\" plot.gp > svg.gp && gnuplot "
                            "-d svg.gp'",
@@ -68,7 +80,13 @@ START_TEST(files_are_data) {
   for (int i = 0; i < 6; i++) {
     tdm_error err = {0};
     const tdm_curve curve = {names[i], "1:2", "x", "lines"};
-    const tdm_plot plot = {"", "", "", NULL, 1, &curve};
+    const tdm_plot plot = {
+        .title = "",
+        .xlabel = "",
+        .ylabel = "",
+        .ncurve = 1,
+        .curve = &curve,
+    };
     write_file(dir, names[i], csv);
     ck_assert_msg(tdm_plot_write(dir, "plot", 1, &plot, &err) == TDM_OK, "%s: %s", names[i], err.message);
     ck_assert_msg(command("ls %s/pwned", dir) != 0, "%s was executed", names[i]);
@@ -76,7 +94,13 @@ START_TEST(files_are_data) {
   /* start-up files beside the data are not read */
   tdm_error err = {0};
   const tdm_curve curve = {"-", "1:2", "x", "lines"};
-  const tdm_plot plot = {"", "", "", NULL, 1, &curve};
+  const tdm_plot plot = {
+      .title = "",
+      .xlabel = "",
+      .ylabel = "",
+      .ncurve = 1,
+      .curve = &curve,
+  };
   write_file(dir, ".gnuplot", "system('touch pwned')\n");
   setenv("HOME", dir, 1);
   ck_assert_msg(tdm_plot_write(dir, "plot", 1, &plot, &err) == TDM_OK, "%s", err.message);
@@ -96,7 +120,13 @@ static void deaf_gnuplot(const char *dir) {
 
 static tdm_status plot_something(const char *dir, tdm_error *err) {
   const tdm_curve curve = {"x.csv", "1:2", "x", "lines"};
-  const tdm_plot plot = {"", "", "", NULL, 1, &curve};
+  const tdm_plot plot = {
+      .title = "",
+      .xlabel = "",
+      .ylabel = "",
+      .ncurve = 1,
+      .curve = &curve,
+  };
   write_file(dir, "x.csv", csv);
   return tdm_plot_write(dir, "plot", 1, &plot, err);
 }
