@@ -21,8 +21,8 @@
 #include <unistd.h>
 
 static const cpl_solver solvers[CPL_NROLE] = {
-    [CPL_MBD] = {"tandem-mbd", &mbd_solver_ops},
-    [CPL_DEM] = {"tandem-dem", &dem_solver_ops},
+    [CPL_MBD] = {.executable = "tandem-mbd", .ops = &mbd_solver_ops},
+    [CPL_DEM] = {.executable = "tandem-dem", .ops = &dem_solver_ops},
 };
 
 static void usage(FILE *out) {
@@ -281,8 +281,15 @@ int main(int argc, char **argv) {
     const char *name;
     tdm_status (*run)(const arguments *, tdm_error *); /* NULL: tandem-draw does it */
   } commands[] = {
-      {"run", command_run}, {"check", command_check}, {"report", command_report}, {"view", command_view},
-      {"draw", NULL},       {"movie", NULL},          {"sweep", command_sweep},   {"verify", command_verify}};
+      {.name = "run", .run = command_run},
+      {.name = "check", .run = command_check},
+      {.name = "report", .run = command_report},
+      {.name = "view", .run = command_view},
+      {.name = "draw"},
+      {.name = "movie"},
+      {.name = "sweep", .run = command_sweep},
+      {.name = "verify", .run = command_verify},
+  };
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };
   const char *names[NCOMMAND];
   for (int i = 0; i < NCOMMAND; i++)

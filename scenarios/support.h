@@ -6,7 +6,7 @@
 #include "coupler/verify/table.h"
 #include "coupler/verify/verify.h"
 
-/* One result directory. Zero-initialise; free with scn_run_free. */
+/* One result directory. Zero-initialise; free with scn_result_free. */
 typedef struct {
   json_t *scene;   /* scene.json: the scene with all overrides */
   json_t *summary; /* summary.json */

@@ -4,25 +4,13 @@
 
 #include "coupler/report/html.h"
 #include "coupler/report/words.h"
+#include "protocol/app/print.h"
 
 #include <math.h>
 #include <string.h>
 
 static const char *text_of(const json_t *object, const char *key) {
   return json_string_value(json_object_get(object, key));
-}
-
-/* a JSON value as text; numbers as short as they are read */
-static const char *value_text(const json_t *value, char *out, size_t size) {
-  if (json_is_string(value))
-    snprintf(out, size, "%s", json_string_value(value));
-  else if (json_is_integer(value))
-    snprintf(out, size, "%lld", (long long)json_integer_value(value));
-  else if (json_is_real(value))
-    snprintf(out, size, "%.6g", json_real_value(value));
-  else
-    snprintf(out, size, "%s", json_is_true(value) ? "yes" : json_is_false(value) ? "no" : "-");
-  return out;
 }
 
 bool cpl_report_good(const cpl_report_data *r) {
@@ -90,7 +78,7 @@ static void write_remarks(FILE *page, const cpl_report_data *r, const char *list
   }
   json_array_foreach((json_t *)notes, k, note) {
     fputs("<li>", page);
-    cpl_html_text(page, value_text(note, text, sizeof text));
+    cpl_html_text(page, tdm_json_text(note, text, sizeof text));
     fputs("</li>\n", page);
   }
   for (int i = 0; lacks && i < r->nlack; i++) {
@@ -116,7 +104,7 @@ static void write_settings(FILE *page, const cpl_report_data *r) {
   json_t *value;
   char text[512];
   json_object_foreach(json_object_get(r->summary, "settings"), key, value) {
-    value_text(value, text, sizeof text);
+    tdm_json_text(value, text, sizeof text);
     for (size_t k = 0; k < sizeof times / sizeof times[0]; k++)
       if (strcmp(key, times[k]) == 0 && strlen(text) + 3 < sizeof text)
         strcat(text, " s");
@@ -195,7 +183,7 @@ static void write_run(FILE *page, const cpl_report_data *r) {
   }
   for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++)
     if (json_object_get(r->summary, counts[k]))
-      write_row(page, counts[k], value_text(json_object_get(r->summary, counts[k]), text, sizeof text));
+      write_row(page, counts[k], tdm_json_text(json_object_get(r->summary, counts[k]), text, sizeof text));
   write_settings(page, r);
   write_software(page, r);
   fputs("</table>\n", page);
@@ -371,36 +359,21 @@ static void write_constants(FILE *page, const cpl_report_data *r) {
 
 /* ---- the other figures of the summary ---- */
 
-/* One row a number: objects go down, arrays of numbers stay on a line. */
-static void write_flat(FILE *page, const char *path, const json_t *value) {
-  char deeper[256], text[512];
-  const char *key;
+static void write_figure(void *arg, const char *path, const json_t *value) {
+  FILE *page = arg;
+  char text[512];
   size_t i;
-  json_t *child;
-  if (json_is_object(value)) {
-    json_object_foreach((json_t *)value, key, child) {
-      snprintf(deeper, sizeof deeper, "%.180s%s%.60s", path, *path ? "." : "", key);
-      write_flat(page, deeper, child);
-    }
-    return;
-  }
-  if (json_is_array(value) && json_is_object(json_array_get(value, 0))) {
-    json_array_foreach((json_t *)value, i, child) {
-      snprintf(deeper, sizeof deeper, "%.180s[%zu]", path, i);
-      write_flat(page, deeper, child);
-    }
-    return;
-  }
+  json_t *number;
   if (!json_is_array(value)) {
-    write_row(page, path, value_text(value, text, sizeof text));
+    write_row(page, path, tdm_json_text(value, text, sizeof text));
     return;
   }
   fputs("<tr>", page);
   cpl_html_cell(page, path);
   fputs("<td class=\"text\">", page);
-  json_array_foreach((json_t *)value, i, child) {
+  json_array_foreach((json_t *)value, i, number) {
     fputs(i ? ", " : "", page);
-    cpl_html_text(page, value_text(child, text, sizeof text));
+    cpl_html_text(page, tdm_json_text(number, text, sizeof text));
   }
   fputs("</td></tr>\n", page);
 }
@@ -411,7 +384,7 @@ static void write_details(FILE *page, const char *name, const json_t *value) {
   fputs("<details><summary>", page);
   cpl_html_text(page, name);
   fputs("</summary>\n<table>\n", page);
-  write_flat(page, "", value);
+  tdm_json_rows(value, write_figure, page);
   fputs("</table>\n</details>\n", page);
 }
 

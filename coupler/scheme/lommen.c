@@ -18,6 +18,7 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
 
 const cpl_scheme cpl_scheme_lommen = {
     .name = "lommen",
+    .in_paper = true, /* [L18] */
     .summary = "MBD first, on the parabola through the last three window means",
     .better = "proxy",
     .memory = cpl_history_memory,

@@ -27,6 +27,9 @@ extern const char *const cpl_need_names[CPL_NNEED]; /* by the flag's bit */
 typedef struct cpl_scheme {
   const char *name;
   const char *summary;
+  /* published.csv, beside a scene that follows a paper, has the paper's results with this scheme: `tandem sweep` shows
+   * them beside its own */
+  bool in_paper;
   const char *better; /* the scheme to take where this one's windows are too long for it; NULL: none is */
   /* what each role's solver must announce: flags of cpl_need. What RESULTs carry for it is asked for in ASSIGN. */
   unsigned needs[CPL_NROLE];

@@ -3,6 +3,7 @@
 #include "coupler/sweep/sweep.h"
 
 #include "coupler/report/html.h"
+#include "coupler/scheme/schemes.h"
 #include "coupler/verify/table.h"
 #include "protocol/version.h"
 
@@ -63,11 +64,17 @@ static cpl_table read_published(const cpl_sweep_options *o) {
   return t;
 }
 
-/* The paper's own value for a cell; NaN where it has none. Its scheme is the one that we name after its author. */
+static bool is_in_paper(const char *scheme) {
+  for (int k = 0; cpl_schemes[k]; k++)
+    if (strcmp(cpl_schemes[k]->name, scheme) == 0)
+      return cpl_schemes[k]->in_paper;
+  return false;
+}
+
+/* The paper's own value for a cell; NaN where it has none. */
 static double published(const cpl_table *t, const json_t *row, const char *name) {
-  static const char scheme[] = "lommen"; /* [L18] */
   char column[64];
-  if (strcmp(text_of(row, "scheme"), scheme) != 0)
+  if (!is_in_paper(text_of(row, "scheme")))
     return NAN;
   snprintf(column, sizeof column, "r2_%s", name);
   const double *dt = cpl_table_column(t, "dt", NULL), *n = cpl_table_column(t, "n", NULL);
@@ -380,13 +387,14 @@ static void plot_cost(const cpl_sweep_options *o, const cpl_cell *cell, int ncel
   c.curve[n++] = (tdm_curve){"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6):(sprintf('%.0e n=%g', $1, $2))", "",
                              "labels left rotate by 50 offset 0.6,0.8 font ',8'"};
   const tdm_plot plot = {
-      "Error against run time (above 10: drawn at 10). Pareto front: no cell is both cheaper and better",
-      "wall time [s]",
-      "largest 1 - nse of the states",
-      "set logscale xy\nset format '%g'\nset key outside right top\n"
-      "set offsets graph 0.05, graph 0.2, graph 0.4, graph 0.05\n",
-      n,
-      c.curve};
+      .title = "Error against run time (above 10: drawn at 10). Pareto front: no cell is both cheaper and better",
+      .xlabel = "wall time [s]",
+      .ylabel = "largest 1 - nse of the states",
+      .setup = "set logscale xy\nset format '%g'\nset key outside right top\n"
+               "set offsets graph 0.05, graph 0.2, graph 0.4, graph 0.05\n",
+      .ncurve = n,
+      .curve = c.curve,
+  };
   tdm_plot_write(o->out, "cost", 1, &plot, err);
 }
 
@@ -396,13 +404,15 @@ static void plot_price(const cpl_sweep_options *o, const cpl_cell *cell, int nce
   scheme_curves c;
   snprintf(price, sizeof price, "1e6*$%d", before + 1);
   int n = curves_by_scheme(&c, cell, ncell, "window_s", "$2", price);
-  const tdm_plot plot = {"Price of a window: the loop's time without DEM's own work",
-                         "n",
-                         "price of a window [us]",
-                         "set logscale xy\nset format '%g'\nset key outside right top\n"
-                         "set offsets graph 0.1, graph 0.1, graph 0.1, graph 0.1\n",
-                         n,
-                         c.curve};
+  const tdm_plot plot = {
+      .title = "Price of a window: the loop's time without DEM's own work",
+      .xlabel = "n",
+      .ylabel = "price of a window [us]",
+      .setup = "set logscale xy\nset format '%g'\nset key outside right top\n"
+               "set offsets graph 0.1, graph 0.1, graph 0.1, graph 0.1\n",
+      .ncurve = n,
+      .curve = c.curve,
+  };
   if (n > 0)
     tdm_plot_write(o->out, "price", 1, &plot, err);
 }
@@ -484,7 +494,14 @@ static tdm_status plot_heat(const cpl_sweep_options *o, const cpl_cell *cell, in
     snprintf(title[s], sizeof title[s], "%s, %s", m->title, scheme[s]);
     curves[s][0] = (tdm_curve){file[s], m->drawn, "", "points pt 5 ps 7 palette"};
     curves[s][1] = (tdm_curve){file[s], "1:2:(sprintf('%.4g', $3))", "", "labels"};
-    plots[s] = (tdm_plot){title[s], "n", "dt [s]", setup, 2, curves[s]};
+    plots[s] = (tdm_plot){
+        .title = title[s],
+        .xlabel = "n",
+        .ylabel = "dt [s]",
+        .setup = setup,
+        .ncurve = 2,
+        .curve = curves[s],
+    };
   }
   snprintf(name, sizeof name, "heat_%s", m->name);
   return nscheme ? tdm_plot_write(o->out, name, nscheme, plots, err) : TDM_OK;
@@ -494,24 +511,27 @@ static tdm_status plot_heat_of_state(const cpl_sweep_options *o, const cpl_cell 
                                      tdm_error *err) {
   char title[64];
   snprintf(title, sizeof title, "nse of %.32s", state);
-  const map m = {"nse",
-                 state,
-                 state,
-                 title,
-                 "set cbrange [0.9:1]\nset palette defined (0 '#bb3333', 0.9 '#ffdd88', 1 '#33aa33')\n",
-                 "1:2:($3 < 0.9 ? 0.9 : $3)"};
+  const map m = {
+      .group = "nse",
+      .key = state,
+      .name = state,
+      .title = title,
+      .colour = "set cbrange [0.9:1]\nset palette defined (0 '#bb3333', 0.9 '#ffdd88', 1 '#33aa33')\n",
+      .drawn = "1:2:($3 < 0.9 ? 0.9 : $3)",
+  };
   return plot_heat(o, cell, ncell, &m, err);
 }
 
 /* colours by the decade, from 1e-6 to 1 */
 static tdm_status plot_heat_of_energy(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, tdm_error *err) {
-  static const map m = {NULL,
-                        "energy_residual",
-                        "energy",
-                        "energy residual",
-                        "set cbrange [-6:0]\nset cblabel 'log10'\n"
-                        "set palette defined (0 '#33aa33', 0.67 '#ffdd88', 1 '#bb3333')\n",
-                        "1:2:($3 > 1 ? 0 : $3 < 1e-6 ? -6 : log10($3))"};
+  static const map m = {
+      .key = "energy_residual",
+      .name = "energy",
+      .title = "energy residual",
+      .colour = "set cbrange [-6:0]\nset cblabel 'log10'\n"
+                "set palette defined (0 '#33aa33', 0.67 '#ffdd88', 1 '#bb3333')\n",
+      .drawn = "1:2:($3 > 1 ? 0 : $3 < 1e-6 ? -6 : log10($3))",
+  };
   return plot_heat(o, cell, ncell, &m, err);
 }
 

@@ -110,7 +110,13 @@ tdm_status cpl_comparison_plot(const cpl_comparison *c, const char *dir, tdm_err
     bool state = c->curve[i].kind == CPL_STATE;
     curves[i][0] = (tdm_curve){"comparison.csv", using[i][0], "co-simulation", state ? "lines lw 3" : "lines lw 1"};
     curves[i][1] = (tdm_curve){"comparison.csv", using[i][1], "reference", "lines dt 2 lw 1.5 lc rgb 'black'"};
-    plots[i] = (tdm_plot){c->curve[i].title, "time [s]", labels[i], NULL, 2, curves[i]};
+    plots[i] = (tdm_plot){
+        .title = c->curve[i].title,
+        .xlabel = "time [s]",
+        .ylabel = labels[i],
+        .ncurve = 2,
+        .curve = curves[i],
+    };
   }
   return tdm_plot_write(dir, "comparison", c->ncurve, plots, err);
 }

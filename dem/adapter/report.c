@@ -38,15 +38,13 @@ static void warn(dem_report *r, const char *path, const char *format, ...) {
   const bool full = r->nwarning == DEM_WARNINGS_MAX;
   tdm_warning *w = &r->warning[full ? DEM_WARNINGS_MAX - 1 : r->nwarning++];
   if (full) { /* the last one stands for the rest */
-    snprintf(w->path, sizeof w->path, "dem");
-    snprintf(w->message, sizeof w->message, "there are more than %d doubts about this scene; mend the first ones",
-             DEM_WARNINGS_MAX - 1);
+    tdm_warning_set(w, "dem", "there are more than %d doubts about this scene; mend the first ones",
+                    DEM_WARNINGS_MAX - 1);
     return;
   }
-  snprintf(w->path, sizeof w->path, "%s", path);
   va_list args;
   va_start(args, format);
-  vsnprintf(w->message, sizeof w->message, format, args);
+  tdm_warning_vset(w, path, format, args);
   va_end(args);
 }
 

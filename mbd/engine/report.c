@@ -10,21 +10,21 @@
 
 /* Say so when the assembly changed more than rounding does. */
 static void warn_about_assembly(mbd_report *s) {
+  char path[TDM_PATH_MAX];
   const mbd_assembly *a = s->assembly;
   if (a->translation > 1e-6 || a->rotation > 1e-6) {
-    tdm_warning *w = &s->warning[s->nwarning++];
-    snprintf(w->path, sizeof w->path, "mbd.bodies[%d].position", a->body);
-    snprintf(w->message, sizeof w->message,
-             "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
-             "rad); correct the "
-             "position, the orientation, the joints or the drivers' laws at the start",
-             s->model->body[a->body].name, a->translation, a->rotation);
+    snprintf(path, sizeof path, "mbd.bodies[%d].position", a->body);
+    tdm_warning_set(
+        &s->warning[s->nwarning++], path,
+        "the joints and drivers do not fit the given start: body \"%s\" was moved (largest changes %.3g m, %.3g "
+        "rad); correct the "
+        "position, the orientation, the joints or the drivers' laws at the start",
+        s->model->body[a->body].name, a->translation, a->rotation);
   }
   if (a->velocity > 1e-6 || a->angular > 1e-6) {
-    tdm_warning *w = &s->warning[s->nwarning++];
-    snprintf(w->path, sizeof w->path, "mbd.bodies[%d].velocity", a->body_velocity);
-    snprintf(
-        w->message, sizeof w->message,
+    snprintf(path, sizeof path, "mbd.bodies[%d].velocity", a->body_velocity);
+    tdm_warning_set(
+        &s->warning[s->nwarning++], path,
         "the joints do not allow the given start velocities: those of body \"%s\" were changed (largest changes %.3g "
         "m/s, %.3g rad/s); give velocities that the joints allow",
         s->model->body[a->body_velocity].name, a->velocity, a->angular);
@@ -32,10 +32,9 @@ static void warn_about_assembly(mbd_report *s) {
   if (a->driver >= 0) {
     const mbd_driver *d = &s->model->driver[a->driver];
     const char *unit = mbd_coordinate_table[d->ops->coordinate].rate_unit;
-    tdm_warning *w = &s->warning[s->nwarning++];
-    snprintf(w->path, sizeof w->path, "mbd.drivers[%d]", a->driver);
-    snprintf(
-        w->message, sizeof w->message,
+    snprintf(path, sizeof path, "mbd.drivers[%d]", a->driver);
+    tdm_warning_set(
+        &s->warning[s->nwarning++], path,
         "the given start velocities move the coordinate of driver \"%s\" at %.6g %s, its law starts at %.6g %s: the "
         "driver holds; give velocities that fit it, or none",
         d->name, a->given, unit, a->prescribed, unit);
@@ -44,6 +43,7 @@ static void warn_about_assembly(mbd_report *s) {
 
 /* Files in millimetres: the largest mesh, where it is larger than machines are. */
 static void warn_about_size(mbd_report *s) {
+  char path[TDM_PATH_MAX];
   const double large = 10; /* radius of gyration [m] */
   const mbd_model *m = s->model;
   double most = large;
@@ -58,32 +58,29 @@ static void warn_about_size(mbd_report *s) {
   }
   if (largest < 0)
     return;
-  tdm_warning *w = &s->warning[s->nwarning++];
-  snprintf(w->path, sizeof w->path, "mbd.bodies[%d].shape", largest);
-  snprintf(w->message, sizeof w->message,
-           "the mesh gives body \"%s\" a radius of gyration of %.3g m and a mass of %.3g kg; is the file in "
-           "millimetres? Give \"scale\": 0.001 beside \"file\"",
-           m->body[largest].name, most, m->body[largest].mass);
+  snprintf(path, sizeof path, "mbd.bodies[%d].shape", largest);
+  tdm_warning_set(&s->warning[s->nwarning++], path,
+                  "the mesh gives body \"%s\" a radius of gyration of %.3g m and a mass of %.3g kg; is the file in "
+                  "millimetres? Give \"scale\": 0.001 beside \"file\"",
+                  m->body[largest].name, most, m->body[largest].mass);
 }
 
 /* Say so when joints lock the mechanism, or may do so by rounding. */
 static void warn_about_freedom(mbd_report *s) {
   if (s->assembly->near_row >= 0) {
     mbd_origin o = mbd_origin_of(s->model, s->assembly->near_row);
-    tdm_warning *w = &s->warning[s->nwarning++];
-    snprintf(w->path, sizeof w->path, "%s", o.path);
-    snprintf(w->message, sizeof w->message,
-             "the equation \"%s\" of %s \"%s\" follows nearly, but not exactly, from the joints before it, and takes a "
-             "freedom away that the mechanism may need; make axes exactly parallel and points exactly fit, or use a "
-             "joint with more freedom",
-             o.equation, o.kind, o.name);
+    tdm_warning_set(
+        &s->warning[s->nwarning++], o.path,
+        "the equation \"%s\" of %s \"%s\" follows nearly, but not exactly, from the joints before it, and takes a "
+        "freedom away that the mechanism may need; make axes exactly parallel and points exactly fit, or use a "
+        "joint with more freedom",
+        o.equation, o.kind, o.name);
   }
   if (s->assembly->freedom <= 0 && s->model->ndriver == 0) {
-    tdm_warning *w = &s->warning[s->nwarning++];
-    snprintf(w->path, sizeof w->path, "mbd.joints");
-    snprintf(w->message, sizeof w->message,
-             "the joints leave no degree of freedom and there is no driver: nothing can move; use joints with more "
-             "freedom where it should");
+    tdm_warning_set(
+        &s->warning[s->nwarning++], "mbd.joints",
+        "the joints leave no degree of freedom and there is no driver: nothing can move; use joints with more "
+        "freedom where it should");
   }
 }
 

@@ -44,6 +44,18 @@ void mbd_joint_between(mbd_joint *joint) {
   }
 }
 
+double mbd_joint_read_mesh(mbd_joint *joint, tdm_object *o, const mbd_model *model, const unsigned coordinates[2],
+                           const char *key, const char *what) {
+  mbd_read_joints(o, model, coordinates, joint->of);
+  double ratio = tdm_get_number(o, key, TDM_REQUIRED, TDM_ANY);
+  if (o->err->status)
+    return ratio;
+  if (ratio == 0)
+    tdm_object_fail(o, key, "is zero; give %s", what);
+  mbd_joint_between(joint);
+  return ratio;
+}
+
 void mbd_joint_coordinate(const mbd_joint *j, mbd_coordinate which, const mbd_kin *a, const mbd_kin *b, double from,
                           mbd_rows *rows) {
   if (which == MBD_ANGLE) {

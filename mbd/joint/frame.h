@@ -15,6 +15,11 @@ void mbd_joint_set_frame(mbd_joint *joint, const mbd_model *model, tdm_vec3 poin
  */
 void mbd_joint_between(mbd_joint *joint);
 
+/* Read a joint that couples two others by a ratio: "joints", which have these coordinates, and the number `key`, which
+ * is returned. It is not zero; `what` says in the message what to give. */
+double mbd_joint_read_mesh(mbd_joint *joint, tdm_object *o, const mbd_model *model, const unsigned coordinates[2],
+                           const char *key, const char *what);
+
 /* Angle of the second body against the first about the joint axis since the start configuration, within half a turn of
  * `near` [rad]. */
 double mbd_joint_angle(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, double near);

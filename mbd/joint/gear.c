@@ -15,13 +15,8 @@ static const char *const equation[] = {"mesh"};
 static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   gear *own = joint->own;
   const unsigned coordinates[2] = {MBD_HAS_ANGLE, MBD_HAS_ANGLE};
-  mbd_read_joints(o, model, coordinates, joint->of);
-  own->ratio = tdm_get_number(o, "ratio", TDM_REQUIRED, TDM_ANY);
-  if (o->err->status)
-    return;
-  if (own->ratio == 0)
-    tdm_object_fail(o, "ratio", "is zero; give teeth of the second wheel over teeth of the first");
-  mbd_joint_between(joint);
+  own->ratio =
+      mbd_joint_read_mesh(joint, o, model, coordinates, "ratio", "teeth of the second wheel over teeth of the first");
 }
 
 static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {

@@ -12,13 +12,7 @@ static const char *const equation[] = {"mesh"};
 static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
   rack *own = joint->own;
   const unsigned coordinates[2] = {MBD_HAS_ANGLE, MBD_HAS_TRANSLATION};
-  mbd_read_joints(o, model, coordinates, joint->of);
-  own->ratio = tdm_get_number(o, "radius", TDM_REQUIRED, TDM_ANY);
-  if (o->err->status)
-    return;
-  if (own->ratio == 0)
-    tdm_object_fail(o, "radius", "is zero; give the radius of the pinion's pitch circle");
-  mbd_joint_between(joint);
+  own->ratio = mbd_joint_read_mesh(joint, o, model, coordinates, "radius", "the radius of the pinion's pitch circle");
 }
 
 static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {

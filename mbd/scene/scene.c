@@ -167,7 +167,7 @@ tdm_status mbd_model_read(mbd_model **model, json_t *json, bool restores, tdm_er
   }
   mbd_settings_read(&m->solver, &o, m, restores);
   m->section = NULL;
-  m->joint_type = NULL;
+  m->joint_types = NULL;
   tdm_object_close(&o);
   return err->status;
 }

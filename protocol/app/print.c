@@ -6,52 +6,64 @@
 
 #include <stdio.h>
 
-/* Without what a terminal would obey. */
-static void print_text(const char *text) {
-  char clean[1024];
-  snprintf(clean, sizeof clean, "%s", text);
-  tdm_utf8_clean(clean);
-  printf("%s", clean);
+const char *tdm_json_text(const json_t *value, char *out, size_t size) {
+  if (json_is_string(value))
+    snprintf(out, size, "%s", json_string_value(value));
+  else if (json_is_integer(value))
+    snprintf(out, size, "%lld", (long long)json_integer_value(value));
+  else if (json_is_real(value))
+    snprintf(out, size, "%.6g", json_real_value(value));
+  else
+    snprintf(out, size, "%s", json_is_true(value) ? "yes" : json_is_false(value) ? "no" : "-");
+  return out;
 }
 
-/* One line: a path and its value; objects go down, arrays of numbers stay on a line. */
-static void print_value(char *path, const json_t *value) {
+static void visit_rows(const char *path, const json_t *value, tdm_row_visitor *visit, void *arg) {
   char deeper[TDM_PATH_MAX];
   const char *key;
   size_t i;
   json_t *child;
-  if (json_is_object(value)) {
+  if (json_is_object(value))
     json_object_foreach((json_t *)value, key, child) {
       snprintf(deeper, sizeof deeper, "%s%s%s", path, *path ? "." : "", key);
-      print_value(deeper, child);
+      visit_rows(deeper, child, visit, arg);
     }
-    return;
-  }
-  if (json_is_array(value) && json_array_size(value) > 0 && !json_is_number(json_array_get(value, 0))) {
+  else if (json_array_size(value) > 0 && !json_is_number(json_array_get(value, 0)))
     json_array_foreach(value, i, child) {
       snprintf(deeper, sizeof deeper, "%s[%zu]", path, i);
-      print_value(deeper, child);
+      visit_rows(deeper, child, visit, arg);
     }
-    return;
-  }
-  tdm_utf8_clean(path);
-  printf("  %-28s ", path);
-  if (json_is_string(value))
-    print_text(json_string_value(value));
-  else if (json_is_integer(value))
-    printf("%lld", (long long)json_integer_value(value));
-  else if (json_is_real(value))
-    printf("%.6g", json_real_value(value));
-  else if (json_is_boolean(value))
-    printf("%s", json_is_true(value) ? "yes" : "no");
-  else if (json_is_array(value))
-    json_array_foreach(value, i, child) printf("%s%.6g", i ? " " : "", json_number_value(child));
   else
-    printf("-");
+    visit(arg, path, value);
+}
+
+void tdm_json_rows(const json_t *json, tdm_row_visitor *visit, void *arg) {
+  visit_rows("", json, visit, arg);
+}
+
+/* without what a terminal would obey */
+static void print_text(int width, const char *text) {
+  char clean[1024];
+  snprintf(clean, sizeof clean, "%s", text);
+  tdm_utf8_clean(clean);
+  printf("%-*s", width, clean);
+}
+
+static void print_row(void *arg, const char *path, const json_t *value) {
+  char text[1024];
+  size_t i;
+  json_t *number;
+  (void)arg;
+  printf("  ");
+  print_text(28, path);
+  printf(" ");
+  if (json_is_array(value))
+    json_array_foreach(value, i, number) printf("%s%s", i ? " " : "", tdm_json_text(number, text, sizeof text));
+  else
+    print_text(0, tdm_json_text(value, text, sizeof text));
   printf("\n");
 }
 
 void tdm_print_json(const json_t *json) {
-  char path[TDM_PATH_MAX] = "";
-  print_value(path, json);
+  tdm_json_rows(json, print_row, NULL);
 }

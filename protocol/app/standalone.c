@@ -59,11 +59,9 @@ void tdm_standalone_refuse_coupling(tdm_object *root, const char *other, const c
 
 void tdm_standalone_doubt(tdm_standalone *run, const char *path, const char *format, ...) {
   assert(run->ndoubt < TDM_STANDALONE_DOUBTS);
-  tdm_warning *w = &run->doubt[run->ndoubt++];
-  snprintf(w->path, sizeof w->path, "%s", path);
   va_list args;
   va_start(args, format);
-  vsnprintf(w->message, sizeof w->message, format, args);
+  tdm_warning_vset(&run->doubt[run->ndoubt++], path, format, args);
   va_end(args);
 }
 

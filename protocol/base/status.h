@@ -55,8 +55,7 @@ tdm_status tdm_fail(tdm_error *err, tdm_status status, const char *path, const c
     __attribute__((format(printf, 4, 5)));
 
 /* Make a text that was cut or came from elsewhere good UTF-8, in place: a last character that is not whole is cut off,
- * bytes that are none become '?', control characters (a
- * terminal's escapes, line breaks) a blank. */
+ * bytes that are not UTF-8 become '?', control characters (a terminal's escapes, line breaks) a blank. */
 void tdm_utf8_clean(char *text);
 
 /* The candidate nearest to `word` by edit distance, or NULL when none is near (more than 1/3 of its letters differ,

@@ -36,10 +36,9 @@ void tdm_outputs_settings_free(tdm_outputs_settings *s) {
 static bool frames_doubt(const tdm_outputs_settings *s, double end, tdm_warning *warning) {
   if (s->particles_interval <= end * (1 + 1e-9))
     return false;
-  *warning = (tdm_warning){.path = "output.particles_interval"};
-  snprintf(warning->message, sizeof warning->message,
-           "is %g s but the run ends at %g s: there will be frames of its start and its end only",
-           s->particles_interval, end);
+  tdm_warning_set(warning, "output.particles_interval",
+                  "is %g s but the run ends at %g s: there will be frames of its start and its end only",
+                  s->particles_interval, end);
   return true;
 }
 

@@ -6,7 +6,6 @@
 #include "protocol/scene/json.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 
 enum { LOGGED = 10, WIRE_MAX = 256 /* entries of a message */ };
@@ -64,6 +63,18 @@ void tdm_remarks_copy(tdm_remarks *dst, const tdm_remarks *src) {
   dst->changes++;
   dst->count = src->count;
   memcpy(dst->entry, src->entry, (size_t)src->count * sizeof *src->entry);
+}
+
+void tdm_warning_vset(tdm_warning *warning, const char *path, const char *format, va_list args) {
+  snprintf(warning->path, sizeof warning->path, "%s", path);
+  vsnprintf(warning->message, sizeof warning->message, format, args);
+}
+
+void tdm_warning_set(tdm_warning *warning, const char *path, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  tdm_warning_vset(warning, path, format, args);
+  va_end(args);
 }
 
 /* ---- as JSON ---- */

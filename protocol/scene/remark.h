@@ -11,6 +11,7 @@
 
 #include "protocol/scene/scene.h"
 
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -50,6 +51,20 @@ void tdm_remark(tdm_remark_level level, const char *event, const char *path, dou
 
 /* Make dst what src is; its number of changes goes on. */
 void tdm_remarks_copy(tdm_remarks *dst, const tdm_remarks *src);
+
+/* ---- doubts about a scene, before the start ---- */
+
+/* A doubtful setting: its JSON path, and what is wrong with the cure. */
+typedef struct {
+  char path[TDM_PATH_MAX];       /* "dem.pairs[0].restitution", or "" */
+  char message[TDM_MESSAGE_MAX]; /* one line */
+} tdm_warning;
+
+/* Fill it: the message by printf's format; what is too long is cut. */
+void tdm_warning_set(tdm_warning *warning, const char *path, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void tdm_warning_vset(tdm_warning *warning, const char *path, const char *format, va_list args)
+    __attribute__((format(printf, 3, 0)));
 
 /* ---- as JSON ---- */
 

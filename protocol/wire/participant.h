@@ -20,6 +20,7 @@
 #ifndef TDM_WIRE_PARTICIPANT_H
 #define TDM_WIRE_PARTICIPANT_H
 
+#include "protocol/scene/remark.h"
 #include "protocol/scene/scene.h"
 #include "protocol/wire/message.h"
 
@@ -89,12 +90,6 @@ typedef struct {
   char name[64]; /* "joint.slider.fx": dots part, no spaces or commas */
   char unit[16]; /* "N" */
 } tdm_channel;
-
-/* A doubtful setting: its JSON path, and what is wrong with the cure. */
-typedef struct {
-  char path[TDM_PATH_MAX];       /* "dem.pairs[0].restitution", or "" */
-  char message[TDM_MESSAGE_MAX]; /* one line */
-} tdm_warning;
 
 /* What the solver says when it has loaded its scene. All arrays are borrowed and copied into the message. */
 typedef struct {

@@ -136,10 +136,30 @@ static void plot(cpl_verify *v) {
       {"m_p=10/dem.csv", "1:(1.5)", "cube after, theory", "lines dt 3 lc rgb 'black'"},
   };
   const tdm_plot plots[] = {
-      {"Error of the particle's velocity after the collision", "m_c/m_p", "|error| [%]", setup, 3, particle},
-      {"Error of the cube's velocity after the collision", "m_c/m_p", "|error| [%]", setup, 3, body},
-      {"Velocities, m_p = m_c = 10 kg", "time [s]", "velocity [m/s]",
-       "unset logscale\nset format '%g'\nset key bottom right\n", 4, velocity},
+      {
+          .title = "Error of the particle's velocity after the collision",
+          .xlabel = "m_c/m_p",
+          .ylabel = "|error| [%]",
+          .setup = setup,
+          .ncurve = 3,
+          .curve = particle,
+      },
+      {
+          .title = "Error of the cube's velocity after the collision",
+          .xlabel = "m_c/m_p",
+          .ylabel = "|error| [%]",
+          .setup = setup,
+          .ncurve = 3,
+          .curve = body,
+      },
+      {
+          .title = "Velocities, m_p = m_c = 10 kg",
+          .xlabel = "time [s]",
+          .ylabel = "velocity [m/s]",
+          .setup = "unset logscale\nset format '%g'\nset key bottom right\n",
+          .ncurve = 4,
+          .curve = velocity,
+      },
   };
   cpl_verify_plot(v, "collision", 3, plots);
 }

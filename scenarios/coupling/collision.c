@@ -89,9 +89,31 @@ static void plot(cpl_verify *v) {
                                    {"step_n=20.csv", "1:(abs($2))", "particle, n = 20", "linespoints pt 9"},
                                    {"step_n=20.csv", "1:(abs($3))", "cube, n = 20", "linespoints pt 8"}};
   const tdm_plot plots[] = {
-      {"Error of the particle's velocity after the collision, proxy", "m_c/m_p", "|error| [%]", setup, 3, particle},
-      {"Error of the cube's velocity after the collision, proxy", "m_c/m_p", "|error| [%]", setup, 3, body},
-      {"Error over the DEM step, m_c = m_p", "dt [s]", "|error| [%]", setup, 4, step}};
+      {
+          .title = "Error of the particle's velocity after the collision, proxy",
+          .xlabel = "m_c/m_p",
+          .ylabel = "|error| [%]",
+          .setup = setup,
+          .ncurve = 3,
+          .curve = particle,
+      },
+      {
+          .title = "Error of the cube's velocity after the collision, proxy",
+          .xlabel = "m_c/m_p",
+          .ylabel = "|error| [%]",
+          .setup = setup,
+          .ncurve = 3,
+          .curve = body,
+      },
+      {
+          .title = "Error over the DEM step, m_c = m_p",
+          .xlabel = "dt [s]",
+          .ylabel = "|error| [%]",
+          .setup = setup,
+          .ncurve = 4,
+          .curve = step,
+      },
+  };
   cpl_verify_plot(v, "collision", 3, plots);
 }
 

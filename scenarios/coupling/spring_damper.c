@@ -152,8 +152,23 @@ static void plot_grid(cpl_verify *v, const char *published) {
                           {"lommen_1e-4.csv", "1:4", "lommen, dt = 1e-4 s", "linespoints pt 8 lc rgb '#cc3311'"},
                           {published, "($1*$2):6", "[L18] Table II", "points pt 2 lc rgb 'black'"}};
   const tdm_plot plots[] = {
-      {"1 - nse of the velocity", "H = n dt [s]", "1 - nse", small, 5, nse},
-      {"r2 of the load on the box; 20 ms: of its means over that", "H = n dt [s]", "r2", load, 6, r2}};
+      {
+          .title = "1 - nse of the velocity",
+          .xlabel = "H = n dt [s]",
+          .ylabel = "1 - nse",
+          .setup = small,
+          .ncurve = 5,
+          .curve = nse,
+      },
+      {
+          .title = "r2 of the load on the box; 20 ms: of its means over that",
+          .xlabel = "H = n dt [s]",
+          .ylabel = "r2",
+          .setup = load,
+          .ncurve = 6,
+          .curve = r2,
+      },
+  };
   cpl_verify_plot(v, "grid", 2, plots);
 }
 
@@ -166,8 +181,22 @@ static void plot_schemes(cpl_verify *v) {
       {"scheme=lommen_dt=1e-4_n=50/comparison.csv", "1:6", "lommen", "lines lc rgb '#cc3311'"},
       {"scheme=proxy_dt=1e-4_n=50/comparison.csv", "1:6", "proxy", "lines lc rgb '#0077bb'"},
       {"scheme=proxy_dt=1e-4_n=50/comparison.csv", "1:7", "rigid fill", "lines dt 2 lc rgb 'black'"}};
-  const tdm_plot plots[] = {{"Velocity of the box, H = 5 ms", "time [s]", "velocity [m/s]", NULL, 3, velocity},
-                            {"Load on the box, H = 5 ms", "time [s]", "load [N]", NULL, 3, load}};
+  const tdm_plot plots[] = {
+      {
+          .title = "Velocity of the box, H = 5 ms",
+          .xlabel = "time [s]",
+          .ylabel = "velocity [m/s]",
+          .ncurve = 3,
+          .curve = velocity,
+      },
+      {
+          .title = "Load on the box, H = 5 ms",
+          .xlabel = "time [s]",
+          .ylabel = "load [N]",
+          .ncurve = 3,
+          .curve = load,
+      },
+  };
   cpl_verify_plot(v, "schemes", 2, plots);
 }
 

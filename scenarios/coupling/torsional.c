@@ -84,7 +84,16 @@ static void plot(cpl_verify *v, bool full) {
                                      {"ceiling_1e-4.csv", "1:3", "rate, runs that differ by round-off", "points pt 3"},
                                      {"proxy_1e-5.csv", "1:2", "angle, dt = 1e-5 s", "linespoints pt 9"},
                                      {"proxy_1e-5.csv", "1:3", "rate, dt = 1e-5 s", "linespoints pt 8"}};
-  const tdm_plot plots[] = {{"1 - nse against n = 1", "H = n dt [s]", "1 - nse", setup, full ? 5 : 3, curves}};
+  const tdm_plot plots[] = {
+      {
+          .title = "1 - nse against n = 1",
+          .xlabel = "H = n dt [s]",
+          .ylabel = "1 - nse",
+          .setup = setup,
+          .ncurve = full ? 5 : 3,
+          .curve = curves,
+      },
+  };
   cpl_verify_plot(v, "grid", 1, plots);
 }
 

@@ -88,8 +88,22 @@ static void plot_1(cpl_verify *v) {
   static const tdm_curve time[] = {{"test1_glass.csv", "1:3", "engine", "lines lw 2"},
                                    {"published_glass_time_us_force_kN.csv", "1:2", "published", "points pt 6"}};
   const tdm_plot plots[] = {
-      {"Test 1, glass", "overlap [um]", "force [kN]", "set key top left\n", 2, overlap},
-      {"", "time [us]", "force [kN]", "set key top right\n", 2, time},
+      {
+          .title = "Test 1, glass",
+          .xlabel = "overlap [um]",
+          .ylabel = "force [kN]",
+          .setup = "set key top left\n",
+          .ncurve = 2,
+          .curve = overlap,
+      },
+      {
+          .title = "",
+          .xlabel = "time [us]",
+          .ylabel = "force [kN]",
+          .setup = "set key top right\n",
+          .ncurve = 2,
+          .curve = time,
+      },
   };
   cpl_verify_plot(v, "test1", 2, plots);
 }
@@ -260,9 +274,30 @@ static void plot_4(cpl_verify *v) {
       {"published_oblique_rebound_oxide.csv", "1:2", "published DEM", "points pt 6"},
       {"published_oblique_rebound_experiment.csv", "1:2", "experiment (Kharaz et al. 2001)", "points pt 2"}};
   const tdm_plot plots[] = {
-      {"Test 4: tangential restitution", "angle of incidence [deg]", "e_t", "set key bottom right\n", 3, e},
-      {"Angular velocity afterwards", "angle of incidence [deg]", "spin [rad/s]", "set key top right\n", 4, spin},
-      {"Rebound angle of the contact point", "angle of incidence [deg]", "[deg]", "set key top left\n", 4, angle},
+      {
+          .title = "Test 4: tangential restitution",
+          .xlabel = "angle of incidence [deg]",
+          .ylabel = "e_t",
+          .setup = "set key bottom right\n",
+          .ncurve = 3,
+          .curve = e,
+      },
+      {
+          .title = "Angular velocity afterwards",
+          .xlabel = "angle of incidence [deg]",
+          .ylabel = "spin [rad/s]",
+          .setup = "set key top right\n",
+          .ncurve = 4,
+          .curve = spin,
+      },
+      {
+          .title = "Rebound angle of the contact point",
+          .xlabel = "angle of incidence [deg]",
+          .ylabel = "[deg]",
+          .setup = "set key top left\n",
+          .ncurve = 4,
+          .curve = angle,
+      },
   };
   cpl_verify_plot(v, "test4", 3, plots);
 }
@@ -365,8 +400,22 @@ static void plot_5(cpl_verify *v) {
       {"published_normalised_spin_steel.csv", "1:2", "published DEM, steel", "points pt 6"},
       {"published_normalised_spin_fem.csv", "1:2", "finite elements (Wu et al. 2003)", "points pt 2"}};
   const tdm_plot plots[] = {
-      {"Test 5: slip of the contact point afterwards", "V_t/(mu V_n)", "slip/(mu V_n)", "set key top left\n", 4, slip},
-      {"Spin afterwards", "V_t/(mu V_n)", "R omega/(mu V_n)", "set key top right\n", 4, spin},
+      {
+          .title = "Test 5: slip of the contact point afterwards",
+          .xlabel = "V_t/(mu V_n)",
+          .ylabel = "slip/(mu V_n)",
+          .setup = "set key top left\n",
+          .ncurve = 4,
+          .curve = slip,
+      },
+      {
+          .title = "Spin afterwards",
+          .xlabel = "V_t/(mu V_n)",
+          .ylabel = "R omega/(mu V_n)",
+          .setup = "set key top right\n",
+          .ncurve = 4,
+          .curve = spin,
+      },
   };
   cpl_verify_plot(v, "test5", 2, plots);
 }

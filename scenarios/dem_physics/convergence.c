@@ -105,8 +105,14 @@ tdm_status scn_convergence(cpl_verify *v, tdm_error *err) {
                                      {"error.csv", "1:($3==2?$2:1/0)", "stormer-verlet", "points pt 1 ps 1.5"},
                                      {"error.csv", "1:($3==3?$2:1/0)", "multi-step, 4 substeps", "points pt 4 ps 1.5"},
                                      {"error.csv", "1:(0.05*($1/4e-5)**2)", "order 2", "lines dt 2 lc rgb 'black'"}};
-  const tdm_plot plot = {"Undamped linear contact: largest error of the position",   "dt [s]", "error/amplitude",
-                         "set logscale xy\nset format '%g'\nset key bottom right\n", 5,        curves};
+  const tdm_plot plot = {
+      .title = "Undamped linear contact: largest error of the position",
+      .xlabel = "dt [s]",
+      .ylabel = "error/amplitude",
+      .setup = "set logscale xy\nset format '%g'\nset key bottom right\n",
+      .ncurve = 5,
+      .curve = curves,
+  };
   cpl_verify_plot(v, "error", 1, &plot);
   return TDM_OK;
 }

@@ -120,8 +120,22 @@ static void plot(cpl_verify *v) {
                                    {"rates.csv", "1:5", "C = 0.58, k = 1.4", "lines dt 2 lc rgb 'black'"}};
   static const tdm_curve mass[] = {{"mass.csv", "1:2:3", "", "points pt 7 ps 0.3 palette"}};
   const tdm_plot plots[] = {
-      {"Discharge", "outlet D/d", "(W [kg/s])^(2/5)", "set key top left\n", 3, rate},
-      {"Mass that has flowed out, by D/d", "time [s]", "[kg]", "unset key\n", 1, mass},
+      {
+          .title = "Discharge",
+          .xlabel = "outlet D/d",
+          .ylabel = "(W [kg/s])^(2/5)",
+          .setup = "set key top left\n",
+          .ncurve = 3,
+          .curve = rate,
+      },
+      {
+          .title = "Mass that has flowed out, by D/d",
+          .xlabel = "time [s]",
+          .ylabel = "[kg]",
+          .setup = "unset key\n",
+          .ncurve = 1,
+          .curve = mass,
+      },
   };
   cpl_verify_plot(v, "discharge", 2, plots);
 }
