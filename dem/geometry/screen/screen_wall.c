@@ -4,7 +4,7 @@
 #include "dem/geometry/screen/screen.h"
 
 #include "dem/geometry/shape/rows.h"
-#include "protocol/base/hash.h"
+#include "protocol/math/hash.h"
 
 #include <stdlib.h>
 
