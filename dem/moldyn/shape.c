@@ -8,7 +8,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/shape/plane.h"
 #include "dem/moldyn/walls.h"
-#include "protocol/base/hash.h"
+#include "protocol/math/hash.h"
 
 #include <stdlib.h>
 
