@@ -153,7 +153,7 @@
   H(turn, BYTES, PLACED)                       \
   H(data, SHAPE_DATA, PLACED)                  \
   H(surface, BYTES, RUN)                       \
-  H(material, NUMBER, MATERIALS)               \
+  H(material, OF_SHAPE, MATERIALS)             \
   F(geometry, "of the shapes, which have all") \
   F(endless, "follows from the sizes")         \
   F(solid, "for limits that are told")         \

@@ -44,6 +44,7 @@ static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
 #define AS_WALL_LAW(x) ((x) == s->normal ? h : AS_LAW(x))
 #define AS_TAIL(x) hash_name(h, (x) ? "clip" : "keep")
 #define AS_FLAT(x) (s->flat >= 0 ? AS_NUMBER(x) : h)
+#define AS_OF_SHAPE(x) h /* hash_walls: where it is not the body's */
 #define AS_AXIS(x) hash_number(h, (double)(x)[k])
 #define AS_POSE(x) tdm_hash_bytes(h, &(x).pose, sizeof(x).pose)
 #define AS_SHAPE(x) hash_number(h, (x)->number)
@@ -117,6 +118,8 @@ static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pair,
 static uint64_t hash_walls(uint64_t h, const dem_model *m, const dem_wall *wall, int part) {
   for (int w = 0; w < m->nwall; w++) {
     h = hash_wall(h, &wall[w], part, w);
+    if (part == PART_MATERIALS && wall[w].material != m->body[wall[w].body].material)
+      h = hash_number(hash_number(h, w), wall[w].material);
     if (part != PART_SHAPES)
       continue;
     bool lid = false;
