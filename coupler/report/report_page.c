@@ -2,9 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/report/report_page.h"
 
+#include "coupler/contents/words.h"
 #include "coupler/report/html.h"
-#include "coupler/report/words.h"
-#include "protocol/app/print.h"
+#include "protocol/results/print.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,8 +3,8 @@
 #ifndef CPL_REPORT_REPORT_PAGE_H
 #define CPL_REPORT_REPORT_PAGE_H
 
-#include "coupler/report/contents.h"
-#include "coupler/report/pictures.h"
+#include "coupler/contents/contents.h"
+#include "coupler/contents/pictures.h"
 #include "coupler/verify/compare.h"
 
 enum { CPL_REPORT_LACKS = 16 };

@@ -3,7 +3,7 @@
 #include "coupler/run/check.h"
 
 #include "coupler/settings/scheme.h"
-#include "protocol/app/print.h"
+#include "protocol/results/print.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,9 +6,9 @@
 #include "mbd/integrate/integrator.h"
 #include "mbd/mbd.h"
 #include "protocol/app/plot.h"
-#include "protocol/app/print.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/results/print.h"
 #include "protocol/scene/json.h"
 
 #include <math.h>

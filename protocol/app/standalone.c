@@ -3,9 +3,9 @@
 #include "protocol/app/standalone.h"
 
 #include "protocol/app/plot.h"
-#include "protocol/app/print.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/results/print.h"
 #include "protocol/version.h"
 
 #include <assert.h>

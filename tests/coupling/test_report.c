@@ -1,7 +1,7 @@
 /* The report of a run: by body, joint and scheme, with names and units on its axes, what does not change in a table,
  * warnings on top; for runs of both solvers and of one, whole, failed and damaged. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/report/words.h"
+#include "coupler/contents/words.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

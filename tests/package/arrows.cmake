@@ -12,6 +12,8 @@ set(protocol
   "motion results surface wire"
   "app"
   "draw"
+  "draw/space"
+  "draw/program"
   "output")
 set(dem
   "base"
@@ -50,6 +52,7 @@ set(coupler
   "observe scheme"
   "run live"
   "verify"
+  "contents"
   "report"
   "sweep"
   "main.c")
@@ -62,8 +65,8 @@ set(most 10)
 set(families
   dem/contact/normal dem/contact/tangential dem/contact/rolling dem/contact/twisting dem/contact/cohesion
   mbd/joint mbd/force mbd/driver coupler/scheme coupler/observe protocol/motion)
-# One subject each that has no seam, or two files that are a floor of their own: a participant, a command
-set(other_sizes protocol/app protocol/draw coupler/report mbd/adapter mbd/app)
+# two files that are a floor of their own: a participant, a command
+set(other_sizes mbd/adapter mbd/app)
 
 set(bad "")
 foreach(part protocol dem mbd coupler)

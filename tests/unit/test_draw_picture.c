@@ -1,7 +1,7 @@
 /* Pictures, pixel by pixel: places and sizes, what hides what, and what there is nothing to see of. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/draw/color.h"
-#include "protocol/draw/painter.h"
+#include "protocol/draw/program/painter.h"
 #include "tests/test_main.h"
 
 #include <math.h>

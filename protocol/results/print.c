@@ -1,6 +1,6 @@
 /* A solver's report, or another JSON object, for people: see print.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/app/print.h"
+#include "protocol/results/print.h"
 
 #include "protocol/base/status.h"
 

@@ -1,9 +1,9 @@
 /* Pictures of time histories for a report: the panels of a section, at most eight a picture. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_REPORT_PICTURES_H
-#define CPL_REPORT_PICTURES_H
+#ifndef CPL_CONTENTS_PICTURES_H
+#define CPL_CONTENTS_PICTURES_H
 
-#include "coupler/report/contents.h"
+#include "coupler/contents/contents.h"
 
 enum { CPL_PICTURE_PANELS = 8 };
 

@@ -1,8 +1,8 @@
 /* tandem-draw: pictures of a run, while it goes on (--orders, see drawer.c) or afterwards (tandem draw, tandem movie).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/draw/after.h"
-#include "protocol/draw/orders.h"
+#include "protocol/draw/program/after.h"
+#include "protocol/draw/program/orders.h"
 
 #include "protocol/app/command_line.h"
 

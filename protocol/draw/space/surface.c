@@ -1,7 +1,7 @@
 /* Edges and normals of polygons: see surface.h. Corners of one body that lie in one place are one point of its surface;
  * polygons that share an edge and hardly turn there are one piece of it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/draw/surface.h"
+#include "protocol/draw/space/surface.h"
 
 #include "protocol/math/hash.h"
 

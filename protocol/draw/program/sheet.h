@@ -1,7 +1,7 @@
 /* The sheet that an image stands on: where what goes, time, colour bar, axes or scale; PNG files. By cairo. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_SHEET_H
-#define TDM_DRAW_SHEET_H
+#ifndef TDM_DRAW_PROGRAM_SHEET_H
+#define TDM_DRAW_PROGRAM_SHEET_H
 
 #include "protocol/draw/camera.h"
 #include "protocol/view/view.h"

@@ -6,8 +6,8 @@
  *   section   the panels of a body, a joint ...
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_REPORT_CONTENTS_H
-#define CPL_REPORT_CONTENTS_H
+#ifndef CPL_CONTENTS_CONTENTS_H
+#define CPL_CONTENTS_CONTENTS_H
 
 #include "coupler/verify/table.h"
 #include "protocol/base/status.h"

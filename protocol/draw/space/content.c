@@ -1,6 +1,6 @@
 /* From what there is to see to what is drawn: see content.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/draw/content.h"
+#include "protocol/draw/space/content.h"
 
 #include "protocol/draw/color.h"
 

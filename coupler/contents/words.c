@@ -1,6 +1,6 @@
 /* What channels are called where people read them: see words.h. To name a channel: a row. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/report/words.h"
+#include "coupler/contents/words.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -5,9 +5,9 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define GL_GLEXT_PROTOTYPES
-#include "protocol/draw/render.h"
+#include "protocol/draw/space/render.h"
 
-#include "protocol/draw/shaders.h"
+#include "protocol/draw/space/shaders.h"
 
 #include <GL/osmesa.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* The programs that run for each corner and each pixel of a picture, in GLSL 3.30. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_SHADERS_H
-#define TDM_DRAW_SHADERS_H
+#ifndef TDM_DRAW_SPACE_SHADERS_H
+#define TDM_DRAW_SPACE_SHADERS_H
 
 #define SHADER_HEAD "#version 330 core\n"
 

@@ -2,8 +2,8 @@
  * round.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_SURFACE_H
-#define TDM_DRAW_SURFACE_H
+#ifndef TDM_DRAW_SPACE_SURFACE_H
+#define TDM_DRAW_SPACE_SURFACE_H
 
 #include "protocol/view/view.h"
 

@@ -1,7 +1,7 @@
 /* What tandem-draw does while a run goes on. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_ORDERS_H
-#define TDM_DRAW_ORDERS_H
+#ifndef TDM_DRAW_PROGRAM_ORDERS_H
+#define TDM_DRAW_PROGRAM_ORDERS_H
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* A picture of one state of a run: see painter.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/draw/painter.h"
+#include "protocol/draw/program/painter.h"
 
 #include "protocol/draw/color.h"
 

@@ -1,8 +1,8 @@
 /* Pictures of time histories for a report: see pictures.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/report/pictures.h"
+#include "coupler/contents/pictures.h"
 
-#include "coupler/report/words.h"
+#include "coupler/contents/words.h"
 #include "coupler/settings/settings.h"
 #include "protocol/app/plot.h"
 #include "protocol/results/thin.h"

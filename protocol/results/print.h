@@ -1,7 +1,7 @@
 /* A solver's report, or another JSON object, for people: what is in it, row by row, and that as lines of a terminal. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_APP_PRINT_H
-#define TDM_APP_PRINT_H
+#ifndef TDM_RESULTS_PRINT_H
+#define TDM_RESULTS_PRINT_H
 
 #include <jansson.h>
 

@@ -1,10 +1,10 @@
 /* A picture of one state of a run, from what there is to see to a sheet that can be written as PNG. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_PAINTER_H
-#define TDM_DRAW_PAINTER_H
+#ifndef TDM_DRAW_PROGRAM_PAINTER_H
+#define TDM_DRAW_PROGRAM_PAINTER_H
 
-#include "protocol/draw/content.h"
-#include "protocol/draw/sheet.h"
+#include "protocol/draw/program/sheet.h"
+#include "protocol/draw/space/content.h"
 
 /* Zero-initialise; free with tdm_painter_free. */
 typedef struct {

@@ -1,10 +1,10 @@
 /* Pictures and animations after a run: see after.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/draw/after.h"
+#include "protocol/draw/program/after.h"
 
 #include "protocol/app/command_line.h"
 #include "protocol/draw/color.h"
-#include "protocol/draw/painter.h"
+#include "protocol/draw/program/painter.h"
 #include "protocol/results/mark.h"
 #include "protocol/results/results.h"
 #include "protocol/view/frames.h"

@@ -1,9 +1,9 @@
 /* The time histories of a result directory, gathered for reading: see contents.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/report/contents.h"
+#include "coupler/contents/contents.h"
 
+#include "coupler/contents/words.h"
 #include "coupler/observe/observers.h"
-#include "coupler/report/words.h"
 #include "coupler/settings/settings.h"
 #include "protocol/scene/input.h"
 

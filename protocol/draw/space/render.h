@@ -1,8 +1,8 @@
 /* Triangles, balls and thin lines as an image, by OpenGL without a display (OSMesa): exact depths, light, shaded
  * crevices, translucent surfaces in front of what is solid. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_RENDER_H
-#define TDM_DRAW_RENDER_H
+#ifndef TDM_DRAW_SPACE_RENDER_H
+#define TDM_DRAW_SPACE_RENDER_H
 
 #include "protocol/draw/camera.h"
 

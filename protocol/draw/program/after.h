@@ -1,7 +1,7 @@
 /* Pictures and animations of a run that has ended, or of what there is of one that failed or goes on. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_AFTER_H
-#define TDM_DRAW_AFTER_H
+#ifndef TDM_DRAW_PROGRAM_AFTER_H
+#define TDM_DRAW_PROGRAM_AFTER_H
 
 #include "protocol/base/status.h"
 

@@ -1,7 +1,7 @@
 /* What channels are called where people read them: "wx" of a body is "angular velocity", its component x. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_REPORT_WORDS_H
-#define CPL_REPORT_WORDS_H
+#ifndef CPL_CONTENTS_WORDS_H
+#define CPL_CONTENTS_WORDS_H
 
 #include <stdbool.h>
 

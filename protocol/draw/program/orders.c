@@ -1,9 +1,9 @@
 /* What tandem-draw does while a run goes on: see orders.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define _GNU_SOURCE /* getline */
-#include "protocol/draw/orders.h"
+#include "protocol/draw/program/orders.h"
 
-#include "protocol/draw/painter.h"
+#include "protocol/draw/program/painter.h"
 #include "protocol/view/frames.h"
 
 #include <stdlib.h>

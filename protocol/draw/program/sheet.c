@@ -1,6 +1,6 @@
 /* The sheet that an image stands on: see sheet.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "protocol/draw/sheet.h"
+#include "protocol/draw/program/sheet.h"
 
 #include "protocol/draw/color.h"
 

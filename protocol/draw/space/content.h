@@ -1,11 +1,11 @@
 /* From what there is to see to what is drawn: particles, surfaces, lines and marks, with their colours, in the camera's
  * axes. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TDM_DRAW_CONTENT_H
-#define TDM_DRAW_CONTENT_H
+#ifndef TDM_DRAW_SPACE_CONTENT_H
+#define TDM_DRAW_SPACE_CONTENT_H
 
-#include "protocol/draw/render.h"
-#include "protocol/draw/surface.h"
+#include "protocol/draw/space/render.h"
+#include "protocol/draw/space/surface.h"
 #include "protocol/view/view.h"
 
 /* One state of a run, and how to draw it; all borrowed. */
