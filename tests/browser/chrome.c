@@ -52,9 +52,9 @@ static void run_browser(const chrome *c, int in, int out, int width, int height)
   for (int fd = 5; fd < 64; fd++)
     close(fd);
   execl(program(), "chromium", "--headless", "--no-sandbox", "--remote-debugging-pipe", "--disable-gpu",
-        "--enable-unsafe-swiftshader", "--disable-gpu-vsync", "--hide-scrollbars", "--no-first-run",
-        "--disable-extensions", "--disable-background-networking", "--disable-dev-shm-usage", profile, size,
-        "about:blank", (char *)NULL);
+        "--enable-unsafe-swiftshader", "--disable-gpu-vsync", "--disable-gpu-watchdog", "--hide-scrollbars",
+        "--no-first-run", "--disable-extensions", "--disable-background-networking", "--disable-dev-shm-usage", profile,
+        size, "about:blank", (char *)NULL);
   _exit(127);
 }
 
