@@ -149,7 +149,7 @@ tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignme
   if (!e)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM engine");
   e->participant = participant;
-  if (!dem_model_load(&e->model, assignment, err) && !(assignment->proxy && dem_engine_check_proxy(e, err)) &&
+  if (!dem_model_read(&e->model, assignment, err) && !(assignment->proxy && dem_engine_check_proxy(e, err)) &&
       !allocate(e, assignment, err))
     start(e, err);
   if (tdm_memory_since(before, "dem", err)) {

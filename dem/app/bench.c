@@ -287,7 +287,7 @@ static tdm_status refuse_coincident(const dem_data *d, bed *b, tdm_error *err) {
 
 static tdm_status load_model(engine *e, const options *o, tdm_error *err) {
   tdm_assignment assignment = {.scene = box_scene(o), .dt = o->dt, .n = 1};
-  dem_model_load(&e->model, &assignment, err);
+  dem_model_read(&e->model, &assignment, err);
   json_decref(assignment.scene);
   return err->status;
 }

@@ -16,8 +16,8 @@ DEM_KERNEL dem_couple dem_rolling_none(const dem_contact *c, vd3 roll, vd *histo
   return (dem_couple){{vd_set(0), vd_set(0), vd_set(0)}, vd_set(0)};
 }
 
-DEM_KERNEL dem_couple dem_twisting_none(const dem_contact *c, vd3 twist) {
-  (void)c, (void)twist;
+DEM_KERNEL dem_couple dem_twisting_none(const dem_contact *c, vd3 twist, vd *history) {
+  (void)c, (void)twist, (void)history;
   return (dem_couple){{vd_set(0), vd_set(0), vd_set(0)}, vd_set(0)};
 }
 

@@ -42,15 +42,19 @@ int dem_law_place(dem_family family, const char *name) {
   return -1;
 }
 
-bool dem_law_add(dem_family family, const dem_law_head *law) {
+tdm_status dem_law_add(dem_family family, const dem_law_head *law, tdm_error *err) {
   int n = 0;
   assert(law->name && (family == DEM_FAMILY_NORMAL) == !law->kernel);
   while (table[family][n])
     n++;
-  if (n == LAWS_MAX || dem_law_place(family, law->name) >= 0)
-    return false;
+  if (dem_law_place(family, law->name) >= 0)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "there is a %s law \"%s\" already; give the new one another name",
+                    dem_family_names[family], law->name);
+  if (n == LAWS_MAX)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "no place for %s law \"%s\": the table has room for %d laws",
+                    dem_family_names[family], law->name, LAWS_MAX);
   table[family][n] = law;
-  return true;
+  return TDM_OK;
 }
 
 const dem_law_head *dem_law_of(const dem_model *m, dem_family family) {
@@ -66,7 +70,7 @@ static int place_of(const dem_model *m, dem_family family) {
   return dem_law_place(family, dem_law_of(m, family)->name);
 }
 
-/* is one of the laws from elsewhere, but the normal law? */
+/* is one of the laws, but the normal law, a program's own? */
 static bool calls(const dem_model *m) {
   bool any = false;
   for (dem_family f = 0; f < DEM_FAMILIES; f++)
@@ -105,14 +109,15 @@ static int append(dem_columns *c, const dem_law_head *row) {
   return row->ncolumn > 0 ? first : -1;
 }
 
-void dem_columns_choose(dem_model *m, bool sliding) {
+bool dem_columns_choose(dem_model *m, bool sliding) {
   dem_columns c = {0};
   append(&c, &m->tangential->head);
   const dem_law_head *of = &m->normal->head, *of_walls = &m->wall_normal->head;
   c.normal = append(&c, of->ncolumn < of_walls->ncolumn ? of_walls : of);
   c.rolling = append(&c, &m->rolling->head);
+  c.twisting = append(&c, &m->twisting->head);
   c.cohesion = append(&c, &m->cohesion->head);
   c.sliding = append(&c, &(dem_law_head){.ncolumn = sliding});
-  assert(c.ncolumn <= DEM_HISTORY_MAX);
   m->columns = c;
+  return c.ncolumn <= DEM_HISTORY_MAX;
 }

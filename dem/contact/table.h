@@ -14,11 +14,10 @@ const dem_law_head *dem_law_at(dem_family family, int place);
 /* Place of a law in its family's table, -1: none has this name. */
 int dem_law_place(dem_family family, const char *name);
 
-/* Put a law from elsewhere behind the table's, for the process; `law` is the head of its row, which stays the caller's
- * and must outlive it. Before any model is loaded. A normal law brings its loops, made in a file of its own; any other
- * its kernel. The columns of a scene's laws are DEM_HISTORY_MAX at most. False: the table is full, or has a law of this
- * name. */
-bool dem_law_add(dem_family family, const dem_law_head *law);
+/* Put a program's own law behind the table's, for the process; `law` is the head of its row, which stays the caller's
+ * and must outlive it. Before any model is read. A normal law brings its loops, made in a file of its own; any other
+ * its kernel. TDM_ERR_ARGUMENT: the table is full, or has a law of this name. */
+tdm_status dem_law_add(dem_family family, const dem_law_head *law, tdm_error *err);
 
 /* The law of a family that a model has. */
 const dem_law_head *dem_law_of(const dem_model *model, dem_family family);
@@ -27,7 +26,8 @@ const dem_law_head *dem_law_of(const dem_model *model, dem_family family);
  * law do not go together. */
 bool dem_loops_choose(dem_model *model);
 
-/* model->columns, from its laws; sliding: contacts remember whether they slide. */
-void dem_columns_choose(dem_model *model, bool sliding);
+/* model->columns, from its laws; sliding: contacts remember whether they slide. False: the laws have more columns than
+ * a contact can keep, DEM_HISTORY_MAX. */
+bool dem_columns_choose(dem_model *model, bool sliding);
 
 #endif

@@ -49,9 +49,9 @@ typedef struct {
  * them. */
 typedef struct {
   int ncolumn;
-  unsigned vectors;                       /* bit q: column q is one of a vector's */
-  int normal, rolling, cohesion, sliding; /* the first of each; sliding: 1 while a contact slides, for a static
-                                             friction of its own; -1: there is none */
+  unsigned vectors;                        /* bit q: column q is one of a vector's */
+  int normal, rolling, twisting, cohesion; /* the first of each law; -1: it has none */
+  int sliding;                             /* 1 while a contact slides, for a static friction of its own; -1: none */
 } dem_columns;
 
 enum { DEM_HISTORY_MAX = 10, DEM_SETTINGS_MAX = 4 };

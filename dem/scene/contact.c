@@ -112,7 +112,7 @@ void dem_contact_read(dem_model *m, tdm_object *section) {
   m->clip = tdm_get_choice(&o, "tail", tails, 2, 0) == 1;
   if (!dem_loops_choose(m))
     tdm_object_fail(&o, "tangential",
-                    "\"%s\" needs the contact circle of normal \"hertz\", which \"%s\" does not have; use \"spring\"",
+                    "\"%s\" needs a contact circle, which normal \"%s\" does not have; use \"spring\"",
                     m->tangential->head.name, (m->normal->circle ? m->wall_normal : m->normal)->head.name);
   check_wall_law(m, &o);
   read_settings(m, &o);
@@ -362,7 +362,7 @@ static double law_reach(const dem_model *m) {
   return reach;
 }
 
-void dem_contact_finish(dem_model *m) {
+void dem_contact_finish(dem_model *m, tdm_error *err) {
   bool sliding = false, needs = false;
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++)
     for (int settling = 0; settling < 2; settling++) {
@@ -375,6 +375,10 @@ void dem_contact_finish(dem_model *m) {
   bool shared = m->multi_step.substeps > 0; /* an evaluation may leave contacts out */
   m->all_terms = m->couples || !m->cohesion->head.none || m->energy || sliding || needs || shared;
   dem_loops_choose(m);
-  dem_columns_choose(m, sliding);
+  if (!dem_columns_choose(m, sliding))
+    tdm_fail(err, TDM_ERR_SCENE, "dem.contact",
+             "the history of these laws has %d numbers a contact, more than the %d that there is room for; choose laws "
+             "that remember less",
+             m->columns.ncolumn, DEM_HISTORY_MAX);
   m->reach = law_reach(m);
 }

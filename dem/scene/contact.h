@@ -20,7 +20,8 @@ void dem_pairs_check(const dem_model *model, tdm_error *err);
 /* model->settle_pair: the pairs with dem.settle's restitution and friction, read here. */
 void dem_settle_pairs_read(dem_model *model, tdm_object *settle);
 
-/* Last: the loops, columns and reach that follow from all of it. */
-void dem_contact_finish(dem_model *model);
+/* Last: the loops, columns and reach that follow from all of it. TDM_ERR_SCENE: the laws remember more than a contact
+ * has room for. */
+void dem_contact_finish(dem_model *model, tdm_error *err);
 
 #endif

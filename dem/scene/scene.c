@@ -285,7 +285,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   if (!err->status)
     read_settle(m, &o);
   if (!err->status)
-    dem_contact_finish(m);
+    dem_contact_finish(m, err);
   tdm_has(&o, "settle");
   if (m->npouring > 0 && !m->settle.wanted)
     tdm_object_fail(&o, "settle", "missing: dem.particles[%d] is poured while settling; give \"settle\" {}",
@@ -313,7 +313,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   tdm_object_close(&o);
 }
 
-tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
+tdm_status dem_model_read(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
   tdm_error own = {0}; /* so that err may be NULL */
   if (!err)
     err = &own;

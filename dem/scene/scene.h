@@ -6,6 +6,6 @@
 #include "dem/model/model.h"
 
 /* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
-tdm_status dem_model_load(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
+tdm_status dem_model_read(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
 
 #endif

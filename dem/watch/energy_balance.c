@@ -17,7 +17,8 @@ typedef struct {
   double overlap;
   const double *history; /* its first column */
   size_t stride;         /* from column to column */
-  tdm_vec3 slip, roll;   /* relative velocity at the contact and relative spin, of which the tangent parts count */
+  tdm_vec3 slip, roll;   /* tangent parts of the relative velocity at the contact and of the relative spin */
+  double twist;          /* part of the relative spin along the normal */
   double dt;             /* by which half the springs of the history are ahead [s] */
 } contact;
 
@@ -28,18 +29,32 @@ static double spring(const contact *c, int first, double k, tdm_vec3 rate) {
   return k > 0 ? 0.5 * tdm_dot(f, f) / k : 0;
 }
 
-/* of the tangential and the rolling law; the twisting laws have no spring */
+/* likewise of a couple about the normal, in one column */
+static double twisted(const contact *c, int first, double k) {
+  double couple = c->history[(size_t)first * c->stride] + 0.5 * c->dt * k * c->twist;
+  return k > 0 ? 0.5 * couple * couple / k : 0;
+}
+
+/* of the tangential, rolling and twisting laws */
 static double springs_of(const dem_model *m, const contact *c) {
   double e = 0;
   if (m->tangential->stiffness)
     e += spring(c, 0, dem_tangential_stiffness(m, c->pair, c->at, c->overlap), c->slip);
   if (m->rolling->stiffness)
     e += spring(c, m->columns.rolling, dem_rolling_stiffness(m, c->pair, c->at, c->overlap), c->roll);
+  if (m->twisting->stiffness)
+    e += twisted(c, m->columns.twisting, dem_twisting_stiffness(m, c->pair, c->at, c->overlap));
   return e;
 }
 
 static tdm_vec3 tangent(tdm_vec3 v, tdm_vec3 n) {
   return tdm_axpy(-tdm_dot(v, n), n, v);
+}
+
+/* the relative spin, apart */
+static void set_spin(contact *c, tdm_vec3 spin, tdm_vec3 n) {
+  c->roll = tangent(spin, n);
+  c->twist = tdm_dot(spin, n);
 }
 
 static double step_ahead(const dem_data *d) {
@@ -71,7 +86,7 @@ static double elastic_of_pair(const dem_data *d, int i, int k) {
            surface = tdm_add(d->state.rotor[i].surface, d->state.rotor[j].surface);
   tdm_vec3 v = tdm_axpy(-r / sum, tdm_cross(surface, n), tdm_sub(a->velocity, b->velocity));
   c.slip = tangent(v, n);
-  c.roll = tangent(tdm_sub(spin_of(&d->state.rotor[i]), spin_of(&d->state.rotor[j])), n);
+  set_spin(&c, tdm_sub(spin_of(&d->state.rotor[i]), spin_of(&d->state.rotor[j])), n);
   return dem_normal_elastic(m, c.pair, c.at, c.overlap) + springs_of(m, &c);
 }
 
@@ -89,7 +104,7 @@ static void rates_at_wall(const dem_data *d, const dem_wall_entry *e, double gap
   tdm_twist wall = d->state.twist[body];
   tdm_vec3 v = tdm_axpy(-gap / s->radius, tdm_cross(rotor->surface, n), s->velocity);
   c->slip = tangent(tdm_sub(v, tdm_add(wall.velocity, tdm_cross(wall.angular, lever))), n);
-  c->roll = tangent(tdm_sub(spin_of(rotor), wall.angular), n);
+  set_spin(c, tdm_sub(spin_of(rotor), wall.angular), n);
   c->at.mass = 1 / dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n);
 }
 

@@ -48,7 +48,7 @@ tdm_status scn_rig_open(scn_rig *rig, cpl_verify *v, double dt, tdm_error *err, 
   if (!rig->scene)
     return err->status;
   const tdm_assignment assignment = {.scene = rig->scene, .time_end = 1, .dt = dt, .n = 1};
-  if (dem_model_load(&rig->model, &assignment, err) != TDM_OK)
+  if (dem_model_read(&rig->model, &assignment, err) != TDM_OK)
     return err->status;
   rig->data = dem_data_create(rig->model);
   if (!rig->data)

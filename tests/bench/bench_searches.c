@@ -70,7 +70,7 @@ static bool run(const char *name, int group, long steps) {
   tdm_error err = {0};
   tdm_assignment assignment = {.scene = scene(name, group), .dt = 1e-5, .n = 1};
   dem_model *model = NULL;
-  dem_data *d = dem_model_load(&model, &assignment, &err) == TDM_OK ? dem_data_create(model) : NULL;
+  dem_data *d = dem_model_read(&model, &assignment, &err) == TDM_OK ? dem_data_create(model) : NULL;
   dem_timers timers = {0};
   bool good = d && dem_forces_begin(d, &err) == TDM_OK;
   if (!good)

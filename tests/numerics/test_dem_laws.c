@@ -283,7 +283,7 @@ static const struct {
     {"'normal':'hysteretic','tangential':'mindlin'", "'stiffness':1", "dem.contact.tangential", "\"spring\""},
     {"'normal':'hunt-crossley','exponent':2", "'stiffness':1", "dem.contact.tangential", "exponent"},
     {"'normal':'hunt-crossley'", "'stiffness':1,'restitution':1,'friction':0", "dem.pairs[0].stiffness", "spring"},
-    {"'normal':'hooke','cohesion':'jkr'", "'stiffness':1", "dem.contact.cohesion", "hertz"},
+    {"'normal':'hooke','cohesion':'jkr'", "'stiffness':1", "dem.contact.cohesion", "Hertz"},
     {"'cohesion':'jkr','tail':'clip'", "'restitution':1", "dem.contact.tail", "jkr"},
     {"'normal':'hysteretic','tail':'clip'", "'stiffness':1", "dem.contact.tail", "adhesion_stiffness"},
     {"'exponent':2", "'restitution':1,'friction':0", "dem.contact.exponent", "hunt-crossley"},

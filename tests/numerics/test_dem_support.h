@@ -57,7 +57,7 @@ static inline rig *rig_make(json_t *json, double dt, int nbody, const tdm_assign
     r->body[i] = body[i];
   r->assignment = (tdm_assignment){.scene = json, .time_end = 1, .dt = dt, .n = 1, .nbody = nbody, .body = r->body};
   tdm_error err = {0};
-  dem_model_load(&r->model, &r->assignment, &err);
+  dem_model_read(&r->model, &r->assignment, &err);
   ck_assert_msg(err.status == TDM_OK, "%s: %s", err.path, err.message);
   r->data = dem_data_create(r->model);
   ck_assert(r->data && dem_forces_begin(r->data, &err) == TDM_OK);
@@ -70,7 +70,7 @@ static inline tdm_error rig_refused(json_t *json, const tdm_assigned_body *body)
   tdm_assignment a = {.scene = json, .time_end = 1, .dt = 1e-5, .n = 1, .nbody = body != NULL, .body = &copy};
   tdm_error err = {0};
   dem_model *model = NULL;
-  dem_model_load(&model, &a, &err);
+  dem_model_read(&model, &a, &err);
   ck_assert_msg(err.status == TDM_ERR_SCENE || err.status == TDM_ERR_FILE, "not refused: %s", err.message);
   dem_model_destroy(&model);
   json_decref(json);

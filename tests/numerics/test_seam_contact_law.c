@@ -99,8 +99,8 @@ static const double k = 2e4, alpha = 0.3; /* as in MATERIAL */
 
 static void add(void) {
   if (dem_law_place(DEM_FAMILY_NORMAL, "confined") < 0)
-    ck_assert(dem_law_add(DEM_FAMILY_NORMAL, &confined.head));
-  ck_assert(!dem_law_add(DEM_FAMILY_NORMAL, &confined.head)); /* a name is there once */
+    ck_assert_int_eq(dem_law_add(DEM_FAMILY_NORMAL, &confined.head, NULL), TDM_OK);
+  ck_assert_int_eq(dem_law_add(DEM_FAMILY_NORMAL, &confined.head, NULL), TDM_ERR_ARGUMENT); /* a name is there once */
 }
 
 /* Two alone: no energy is lost, and the contact takes half a period. */
@@ -249,7 +249,7 @@ START_TEST(test_reading) {
                                "'radius':0.01,'positions':[[0,0,0]]}]}",
                                cases[c].pair, cases[c].contact);
     const tdm_assignment assignment = {.scene = scene, .time_end = 1, .dt = 1e-6, .n = 1};
-    dem_model_load(&model, &assignment, &err);
+    dem_model_read(&model, &assignment, &err);
     ck_assert_int_eq(err.status, TDM_ERR_SCENE);
     ck_assert_msg(strstr(err.message, cases[c].says) || strstr(err.path, cases[c].says), "%s: %s", err.path,
                   err.message);

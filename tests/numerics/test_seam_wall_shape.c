@@ -75,9 +75,9 @@ static const dem_shape torus = {
 static void add_torus(void) {
   static bool added = false;
   if (!added)
-    ck_assert(dem_shape_add(&torus));
+    ck_assert_int_eq(dem_shape_add(&torus, NULL), TDM_OK);
   added = true;
-  ck_assert_msg(!dem_shape_add(&torus), "a type of a shape is there once");
+  ck_assert_msg(dem_shape_add(&torus, NULL) == TDM_ERR_ARGUMENT, "a type of a shape is there once");
 }
 
 /* ---- the tests ---- */

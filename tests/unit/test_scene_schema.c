@@ -128,7 +128,7 @@ static tdm_status read_dem(const json_t *root, tdm_error *err) {
   tdm_assignment assignment = {.scene = section, .time_end = 1, .dt = 1e-6, .n = 1, .body = bodies};
   assignment.nbody = assign(bodies, 8, root, "dem");
   dem_model *model = NULL;
-  tdm_status status = dem_model_load(&model, &assignment, err);
+  tdm_status status = dem_model_read(&model, &assignment, err);
   dem_model_destroy(&model);
   json_decref(section);
   return status;

@@ -23,11 +23,9 @@ DEM_KERNEL void dem_cohesion_dmt(dem_contact *c, vd *history) {
 #ifdef DEM_LAW_ROWS
 #include "dem/contact/law/law.h"
 
-#include <string.h>
-
 static void check_dmt(const dem_model *m, tdm_object *o) {
-  const dem_normal_law *law = strcmp(m->normal->head.name, "hertz") == 0 ? m->wall_normal : m->normal;
-  if (strcmp(law->head.name, "hertz") != 0)
+  const dem_normal_law *law = m->normal->hertzian ? m->wall_normal : m->normal;
+  if (!law->hertzian)
     tdm_object_fail(o, "cohesion",
                     "\"dmt\" is Hertz's force with a constant pull, not with normal \"%s\"; use \"sjkr\"",
                     law->head.name);

@@ -61,12 +61,11 @@ DEM_KERNEL void dem_cohesion_jkr(dem_contact *c, vd *history) {
 #include "dem/contact/law/law.h"
 #include "dem/contact/law/theory.h"
 
-#include <string.h>
-
 static void check_jkr(const dem_model *m, tdm_object *o) {
-  const dem_normal_law *law = strcmp(m->normal->head.name, "hertz") == 0 ? m->wall_normal : m->normal;
-  if (strcmp(law->head.name, "hertz") != 0)
-    tdm_object_fail(o, "cohesion", "\"jkr\" changes the contact circle of normal \"hertz\", not \"%s\"; use \"sjkr\"",
+  const dem_normal_law *law = m->normal->hertzian ? m->wall_normal : m->normal;
+  if (!law->hertzian)
+    tdm_object_fail(o, "cohesion",
+                    "\"jkr\" changes the contact circle of Hertz's force, not of normal \"%s\"; use \"sjkr\"",
                     law->head.name);
   if (m->clip)
     tdm_object_fail(o, "tail", "\"clip\" cuts the attraction that cohesion \"jkr\" is there for; use \"keep\"");

@@ -36,7 +36,7 @@ typedef struct {
   double example; /* what a benchmark of soft spheres takes; 0: it may be missing */
 } dem_law_key;
 
-/* The kernel of a law from elsewhere; its argument is in loop/contact.h. */
+/* The kernel of a law that a program adds; its argument is in law/contact.h. */
 struct dem_call;
 typedef void dem_called_kernel(struct dem_call *call);
 
@@ -65,6 +65,7 @@ typedef double dem_of_overlap(const dem_model *model, const dem_pair *pair, dem_
 typedef struct dem_normal_law {
   dem_law_head head;
   bool circle;              /* fills the contact's circle, which tangential laws may need */
+  bool hertzian;            /* its elastic force is Hertz's, which laws of cohesion may change */
   bool plastic;             /* dissipates without damping: its energy is another mechanism's */
   bool keeps_deepest;       /* its first column is the largest overlap so far */
   bool settles_as_it_is;    /* keeps its coefficients while settling unless dem.settle names a restitution */
@@ -117,6 +118,8 @@ typedef struct dem_rolling_law {
 typedef struct dem_twisting_law {
   dem_law_head head;
   void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair); /* optional */
+  dem_of_overlap *stiffness; /* of its spring, whose couple about the normal is in its first column [N m]; NULL: it has
+                                none */
 } dem_twisting_law;
 
 typedef struct dem_cohesion_law {

@@ -49,3 +49,7 @@ double dem_tangential_stiffness(const dem_model *m, const dem_pair *p, dem_impac
 double dem_rolling_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
   return m->rolling->stiffness ? m->rolling->stiffness(m, p, i, overlap) : 0;
 }
+
+double dem_twisting_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
+  return m->twisting->stiffness ? m->twisting->stiffness(m, p, i, overlap) : 0;
+}

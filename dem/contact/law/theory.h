@@ -27,8 +27,9 @@ double dem_normal_stiffness(const dem_model *model, const dem_pair *pair, dem_im
 /* The same of the tangential force where the law has a spring, else 0 [N/m]. */
 double dem_tangential_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
-/* Of the rolling law's spring, else 0 [N m]. */
+/* Of the springs of the rolling and the twisting law, else 0 [N m]. */
 double dem_rolling_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
+double dem_twisting_stiffness(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);
 
 /* The force there at rest, without cohesion, and the energy that is stored [N], [J]; impact.speed does not matter. */
 double dem_normal_force(const dem_model *model, const dem_pair *pair, dem_impact impact, double overlap);

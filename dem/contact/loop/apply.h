@@ -117,21 +117,21 @@ DEM_KERNEL dem_couple rolling_of_scene(const dem_contact *c, vd3 roll, vd *histo
   }
 }
 
-DEM_KERNEL dem_couple twisting_of_scene(const dem_contact *c, vd3 twist, const bool calls) {
+DEM_KERNEL dem_couple twisting_of_scene(const dem_contact *c, vd3 twist, vd *history, const bool calls) {
   const dem_law_head *of = &c->model->twisting->head;
   if (calls && of->kernel) {
     dem_call call = {.spin = twist};
-    call_law(&call, of, c, NULL);
+    call_law(&call, of, c, history);
     return call.couple;
   }
   switch (c->model->place.twisting) {
 #define X(law)         \
   case TWISTING_##law: \
-    return dem_twisting_##law(c, twist);
+    return dem_twisting_##law(c, twist, history);
     DEM_TWISTINGS(X)
 #undef X
   default:
-    return dem_twisting_none(c, twist);
+    return dem_twisting_none(c, twist, history);
   }
 }
 
@@ -163,8 +163,9 @@ DEM_KERNEL vd3 law_all_terms(dem_loop_task *task, dem_contact *c, const dem_tang
   vd3 twist = vd3_scale(along, c->normal);
   dem_couple couple =
       rolling_of_scene(c, vd3_sub(c->spin, twist), h + (columns->rolling < 0 ? 0 : columns->rolling), calls);
-  dem_couple twisting = twisting_of_scene(c, twist, calls);
+  dem_couple twisting = twisting_of_scene(c, twist, h + (columns->twisting < 0 ? 0 : columns->twisting), calls);
   couple.couple = vd3_add(couple.couple, twisting.couple);
+  couple.elastic = couple.elastic + twisting.elastic;
   if (columns->sliding >= 0)
     h[columns->sliding] = c->sliding;
   if (c->model->energy)

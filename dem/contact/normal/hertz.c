@@ -83,6 +83,7 @@ static double elastic_of(const dem_model *m, const dem_pair *p, dem_impact i, do
 const dem_normal_law dem_normal_hertz = {
     .head = {.name = "hertz", .needs_young = true, .keys = {{.name = "viscosity"}}},
     .circle = true,
+    .hertzian = true,
     .tangential = "mindlin",
     .read = read,
     .damp = damp,

@@ -9,7 +9,8 @@ enum { DEM_TWISTING_CONSTANT_FRICTION }; /* mu_t */
 #ifdef DEM_SIMD
 #include "dem/contact/law/resistance.h"
 
-DEM_KERNEL dem_couple dem_twisting_constant_torque(const dem_contact *c, vd3 twist) {
+DEM_KERNEL dem_couple dem_twisting_constant_torque(const dem_contact *c, vd3 twist, vd *history) {
+  (void)history;
   return dem_constant_couple(c, twist, DEM_OF(c, twisting[DEM_TWISTING_CONSTANT_FRICTION]));
 }
 #endif

@@ -16,16 +16,18 @@ static const dem_shape *shapes[SHAPES_MAX + 1] = {
 #undef X
 };
 
-bool dem_shape_add(const dem_shape *shape) {
+tdm_status dem_shape_add(const dem_shape *shape, tdm_error *err) {
   int n = 0;
   assert(shape->type && shape->read);
   for (; shapes[n]; n++)
     if ((shapes[n]->type && strcmp(shapes[n]->type, shape->type) == 0) || shapes[n]->number == shape->number)
-      return false;
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "there is a shape with the type \"%s\" or the number %d already",
+                      shape->type, shape->number);
   if (n == SHAPES_MAX)
-    return false;
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "no place for the shape \"%s\": the table has room for %d shapes",
+                    shape->type, SHAPES_MAX);
   shapes[n] = shape;
-  return true;
+  return TDM_OK;
 }
 
 /* what the surface does, as a twist of the body's origin, body axes; a cylinder's own spin is with its wall */

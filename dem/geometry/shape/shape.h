@@ -9,8 +9,8 @@
  * the caller's to free). */
 void dem_shape_read(json_t *json, const char *path, int body, int geometry, dem_wall_list *list, tdm_error *err);
 
-/* Add a shape to those that scenes can name, before the first scene is read. `shape` must stay. False: its type is
- * there already, or there are too many. */
-bool dem_shape_add(const dem_shape *shape);
+/* Add a shape to those that scenes can name, before the first scene is read. `shape` must stay. TDM_ERR_ARGUMENT: its
+ * type or its number is there already, or there are too many. */
+tdm_status dem_shape_add(const dem_shape *shape, tdm_error *err);
 
 #endif
