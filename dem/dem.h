@@ -64,13 +64,13 @@ const dem_start *dem_engine_start(const dem_engine *engine);
 /* A window: whole steps from t0 to t1, and the bodies' ways meanwhile. The coupled bodies follow `path`, or the engine
  * carries the mechanism that holds them; with neither they stay where they are. Pointers are borrowed for the call. */
 typedef struct {
-  double t0, t1;             /* [s] */
-  uint64_t nstep;            /* at least 1; where (t1 - t0)/nstep is time.dt to 1e-6, time.dt is taken */
-  const dem_path *path;      /* (ncoupled) over the window */
-  const tdm_step *mechanism; /* the STEP with start states and proxy (proxy/proxy.h) */
-  int nsample;               /* output times */
-  bool seen;                 /* a snapshot of t1 will be taken: forces on triangles are found, if the scene wants them */
-  const double *sample_time; /* (nsample) output times, ascending, in (t0, t1] [s]; what is later is sampled at t1 */
+  double t0, t1;                  /* [s] */
+  uint64_t nstep;                 /* at least 1; where (t1 - t0)/nstep is time.dt to 1e-6, time.dt is taken */
+  const dem_path *path;           /* (ncoupled) over the window */
+  const dem_mechanism *mechanism; /* as it is at t0 */
+  int nsample;                    /* output times */
+  const double *sample_time;      /* (nsample) ascending, in (t0, t1] [s]; what is later is sampled at t1 */
+  bool seen;                      /* there will be a snapshot of t1: forces on triangles, if the scene wants them */
 } dem_window;
 
 /* What a window came to. The caller gives the arrays that it wants; NULL: not wanted. */

@@ -24,7 +24,7 @@
 
 /* ---- the start ---- */
 
-/* particles from elsewhere: pairs of materials that nobody gave, radii that the box is too narrow for */
+/* particles of a stored state: pairs of materials that nobody gave, radii that the box is too narrow for */
 static tdm_status check_started(const dem_data *d, tdm_error *err) {
   const dem_model *m = d->model;
   double largest = 0;
@@ -117,12 +117,13 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
 /* ---- create and destroy ---- */
 
 tdm_status dem_engine_check_proxy(const dem_engine *e, tdm_error *err) {
-  if (!e->model->integrator->kick) /* multi-step's slow kicks would act on the mechanism once a step */
+  if (!e->model->integrator->kick) /* slow kicks would act on the mechanism once a step */
     return TDM_OK;
-  return tdm_fail(err, TDM_ERR_SCENE, "dem.integrator",
-                  "\"%s\" cannot carry the mechanism of a scheme with a proxy; take \"verlet\", or \"dem-first\" or "
-                  "\"lommen\" as coupling.scheme",
-                  e->model->integrator->name);
+  return tdm_fail(
+      err, TDM_ERR_SCENE, "dem.integrator",
+      "\"%s\" cannot carry the mechanism of the coupled bodies, as coupling.scheme wants; take \"verlet\", or a "
+      "scheme that leaves the mechanism to its own solver",
+      e->model->integrator->name);
 }
 
 static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {

@@ -4,7 +4,6 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/contact/table.h"
-#include "dem/geometry/shape/mesh_wall.h"
 #include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
 #include "protocol/scene/json.h"
@@ -97,7 +96,7 @@ static bool behind(const dem_data *d, tdm_pose frame, tdm_vec3 low, tdm_vec3 hig
       tdm_vec3 x = tdm_v3(k & 1 ? low.x : high.x, k & 2 ? low.y : high.y, k & 4 ? low.z : high.z);
       if (k == 8)
         x = tdm_scale(0.5, tdm_add(low, high));
-      out += dem_gap_at(d, w, tdm_pose_point(frame, x), NULL) <= -radius;
+      out += dem_wall_behind(&m->wall[w], dem_gap_at(d, w, tdm_pose_point(frame, x), NULL), radius);
     }
     if (out == 9)
       return true;
@@ -174,8 +173,8 @@ static void warn_step(dem_report *r, const dem_model *m, const dem_limits *limit
 }
 
 /* largest overlap of an impact of a particle with its like or with a wall, as a share of the radius */
-static double deepest_impact(const dem_model *m, int kind, double radius, double mass, double speed) {
-  const dem_pair *row = &m->pair[kind * m->nmaterial];
+static double deepest_impact(const dem_model *m, int material, double radius, double mass, double speed) {
+  const dem_pair *row = &m->pair[material * m->nmaterial];
   double deepest = 0;
   for (int k = 0; k < m->nmaterial; k++) {
     if (!row[k].given)
@@ -196,13 +195,13 @@ static void warn_speed(dem_report *r, const dem_data *d, double speed) {
   for (int i = 0; i < d->state.nparticle + m->nsource; i++) {
     const dem_source *s = i < d->state.nparticle ? NULL : &m->source[i - d->state.nparticle];
     double radius = s ? s->sizes.max : d->state.sphere[i].radius;
-    int kind = s ? s->material : d->state.material[i];
-    double full = m->material[kind].density * 4.0 / 3 * M_PI * radius * radius * radius;
+    int material = s ? s->material : d->state.material[i];
+    double full = dem_sphere_mass(m->material[material].density, radius);
     double mass = !s ? d->state.mass[i] : s->mass > 0 ? s->mass : full;
     smallest = fmin(smallest, s ? s->sizes.min : radius);
-    if (i > 0 && !s && d->state.mass[i] == d->state.mass[i - 1] && kind == d->state.material[i - 1])
+    if (i > 0 && !s && d->state.mass[i] == d->state.mass[i - 1] && material == d->state.material[i - 1])
       continue;
-    double share = deepest_impact(m, kind, radius, mass, speed);
+    double share = deepest_impact(m, material, radius, mass, speed);
     of = share > worst ? radius : of;
     worst = fmax(worst, share);
   }
@@ -271,7 +270,7 @@ static double heaviest_particle(const dem_data *d) {
   for (int i = 0; i < d->state.nparticle; i++)
     heaviest = fmax(heaviest, d->state.mass[i]);
   for (int s = 0; s < m->nsource; s++) {
-    double r = m->source[s].sizes.max, full = m->material[m->source[s].material].density * 4.0 / 3 * M_PI * r * r * r;
+    double r = m->source[s].sizes.max, full = dem_sphere_mass(m->material[m->source[s].material].density, r);
     heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
   }
   return heaviest;
@@ -330,11 +329,12 @@ static void warn_scale(dem_report *r, const dem_data *d) {
   const double diameter = 2 * dem_largest_radius(m);
   for (int w = 0; w < m->nwall; w++) {
     const dem_wall *wall = &m->wall[w];
-    const dem_mesh *mesh = dem_wall_mesh(wall);
-    if (!mesh || wall->plates || diameter == 0)
+    if (!wall->shape->file || !dem_wall_ends(wall) || wall->plates || diameter == 0)
       continue;
     const dem_geometry *g = &m->geometry[wall->geometry];
-    tdm_vec3 low = dem_mesh_figures(mesh)->low, high = dem_mesh_figures(mesh)->high;
+    const char *file = wall->shape->file(wall);
+    tdm_vec3 low, high;
+    wall->shape->box(wall, &low, &high);
     double size = fmax(high.x - low.x, fmax(high.y - low.y, high.z - low.z));
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "dem.bodies[%d].shapes[%d].scale", g->body, g->number);
@@ -342,33 +342,23 @@ static void warn_scale(dem_report *r, const dem_data *d) {
       warn(r, path,
            "makes \"%s\" %.3g m wide, %.3g diameters of the largest particle; is the file in millimetres? Give "
            "\"scale\": 0.001 then",
-           dem_mesh_name(mesh), size, size / diameter);
+           file, size, size / diameter);
     else if (size < few * diameter)
       warn(r, path,
            "makes \"%s\" %.3g m wide, %.2g diameters of the largest particle; a file in metres needs \"scale\": 1",
-           dem_mesh_name(mesh), size, size / diameter);
+           file, size, size / diameter);
   }
 }
 
 static void report_meshes(dem_report *r, const dem_model *m) {
-  json_t *all = json_array();
+  json_t *all = json_array(), *notes = json_object_get(r->json, "notes");
   for (int w = 0; w < m->nwall; w++) {
-    const dem_mesh *mesh = dem_wall_mesh(&m->wall[w]);
-    if (!mesh)
+    const dem_wall *wall = &m->wall[w];
+    if (!wall->shape->report)
       continue;
-    const dem_mesh_report *of = dem_mesh_figures(mesh);
-    json_t *one = dem_mesh_report_json(mesh);
-    json_object_set_new(one, "body", json_string(m->body[m->wall[w].body].name));
+    json_t *one = wall->shape->report(wall, notes);
+    json_object_set_new(one, "body", json_string(m->body[wall->body].name));
     json_array_append_new(all, one);
-    if (of->degenerate + of->duplicate > 0)
-      note(r, "\"%s\": %d triangles without area and %d that are there twice were left out", dem_mesh_name(mesh),
-           of->degenerate, of->duplicate);
-    if (of->inverted > 0)
-      note(r, "\"%s\": %d of its %d parts are inside out; particles feel it from both sides all the same",
-           dem_mesh_name(mesh), of->inverted, of->parts);
-    if (!of->closed && !m->wall[w].plates)
-      note(r, "\"%s\": %d edges belong to one triangle only and %d to more than two; a closed part has none",
-           dem_mesh_name(mesh), of->open, of->nonmanifold);
   }
   json_object_set_new(r->json, "meshes", all);
 }

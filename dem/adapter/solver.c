@@ -55,11 +55,12 @@ static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, td
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP has states of %d bodies, ASSIGN had %d", step->nstate, ncoupled);
   if (!step->has_proxy)
     make_paths(s, step);
+  const dem_mechanism mechanism = {.start = step->start, .proxy = step->proxy, .path = step->path};
   const dem_window window = {.t0 = step->t0,
                              .t1 = step->t1,
                              .nstep = step->nstep,
                              .path = s->path,
-                             .mechanism = step->has_proxy ? step : NULL,
+                             .mechanism = step->has_proxy ? &mechanism : NULL,
                              .seen = step->seen,
                              .nsample = step->nsample,
                              .sample_time = step->sample_time};

@@ -120,8 +120,9 @@ static void conclude(dem_engine *e, const dem_window *w, const dem_outcome *out)
 
 static tdm_status advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
   const double dt = step_length(e->model, w);
+  const dem_proxy_window carried = {.t0 = w->t0, .nstep = w->nstep, .dt = dt, .contact_time = e->contact_time};
   if (w->mechanism &&
-      (dem_engine_check_proxy(e, err) || dem_proxy_begin(e->proxy, e->data, w->mechanism, dt, e->contact_time, err)))
+      (dem_engine_check_proxy(e, err) || dem_proxy_begin(e->proxy, e->data, w->mechanism, &carried, err)))
     return err->status;
   memset(e->load, 0, (size_t)e->model->ncoupled * sizeof *e->load);
   dem_window_sums sums = {.duration = w->t1 - w->t0, .load = e->load, .body = out->body};

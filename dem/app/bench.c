@@ -151,9 +151,10 @@ static bool read_options(options *o, int argc, char **argv) {
 
 /* ---- beds ---- */
 
-/* the next particle of a file; false at its end, or after an error */
-static bool next_line(bed *b, ball *s, tdm_error *err) {
+/* the next particle of a file; *s has the radius 0 at its end */
+static tdm_status next_line(bed *b, ball *s, tdm_error *err) {
   char line[512];
+  *s = (ball){0};
   while (fgets(line, sizeof line, b->file)) {
     b->line++;
     char *comment = strchr(line, '#');
@@ -163,12 +164,11 @@ static bool next_line(bed *b, ball *s, tdm_error *err) {
       continue;
     if (sscanf(line, "%lf %lf %lf %lf", &s->position.x, &s->position.y, &s->position.z, &s->radius) == 4 &&
         tdm_finite(&s->position.x, 3) && s->radius > 0 && isfinite(s->radius))
-      return true;
-    tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", line %ld: not \"x y z r\" with a radius greater than 0", b->name,
-             b->line);
-    return false;
+      return TDM_OK;
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\", line %ld: not \"x y z r\" with a radius greater than 0", b->name,
+                    b->line);
   }
-  return false;
+  return TDM_OK;
 }
 
 static void rewind_bed(bed *b) {
@@ -185,7 +185,7 @@ static tdm_status open_bed(bed *b, const char *name, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" cannot be read: %s", name, strerror(errno));
   ball s;
   double sum = 0;
-  for (; next_line(b, &s, err); b->n++) {
+  for (; next_line(b, &s, err) == TDM_OK && s.radius > 0; b->n++) {
     sum += s.radius;
     b->side = fmax(b->side, fmax(s.position.x, s.position.y) + s.radius);
   }
@@ -208,7 +208,7 @@ static ball next_of_lattice(bed *b) {
                 b->radius[0] + off[3] * (b->radius[1] - b->radius[0])};
 }
 
-/* a law, and what it asks of the pair; a name that is none is left to the reader of the scene */
+/* a law, and what it asks of the pair; the reader of the scene tells of a name that no law has */
 static void add_law(json_t *scene, dem_family family, const char *name) {
   json_t *contact = json_object_get(scene, "contact"), *pair = json_array_get(json_object_get(scene, "pairs"), 0);
   int place = dem_law_place(family, name);
@@ -253,7 +253,7 @@ static void engine_destroy(engine *e) {
 }
 
 static tdm_status add_ball(engine *e, ball s) {
-  double mass = e->model->material[0].density * 4.0 / 3 * M_PI * s.radius * s.radius * s.radius;
+  double mass = dem_sphere_mass(e->model->material[0].density, s.radius);
   return dem_data_add(e->data, &(dem_newcomer){.position = s.position, .radius = s.radius, .mass = mass});
 }
 
@@ -262,7 +262,7 @@ static long line_of(bed *b, uint64_t n) {
   ball s;
   tdm_error unused = {0};
   rewind_bed(b);
-  for (uint64_t k = 0; k <= n && next_line(b, &s, &unused);)
+  for (uint64_t k = 0; k <= n && next_line(b, &s, &unused) == TDM_OK && s.radius > 0;)
     k++;
   return b->line;
 }
@@ -295,16 +295,16 @@ static tdm_status load_model(engine *e, const options *o, tdm_error *err) {
 static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *err) {
   if (load_model(e, o, err))
     return err->status;
-  if (!(o->skin > 0))
-    e->model->mean_radius = b->mean; /* the scene has no particles; the first skin is a share of it */
   e->data = dem_data_create(e->model);
   bool good = e->data && !dem_data_reserve(e->data, b->n);
+  if (e->data && !(o->skin > 0)) /* the scene has no particles to choose a skin by */
+    dem_skin_begin(e->data, b->mean);
   rewind_bed(b);
   for (int i = 0; good && i < b->n; i++) {
     ball s = {0};
     if (!b->file)
       s = next_of_lattice(b);
-    else if (!next_line(b, &s, err))
+    else if (next_line(b, &s, err) || s.radius == 0)
       return err->status ? err->status : tdm_fail(err, TDM_ERR_FILE, NULL, "\"%s\" changed while it was read", b->name);
     good = !add_ball(e, s);
   }

@@ -1,9 +1,12 @@
-/* The records of a particle that the contact loops gather whole: one cache line, or half of one, a load. */
+/* The records of a particle that the contact loops gather whole: one cache line, or half of one, a load; and what a
+ * sphere weighs. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BASE_SPHERE_H
 #define DEM_BASE_SPHERE_H
 
 #include "protocol/math/vec3.h"
+
+#include <math.h>
 
 /* What every contact looks at (64 bytes). */
 typedef struct {
@@ -34,5 +37,10 @@ typedef struct {
   tdm_vec3 twist; /* torque about the centre is -radius times this [N] */
   double unused2;
 } dem_push;
+
+/* Mass of a sphere [kg] of this density [kg/m3] and radius [m]. */
+static inline double dem_sphere_mass(double density, double radius) {
+  return density * 4.0 / 3 * M_PI * radius * radius * radius;
+}
 
 #endif

@@ -1,4 +1,5 @@
-/* The path of a body inside a window, from its state at the start to its state at the end (design section 4).
+/* How coupled bodies move inside a window: along paths, from the states at the start to those at the end, or by the
+ * mechanism that holds them (proxy/proxy.h).
  *
  * With s = (t - t0)/H: the orientation goes by SLERP, q(s) = q0 exp(s phi/2), |phi| <= pi, so the angular velocity is
  * the constant R(q0) phi/H; the position goes linearly, as in [L18], or as the cubic Hermite polynomial of the two
@@ -28,6 +29,13 @@ dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double dura
 
 /* The path of coupled body `body` through the nodes that a STEP has; its arrays are borrowed. */
 dem_path dem_path_through(const tdm_step *step, int body);
+
+/* The mechanism that holds the coupled bodies, as a window begins. Arrays are borrowed. */
+typedef struct {
+  const tdm_state *start; /* (ncoupled) states of the bodies */
+  tdm_proxy proxy;        /* how it answers to loads */
+  tdm_nodes path;         /* what drivers prescribe; no nodes: nothing that bends within the window */
+} dem_mechanism;
 
 /* Pose at s in [0, 1]: exactly the given pose at 0 and 1. */
 tdm_pose dem_path_pose(const dem_path *motion, double s);

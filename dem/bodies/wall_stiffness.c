@@ -108,7 +108,7 @@ static void scale_body(const matrix6 L, int nfree, double *J, double *B, size_t 
     }
 }
 
-/* Largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: numbers that are none. */
+/* Largest eigenvalue of the symmetric matrix J B (wide x wide); NaN: the matrix has NaN or infinite numbers. */
 static tdm_status largest_eigen(int nfree, const double *J, const double *B, size_t wide, double *product,
                                 double *value, double *out) {
   for (size_t i = 0; i < wide; i++)

@@ -197,7 +197,7 @@ double dem_lid_force(const dem_data *d, const dem_box *box) {
     double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, w, NULL);
     const dem_pair *pair = &m->settle_pair[d->state.material[i] * m->nmaterial + m->wall[w].material];
     dem_impact at = {.mass = d->state.mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
-    if (gap < radius && gap > -radius)
+    if (dem_surface_cuts(gap, radius))
       sum += dem_normal_force(m, pair, at, radius - gap);
   }
   return sum;

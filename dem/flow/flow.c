@@ -23,7 +23,7 @@ static const double ROUND_OFF = 1e-6; /* of a step: times on the grid of steps a
 
 static double mass_of(const dem_model *m, const dem_source *s, uint64_t particle) {
   double r = dem_sizes_draw(&s->sizes, s->seed, particle);
-  return s->mass > 0 ? s->mass : m->material[s->material].density * 4.0 / 3 * M_PI * r * r * r;
+  return s->mass > 0 ? s->mass : dem_sphere_mass(m->material[s->material].density, r);
 }
 
 static tdm_vec3 place_of(const dem_source *s, uint64_t particle, uint64_t attempt) {

@@ -1,5 +1,5 @@
 /* The members of the model, struct by struct, in lists from which the fingerprints are made (store/fingerprint.c). A
- * new member needs its row here: without one fingerprint.c does not compile.
+ * new member needs its row here: without one test_dem_fingerprint fails.
  *
  * H(member, how, part): it is hashed. `how` is one of the AS_ macros of fingerprint.c; `part` the part of the bed that
  * it decides (DEM_BED_PART_LIST), RUN for what decides only the run, EACH for what has members of several parts. The

@@ -251,7 +251,7 @@ typedef struct dem_model {
   int nparticle, npoured;
   double *radius;         /* (nparticle) [m] */
   double *mass;           /* (nparticle) [kg] */
-  int *particle_material; /* (nparticle) material */
+  int *particle_material; /* (nparticle) index of material */
   tdm_vec3 *position;     /* (nparticle) at the start [m] */
   tdm_vec3 *velocity;     /* (nparticle) at the start [m/s] */
   tdm_vec3 *spin;         /* (nparticle) angular velocity at the start [rad/s] */

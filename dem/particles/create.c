@@ -5,6 +5,11 @@
 #include "dem/particles/domain.h"
 #include "dem/particles/field.h"
 
+void dem_skin_begin(dem_data *d, double mean_radius) {
+  d->lists.mean_radius = mean_radius;
+  d->lists.skin = d->model->skin > 0 ? d->model->skin : 0.05 * mean_radius;
+}
+
 /* particles and bodies as the model has them at the start */
 static void begin(dem_data *d) {
   const dem_model *m = d->model;
@@ -26,7 +31,7 @@ static void begin(dem_data *d) {
   dem_domain_begin(d);
   d->state.ledger.created = (uint64_t)d->state.nparticle;
   d->state.since_sort = DEM_SORT_STEPS;
-  d->lists.skin = m->skin > 0 ? m->skin : 0.05 * m->mean_radius;
+  dem_skin_begin(d, m->mean_radius);
   for (int b = 0; b < m->nbody; b++) {
     d->state.pose[b] = m->body[b].start.pose;
     d->state.twist[b] = m->body[b].start.twist;

@@ -9,4 +9,8 @@
  * memory runs out. The model must outlive the data. */
 dem_data *dem_data_create(const dem_model *model);
 
+/* The first skin of the neighbour lists, where the scene gives none, for particles of this mean radius [m]: that of the
+ * scene (dem_data_create), or of particles that a program adds itself. */
+void dem_skin_begin(dem_data *data, double mean_radius);
+
 #endif

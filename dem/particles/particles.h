@@ -8,7 +8,7 @@
 typedef struct {
   tdm_vec3 position, velocity; /* world [m], [m/s] */
   double radius, mass;         /* [m], [kg] */
-  int material;                /* material */
+  int material;                /* index of dem_model.material */
 } dem_newcomer;
 
 /* Append a particle between two steps: without spin and contacts, with the next id. The lists are rebuilt at the next

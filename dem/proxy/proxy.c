@@ -191,8 +191,8 @@ static bool turns_with(tdm_vec3 omega, const double *a, const double *rate, int 
 }
 
 /* The reduced model; without one the mobility alone stands for a mechanism of 6k independent velocities. */
-static tdm_status take_model(dem_proxy *x, const tdm_step *step) {
-  const tdm_proxy *in = &step->proxy;
+static tdm_status take_model(dem_proxy *x, const dem_mechanism *mechanism) {
+  const tdm_proxy *in = &mechanism->proxy;
   const tdm_mobility *m = &in->mobility;
   const int k = x->k6;
   double any = 0;
@@ -209,7 +209,7 @@ static tdm_status take_model(dem_proxy *x, const tdm_step *step) {
     memcpy(x->B, m->Y, (size_t)(k * k) * sizeof(double));
     for (int i = 0; i < k; i++) {
       x->J[i * k + i] = 1;
-      x->u1[i] = ((const double *)(const void *)&step->start[i / 6].twist)[i % 6];
+      x->u1[i] = ((const double *)(const void *)&mechanism->start[i / 6].twist)[i % 6];
     }
   } else if (f > 0) {
     const size_t size = (size_t)(k * f) * sizeof(double);
@@ -224,17 +224,17 @@ static tdm_status take_model(dem_proxy *x, const tdm_step *step) {
 }
 
 /* What drivers prescribe: V - J u', and its rate a - J u'' - (dJ/dt) u'. */
-static void take_prescribed(dem_proxy *x, const tdm_step *step, const double *u2) {
+static void take_prescribed(dem_proxy *x, const dem_mechanism *mechanism, const double *u2) {
   const int k = x->k6, f = x->f;
   for (int i = 0; i < k; i++) {
-    x->Vt[i] = ((const double *)(const void *)&step->start[i / 6].twist)[i % 6];
-    x->at[i] = step->proxy.acceleration[i];
+    x->Vt[i] = ((const double *)(const void *)&mechanism->start[i / 6].twist)[i % 6];
+    x->at[i] = mechanism->proxy.acceleration[i];
     for (int j = 0; j < f; j++) {
       x->Vt[i] -= x->J[i * f + j] * x->u1[j];
       x->at[i] -= x->J[i * f + j] * u2[j] + x->J_rate[i * f + j] * x->u1[j];
     }
   }
-  const tdm_vec3 omega = step->start[0].twist.angular;
+  const tdm_vec3 omega = mechanism->start[0].twist.angular;
   const bool rests = tdm_norm(omega) * x->H <= 1e-9;
   if (!rests) /* at rest there is nothing to see it by: as last, which a hinge's turning points need */
     x->turned_so = turns_with(omega, x->J, x->J_rate, f);
@@ -279,11 +279,11 @@ static void take_flow(dem_proxy *x, const tdm_mobility *m, const double *u2) {
 }
 
 /* Where the bodies stand away from the multibody solver's, and where they are to end beside the proxy. */
-static void take_drift(dem_proxy *x, const dem_data *d, const tdm_step *step) {
+static void take_drift(dem_proxy *x, const dem_data *d, const dem_mechanism *mechanism) {
   for (int c = 0; 6 * c < x->k6; c++) {
     const int b = d->model->coupled_body[c];
-    const tdm_state *start = &step->start[c];
-    const double *correction = step->proxy.correction + 12 * c;
+    const tdm_state *start = &mechanism->start[c];
+    const double *correction = mechanism->proxy.correction + 12 * c;
     carried *to = &x->body[c];
     *to = (carried){.start = *start, .now = *start, .path = *start, .mid = start->twist};
     to->drift.value0.velocity = tdm_sub(d->state.pose[b].position, start->pose.position);
@@ -295,30 +295,32 @@ static void take_drift(dem_proxy *x, const dem_data *d, const tdm_step *step) {
   }
 }
 
-tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const tdm_step *step, double dt, double contact_time,
-                           tdm_error *err) {
+tdm_status dem_proxy_begin(dem_proxy *x, const dem_data *d, const dem_mechanism *mechanism,
+                           const dem_proxy_window *window, tdm_error *err) {
+  const tdm_proxy *in = &mechanism->proxy;
+  const double dt = window->dt, contact_time = window->contact_time;
   x->dt = dt;
-  x->H = dt * (double)step->nstep;
+  x->H = dt * (double)window->nstep;
   x->tau = 0;
   x->blend_time = fmax(x->H, fmax(isfinite(contact_time) ? 0.5 * contact_time : 0, 10 * dt));
-  if (take_model(x, step))
+  if (take_model(x, mechanism))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a mechanism of %d degrees of freedom", x->f);
-  const double *u2 = step->proxy.mobility.nfree > 0 ? step->proxy.mobility.acceleration : step->proxy.acceleration;
-  memcpy(x->W0, step->proxy.load, (size_t)x->k6 * sizeof(double));
+  const double *u2 = in->mobility.nfree > 0 ? in->mobility.acceleration : in->acceleration;
+  memcpy(x->W0, in->load, (size_t)x->k6 * sizeof(double));
   if (x->k6 > 0)
-    take_prescribed(x, step, u2);
-  x->path = step->path;
-  x->t0 = step->t0;
+    take_prescribed(x, mechanism, u2);
+  x->path = mechanism->path;
+  x->t0 = window->t0;
   if (x->path.nnode > 0 && x->f > 0) { /* the path has it all */
     memset(x->u1, 0, (size_t)x->f * sizeof *x->u1);
     memset(x->work_area, 0, (size_t)x->f * sizeof *x->work_area);
     u2 = x->work_area;
   }
   if (x->f > 0)
-    take_flow(x, &step->proxy.mobility, u2);
-  if (x->matched && dem_matched_begin(x->matched, &step->proxy.mobility, step->nstep, dt, x->E))
+    take_flow(x, &in->mobility, u2);
+  if (x->matched && dem_matched_begin(x->matched, &in->mobility, window->nstep, dt, x->E))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a mechanism of %d degrees of freedom", x->f);
-  take_drift(x, d, step);
+  take_drift(x, d, mechanism);
   gather(x, d);
   return TDM_OK;
 }

@@ -26,6 +26,7 @@
 #ifndef DEM_PROXY_PROXY_H
 #define DEM_PROXY_PROXY_H
 
+#include "dem/bodies/path.h"
 #include "dem/state/data.h"
 #include "protocol/wire/participant.h"
 
@@ -36,9 +37,17 @@ typedef struct dem_proxy dem_proxy;
 dem_proxy *dem_proxy_create(const dem_model *model, const tdm_assignment *assignment);
 void dem_proxy_destroy(dem_proxy **proxy);
 
-/* Take up the window of `step` (with a proxy), of steps dt [s]; contact_time: the shortest that is expected [s]. */
-tdm_status dem_proxy_begin(dem_proxy *proxy, const dem_data *data, const tdm_step *step, double dt, double contact_time,
-                           tdm_error *err);
+/* The window through which the mechanism is carried. */
+typedef struct {
+  double t0;           /* [s] */
+  uint64_t nstep;      /* steps */
+  double dt;           /* of each [s] */
+  double contact_time; /* the shortest that is expected [s] */
+} dem_proxy_window;
+
+/* Take up a window. What `mechanism` points to must outlive it. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_proxy_begin(dem_proxy *proxy, const dem_data *data, const dem_mechanism *mechanism,
+                           const dem_proxy_window *window, tdm_error *err);
 
 /* Half a kick by the present loads and the flow over dt; puts the bodies and their walls where they are then. */
 void dem_proxy_drift(dem_proxy *proxy, dem_data *data);

@@ -3,17 +3,11 @@
 #include "dem/scene/contact.h"
 
 #include "dem/contact/table.h"
+#include "dem/scene/keys.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void *allocate(size_t n, size_t size, tdm_error *err) {
-  void *p = calloc(n ? n : 1, size);
-  if (!p)
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %zu items of the DEM model", n);
-  return p;
-}
 
 /* ---- laws ---- */
 
@@ -138,9 +132,7 @@ static void read_material(dem_model *m, tdm_object *o) {
     tdm_object_fail(o, "name", "\"%s\" is the name of dem.materials[%d] already; give each material its own", name,
                     same);
   dem_material *material = &m->material[m->nmaterial++];
-  material->name = strdup(name);
-  if (!material->name)
-    tdm_fail(o->err, TDM_ERR_MEMORY, NULL, "no memory for the name of a material");
+  material->name = dem_copy_text(name, o->err);
   material->density = tdm_get_number(o, "density", TDM_REQUIRED, TDM_POSITIVE);
   if (!needs_young(m) && !tdm_has(o, "young_modulus") && !tdm_has(o, "poisson_ratio"))
     return;
@@ -153,7 +145,7 @@ static void read_material(dem_model *m, tdm_object *o) {
 
 void dem_materials_read(dem_model *m, json_t *array, tdm_error *err) {
   size_t n = json_array_size(array);
-  m->material = allocate(n, sizeof *m->material, err);
+  m->material = dem_allocate(n, sizeof *m->material, err);
   for (size_t i = 0; i < n && !err->status; i++) {
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "dem.materials[%zu]", i);
@@ -279,8 +271,8 @@ static void read_pair(dem_model *m, tdm_object *o) {
 
 void dem_pairs_read(dem_model *m, json_t *array, tdm_error *err) {
   size_t n = (size_t)m->nmaterial;
-  m->pair = allocate(n * n, sizeof *m->pair, err);
-  m->settle_pair = allocate(n * n, sizeof *m->settle_pair, err);
+  m->pair = dem_allocate(n * n, sizeof *m->pair, err);
+  m->settle_pair = dem_allocate(n * n, sizeof *m->settle_pair, err);
   for (size_t i = 0; i < json_array_size(array) && !err->status; i++) {
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "dem.pairs[%zu]", i);
@@ -308,7 +300,7 @@ static void check_pair_law(const dem_model *m, int a, int b, bool particles, boo
 
 /* every pair that can meet must be given */
 void dem_pairs_check(const dem_model *m, tdm_error *err) {
-  int *many = allocate((size_t)m->nmaterial, sizeof *many, err); /* particles of a material */
+  int *many = dem_allocate((size_t)m->nmaterial, sizeof *many, err); /* particles of a material */
   for (int i = 0; many && i < m->nparticle; i++)
     many[m->particle_material[i]]++;
   for (int s = 0; many && s < m->nsource; s++)

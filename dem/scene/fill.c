@@ -8,6 +8,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/scene/fill.h"
 
+#include "dem/base/sphere.h"
 #include "dem/model/cells.h"
 #include "dem/moldyn/particles.h"
 #include "dem/scene/keys.h"
@@ -33,7 +34,7 @@ typedef struct {
   dem_model *m;
   tdm_object *o;
   int entry;    /* of dem.particles */
-  int material; /* material */
+  int material; /* index of dem_model.material */
   dem_sizes sizes;
   uint64_t seed;
   tdm_pose frame;    /* positions of the entry to world */
@@ -71,7 +72,7 @@ static tdm_status make_room(filler *f, long n) {
 }
 
 static double mass_of(const filler *f, double radius) {
-  return f->mass > 0 ? f->mass : f->m->material[f->material].density * 4.0 / 3 * M_PI * radius * radius * radius;
+  return f->mass > 0 ? f->mass : dem_sphere_mass(f->m->material[f->material].density, radius);
 }
 
 /* radius of the entry's particle k */

@@ -1,5 +1,6 @@
 /* Reading dem.sources and dem.sinks: see docs/scene.md for their keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/base/sphere.h"
 #include "dem/scene/keys.h"
 
 #include <stdio.h>
@@ -37,10 +38,6 @@ static void read_region(tdm_object *o, tdm_vec3 *low, tdm_vec3 *high) {
 
 /* ---- sources ---- */
 
-static double sphere_mass(const dem_model *m, int material, double radius) {
-  return m->material[material].density * 4.0 / 3 * M_PI * radius * radius * radius;
-}
-
 static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
   bool by_number = tdm_has(o, "rate"), by_mass = tdm_has(o, "mass_rate");
   s->rate = tdm_get_number(o, "rate", 0, by_number ? TDM_POSITIVE : TDM_ANY);
@@ -51,7 +48,7 @@ static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
     tdm_object_fail(o, "rate", "missing; give \"rate\" [1/s] or \"mass_rate\" [kg/s]");
   /* equal masses: exact multiples of 1/rate */
   if (by_mass && (s->mass > 0 || s->sizes.min == s->sizes.max)) {
-    s->rate = s->mass_rate / (s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.min));
+    s->rate = s->mass_rate / (s->mass > 0 ? s->mass : dem_sphere_mass(m->material[s->material].density, s->sizes.min));
     s->mass_rate = 0;
   }
 }
@@ -59,7 +56,7 @@ static void read_rate(const dem_model *m, tdm_object *o, dem_source *s) {
 /* Particles that are due are counted one by one. */
 static void check_rate(const dem_model *m, tdm_object *o, const dem_source *s) {
   const double most = 1e6; /* a step */
-  double mass = s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.min);
+  double mass = s->mass > 0 ? s->mass : dem_sphere_mass(m->material[s->material].density, s->sizes.min);
   double a_step = m->dt * (s->mass_rate > 0 ? s->mass_rate / mass : s->rate);
   if (!o->err->status && !(a_step <= most))
     tdm_object_fail(o, tdm_has(o, "rate") ? "rate" : "mass_rate",
@@ -108,8 +105,10 @@ static void read_source(dem_model *m, tdm_object *o) {
   s->material = dem_read_material(m, o);
   dem_sizes_read(o, &s->sizes);
   s->mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);
-  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.min));
-  dem_check_mass(o, s->mass > 0 ? "mass" : "radius", s->mass > 0 ? s->mass : sphere_mass(m, s->material, s->sizes.max));
+  dem_check_mass(o, s->mass > 0 ? "mass" : "radius",
+                 s->mass > 0 ? s->mass : dem_sphere_mass(m->material[s->material].density, s->sizes.min));
+  dem_check_mass(o, s->mass > 0 ? "mass" : "radius",
+                 s->mass > 0 ? s->mass : dem_sphere_mass(m->material[s->material].density, s->sizes.max));
   read_place(o, s);
   s->velocity = dem_read_vector(o, "velocity", &(tdm_vec3){0, 0, 0});
   if (m->flat >= 0 && (&s->velocity.x)[m->flat] != 0)

@@ -7,6 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+void *dem_allocate(size_t n, size_t size, tdm_error *err) {
+  void *p = calloc(n ? n : 1, size);
+  if (!p)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %zu items of the DEM model", n);
+  return p;
+}
+
 char *dem_copy_text(const char *text, tdm_error *err) {
   char *copy = strdup(text);
   if (!copy)

@@ -15,6 +15,9 @@ void dem_check_mass(tdm_object *o, const char *key, double mass);
  * there. `key` gives it. */
 void dem_check_place(tdm_object *o, const char *key, tdm_vec3 place, double radius);
 
+/* n items of `size` bytes, zeroed, the caller's to free; NULL and an error when memory runs out. */
+void *dem_allocate(size_t n, size_t size, tdm_error *err);
+
 /* A copy of a text, the caller's to free; NULL and an error when memory runs out. */
 char *dem_copy_text(const char *text, tdm_error *err);
 

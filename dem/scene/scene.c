@@ -13,13 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *allocate(size_t n, size_t size, tdm_error *err) {
-  void *p = calloc(n ? n : 1, size);
-  if (!p)
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %zu items of the DEM model", n);
-  return p;
-}
-
 static const char *choose(tdm_object *o, const char *key, const char *const *names, int fallback) {
   int n = 0;
   while (names[n])
@@ -61,7 +54,7 @@ static void read_search(dem_model *m, tdm_object *section) {
 
 /* tie the assignment's coupled bodies to bodies of the scene */
 static void couple_bodies(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
-  m->coupled_body = allocate((size_t)assignment->nbody, sizeof *m->coupled_body, err);
+  m->coupled_body = dem_allocate((size_t)assignment->nbody, sizeof *m->coupled_body, err);
   for (int i = 0; i < assignment->nbody && !err->status; i++) {
     const tdm_assigned_body *assigned = &assignment->body[i];
     char path[TDM_PATH_MAX];
@@ -157,8 +150,8 @@ static void read_body(dem_model *m, tdm_object *o, const tdm_assignment *assignm
 
 static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assignment, tdm_error *err) {
   size_t n = json_array_size(array);
-  m->body = allocate(n, sizeof *m->body, err);
-  const char **materials = allocate((size_t)m->nmaterial, sizeof *materials, err);
+  m->body = dem_allocate(n, sizeof *m->body, err);
+  const char **materials = dem_allocate((size_t)m->nmaterial, sizeof *materials, err);
   for (int k = 0; materials && k < m->nmaterial; k++)
     materials[k] = m->material[k].name;
   dem_wall_list walls = {.material = materials, .nmaterial = m->nmaterial};
@@ -182,7 +175,7 @@ static void read_bodies(dem_model *m, json_t *array, const tdm_assignment *assig
 
 /* which triangles each mesh has among those of all */
 static void number_triangles(dem_model *m, tdm_object *section) {
-  m->first_triangle = allocate((size_t)m->nwall, sizeof *m->first_triangle, section->err);
+  m->first_triangle = dem_allocate((size_t)m->nwall, sizeof *m->first_triangle, section->err);
   for (int w = 0; w < m->nwall && !section->err->status; w++) {
     m->first_triangle[w] = m->ntriangle;
     m->ntriangle += m->wall[w].shape->parts ? m->wall[w].shape->parts(&m->wall[w]) : 0;

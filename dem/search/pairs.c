@@ -388,7 +388,7 @@ static tdm_status choose_search(dem_data *d) {
  * s/2T a step. A list costs about four steps, a skin s about 1.3 s/r of one for the pairs that do not touch: the sum is
  * least at sqrt(3 r s/T). Half way there each time. */
 static void adapt_skin(dem_data *d, bool sort) {
-  double r = d->model->mean_radius, steps = (double)d->lists.since_list;
+  double r = d->lists.mean_radius, steps = (double)d->lists.since_list;
   if (d->model->skin > 0 || steps == 0 || ((sort || d->lists.stale) && steps < 100))
     return;
   double best = sqrt(3 * r * d->lists.skin / steps), most = 0.5 * r;

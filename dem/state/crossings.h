@@ -24,12 +24,12 @@
 
 #include <string.h>
 
-/* Where crossing k has its place in push and contact_sum: behind the particles and the one that is none. */
+/* Where crossing k has its place in push and contact_sum: behind the particles and the dummy particle. */
 static inline int dem_crossing_slot(const dem_data *d, int k) {
   return d->state.nparticle + 1 + k;
 }
 
-/* Entries of push and contact_sum in use: particles, the one that is none, crossings. */
+/* Entries of push and contact_sum in use: particles, the dummy particle, crossings. */
 static inline size_t dem_push_count(const dem_data *d) {
   return (size_t)dem_crossing_slot(d, d->lists.crossings.count);
 }

@@ -24,7 +24,7 @@ static size_t layout(dem_data *d, char *block) {
   return used;
 }
 
-/* The same for the arrays of particles, with room for d->work.capacity and the particle that is none. */
+/* The same for the arrays of particles, with room for d->work.capacity and the dummy particle. */
 static size_t layout_particles(dem_data *d, char *block) {
   size_t np = (size_t)d->work.capacity + 1, used = 0;
 #define X(field, n, name) PLACE(field, np *(size_t)(n))
@@ -97,7 +97,7 @@ static tdm_status grow(void *array, size_t n, size_t keep, size_t size) {
   return TDM_OK;
 }
 
-/* forces of the particles there are, zeros for the one that is none and `more`; the rest is not touched, so it costs no
+/* forces of the particles there are, zeros for the dummy particle and `more`; the rest is not touched, so it costs no
  * memory until it is used */
 static tdm_status grow_push(const dem_data *d, dem_push **push, int capacity, int more) {
   size_t keep = *push ? (size_t)d->state.nparticle : 0, end = (size_t)(d->state.nparticle + 1 + more);

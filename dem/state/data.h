@@ -24,7 +24,7 @@
 
 /* The pairs of particles that are near, half lists. Particle i has the entries first[i] ... first[i+1] - 1, partners
  * ascending and greater than i. Entries are chunk by chunk, each chunk's filled up to a multiple of DEM_LANES_MAX with
- * entries of the particle that is none (number nparticle). */
+ * entries of the dummy particle (number nparticle). */
 typedef struct {
   int *first;         /* (nparticle + 1) */
   int *one;           /* (capacity) i */
@@ -146,7 +146,7 @@ typedef struct {
   int *material;         /* index of model.material */
   uint32_t *touched;     /* bit s: sink s waits until the particle has left its body again */
   double *mass;          /* [kg] */
-  dem_sphere *sphere;    /* position, radius, velocity ahead, 1/mass; one more: the particle that is none */
+  dem_sphere *sphere;    /* position, radius, velocity ahead, 1/mass; one more: the dummy particle */
   dem_rotor *rotor;      /* likewise */
   dem_pace *pace;        /* velocity and spin; in a step between the two kicks: at mid-step */
   dem_push *push;        /* sums of contacts; after those of the particles one of none and the crossings. Lists
@@ -155,7 +155,7 @@ typedef struct {
   dem_pace *drive;       /* model.driven: accelerations besides contacts and gravity; else none */
   dem_pace *memory;      /* what the integrator keeps (integrate.h), if anything */
   tdm_quat *orientation; /* model.oriented; else none */
-  uint8_t *front;        /* (nparticle x nwall) the particle began in front of this plane */
+  uint8_t *front;        /* (nparticle x nwall) the particle began in front of this wall */
 
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */
@@ -198,6 +198,7 @@ typedef struct {
   bool valid;          /* they are lists of these particles */
   bool stale;          /* particles came: rebuild at the next step */
   double skin;         /* [m] */
+  double mean_radius;  /* of the particles, by which the skin is chosen [m] */
   uint64_t nrebuild;   /* times they were built */
   uint64_t since_list; /* steps since the last of them */
 
@@ -252,7 +253,7 @@ tdm_status dem_data_copy(dem_data *dst, const dem_data *src);
 
 void dem_data_destroy(dem_data **data);
 
-/* Put the particle that is none behind the last. */
+/* Put the dummy particle, which touches nothing, behind the last. */
 void dem_data_end(dem_data *data);
 
 /* Room for n particles. TDM_ERR_MEMORY: nothing changed. */
@@ -267,7 +268,7 @@ static inline int dem_chunk_end(const dem_data *d, int c) {
 tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
 tdm_status dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
 
-/* Room in push for the particles, the one that is none and `count` crossings. Errors: TDM_ERR_MEMORY. */
+/* Room in push for the particles, the dummy particle and `count` crossings. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_crossings_reserve(dem_data *data, int count);
 
 #endif

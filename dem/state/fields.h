@@ -73,6 +73,7 @@
 /* Numbers of the lists, which a copy takes as they are: X(object, member). */
 #define DEM_LIST_NUMBERS(X) \
   X(lists, nchunk)          \
+  X(lists, mean_radius)     \
   X(lists, valid)           \
   X(lists, stale)           \
   X(lists, nrebuild)        \

@@ -19,24 +19,26 @@ static inline double dem_gap(const dem_data *d, int i, int w, tdm_vec3 *normal) 
   return dem_wall_sphere_gap(&d->model->wall[w], &d->state.wall[w], s->position, s->radius, normal ? normal : &n);
 }
 
-/* Does a sphere of this radius at x touch wall w? One that is altogether behind a plane does not. */
+/* Does a sphere of this radius at x touch wall w? One that is altogether behind a wall without end does not. */
 static inline bool dem_touches_at(const dem_data *d, int w, tdm_vec3 x, double radius) {
   const dem_wall *wall = &d->model->wall[w];
   tdm_vec3 n;
   return dem_wall_touches(wall, dem_wall_sphere_gap(wall, &d->state.wall[w], x, radius, &n), radius);
 }
 
-/* Is particle i altogether behind plane w? False for walls that are no planes. */
+/* Is particle i altogether behind wall w? Only walls without end have a side behind them: planes, cylinders without
+ * end, and spheres seen from inside. */
 static inline bool dem_behind(const dem_data *d, int i, int w) {
-  return d->model->wall[w].endless && dem_gap(d, i, w, NULL) <= -d->state.sphere[i].radius;
+  return d->model->wall[w].endless &&
+         dem_wall_behind(&d->model->wall[w], dem_gap(d, i, w, NULL), d->state.sphere[i].radius);
 }
 
-/* Is particle i behind plane w, which it began in front of? */
+/* Is particle i behind wall w, which it began in front of? */
 static inline bool dem_through(const dem_data *d, int i, int w) {
   return d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
 }
 
-/* Note which planes the particles from `first` on are in front of: the reference for dem_through. */
+/* Note which walls the particles from `first` on are in front of: the reference for dem_through. */
 static inline void dem_mark_front(dem_data *d, int first) {
   int nwall = d->model->nwall;
   for (int i = first; i < d->state.nparticle; i++)

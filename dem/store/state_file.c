@@ -234,12 +234,14 @@ static const void *find(const reader *r, const char *name, size_t *size) {
   return NULL;
 }
 
-/* a section into an array; false: none of this size */
-static bool get(const reader *r, const char *name, void *to, size_t size) {
+/* The functions that follow take a part of a stored state; TDM_ERR_FILE, without a message: it is damaged. */
+
+/* a section into an array of its size */
+static tdm_status get(const reader *r, const char *name, void *to, size_t size) {
   const void *from = find(r, name, &size);
   if (from && size > 0)
     memcpy(to, from, size);
-  return from != NULL;
+  return from ? TDM_OK : TDM_ERR_FILE;
 }
 
 /* a bed of another scene: what is not as it was */
@@ -290,30 +292,30 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
 
 /* The arrays of particles. What hangs on the integrator or on the scene's groups may be missing unless the scene is the
  * same. */
-static bool get_particles(const reader *r, dem_data *d) {
+static tdm_status get_particles(const reader *r, dem_data *d) {
   size_t np = (size_t)d->state.nparticle;
   bool good = true;
-#define X(field, n, name)                                           \
-  if (!get(r, name, d->field, np * (size_t)(n) * sizeof *d->field)) \
-    good = good && r->use != DEM_STATE_WHOLE &&                     \
+#define X(field, n, name)                                          \
+  if (get(r, name, d->field, np * (size_t)(n) * sizeof *d->field)) \
+    good = good && r->use != DEM_STATE_WHOLE &&                    \
            ((void *)d->field == (void *)d->state.memory || (void *)d->field == (void *)d->state.drive);
   DEM_PARTICLE_STATE(X)
 #undef X
   for (int i = 0; i < d->state.nparticle; i++)
     good = good && d->state.material[i] >= 0 && d->state.material[i] < d->model->nmaterial;
-  return good;
+  return good ? TDM_OK : TDM_ERR_FILE;
 }
 
 /* The forces, after the lists, which are built in their memory. Those of multi-step may be missing unless the scene is
  * the same. */
-static bool get_forces(const reader *r, dem_data *d) {
+static tdm_status get_forces(const reader *r, dem_data *d) {
   bool good = true;
-#define X(field, name)                                                                    \
-  if (d->field && !get(r, name, d->field, (size_t)d->state.nparticle * sizeof *d->field)) \
+#define X(field, name)                                                                   \
+  if (d->field && get(r, name, d->field, (size_t)d->state.nparticle * sizeof *d->field)) \
     good = good && r->use != DEM_STATE_WHOLE && (void *)d->field == (void *)d->state.spare_push;
   DEM_FORCE_STATE(X)
 #undef X
-  return good;
+  return good ? TDM_OK : TDM_ERR_FILE;
 }
 
 /* place of a contact in the lists, -1: there is none; `from` is where the search among walls goes on */
@@ -331,11 +333,11 @@ static long place_of(const dem_data *d, const contact *c, bool of_wall, size_t *
   return -1;
 }
 
-static bool get_histories(const reader *r, dem_data *d, bool of_wall) {
+static tdm_status get_histories(const reader *r, dem_data *d, bool of_wall) {
   size_t size = SIZE_MAX, ncolumn = (size_t)d->model->columns.ncolumn, one = sizeof(contact) + ncolumn * sizeof(double);
   const char *from = find(r, of_wall ? "walls" : "pairs", &size);
   if (!from || size % one != 0)
-    return false;
+    return TDM_ERR_FILE;
   double *history = of_wall ? d->lists.walls.history : d->lists.pairs.history;
   size_t capacity = of_wall ? d->lists.walls.capacity : d->lists.pairs.capacity, wall = 0;
   for (size_t at = 0; at < size; at += one) {
@@ -343,26 +345,26 @@ static bool get_histories(const reader *r, dem_data *d, bool of_wall) {
     memcpy(&c, from + at, sizeof c);
     long k = place_of(d, &c, of_wall, &wall);
     if (k < 0)
-      return false;
+      return TDM_ERR_FILE;
     for (size_t q = 0; q < ncolumn; q++)
       memcpy(&history[q * capacity + (size_t)k], from + at + sizeof c + q * sizeof(double), sizeof(double));
   }
-  return true;
+  return TDM_OK;
 }
 
 /* counters and bodies of the run that was saved */
-static bool get_run(const reader *r, dem_data *d, counters *c) {
-  if (!get(r, "block", d->work.block, d->work.block_size))
-    return false;
+static tdm_status get_run(const reader *r, dem_data *d, counters *c) {
+  if (get(r, "block", d->work.block, d->work.block_size))
+    return TDM_ERR_FILE;
   take_counters(d, c);
   dem_domain_put(d);
-  return true;
+  return TDM_OK;
 }
 
 /* a run that begins with these particles */
-static bool get_beginning(const reader *r, dem_data *d) {
-  if (!get(r, "lid", d->state.lid, (size_t)d->model->nwall * sizeof *d->state.lid))
-    return false;
+static tdm_status get_beginning(const reader *r, dem_data *d) {
+  if (get(r, "lid", d->state.lid, (size_t)d->model->nwall * sizeof *d->state.lid))
+    return TDM_ERR_FILE;
   d->state.ledger = (dem_ledger){0};
   for (int i = 0; i < d->state.nparticle; i++) {
     d->state.touched[i] = 0;
@@ -378,7 +380,7 @@ static bool get_beginning(const reader *r, dem_data *d) {
   dem_drive_particles(d);
   if (r->use == DEM_STATE_START)
     dem_domain_begin(d);
-  return true;
+  return TDM_OK;
 }
 
 static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm_error *err) {
@@ -388,11 +390,11 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   if (dem_data_reserve(d, r->nparticle))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for %d particles", r->nparticle);
   d->state.nparticle = r->nparticle;
-  bool good =
-      get_particles(r, d) && get(r, "counters", &c, sizeof c) && (note_size == 0 || get(r, "note", note, note_size));
-  good = good && (r->use == DEM_STATE_WHOLE ? get_run(r, d, &c) : get_beginning(r, d));
+  bool damaged =
+      get_particles(r, d) || get(r, "counters", &c, sizeof c) || (note_size > 0 && get(r, "note", note, note_size));
+  damaged = damaged || (r->use == DEM_STATE_WHOLE ? get_run(r, d, &c) : get_beginning(r, d));
   dem_data_end(d);
-  if (!good)
+  if (damaged)
     return refuse(r, err, "is damaged");
   dem_walls_put(d);
   d->lists.valid = false;  /* histories of before are not these */
@@ -401,7 +403,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   if (dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for the neighbour lists");
   d->state.since_sort = c.since_sort;
-  if (!get_forces(r, d) || !get_histories(r, d, false) || !get_histories(r, d, true))
+  if (get_forces(r, d) || get_histories(r, d, false) || get_histories(r, d, true))
     return refuse(r, err, "is damaged");
   return TDM_OK;
 }
@@ -451,13 +453,13 @@ tdm_status dem_state_read(dem_data *d, dem_state_use use, const char *file, cons
   return err->status;
 }
 
-/* to a file beside it, renamed at the end; false: errno */
-static bool write_all(const char *file, const void *bytes, size_t size) {
+/* to a file beside it, renamed at the end; TDM_ERR_FILE, without a message: see errno */
+static tdm_status write_all(const char *file, const void *bytes, size_t size) {
   char temporary[4200];
   snprintf(temporary, sizeof temporary, "%s.%ld.tmp", file, (long)getpid());
   FILE *f = fopen(temporary, "wb");
   if (!f)
-    return false;
+    return TDM_ERR_FILE;
   bool good = fwrite(bytes, 1, size, f) == size && fflush(f) == 0 && fsync(fileno(f)) == 0;
   int error = errno;
   if (fclose(f) != 0 && good) {
@@ -471,7 +473,7 @@ static bool write_all(const char *file, const void *bytes, size_t size) {
   if (!good)
     remove(temporary);
   errno = error;
-  return good;
+  return good ? TDM_OK : TDM_ERR_FILE;
 }
 
 tdm_status dem_state_write(const dem_data *d, const char *file, const char *key, const void *note, size_t size,
@@ -480,7 +482,7 @@ tdm_status dem_state_write(const dem_data *d, const char *file, const char *key,
   size_t n;
   if (save(d, note, size, &bytes, &n))
     return tdm_fail(err, TDM_ERR_MEMORY, key, "no memory to store the state");
-  if (!write_all(file, bytes, n))
+  if (write_all(file, bytes, n))
     tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" cannot be written: %s; make room or name another file", file,
              strerror(errno));
   free(bytes);

@@ -82,7 +82,7 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
     bool behind = false;
     for (int w = 0; w < m->nwall; w++) {
       double gap = dem_gap(d, i, w, NULL);
-      bool through = m->wall[w].endless && gap <= -d->state.sphere[i].radius;
+      bool through = dem_wall_behind(&m->wall[w], gap, d->state.sphere[i].radius);
       behind = behind || through;
       if (!through && d->state.sphere[i].radius - gap > overlap_max * d->state.sphere[i].radius)
         refuse_wall(d, i, w, d->state.sphere[i].radius - gap, err);

@@ -159,13 +159,13 @@ static double takes(const dem_model *m, double mass) {
   return m->multi_step.substeps > 0 && mass < m->multi_step.mass ? (double)m->multi_step.substeps : 1;
 }
 
-/* Rayleigh step and shortest contact (with its like or with a wall) of one kind of particle */
-static void add_particle(dem_limits *l, const dem_model *m, int kind, double radius, double mass) {
-  double density = mass / (4.0 / 3 * M_PI * radius * radius * radius);
-  const dem_material *material = &m->material[kind];
+/* Rayleigh step and shortest contact (with its like or with a wall) of a particle */
+static void add_particle(dem_limits *l, const dem_model *m, int material, double radius, double mass) {
+  double density = mass / dem_sphere_mass(1, radius);
+  const dem_material *elastic = &m->material[material];
   double often = takes(m, mass);
-  l->rayleigh = fmin(l->rayleigh, often * dem_rayleigh(radius, density, material->shear, material->poisson));
-  const dem_pair *row = &m->pair[kind * m->nmaterial];
+  l->rayleigh = fmin(l->rayleigh, often * dem_rayleigh(radius, density, elastic->shear, elastic->poisson));
+  const dem_pair *row = &m->pair[material * m->nmaterial];
   for (int k = 0; k < m->nmaterial; k++)
     if (row[k].given)
       l->contact = fmin(
@@ -201,7 +201,7 @@ static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, doubl
   int i = e->particle;
   double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
   const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + m->wall[e->wall].material];
-  if (gap < radius && gap > -radius)
+  if (dem_surface_cuts(gap, radius))
     sum[i] += stiffness(m, pair, (dem_impact){.mass = d->state.mass[i], .radius = radius}, radius - gap);
 }
 
@@ -258,7 +258,7 @@ tdm_status dem_limits_expected(const dem_data *d, dem_limits *l, tdm_error *err)
     const dem_source *source = &m->source[s];
     for (int k = 0; k < 2; k++) {
       double r = k ? source->sizes.max : source->sizes.min;
-      double full = m->material[source->material].density * 4.0 / 3 * M_PI * r * r * r;
+      double full = dem_sphere_mass(m->material[source->material].density, r);
       add_particle(l, m, source->material, r, source->mass > 0 ? source->mass : full);
     }
   }

@@ -4,7 +4,6 @@
 #include "dem/bodies/walls.h"
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/mesh/mesh_contact.h"
-#include "dem/geometry/shape/mesh_wall.h"
 #include "dem/model/driven.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"
@@ -304,7 +303,7 @@ START_TEST(test_read_mesh) {
   dem_touch c;
   tdm_vec3 own = dem_wall_own(&r->data->state.wall[0], x);
   ck_assert_int_eq(wall->shape->near(wall, own, 0.3, near, 1), 1);
-  ck_assert_int_eq(dem_mesh_contacts(dem_wall_mesh(wall), near, 1, 1, own, 0.3, &c, 1), 1);
+  ck_assert_int_eq(dem_mesh_contacts(wall->data, near, 1, 1, own, 0.3, &c, 1), 1);
   ck_near(c.gap, 0.25, 1e-15);
   dem_report report;
   ck_assert(!dem_report_make(&report, r->data, &(dem_settled){.rest = true, .pressed = true}, 0, &err));

@@ -1,4 +1,4 @@
-/* Each normal contact law against its closed form: impacts of two free spheres. Equations: dem/README.md. */
+/* Each normal contact law against its closed form: impacts of two free spheres. Equations: docs/theory/dem.md. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 

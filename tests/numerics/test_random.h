@@ -10,8 +10,7 @@ static uint64_t random_state;
 
 /* uniform in [0, 1) */
 static inline double uniform(void) {
-  random_state += 0x9e3779b97f4a7c15u;
-  return (double)(tdm_random_mix(random_state) >> 11) * 0x1p-53;
+  return tdm_random_next(&random_state);
 }
 
 /* uniform from low to high */

@@ -67,7 +67,7 @@ typedef struct {
   vd elastic; /* [J] */
 } dem_couple;
 
-/* What the kernel of a law from elsewhere is called with: copies, so that the loops keep theirs in registers. */
+/* What the kernel of a law that a program adds is called with: copies, so that the loops keep theirs in registers. */
 typedef struct dem_call {
   dem_contact contact;         /* a tangential law or cohesion may change it */
   vd3 spin;                    /* of a rolling law: in the tangent plane, of a twisting law: about the normal [rad/s] */

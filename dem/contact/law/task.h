@@ -43,7 +43,7 @@ typedef struct dem_loops {
 typedef struct {
   const dem_loops *with; /* with each tangential law, by its place in the table; NULLs: they do not go together */
   dem_loops all_terms;   /* with the scene's laws of all families, and with energies */
-  dem_loops called;      /* likewise, with laws from elsewhere, which are called; in plain C, else NULLs */
+  dem_loops called;      /* likewise, with laws that a program adds, which are called; in plain C, else NULLs */
   int nsum;              /* sums over the contacts of a particle, taken before the forces */
   dem_loops sums;        /* these, added to data->work.contact_sum; NULLs without them */
 } dem_loop_set;

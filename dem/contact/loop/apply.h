@@ -33,7 +33,7 @@ typedef struct {
   tangential_law *tangential;
   int ncolumn, column; /* of history; first of the normal law */
   bool all_terms;
-  bool calls;                              /* with all terms: laws from elsewhere, through their rows */
+  bool calls;                              /* with all terms: laws that a program adds, through their rows */
   bool rubs;                               /* there are tangential forces or more: spins matter */
   void (*flush)(dem_loop_task *, batch *); /* wall_batch of this row */
   void (*planes)(dem_loop_task *, size_t begin, size_t end); /* plane_loop of this row; not with all terms */
@@ -47,7 +47,7 @@ typedef struct {
 
 /* ---- what the loops with all terms add ---- */
 
-/* call a law from elsewhere */
+/* call a law that a program adds */
 DEM_INLINE void call_law(dem_call *call, const dem_law_head *law, const dem_contact *c, vd *history) {
   call->contact = *c;
   for (int q = 0; q < law->ncolumn; q++)

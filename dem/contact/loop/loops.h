@@ -13,9 +13,9 @@
  *
  * In the loops the kernels are constants of an always-inlined function, so no call and no branch on a law is left.
  * Besides a pair of loops with each tangential law there is one with all terms, in which the scene's other laws are
- * switches, and in plain C one more that calls laws from elsewhere (dem_law_add). DEM_W contacts go at a time, one a
- * lane, whether they touch or not; what does not touch adds nothing. Forces are added lane after lane, in the order of
- * the list, so the sums are those of a loop over one contact at a time.
+ * switches, and in plain C one more that calls laws that a program adds (dem_law_add). DEM_W contacts go at a time, one
+ * a lane, whether they touch or not; what does not touch adds nothing. Forces are added lane after lane, in the order
+ * of the list, so the sums are those of a loop over one contact at a time.
  *
  * The loop over planes is a function of its own: as a part of the loop over walls it would spill more registers.
  *
@@ -81,22 +81,22 @@ static const dem_loops with[] = {DEM_TANGENTIALS(X)};
 
 /* ---- with all terms ---- */
 
-#define ROW_OF_SCENE(name, kernel, from_elsewhere) \
-  ((row){.normal = DEM_LAW_KERNEL,                 \
-         .tangential = kernel,                     \
-         .all_terms = true,                        \
-         .calls = from_elsewhere,                  \
-         .rubs = true,                             \
+#define ROW_OF_SCENE(name, kernel, is_called) \
+  ((row){.normal = DEM_LAW_KERNEL,            \
+         .tangential = kernel,                \
+         .all_terms = true,                   \
+         .calls = is_called,                  \
+         .rubs = true,                        \
          .flush = batch_##name})
-#define LOOPS_OF_SCENE(name, kernel, from_elsewhere)                                      \
-  static __attribute__((noinline)) void batch_##name(dem_loop_task *task, batch *b) {     \
-    wall_batch(task, b, row_of(task->model, ROW_OF_SCENE(name, kernel, from_elsewhere))); \
-  }                                                                                       \
-  static void pairs_##name(dem_loop_task *task) {                                         \
-    pair_loop(task, ROW_OF_SCENE(name, kernel, from_elsewhere));                          \
-  }                                                                                       \
-  static void walls_##name(dem_loop_task *task) {                                         \
-    wall_loop(task, ROW_OF_SCENE(name, kernel, from_elsewhere));                          \
+#define LOOPS_OF_SCENE(name, kernel, is_called)                                       \
+  static __attribute__((noinline)) void batch_##name(dem_loop_task *task, batch *b) { \
+    wall_batch(task, b, row_of(task->model, ROW_OF_SCENE(name, kernel, is_called)));  \
+  }                                                                                   \
+  static void pairs_##name(dem_loop_task *task) {                                     \
+    pair_loop(task, ROW_OF_SCENE(name, kernel, is_called));                           \
+  }                                                                                   \
+  static void walls_##name(dem_loop_task *task) {                                     \
+    wall_loop(task, ROW_OF_SCENE(name, kernel, is_called));                           \
   }
 
 LOOPS_OF_SCENE(all_terms, tangential_of_scene, false)

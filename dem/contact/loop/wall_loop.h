@@ -170,7 +170,7 @@ DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t 
       continue;
     tdm_vec3 n;
     double gap = dem_wall_sphere_gap(wall, place, s->position, s->radius, &n);
-    if (gap >= s->radius + reach || (wall->endless && gap <= -s->radius))
+    if (gap >= s->radius + reach || dem_wall_behind(wall, gap, s->radius))
       close_entry(list, k, r.ncolumn);
     else
       add_to_batch(task, b, k, gap, n, r);

@@ -2,7 +2,7 @@
  *   M = M_el - c_r w,   k_r = 2.25 k_n (mu_r R*)^2,   |M_el| <= mu_r R* F_n,   c_r = 2 eta_r sqrt(I_r k_r) below the
  *   limit, 0 at it;   1/I_r = sum of 1/(I + m R^2)
  * History: M_el in the middle of the coming step; it turns with the contact, is grown and clipped as a tangential
- * spring is (loop/sticking.h).
+ * spring is (law/sticking.h).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_ROLLING_SPRING_DASHPOT_H

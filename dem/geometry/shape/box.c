@@ -1,8 +1,9 @@
 /* Boxes: seen from outside one solid box; seen from inside, a container, up to six planes, which act as if the faces
  * were without end, or with "edges" a mesh of plates. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/shape/mesh_wall.h"
+#include "dem/geometry/mesh/mesh.h"
 #include "dem/geometry/shape/plane.h"
+#include "dem/geometry/shape/rows.h"
 
 #include <string.h>
 

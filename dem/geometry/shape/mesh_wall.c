@@ -1,9 +1,12 @@
 /* Meshes, thin shells: see geometry/mesh/mesh.h. Their parts are the triangles. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/geometry/shape/mesh_wall.h"
-
+#include "dem/geometry/mesh/mesh.h"
 #include "dem/geometry/mesh/mesh_contact.h"
 #include "dem/geometry/mesh/mesh_tree.h"
+#include "dem/geometry/shape/rows.h"
+
+#include <stdarg.h>
+#include <stdio.h>
 
 static void read_mesh(tdm_object *o, int body, dem_wall_list *list) {
   const char *file = tdm_get_string(o, "file", NULL);
@@ -61,6 +64,36 @@ static bool passes(const dem_wall *wall, int from, int to) {
   return dem_mesh_passes(wall->data, from, to);
 }
 
+static const char *file_of(const dem_wall *wall) {
+  return dem_mesh_name(wall->data);
+}
+
+static void note(json_t *notes, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void note(json_t *notes, const char *format, ...) {
+  char text[TDM_MESSAGE_MAX];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  json_array_append_new(notes, json_string(text));
+}
+
+static json_t *report_mesh(const dem_wall *wall, json_t *notes) {
+  const dem_mesh_report *of = dem_mesh_figures(wall->data);
+  const char *name = dem_mesh_name(wall->data);
+  if (of->degenerate + of->duplicate > 0)
+    note(notes, "\"%s\": %d triangles without area and %d that are there twice were left out", name, of->degenerate,
+         of->duplicate);
+  if (of->inverted > 0)
+    note(notes, "\"%s\": %d of its %d parts are inside out; particles feel it from both sides all the same", name,
+         of->inverted, of->parts);
+  if (!of->closed && !wall->plates)
+    note(notes, "\"%s\": %d edges belong to one triangle only and %d to more than two; a closed part has none", name,
+         of->open, of->nonmanifold);
+  return dem_mesh_report_json(wall->data);
+}
+
 static unsigned long long hash_of(const dem_wall *wall) {
   return dem_mesh_hash(wall->data);
 }
@@ -81,6 +114,8 @@ const dem_shape dem_shape_mesh = {
     .near = near_triangles,
     .touches = touches_of,
     .passes = passes,
+    .file = file_of,
+    .report = report_mesh,
     .hash = hash_of,
     .destroy = destroy,
 };

@@ -130,6 +130,11 @@ struct dem_shape {
                  dem_touch out[DEM_TOUCHES_MAX]);
   bool (*passes)(const dem_wall *wall, int from, int to);
 
+  /* Of a wall that is made of a file; NULL: it is not. The file's name; its figures for the report of the start (new
+   * reference), with texts worth knowing appended to `notes`. */
+  const char *(*file)(const dem_wall *wall);
+  json_t *(*report)(const dem_wall *wall, json_t *notes);
+
   /* Of `data`: a number that depends on it, and freeing it. NULL: there is none. */
   unsigned long long (*hash)(const dem_wall *wall);
   void (*destroy)(void *data);
@@ -154,9 +159,20 @@ static inline double dem_wall_gap(const dem_wall *wall, const dem_wall_place *pl
 static inline double dem_wall_sphere_gap(const dem_wall *wall, const dem_wall_place *place, tdm_vec3 x, double radius,
                                          tdm_vec3 *normal);
 
-/* Does a sphere at this gap touch the wall? */
+/* Is a sphere at this gap altogether behind the surface of a wall that has no end, where the wall does not act? */
+static inline bool dem_wall_behind(const dem_wall *wall, double gap, double radius) {
+  return wall->endless && gap <= -radius;
+}
+
+/* Does a sphere at this gap touch the wall? A solid that ends acts at any depth. */
 static inline bool dem_wall_touches(const dem_wall *wall, double gap, double radius) {
-  return gap < radius && !(wall->endless && gap <= -radius);
+  return gap < radius && !dem_wall_behind(wall, gap, radius);
+}
+
+/* Does the surface of a wall, of whatever shape, cut a sphere at this gap? That is where closed forms of contacts hold:
+ * the overlap is between 0 and a diameter. */
+static inline bool dem_surface_cuts(double gap, double radius) {
+  return gap < radius && gap > -radius;
 }
 
 /* The point x (world) in the wall's own axes. */
