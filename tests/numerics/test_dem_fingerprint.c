@@ -18,8 +18,12 @@ static void check_gaps(const char *type, const bool *listed, const size_t *align
   }
 }
 
-#define LIST_MEMBER(member, ...)                                    \
-  memset(listed + offsetof(looked_at, member), 1, sizeof s.member); \
+static void list_bytes(bool *listed, size_t n) {
+  memset(listed, true, n);
+}
+
+#define LIST_MEMBER(member, ...)                                     \
+  list_bytes(listed + offsetof(looked_at, member), sizeof s.member); \
   alignment[offsetof(looked_at, member)] = _Alignof(__typeof__(s.member));
 #define CHECK_GAPS(type, LIST)                                           \
   {                                                                      \
