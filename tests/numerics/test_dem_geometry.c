@@ -4,6 +4,7 @@
 #include "dem/bodies/walls.h"
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/mesh/mesh_contact.h"
+#include "dem/geometry/shape/rows.h"
 #include "dem/model/driven.h"
 #include "dem/watch/limits.h"
 #include "test_dem_support.h"
