@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OVER = 2 }; /* samples a pixel in each direction; shader_image_fragment takes as many */
+enum { OVER = 2 }; /* samples a pixel in each direction; the image shaders take as many */
 
 #ifdef __SANITIZE_ADDRESS__
 /* What these libraries keep until the program ends is no leak of ours. */
@@ -83,7 +83,7 @@ struct tdm_renderer {
   OSMesaContext context;
   uint32_t *pixel; /* (width x height) */
   int width, height;
-  GLuint mesh, ball, image; /* programs */
+  GLuint mesh, ball, image, flat; /* programs */
   GLuint target, color, depth;
   GLuint vertices, balls, nothing; /* arrays of attributes */
   GLuint buffer;
@@ -161,6 +161,7 @@ static tdm_status resize(tdm_renderer *r, int width, int height, tdm_error *err)
     r->mesh = program(shader_mesh_vertex, shader_mesh_fragment, err);
     r->ball = program(shader_ball_vertex, shader_ball_fragment, err);
     r->image = program(shader_image_vertex, shader_image_fragment, err);
+    r->flat = program(shader_image_vertex, shader_flat_fragment, err);
     glGenFramebuffers(1, &r->target);
     glGenTextures(1, &r->color);
     glGenTextures(1, &r->depth);
@@ -327,42 +328,52 @@ static int farthest_first(const void *a, const void *b) {
 
 /* ---- what is hidden ---- */
 
-/* The pixels of a disc, cut to the image: for each row the columns. */
+/* a row of samples that a disc of radius r about (x, y) takes, cut to the image: its columns, none when c0 > c1 */
 typedef struct {
-  int x0, x1, y0, y1;
-} patch;
+  int c0, c1;
+} span;
 
-static patch patch_of(double x, double y, double r, int width, int height) {
-  return (patch){(int)fmin(fmax(0, floor(x - r)), width), (int)fmin(fmax(-1, floor(x + r)), width - 1),
-                 (int)fmin(fmax(0, floor(y - r)), height), (int)fmin(fmax(-1, floor(y + r)), height - 1)};
+static span span_of(double x, double y, double r, int row, int width) {
+  const double dy = row + 0.5 - y, h2 = r * r - dy * dy;
+  if (!(h2 > 0))
+    return (span){0, -1};
+  const double half = sqrt(h2);
+  return (span){(int)fmin(fmax(0, ceil(x - half - 0.5)), width), (int)fmin(fmax(-1, floor(x + half - 0.5)), width - 1)};
 }
 
+/* Where a ball may be seen, and where it surely hides what is behind: a ten-thousandth of its radius more and less, so
+ * that rounding decides nothing. */
+static const double seen = 1 + 1e-4, hides = 1 - 1e-4;
+
 /* Without perspective, balls that others hide wholly are taken out: in a heap most are. `nearest` (width x height) has
- * for each pixel a depth behind which nothing is seen: that of a ball's surface at the pixel's farthest corner. Balls
- * are in order, the nearest first. */
+ * for each sample of the image the depth of what is drawn there. Balls are in order, the nearest first. */
 static void cull(tdm_balls *list, const look *l, int width, int height, float *nearest) {
   const double sx = 0.5 * width * l->projection[0], sy = 0.5 * height * l->projection[5];
   size_t left = 0;
-  for (int i = 0; i < width * height; i++)
+  for (size_t i = 0; i < (size_t)width * (size_t)height; i++)
     nearest[i] = -INFINITY;
   for (size_t i = 0; i < list->count; i++) {
     const tdm_ball b = list->ball[i];
     const double x = 0.5 * width + sx * b.center[0], y = 0.5 * height + sy * b.center[1], r = sy * b.radius;
     const float front = b.center[2] + b.radius;
-    const patch p = patch_of(x, y, r + 1, width, height);
+    const int row0 = (int)fmin(fmax(0, floor(y - r - 1)), height), row1 = (int)fmin(fmax(-1, ceil(y + r)), height - 1);
     bool hidden = true;
-    for (int row = p.y0; row <= p.y1 && hidden; row++)
-      for (int column = p.x0; column <= p.x1 && hidden; column++)
-        hidden = nearest[row * width + column] >= front;
+    for (int row = row0; row <= row1 && hidden; row++) {
+      const span s = span_of(x, y, seen * r, row, width);
+      for (int column = s.c0; column <= s.c1 && hidden; column++)
+        hidden = nearest[(size_t)row * (size_t)width + (size_t)column] >= front;
+    }
     if (hidden)
       continue;
     list->ball[left++] = b;
-    for (int row = p.y0; row <= p.y1; row++)
-      for (int column = p.x0; column <= p.x1; column++) {
-        const double dx = fabs(column + 0.5 - x) + 0.5, dy = fabs(row + 0.5 - y) + 0.5, h2 = r * r - dx * dx - dy * dy;
-        const float depth = h2 > 0 ? (float)(b.center[2] + sqrt(h2) / sy) : -INFINITY;
-        nearest[row * width + column] = fmaxf(nearest[row * width + column], depth);
+    for (int row = row0; row <= row1; row++) {
+      const span s = span_of(x, y, hides * r, row, width);
+      float *at = nearest + (size_t)row * (size_t)width;
+      for (int column = s.c0; column <= s.c1; column++) {
+        const double dx = column + 0.5 - x, dy = row + 0.5 - y, h2 = r * r - dx * dx - dy * dy;
+        at[column] = fmaxf(at[column], (float)(b.center[2] + sqrt(fmax(0, h2)) / sy));
       }
+    }
   }
   list->count = left;
 }
@@ -463,9 +474,10 @@ tdm_status tdm_render(tdm_renderer *r, tdm_drawing *d, const tdm_camera *camera,
   const look l = make_look(d, camera, up, height);
   if (d->balls.count > 1)
     qsort(d->balls.ball, d->balls.count, sizeof *d->balls.ball, nearest_first);
-  float *nearest = camera->perspective ? NULL : malloc((size_t)width * (size_t)height * sizeof *nearest);
+  float *nearest =
+      camera->perspective ? NULL : malloc((size_t)OVER * OVER * (size_t)width * (size_t)height * sizeof *nearest);
   if (nearest)
-    cull(&d->balls, &l, width, height, nearest);
+    cull(&d->balls, &l, OVER * width, OVER * height, nearest);
   free(nearest);
   if (d->glass.count > 3)
     qsort(d->glass.vertex, d->glass.count / 3, 3 * sizeof *d->glass.vertex, farthest_first);
@@ -479,7 +491,7 @@ tdm_status tdm_render(tdm_renderer *r, tdm_drawing *d, const tdm_camera *camera,
   glViewport(0, 0, width, height);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
-  set_uniforms(r->image, &l);
+  set_uniforms(l.crevice > 0 ? r->image : r->flat, &l);
   glBindVertexArray(r->nothing);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glFinish();
