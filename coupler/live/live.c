@@ -83,10 +83,13 @@ static tdm_status look(watch *w, double t, tdm_error *err) {
 
 static tdm_status show_run(watch *w, const cpl_outlet *outlet, tdm_error *err) {
   json_t *meta = cpl_page_scenery(&w->scenery);
+  char scene[4096];
+  snprintf(scene, sizeof scene, "%s", outlet->scene);
+  tdm_utf8_clean(scene);
   json_object_set_new(meta, "tandem", json_string(TDM_VERSION));
   json_object_set_new(meta, "live", json_true());
   json_object_set_new(meta, "status", json_string("running"));
-  json_object_set_new(meta, "scene", json_string(outlet->results->home));
+  json_object_set_new(meta, "scene", json_string(scene));
   json_object_set_new(meta, "times", json_array());
   json_object_set_new(meta, "channels", json_array());
   cpl_server_run(w->server, outlet->results->dir, &w->scenery, meta, err);

@@ -13,6 +13,7 @@
 /* Where observers may write. */
 typedef struct {
   tdm_results *results; /* the result directory */
+  const char *scene;    /* its file */
   bool quiet;           /* nothing to the terminal */
 } cpl_outlet;
 

@@ -94,11 +94,12 @@ static void compare(cpl_report_data *r, const cpl_scenario *scenario) {
 static void print_remarks(const cpl_report_data *r) {
   static const char *const lists[] = {"warnings", "notices"}, *const names[] = {"warning", "notice"};
   const char *error = json_string_value(json_object_get(r->summary, "error"));
+  const char *status = json_string_value(json_object_get(r->summary, "status"));
   char text[2048];
   size_t i;
   json_t *entry;
   if (error)
-    printf("the run failed: %s\n", error);
+    printf(status && strcmp(status, "unfinished") == 0 ? "%s\n" : "the run failed: %s\n", error);
   for (int l = 0; l < 2; l++)
     json_array_foreach(json_object_get(r->summary, lists[l]), i, entry)
         printf("%s: %s\n", names[l], cpl_report_remark(entry, text, sizeof text));
@@ -127,7 +128,11 @@ static tdm_status write_page(const cpl_report_data *r, tdm_error *err) {
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; %s shows the pictures that were made", path);
   for (int i = 0; i < r->pictures.n; i++)
     made += r->pictures.picture[i].there;
-  printf("%d pictures in %s; %s shows them\n", made + r->comparison_drawn, r->dir, path);
+  made += r->comparison_drawn;
+  if (made > 0)
+    printf("%s shows the run; %d picture%s of its time histories\n", path, made, made == 1 ? "" : "s");
+  else
+    printf("%s shows the run, without pictures of its time histories\n", path);
   return TDM_OK;
 }
 

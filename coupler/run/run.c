@@ -187,7 +187,7 @@ static tdm_status open_observers(run_state *run, tdm_error *err) {
   const cpl_observer *const own[] = {&run->remarks_row, NULL}, *const none[] = {NULL};
   const cpl_observer *const *const tables[] = {cpl_observer_table, own,
                                                run->options->observers ? run->options->observers : none};
-  const cpl_outlet outlet = {&run->results, run->options->quiet};
+  const cpl_outlet outlet = {.results = &run->results, .scene = run->options->scene, .quiet = run->options->quiet};
   for (size_t t = 0; t < sizeof tables / sizeof tables[0]; t++)
     for (const cpl_observer *const *row = tables[t]; *row; row++)
       if (cpl_observers_open(&run->observers, *row, &run->loop, &outlet, err) != TDM_OK)

@@ -91,8 +91,10 @@ static void read_times(tdm_picture *p, tdm_object *o, double time_end) {
     tdm_object_fail(o, "interval", "stands beside \"times\"; give one of the two");
   else if (interval)
     read_interval(p, o, time_end);
-  else
+  else if (list)
     read_list(p, o, time_end);
+  else
+    tdm_object_fail(o, "times", "missing; give times [s], or \"interval\"");
 }
 
 /* ---- views ---- */

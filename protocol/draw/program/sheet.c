@@ -56,10 +56,21 @@ static double text_width(cairo_t *c, const char *text) {
   return size.x_advance;
 }
 
+/* With a light edge: in pictures in space there may be anything behind it. */
 static void text(cairo_t *c, double x, double y, place where, const char *words) {
   double w = where == AT_LEFT ? 0 : text_width(c, words);
+  x = floor(x - (where == AT_MIDDLE ? 0.5 * w : w));
+  y = floor(y + 0.5);
+  cairo_save(c);
+  cairo_set_source_rgba(c, 1, 1, 1, 0.75);
+  cairo_set_line_width(c, 3);
+  cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+  cairo_move_to(c, x, y);
+  cairo_text_path(c, words);
+  cairo_stroke(c);
+  cairo_restore(c);
   cairo_set_source_rgb(c, ink[0], ink[1], ink[2]);
-  cairo_move_to(c, floor(x - (where == AT_MIDDLE ? 0.5 * w : w)), floor(y + 0.5));
+  cairo_move_to(c, x, y);
   cairo_show_text(c, words);
 }
 
