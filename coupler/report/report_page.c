@@ -20,6 +20,17 @@ bool cpl_report_good(const cpl_report_data *r) {
 
 /* ---- head, warnings ---- */
 
+/* How the run ended, in a word. */
+static const char *ending(const cpl_report_data *r, const char *status) {
+  if (cpl_report_good(r))
+    return "finished";
+  if (!status)
+    return "unknown";
+  if (strcmp(status, "TDM_ERR_INTERRUPTED") == 0)
+    return "interrupted";
+  return strncmp(status, "TDM_ERR_", 8) == 0 ? "failed" : status;
+}
+
 static void write_head(FILE *page, const cpl_report_data *r) {
   const char *title = text_of(r->scene, "title"), *scene = text_of(r->summary, "scene");
   const char *status = text_of(r->summary, "status");
@@ -31,7 +42,7 @@ static void write_head(FILE *page, const cpl_report_data *r) {
     fputs(" &middot; ", page);
   }
   fputs("status: ", page);
-  cpl_html_text(page, cpl_report_good(r) ? "finished" : status ? status : "unknown");
+  cpl_html_text(page, ending(r, status));
   fputs("</p>\n", page);
   if (cpl_report_good(r))
     return;
