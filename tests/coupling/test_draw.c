@@ -80,8 +80,7 @@ START_TEST(views_of_the_scene) {
   write_file(dir, "scene.json",
              "{\"output\": {\"pictures\": [{\"times\": [0], \"size\": [320, 200]}, {\"name\": \"top\", \"times\": [0], "
              "\"view\": \"xy\", \"size\": [200, 320]}]}}");
-  ck_assert_msg(command("tandem draw %s --view top --out %s/top", dir, dir) == 0, "%s",
-                command_output);
+  ck_assert_msg(command("tandem draw %s --view top --out %s/top", dir, dir) == 0, "%s", command_output);
   ck_assert_msg(command("od -An -tu1 -j16 -N8 %s/top_000.png", dir) == 0, "%s", command_output);
   expect_output("0   0   0 200   0   0   1  64");
   ck_assert_msg(command("tandem draw %s --out %s/first && od -An -tu1 -j16 -N8 %s/first_000.png", dir, dir, dir) == 0,
