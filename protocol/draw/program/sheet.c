@@ -4,7 +4,9 @@
 
 #include "protocol/draw/color.h"
 
+#include <png.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { AREA = 320000, SIDE_LEAST = 260, SIDE_MOST = 1200 }; /* of a flat view's image [pixels] */
@@ -316,9 +318,35 @@ cairo_surface_t *tdm_sheets_join(cairo_surface_t *const *sheet, int count, int c
   return all;
 }
 
+/* libpng's fast way: files a little larger in a fifth of the time of cairo's own, which counts where a run makes many.
+ */
 tdm_status tdm_sheet_write(cairo_surface_t *sheet, const char *path, tdm_error *err) {
-  cairo_status_t status = cairo_surface_write_to_png(sheet, path);
-  return status == CAIRO_STATUS_SUCCESS
-             ? TDM_OK
-             : tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, cairo_status_to_string(status));
+  const int width = cairo_image_surface_get_width(sheet), height = cairo_image_surface_get_height(sheet);
+  const size_t row = 3 * (size_t)width;
+  png_image image = {.version = PNG_IMAGE_VERSION,
+                     .width = (png_uint_32)width,
+                     .height = (png_uint_32)height,
+                     .format = PNG_FORMAT_RGB,
+                     .flags = PNG_IMAGE_FLAG_FAST};
+  uint8_t *bytes = malloc(row * (size_t)height + 1);
+  if (!bytes)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a picture of %d x %d pixels", width, height);
+  cairo_surface_flush(sheet);
+  for (int y = 0; y < height; y++) {
+    const unsigned char *from =
+        cairo_image_surface_get_data(sheet) + (ptrdiff_t)y * cairo_image_surface_get_stride(sheet);
+    for (int x = 0; x < width; x++) {
+      uint32_t pixel; /* 0x..RRGGBB */
+      memcpy(&pixel, from + 4 * x, sizeof pixel);
+      uint8_t *to = bytes + (size_t)y * row + 3 * (size_t)x;
+      to[0] = (uint8_t)(pixel >> 16);
+      to[1] = (uint8_t)(pixel >> 8);
+      to[2] = (uint8_t)pixel;
+    }
+  }
+  if (!png_image_write_to_file(&image, path, 0, bytes, (png_int_32)row, NULL))
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, image.message);
+  png_image_free(&image);
+  free(bytes);
+  return err->status;
 }

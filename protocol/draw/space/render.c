@@ -360,8 +360,11 @@ static void cull(tdm_balls *list, const look *l, int width, int height, float *n
     bool hidden = true;
     for (int row = row0; row <= row1 && hidden; row++) {
       const span s = span_of(x, y, seen * r, row, width);
-      for (int column = s.c0; column <= s.c1 && hidden; column++)
-        hidden = nearest[(size_t)row * (size_t)width + (size_t)column] >= front;
+      const float *at = nearest + (size_t)row * (size_t)width;
+      int open = 0;
+      for (int column = s.c0; column <= s.c1; column++)
+        open |= at[column] < front;
+      hidden = !open;
     }
     if (hidden)
       continue;
