@@ -111,11 +111,11 @@ bool tdm_get_bool(tdm_object *o, const char *key, bool fallback);
 /* The index of a string among `choices`; -1 after an error. `fallback` when missing (-1: an error). */
 int tdm_get_choice(tdm_object *o, const char *key, const char *const *choices, int nchoice, int fallback);
 
-/* The types that objects of one kind may name under "type". A row is the type's operations, whatever they are, which
- * begin with its name (a const char *). NULL behind the last. */
-enum { TDM_TYPES_MAX = 32 };
+enum { TDM_TYPES_MAX = 32 }; /* of one kind */
+
+/* The types that objects of one kind may name under "type". */
 typedef struct {
-  const void *row[TDM_TYPES_MAX + 1];
+  const void *row[TDM_TYPES_MAX + 1]; /* a type's operations, which begin with its name (a const char *); then NULL */
 } tdm_types;
 
 /* The row that "type" names; NULL after an error. */
