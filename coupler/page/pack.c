@@ -90,7 +90,7 @@ static void put_box(tdm_view_bytes *bytes, const box *b) {
 /* a share of the box's width in 65535 steps */
 static uint16_t step_of(double x, double low, double size) {
   const double s = size > 0 ? (x - low) / size : 0;
-  return (uint16_t)lrint(65535 * fmax(0, fmin(1, s))); /* fmax: a number that is none counts as 0 */
+  return (uint16_t)lrint(65535 * fmax(0, fmin(1, s))); /* fmax: NaN counts as 0 */
 }
 
 static void put_places(tdm_view_bytes *bytes, const box *b, const tdm_vec3 *place, int n) {

@@ -61,7 +61,7 @@ START_TEST(requests_from_elsewhere) {
   ck_assert_int_eq(http_ask(port, "GET", "/state", "127.0.0.1", ""), 403);
   ck_assert_int_eq(http_ask(port, "POST", "/stop", NULL, "Origin: http://elsewhere.example\r\nContent-Length: 0\r\n"),
                    403);
-  /* paths and methods that are none */
+  /* unknown paths and methods */
   ck_assert_int_eq(http_get(port, "/../../etc/passwd"), 404);
   ck_assert_int_eq(http_get(port, "/%2e%2e/%2e%2e/etc/passwd"), 404);
   ck_assert_int_eq(http_get(port, "/stop"), 404);

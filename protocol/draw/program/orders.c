@@ -37,7 +37,7 @@ static tdm_status read_settings(work *w, const char *line, tdm_error *err) {
   size_t n = json_array_size(pictures);
   w->view = calloc(n ? n : 1, sizeof *w->view);
   if (!json || n == 0 || !w->view)
-    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "orders that are none: \"%.60s\"", line);
+    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "not an order: \"%.60s\"", line);
   for (size_t k = 0; k < n && err->status == TDM_OK; k++) {
     view *v = &w->view[w->nview++];
     tdm_picture_read(&v->picture, json_array_get(pictures, k), "output.pictures", err);
@@ -86,7 +86,7 @@ static void obey(work *w, const char *line) {
   char path[128], prefix[96];
   tdm_error err = {0};
   if (sscanf(line, "%d %d", &k, &number) != 2 || k < 0 || k >= w->nview) {
-    tdm_fail(&err, TDM_ERR_PROTOCOL, NULL, "an order that is none: \"%.60s\"", line);
+    tdm_fail(&err, TDM_ERR_PROTOCOL, NULL, "not an order: \"%.60s\"", line);
     say(w, "", &err);
     return;
   }
