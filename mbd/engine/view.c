@@ -71,6 +71,16 @@ static tdm_status line(pen *p, const char *name, tdm_view_line_kind kind, const 
   return TDM_OK;
 }
 
+/* A short line along a joint's axis, through its point: what turns about it. */
+static tdm_status axis(pen *p, const char *name, tdm_view_line_kind kind, const mbd_joint *j) {
+  const double half = 0.04 * mbd_model_extent(p->model);
+  const tdm_mat3 *e = &j->axes[0];
+  const tdm_vec3 along = {e->m[0][2], e->m[1][2], e->m[2][2]};
+  const int both[2] = {j->body[0], j->body[0]};
+  const tdm_vec3 ends[2] = {tdm_axpy(-half, along, j->arm[0]), tdm_axpy(half, along, j->arm[0])};
+  return line(p, name, kind, both, ends);
+}
+
 /* Bodies without a shape: a bar from the centre of mass to each place where something takes hold of it. */
 static tdm_status bars(pen *p, const int body[2], const tdm_vec3 arm[2]) {
   for (int side = 0; side < 2; side++) {
@@ -102,6 +112,8 @@ static tdm_status lines(pen *p) {
     const mbd_force *f = &m->force[i];
     if (f->ops->spans &&
         (line(p, f->name, f->ops->line, f->body, f->frame.arm) != TDM_OK || bars(p, f->body, f->frame.arm) != TDM_OK))
+      return p->err->status;
+    if (f->ops->twists && f->joint != &f->frame && axis(p, f->name, f->ops->line, f->joint) != TDM_OK)
       return p->err->status;
   }
   return TDM_OK;

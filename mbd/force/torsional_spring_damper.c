@@ -43,5 +43,7 @@ const mbd_force_ops mbd_force_torsional_spring_damper = {
     .coordinate_unit = "rad",
     .read = read,
     .eval = eval,
+    .twists = true,
+    .line = TDM_VIEW_LINE_spring,
     .clear = clear,
 };

@@ -44,7 +44,8 @@ typedef struct {
   /* Read the keys behind name and type into the force and force->own, which is zero. */
   void (*read)(mbd_force *force, tdm_object *o, const mbd_model *model);
   void (*eval)(const mbd_force *force, const mbd_kin *a, const mbd_kin *b, mbd_force_value *value);
-  bool spans; /* in pictures it is a line between the points of force->frame, of this kind */
+  bool spans;  /* in pictures it is a line between the points of force->frame, of the kind below */
+  bool twists; /* in pictures it is a short line along the axis of its joint, if that is one of the scene's */
   tdm_view_line_kind line;
   bool turns; /* its rows are the three ways and three rotations between two frames, which are outputs; the rotation
                  must stay below half a turn */

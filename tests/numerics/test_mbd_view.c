@@ -61,7 +61,8 @@ static const char machine[] =
     "{'bodies':[{'name':'arm','mass':2,'inertia':[1,1,1],'position':[1,0,0]},"
     "{'name':'load','shape':{'type':'sphere','radius':0.1},'mass':3,'position':[2,0,-1]}],"
     "'joints':[{'name':'pin','type':'revolute','bodies':['ground','arm'],'point':[0,0,0],'axis':[0,1,0]}],"
-    "'forces':[{'name':'rope','type':'cable','bodies':['arm','load'],'points':[[2,0,0],[2,0,-0.9]],'stiffness':1e5}]}";
+    "'forces':[{'name':'coil','type':'torsional_spring_damper','joint':'pin','stiffness':0.01},"
+    "{'name':'rope','type':'cable','bodies':['arm','load'],'points':[[2,0,0],[2,0,-0.9]],'stiffness':1e5}]}";
 
 START_TEST(lines_follow_the_bodies) {
   run r, blind;
@@ -70,12 +71,14 @@ START_TEST(lines_follow_the_bodies) {
   run_open_good(&r, machine, "");
   run_open_good(&blind, machine, "");
   ck_assert_int_eq(mbd_engine_scenery(r.self, &s, &r.err), TDM_OK);
-  ck_assert_int_eq(s.nline, 4); /* pin, the arm's bar to it, rope, the arm's bar to it */
+  ck_assert_int_eq(s.nline, 5); /* pin, the arm's bar to it, coil, rope, the arm's bar to that */
   ck_assert(s.body[0].marked && !s.body[1].marked);
   ck_assert_str_eq(s.line[0].name, "pin");
   ck_assert_int_eq(s.line[1].kind, TDM_VIEW_LINE_bar);
-  ck_assert_str_eq(s.line[2].name, "rope");
-  ck_assert_int_eq(s.line[2].kind, TDM_VIEW_LINE_cable);
+  ck_assert_str_eq(s.line[2].name, "coil");
+  ck_assert_int_eq(s.line[2].kind, TDM_VIEW_LINE_spring);
+  ck_assert_str_eq(s.line[3].name, "rope");
+  ck_assert_int_eq(s.line[3].kind, TDM_VIEW_LINE_cable);
   ck_assert_double_lt(s.gravity.z, -9);
   for (int k = 1; k <= 40; k++) {
     ck_assert_int_eq(mbd_engine_snapshot(r.self, &now, &r.err), TDM_OK);
@@ -88,7 +91,11 @@ START_TEST(lines_follow_the_bodies) {
   ck_assert_double_eq(now.time, 0.4);
   ck_assert_int_eq(now.line_end[0], 1); /* both ends of a pin coincide: a dot, which stays in the ground */
   ck_assert_double_lt(tdm_norm(now.point[0]), 1e-9);
-  tdm_vec3 tip = now.point[now.line_end[1]], eye = now.point[now.line_end[1] + 1];
+  const tdm_vec3 *coil = &now.point[now.line_end[1]]; /* along the pin's axis, y, and through it */
+  ck_assert_double_lt(tdm_norm(tdm_add(coil[0], coil[1])), 1e-9);
+  ck_assert_double_gt(coil[1].y, 0.01);
+  ck_assert_double_lt(fabs(coil[1].x) + fabs(coil[1].z), 1e-9);
+  tdm_vec3 tip = now.point[now.line_end[2]], eye = now.point[now.line_end[2] + 1];
   ck_assert_double_lt(fabs(tdm_norm(tip) - 2), 1e-9); /* the arm has turned about the pin */
   ck_assert_double_lt(tip.z, -0.1);
   ck_assert_double_lt(fabs(tdm_norm(tdm_sub(eye, now.pose[1].position)) - 0.1), 1e-9);
