@@ -45,7 +45,7 @@ static void rig_open(rig *r, const char *text, const char *body, const char *sec
   tdm_assigned_body coupled[2] = {{.name = body}, {.name = second}};
   mbd_assembly assembly;
   memset(r, 0, sizeof *r);
-  r->scene = scene_json(text);
+  r->scene = scene_json("%s", text);
   ck_assert_msg(mbd_model_read(&r->model, r->scene, false, &r->err) == TDM_OK, "%s", r->err.message);
   ck_assert_int_eq(mbd_model_couple(r->model, coupled, second ? 2 : 1, &r->err), TDM_OK);
   r->data = mbd_data_create(r->model);
@@ -191,7 +191,7 @@ START_TEST(looking_changes_nothing) {
   tdm_state end[2];
   for (int looks = 0; looks < 2; looks++) {
     run r = {0};
-    json_t *scene = scene_json(sprung);
+    json_t *scene = scene_json("%s", sprung);
     tdm_assigned_body body = {.name = "deck"};
     tdm_assignment a = {
         .scene = scene, .time_end = 1, .dt = 1e-3, .n = 1, .nbody = 1, .body = &body, .ahead = looks ? 0.0125 : 0};

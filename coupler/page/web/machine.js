@@ -4,8 +4,8 @@
   'use strict';
 
   const STILL = 0x9aa5b1, MOVING = [0x3d7ebf, 0xd08a2e, 0x4c9a6a, 0x9a5fa8, 0x2f9aa0, 0xb5606a, 0x7a7f2d, 0x6b6fc4];
-  tandem.lineColours = {joint: 0x1b1f27, spring: 0xe07a10, cable: 0x7a4a1e, cylinder: 0x1763b6, other: 0x8a5fb0,
-                        bar: 0x59636f};
+  /* as in the pictures: protocol/draw/space/content.c */
+  tandem.lineColours = {joint: 0xb22234, spring: 0x2e7d32, cable: 0x28282c, cylinder: 0x195aaa, bar: 0xc8783c};
   const LOAD = tandem.loadColour = 0xd41f3a;
   const EDGES_MOST = 30000; /* triangles of a body; the edges of more are not looked for */
 

@@ -194,7 +194,7 @@
       kinds.append(swatch('#9aa5b1', 'stands still'));
     const lines = new Map(meta.lines.map((l) => [l.kind, l.text]));
     for (const [kind, text] of lines)
-      kinds.append(swatch(hex(tandem.lineColours[kind] || tandem.lineColours.other), text, true));
+      kinds.append(swatch(hex(tandem.lineColours[kind]), text, true));
     if (hasLoads)
       kinds.append(swatch(hex(tandem.loadColour), 'load of the particles, longest ' + tandem.number(mostLoad) + ' N', true));
     legend.append(kinds);
