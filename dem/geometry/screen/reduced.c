@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/screen/screen.h"
 
+#include "dem/geometry/frustum.h"
+
 #include <math.h>
 
 double dem_screen_passage(const dem_screen *s, double radius) {
@@ -30,13 +32,7 @@ static double column_gap(const dem_screen *s, tdm_vec3 x, double a, tdm_vec3 *in
 }
 
 double dem_screen_reduced_gap(const dem_screen *s, tdm_vec3 x, double radius, tdm_vec3 *normal) {
-  double rho = hypot(x.x, x.y), beside = rho - fmax(s->inner, fmin(rho, s->radius)), from = hypot(beside, x.z);
-  *normal = tdm_v3(0, 0, 1);
-  if (from > 0) {
-    double out = rho > 0 ? beside / (rho * from) : 0;
-    *normal = tdm_v3(out * x.x, out * x.y, x.z / from);
-  }
-  double passage = dem_screen_passage(s, radius);
+  double from = dem_ring_gap(s->inner, s->radius, x, normal), passage = dem_screen_passage(s, radius);
   if (!(passage > 0))
     return from;
   tdm_vec3 into;

@@ -131,26 +131,12 @@ static void draw_bar(const dem_wall *wall, const dem_wall_view *view, int part, 
     draw_face(wall, view, &edge[k], k == 0 ? part : -1, all, err);
 }
 
-/* a net that is too fine for polygons: a ring */
-static void draw_ring(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
-  enum { SECTORS = 72 };
-  const dem_screen *s = wall->data;
-  tdm_vec3 edge[2][2];
-  for (int k = 0; k < SECTORS; k++) {
-    for (int e = 0; e < 2; e++) {
-      double angle = 2 * M_PI * (k + e) / SECTORS;
-      edge[e][0] = tdm_v3(s->inner * cos(angle), s->inner * sin(angle), 0);
-      edge[e][1] = tdm_v3(s->radius * cos(angle), s->radius * sin(angle), 0);
-    }
-    draw_face(wall, view, edge, -1, all, err);
-  }
-}
-
 static void draw_screen(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
   const dem_screen *s = wall->data;
   const int parts = dem_screen_parts(s);
   if (parts * (s->thickness > 0 ? 4 : 1) > POLYGONS_MAX) {
-    draw_ring(wall, view, all, err);
+    /* a net that is too fine for polygons */
+    dem_wall_draw_ring(wall, view, s->inner, s->radius, s->thickness > 0, all, err);
     return;
   }
   for (int part = 0; part < parts && err->status == TDM_OK; part++)

@@ -1,11 +1,15 @@
 /* Cylinders and cones. Their walls are of three surfaces: a cylinder without ends is solid behind its surface; a piece
  * of a cylinder or a cone is a thin shell when the particles are inside, so they can leave by its ends and meet it from
- * behind, and a solid with flat ends when they are outside. Distances: frustum.h. */
+ * behind, and a solid with flat ends when they are outside. With windows it is a thin shell always. Distances:
+ * frustum.h, windows.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/geometry/frustum.h"
 #include "dem/geometry/shape/plane.h"
+#include "dem/geometry/windows.h"
 
-static const dem_shape solid_frustum;
+#include <stdlib.h>
+
+static const dem_shape solid_frustum, with_windows;
 
 /* ---- reading ---- */
 
@@ -16,6 +20,33 @@ static tdm_quat turn_to(tdm_vec3 axis) {
   if (sine == 0)
     return a.z < 0 ? (tdm_quat){0, 1, 0, 0} : tdm_quat_identity();
   return tdm_quat_from_rotvec(tdm_scale(atan2(sine, a.z) / sine, turn));
+}
+
+/* the rotation that turns z into `axis` and x into the projection of the body's x across it, of its y where the axis is
+ * along x: angles of windows count from there */
+static tdm_quat turn_from_x(tdm_vec3 axis) {
+  tdm_vec3 a = tdm_unit(axis), x = tdm_axpy(-a.x, a, tdm_v3(1, 0, 0));
+  x = tdm_unit(tdm_norm(x) > 1e-6 ? x : tdm_axpy(-a.y, a, tdm_v3(0, 1, 0)));
+  tdm_vec3 y = tdm_cross(a, x);
+  return tdm_quat_from_matrix((tdm_mat3){{{x.x, y.x, a.x}, {x.y, y.y, a.y}, {x.z, y.z, a.z}}});
+}
+
+/* "windows": the wall takes them */
+static void read_windows(tdm_object *o, tdm_vec3 axis, bool endless, dem_wall *wall) {
+  if (!tdm_has(o, "windows"))
+    return;
+  if (!wall->inside)
+    tdm_object_fail(o, "windows",
+                    "are in walls seen from inside; give \"side\": \"inside\": a wall with windows is "
+                    "felt from outside too");
+  else if (endless)
+    tdm_object_fail(o, "windows", "are in walls that end; give \"length\" too");
+  wall->data = dem_windows_read(o, wall->length);
+  if (!wall->data)
+    return;
+  wall->turn = turn_from_x(axis);
+  wall->shape = &with_windows;
+  wall->endless = false;
 }
 
 /* a flat end: a plane that looks along `out` times the axis, seen from inside */
@@ -44,6 +75,7 @@ static void read_round(tdm_object *o, dem_wall wall, bool endless, dem_wall_list
   bool whole = endless || (cylinder && ends);
   wall.shape = whole ? &dem_shape_cylinder : wall.inside ? &dem_shape_cone : &solid_frustum;
   wall.endless = whole && wall.inside;
+  read_windows(o, axis, endless, &wall);
   dem_walls_append(list, wall, o->err);
   if (ends) {
     append_end(list, &wall, 0, -1, o->err);
@@ -101,20 +133,28 @@ static double belt_speed_of_piece(const dem_wall *wall) {
   return fastest;
 }
 
+/* A panel of the curved surface, between two angles and two heights at which it has these radii. */
+static void draw_panel(const dem_wall *wall, const dem_wall_view *view, const double angle[2], const double height[2],
+                       const double radius[2], dem_polygons *all, tdm_error *err) {
+  dem_polygon p = {.body = wall->body, .solid = wall->shape == &solid_frustum, .ncorner = 4};
+  for (int k = 0; k < 4; k++) {
+    double a = angle[k == 1 || k == 2], r = radius[k / 2];
+    p.corner[k] = dem_wall_world(view->place, tdm_v3(r * cos(a), r * sin(a), height[k / 2]));
+  }
+  dem_polygons_add(all, &p, err);
+}
+
+enum { SIDES = 60 };
+
+static double side_angle(int k) {
+  return 2 * M_PI * k / SIDES;
+}
+
 /* the curved surface between z = low and z = high */
 static void draw_round(const dem_wall *wall, const dem_wall_view *view, double low, double high, dem_polygons *all,
                        tdm_error *err) {
-  enum { SIDES = 60 };
-  for (int k = 0; k < SIDES && err->status == TDM_OK; k++) {
-    double a = 2 * M_PI * k / SIDES, b = 2 * M_PI * (k + 1) / SIDES;
-    const double r[2] = {wall->radius[0], wall->radius[1]};
-    dem_polygon p = {.body = wall->body, .solid = wall->shape == &solid_frustum, .ncorner = 4};
-    p.corner[0] = dem_wall_world(view->place, tdm_v3(r[0] * cos(a), r[0] * sin(a), low));
-    p.corner[1] = dem_wall_world(view->place, tdm_v3(r[0] * cos(b), r[0] * sin(b), low));
-    p.corner[2] = dem_wall_world(view->place, tdm_v3(r[1] * cos(b), r[1] * sin(b), high));
-    p.corner[3] = dem_wall_world(view->place, tdm_v3(r[1] * cos(a), r[1] * sin(a), high));
-    dem_polygons_add(all, &p, err);
-  }
+  for (int k = 0; k < SIDES && err->status == TDM_OK; k++)
+    draw_panel(wall, view, (double[]){side_angle(k), side_angle(k + 1)}, (double[]){low, high}, wall->radius, all, err);
 }
 
 static void draw_piece(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
@@ -184,4 +224,58 @@ static const dem_shape solid_frustum = {
     .extent = extent_of_piece,
     .belt_speed = belt_speed_of_piece,
     .polygons = draw_piece,
+};
+
+/* ---- with windows ---- */
+
+static double gap_of_rest(const dem_wall *wall, tdm_vec3 x, tdm_vec3 *normal) {
+  return dem_windows_gap(wall->data, wall->radius, wall->length, x, normal);
+}
+
+static unsigned long long hash_of_windows(const dem_wall *wall) {
+  return dem_windows_hash(wall->data);
+}
+
+static int by_number(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* the angles at which panels end, ascending: those of a wall without windows, and where windows begin and end; their
+ * number */
+static int cuts_of(const dem_windows *windows, double cut[SIDES + 1 + 2 * DEM_WINDOWS_MAX]) {
+  int n = 0;
+  for (int k = 0; k <= SIDES; k++)
+    cut[n++] = side_angle(k);
+  for (int k = 0; k < windows->count; k++)
+    for (int e = 0; e < 2; e++) {
+      double a = fmod(windows->window[k].angle + e * windows->window[k].width, 2 * M_PI);
+      cut[n++] = a < 0 ? a + 2 * M_PI : a;
+    }
+  qsort(cut, (size_t)n, sizeof *cut, by_number);
+  return n;
+}
+
+static void draw_rest(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
+  double cut[SIDES + 1 + 2 * DEM_WINDOWS_MAX], rise = (wall->radius[1] - wall->radius[0]) / wall->length;
+  const int n = cuts_of(wall->data, cut);
+  for (int k = 0; k + 1 < n && err->status == TDM_OK; k++) {
+    double height[2] = {0, 0};
+    for (; cut[k] < cut[k + 1] &&
+           dem_windows_piece(wall->data, wall->length, 0.5 * (cut[k] + cut[k + 1]), &height[0], &height[1]);
+         height[0] = height[1])
+      draw_panel(wall, view, &cut[k], height,
+                 (double[]){wall->radius[0] + rise * height[0], wall->radius[0] + rise * height[1]}, all, err);
+  }
+}
+
+static const dem_shape with_windows = {
+    .number = 11,
+    .gap = gap_of_rest,
+    .box = box_of_piece,
+    .extent = extent_of_piece,
+    .belt_speed = belt_speed_of_piece,
+    .polygons = draw_rest,
+    .hash = hash_of_windows,
+    .destroy = free,
 };

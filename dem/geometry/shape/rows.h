@@ -11,6 +11,7 @@
   X(cylinder)             \
   X(cone)                 \
   X(sphere)               \
+  X(disc)                 \
   X(mesh)                 \
   X(screen)               \
   X(moldyn)

@@ -86,3 +86,16 @@ void dem_wall_bounds(const dem_wall *wall, const tdm_pose *pose, dem_bounds *bou
     dem_bounds_add_box(bounds, frame, tdm_scale(0.5, tdm_sub(high, low)));
   }
 }
+
+void dem_wall_draw_ring(const dem_wall *wall, const dem_wall_view *view, double inner, double outer, bool solid,
+                        dem_polygons *all, tdm_error *err) {
+  enum { SECTORS = 72 };
+  for (int k = 0; k < SECTORS && err->status == TDM_OK; k++) {
+    dem_polygon p = {.body = wall->body, .solid = solid, .part = -1, .ncorner = 4};
+    for (int c = 0; c < 4; c++) {
+      double angle = 2 * M_PI * (k + c / 2) / SECTORS, r = c == 0 || c == 3 ? inner : outer;
+      p.corner[c] = dem_wall_world(view->place, tdm_v3(r * cos(angle), r * sin(angle), 0));
+    }
+    dem_polygons_add(all, &p, err);
+  }
+}

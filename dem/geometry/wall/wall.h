@@ -32,7 +32,8 @@ typedef struct {
   tdm_quat turn;     /* the wall's own axes to body axes; all zeros: none */
   tdm_vec3 normal;   /* plane: unit, towards the particles; body axes */
   tdm_vec3 half;     /* box: half edge lengths [m] */
-  double radius[2];  /* cylinder, cone: at z = 0 and at z = length of its own axes; ball: both [m] */
+  double radius[2];  /* cylinder, cone: at z = 0 and at z = length of its own axes; ball: both;
+                        disc: inner and outer [m] */
   double length;     /* of a piece [m] */
   bool inside;       /* the particles are inside */
   bool endless;      /* solid all the way behind its surface: it acts to a depth of one radius, and a particle that is
@@ -210,6 +211,10 @@ bool dem_wall_extent(const dem_wall *wall, const dem_wall_place *place, tdm_vec3
 
 /* Take the wall of a body at `pose` into the bounds of a picture, if it has a size. */
 void dem_wall_bounds(const dem_wall *wall, const tdm_pose *pose, dem_bounds *bounds);
+
+/* For drawing: a flat ring in the plane z = 0 of the wall's own axes, a face of a solid body or not. */
+void dem_wall_draw_ring(const dem_wall *wall, const dem_wall_view *view, double inner, double outer, bool solid,
+                        dem_polygons *all, tdm_error *err);
 
 /* ---- inline ---- */
 
