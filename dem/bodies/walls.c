@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/walls.h"
 
+#include "dem/bodies/zone.h"
 #include "dem/contact/law/theory.h"
 #include "dem/state/wall_gap.h"
 
@@ -82,7 +83,7 @@ long dem_count_lost(const dem_data *d) {
   return lost;
 }
 
-/* The lowest place of walls and box sinks along `up`; -INFINITY: a wall without end or a sink catches what falls. */
+/* The lowest place of walls and sinks along `up`; -INFINITY: a wall without end or a sink catches what falls. */
 static double lowest(const dem_data *d, tdm_vec3 up) {
   const dem_model *m = d->model;
   const double level = 1e-9; /* of a normal's part along `up`: a plane that stands upright catches nothing */
@@ -96,12 +97,8 @@ static double lowest(const dem_data *d, tdm_vec3 up) {
       return -INFINITY;
   }
   for (int k = 0; k < m->nsink; k++) {
-    const dem_sink *s = &m->sink[k];
-    if (s->type == DEM_SINK_PLANE && tdm_dot(s->normal, up) > level)
-      return -INFINITY;
-    for (int corner = 0; corner < 8 && s->type == DEM_SINK_BOX; corner++)
-      least = fmin(least, tdm_dot(up, tdm_v3(corner & 1 ? s->low.x : s->high.x, corner & 2 ? s->low.y : s->high.y,
-                                             corner & 4 ? s->low.z : s->high.z)));
+    const dem_zone zone = dem_zone_now(d, k);
+    least = fmin(least, dem_zone_lowest(&zone, up));
   }
   return least;
 }

@@ -25,7 +25,7 @@ void dem_set_body_mobility(dem_data *data, int coupled, const double Y[36]);
 /* Particles that are behind a plane that they began in front of: they went through it and feel it no more. */
 long dem_count_lost(const dem_data *data);
 
-/* Particles that nothing will stop any more: below every wall and box sink by more than a diameter, along gravity. They
+/* Particles that nothing will stop any more: below every wall and sink by more than a diameter, along gravity. They
  * went through a hole or over an edge. `first` becomes the index of one of them. 0 without gravity, without walls,
  * where gravity's direction repeats, and for what a plane, an endless cylinder or a sink's plane is still to catch. */
 long dem_count_fallen(const dem_data *data, int *first);

@@ -3,6 +3,7 @@
 #include "dem/flow/flow.h"
 
 #include "dem/bodies/walls.h"
+#include "dem/bodies/zone.h"
 #include "dem/flow/free_space.h"
 #include "dem/particles/particles.h"
 #include "dem/state/wall_gap.h"
@@ -165,14 +166,6 @@ static bool touches(const dem_data *d, int i, int w) {
   return dem_touches_at(d, w, d->state.sphere[i].position, d->state.sphere[i].radius);
 }
 
-/* is particle i inside sink s by its place alone? */
-static bool inside(const dem_sink *s, tdm_vec3 x) {
-  if (s->type == DEM_SINK_PLANE)
-    return tdm_dot(tdm_sub(x, s->point), s->normal) < 0;
-  return s->type == DEM_SINK_BOX && x.x >= s->low.x && x.x <= s->high.x && x.y >= s->low.y && x.y <= s->high.y &&
-         x.z >= s->low.z && x.z <= s->high.z;
-}
-
 /* Has particle i rebounded from the body of sink s? One that went through a wall has not: it is lost. */
 static bool rebounded(dem_data *d, int s, int i) {
   const dem_model *m = d->model;
@@ -192,12 +185,12 @@ static bool rebounded(dem_data *d, int s, int i) {
 }
 
 /* the sink that takes particle i, -1: none */
-static int taker(dem_data *d, int i) {
+static int taker(dem_data *d, const dem_zone *zone, int i) {
   const dem_model *m = d->model;
   int first = -1;
   for (int s = 0; s < m->nsink; s++) { /* all of them, so that each notes its contacts */
     bool takes = m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i)
-                                                           : inside(&m->sink[s], d->state.sphere[i].position);
+                                                           : dem_zone_inside(&zone[s], d->state.sphere[i].position);
     if (takes && first < 0)
       first = s;
   }
@@ -218,9 +211,12 @@ static void count_out(dem_data *d, int s, int i) {
 
 static void run_sinks(dem_data *d) {
   int *gone = d->work.number; /* scratch */
+  dem_zone zone[DEM_SINKS_MAX];
   long many = 0;
+  for (int s = 0; s < d->model->nsink; s++)
+    zone[s] = dem_zone_now(d, s);
   for (int i = 0; i < d->state.nparticle; i++) {
-    gone[i] = taker(d, i);
+    gone[i] = taker(d, zone, i);
     if (gone[i] < 0)
       continue;
     count_out(d, gone[i], i);

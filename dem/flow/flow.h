@@ -7,8 +7,8 @@
  * Radius and place are drawn from the seed, the particle's number and the try alone, so a copy of the data needs no
  * generator.
  *
- * A sink takes a particle at a step boundary: when its centre is in a box or behind a plane (world axes), or when it
- * does not touch a body any more that it has touched. The first sink that wants a particle gets it.
+ * A sink takes a particle at a step boundary: when its centre is in the sink's zone (bodies/zone.h), or when it does
+ * not touch a body any more that it has touched. The first sink that wants a particle gets it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FLOW_FLOW_H

@@ -239,10 +239,15 @@
 #define DEM_SINK_FIELDS(H, F) \
   H(type, NUMBER, RUN)        \
   H(body, NUMBER, RUN)        \
+  H(frame, NUMBER, RUN)       \
   H(low, BYTES, RUN)          \
   H(high, BYTES, RUN)         \
   H(point, BYTES, RUN)        \
   H(normal, BYTES, RUN)       \
+  H(across, BYTES, RUN)       \
+  H(radius, BYTES, RUN)       \
+  H(angle, BYTES, RUN)        \
+  H(height, BYTES, RUN)       \
   H(nedge, NUMBER, RUN)       \
   H(edge, BYTES, RUN)         \
   F(name, "known by its number")

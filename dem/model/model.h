@@ -91,7 +91,7 @@ typedef struct {
 } dem_source;
 
 /* Takes particles away during the run (flow.h). */
-typedef enum { DEM_SINK_AFTER_CONTACT, DEM_SINK_BOX, DEM_SINK_PLANE } dem_sink_type;
+typedef enum { DEM_SINK_AFTER_CONTACT, DEM_SINK_BOX, DEM_SINK_PLANE, DEM_SINK_SECTOR } dem_sink_type;
 
 enum {
   DEM_SINKS_MAX = 32, /* one bit each in dem_state.touched */
@@ -101,11 +101,14 @@ enum {
 typedef struct {
   char *name;
   dem_sink_type type;
-  int body;                   /* after_contact */
-  tdm_vec3 low, high;         /* box: world [m] */
-  tdm_vec3 point, normal;     /* plane: takes what is behind it; world */
-  int nedge;                  /* 0: no classes, else nedge + 1 of them */
-  double edge[DEM_EDGES_MAX]; /* (nedge) ascending radii [m]: class k has edge[k-1] <= r < edge[k] */
+  int body;               /* after_contact */
+  int frame;              /* body in whose axes, from its centre of mass, the place is given; -1: world */
+  tdm_vec3 low, high;     /* box [m] */
+  tdm_vec3 point, normal; /* plane: takes what is behind it; sector: middle of the ring, its axis */
+  tdm_vec3 across;        /* sector: direction of angle 0, unit, across the axis */
+  double radius[2], angle[2], height[2]; /* sector: from and to [m], [rad], [m] along the axis from the point */
+  int nedge;                             /* 0: no classes, else nedge + 1 of them */
+  double edge[DEM_EDGES_MAX];            /* (nedge) ascending radii [m]: class k has edge[k-1] <= r < edge[k] */
 } dem_sink;
 
 /* Size classes that a sink counts by. */

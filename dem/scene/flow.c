@@ -3,6 +3,7 @@
 #include "dem/base/sphere.h"
 #include "dem/scene/keys.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,8 +165,43 @@ static void read_classes(tdm_object *o, dem_sink *s) {
   }
 }
 
+/* a direction of a sink's place, made a unit vector; `what` it is for */
+static tdm_vec3 read_direction(tdm_object *o, const char *key, const tdm_vec3 *fallback, const char *what) {
+  const tdm_vec3 v = dem_read_vector(o, key, fallback);
+  if (!o->err->status && tdm_norm(v) < 1e-9)
+    tdm_object_fail(o, key, "is the zero vector; give the direction %s", what);
+  return tdm_unit(v);
+}
+
+/* [from, to] with from < to, by at most `widest` */
+static void read_range(tdm_object *o, const char *key, double widest, double out[2]) {
+  tdm_get_numbers(o, key, out, 2, true);
+  if (!o->err->status && !(out[1] > out[0]))
+    tdm_object_fail(o, key, "goes from %g to %g; give [from, to] with the smaller first", out[0], out[1]);
+  if (!o->err->status && !(out[1] - out[0] <= widest))
+    tdm_object_fail(o, key, "is wider than a turn: from %g to %g rad; give at most 2 pi", out[0], out[1]);
+}
+
+/* Part of a ring. Angles count from the x axis of the sink's frame, seen along the axis; where the axis is x, from y.
+ */
+static void read_sector(tdm_object *o, dem_sink *s) {
+  s->point = dem_read_vector(o, "point", &(tdm_vec3){0, 0, 0});
+  s->normal = read_direction(o, "axis", &(tdm_vec3){0, 0, 1}, "of the ring's axis");
+  s->across = dem_zero_angle(s->normal);
+  read_range(o, "radii", INFINITY, s->radius);
+  if (!o->err->status && s->radius[0] < 0)
+    tdm_object_fail(o, "radii", "begin at %g m; a radius is not negative", s->radius[0]);
+  read_range(o, "height", INFINITY, s->height);
+  s->angle[0] = -M_PI;
+  s->angle[1] = M_PI;
+  if (tdm_has(o, "angle"))
+    read_range(o, "angle", 2 * M_PI * (1 + 1e-12), s->angle);
+  if (!o->err->status && !(fabs(s->angle[0]) <= 4 * M_PI))
+    tdm_object_fail(o, "angle", "begins at %g rad; give angles between two turns back and two on", s->angle[0]);
+}
+
 static void read_sink(dem_model *m, tdm_object *o) {
-  static const char *const types[] = {"after_contact", "box", "plane"};
+  static const char *const types[] = {"after_contact", "box", "plane", "sector"};
   dem_sink *s = &m->sink[m->nsink];
   s->name = read_name(o);
   int same = -1;
@@ -174,21 +210,23 @@ static void read_sink(dem_model *m, tdm_object *o) {
       same = k;
   m->nsink++;
   refuse_same(o, s->name, same, "dem.sinks");
-  int type = tdm_get_choice(o, "type", types, 3, -1);
+  int type = tdm_get_choice(o, "type", types, 4, -1);
   if (type < 0)
     return;
   s->type = (dem_sink_type)type;
+  s->frame = -1;
   if (s->type == DEM_SINK_AFTER_CONTACT)
     s->body = dem_read_body(m, o, "body");
+  else if (tdm_has(o, "body"))
+    s->frame = dem_read_body(m, o, "body");
   if (s->type == DEM_SINK_BOX)
     read_region(o, &s->low, &s->high);
   if (s->type == DEM_SINK_PLANE) {
     s->point = tdm_get_vec3(o, "point", NULL);
-    s->normal = tdm_get_vec3(o, "normal", NULL);
-    if (!o->err->status && tdm_norm(s->normal) < 1e-9)
-      tdm_object_fail(o, "normal", "is the zero vector; give the direction from the plane towards the side that stays");
-    s->normal = tdm_unit(s->normal);
+    s->normal = read_direction(o, "normal", NULL, "from the plane towards the side that stays");
   }
+  if (s->type == DEM_SINK_SECTOR)
+    read_sector(o, s);
   read_classes(o, s);
   tdm_object_close(o);
 }

@@ -82,3 +82,10 @@ int dem_read_body(const dem_model *m, tdm_object *o, const char *key) {
     dem_fail_unknown_body(m, tdm_path(path, o, key, -1), name, o->err);
   return b < 0 ? 0 : b;
 }
+
+tdm_vec3 dem_zero_angle(tdm_vec3 axis) {
+  tdm_vec3 x = tdm_axpy(-axis.x, axis, tdm_v3(1, 0, 0));
+  if (tdm_norm(x) < 1e-6)
+    x = tdm_axpy(-axis.y, axis, tdm_v3(0, 1, 0));
+  return tdm_unit(x);
+}

