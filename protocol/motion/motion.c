@@ -11,7 +11,9 @@
   X(polynomial)            \
   X(harmonic)              \
   X(table)                 \
-  X(step)
+  X(step)                  \
+  X(triangle)              \
+  X(sum)
 
 #define X(name) extern const tdm_motion_ops tdm_motion_##name;
 TDM_MOTION_LIST(X)
@@ -25,21 +27,25 @@ tdm_status tdm_motion_add(const tdm_motion_ops *ops, tdm_error *err) {
   return tdm_type_add(&tdm_motion_types, ops, err);
 }
 
-void tdm_motion_read(tdm_motion *motion, tdm_object *owner, const char *key) {
-  tdm_object o = tdm_get_object(owner, key, true);
-  const tdm_motion_ops *ops = tdm_get_type(&o, &tdm_motion_types);
-  if (o.err->status)
+void tdm_motion_read_law(tdm_motion *motion, tdm_object *o) {
+  const tdm_motion_ops *ops = tdm_get_type(o, &tdm_motion_types);
+  if (o->err->status)
     return;
   motion->own = calloc(1, ops->size);
   if (!motion->own) {
-    tdm_object_fail(&o, NULL, "no memory for the motion law");
-    o.err->status = TDM_ERR_MEMORY;
+    tdm_object_fail(o, NULL, "no memory for the motion law");
+    o->err->status = TDM_ERR_MEMORY;
     return;
   }
   motion->ops = ops;
   motion->range = (tdm_motion_range){-INFINITY, INFINITY};
-  motion->ops->read(motion->own, &o, &motion->range);
-  tdm_object_close(&o);
+  motion->ops->read(motion->own, o, &motion->range);
+  tdm_object_close(o);
+}
+
+void tdm_motion_read(tdm_motion *motion, tdm_object *owner, const char *key) {
+  tdm_object o = tdm_get_object(owner, key, true);
+  tdm_motion_read_law(motion, &o);
 }
 
 void tdm_motion_clear(tdm_motion *motion) {

@@ -44,6 +44,9 @@ tdm_status tdm_motion_add(const tdm_motion_ops *ops, tdm_error *err);
 /* Read the object `key`, which is there; the caller clears the motion (also after an error). */
 void tdm_motion_read(tdm_motion *motion, tdm_object *o, const char *key);
 
+/* The same of an object that is open, which it closes. */
+void tdm_motion_read_law(tdm_motion *motion, tdm_object *o);
+
 /* Free what it owns; no law is left. */
 void tdm_motion_clear(tdm_motion *motion);
 

@@ -48,6 +48,11 @@ START_TEST(test_laws) {
        1, NAN, NAN},
       {"{'motion':{'type':'table','times':[0,0.25,0.5,0.75,1],'values':[0,1,0,-1,0],'interpolation':'periodic'}}", 0,
        NAN, 0},
+      {"{'motion':{'type':'triangle','rate':-3,'period':1.5,'corner':0.5}}", 0, -3, 0},
+      {"{'motion':{'type':'sum','laws':[{'type':'polynomial','coefficients':[1,-2]},"
+       "{'type':'triangle','amplitude':0.6,'period':1.2,'corner':0.6},{'type':'sum','laws':["
+       "{'type':'harmonic','amplitude':2,'omega':3}]}]}}",
+       1, 5, 0},
   };
   for (size_t i = 0; i < sizeof laws / sizeof laws[0]; i++) {
     tdm_motion m = motion_of(laws[i].text);
@@ -153,6 +158,61 @@ START_TEST(test_law_ends) {
   err.status = TDM_OK;
   ck_assert_int_eq(tdm_motion_check(&m, -1, 2, "p", "m", &err), TDM_ERR_SCENE);
   ck_assert_ptr_nonnull(strstr(err.message, "begins"));
+  tdm_motion_clear(&m);
+}
+END_TEST
+
+/* [A07] Eq. (4.7) with its second branch mended */
+static double printed_triangle(double w, double period, double t) {
+  const double s = t - floor(t / period) * period;
+  return s <= period / 2 ? w * s : w * (period - s);
+}
+
+/* off its corners the triangle is the printed one; at them it is smooth: the acceleration grows from either end with
+ * the square of the distance, at most to 3.75 w/T, and turns the rate; the first one is sharp */
+START_TEST(test_law_triangle) {
+  const double w = 7, P = 0.02, T = 0.002;
+  tdm_motion m = motion_of("{'motion':{'type':'triangle','rate':7,'period':0.02,'corner':0.002}}");
+  tdm_motion same = motion_of("{'motion':{'type':'triangle','amplitude':0.07,'period':0.02,'corner':0.002}}");
+  double most = 0;
+  for (int i = 0; i < 40000; i++) {
+    const double t = i * 0.9737e-5, nearest = round(2 * t / P) * P / 2;
+    const tdm_motion_value x = tdm_motion_at(&m, t);
+    CLOSE(tdm_motion_at(&same, t).value, x.value, 1e-16);
+    most = fmax(most, fabs(x.acceleration));
+    if (fabs(t - nearest) > T / 2 || nearest == 0) {
+      CLOSE(x.value, printed_triangle(w, P, t), 1e-15);
+      CLOSE(fabs(x.rate), w, 0);
+      CLOSE(x.acceleration, 0, 0);
+    } else {
+      CLOSE(x.value, printed_triangle(w, P, t), 0.15626 * w * T);
+    }
+  }
+  CLOSE(most, 3.75 * w / T, 1e-3 * w / T);
+  for (int k = 1; k < 5; k++) {
+    const double corner = k * P / 2, turn = k % 2 ? -1 : 1, near = 0.5 * T * (1 - 2e-4);
+    CLOSE(tdm_motion_at(&m, corner).rate, 0, 1e-12);
+    CLOSE(tdm_motion_at(&m, corner).value, (k % 2 ? w * P / 2 : 0) + turn * 0.15625 * w * T, 1e-15);
+    for (int side = -1; side <= 1; side += 2)
+      CLOSE(tdm_motion_at(&m, corner + side * near).acceleration, turn * 60 * w / T * 1e-8, 1e-9 * w / T);
+  }
+  CLOSE(tdm_motion_at(&m, -0.3).value, -0.3 * w, 0);
+  tdm_motion_clear(&m);
+  tdm_motion_clear(&same);
+}
+END_TEST
+
+/* a sum has values where all its laws have them */
+START_TEST(test_law_sum) {
+  tdm_error err = {0};
+  tdm_motion m = motion_of("{'motion':{'type':'sum','laws':[{'type':'table','times':[-1,2],'values':[0,1]},"
+                           "{'type':'table','times':[0,3],'values':[0,1]},{'type':'constant','value':1}]}}");
+  ck_assert_int_eq(tdm_motion_check(&m, 0, 2, "p", "m", &err), TDM_OK);
+  CLOSE(tdm_motion_at(&m, 1.5).value, 2.5 / 3 + 0.5 + 1, 1e-15);
+  CLOSE(tdm_motion_at(&m, 1.5).rate, 2.0 / 3, 1e-15);
+  ck_assert_int_eq(tdm_motion_check(&m, 0, 2.1, "p", "m", &err), TDM_ERR_SCENE);
+  err.status = TDM_OK;
+  ck_assert_int_eq(tdm_motion_check(&m, -0.1, 2, "p", "m", &err), TDM_ERR_SCENE);
   tdm_motion_clear(&m);
 }
 END_TEST
@@ -434,5 +494,6 @@ START_TEST(test_start_velocities) {
 }
 END_TEST
 
-TEST_MAIN("mbd driver", test_law, test_laws, test_law_between, test_law_ends, test_law_file, test_step_start,
-          test_smooth_start, test_long_windows, test_load, test_rotors, test_work, test_start_velocities)
+TEST_MAIN("mbd driver", test_law, test_laws, test_law_between, test_law_ends, test_law_triangle, test_law_sum,
+          test_law_file, test_step_start, test_smooth_start, test_long_windows, test_load, test_rotors, test_work,
+          test_start_velocities)

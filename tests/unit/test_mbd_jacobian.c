@@ -67,6 +67,9 @@ static const char *const scenes[] = {
     DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]", "'type':'step','to':2,'rise':0.7"),
     DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
            "'type':'table','times':[0,0.2,0.4,1],'values':[0,0.1,0.3,-0.2]"),
+    DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
+           "'type':'sum','laws':[{'type':'constant_rate','rate':-3,'start':'step'},"
+           "{'type':'triangle','rate':4,'period':0.6,'corner':0.2}]"),
     "{" BODIES ",'joints':[{'name':'j','type':'cylindrical','bodies':['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]}],"
     "'drivers':[{'name':'d','type':'linear_motor','joint':'j','motion':{'type':'constant_rate','rate':2,'start':'step'}"
     "},"

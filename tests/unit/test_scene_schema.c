@@ -40,8 +40,20 @@ static void enter_keys(json_t *node, const char *path, const char *place) {
   }
 }
 
+/* Does a path lead through the same list twice? So it does in a definition that holds itself. */
+static bool goes_round(const char *path) {
+  const char *last = strrchr(path, '.');
+  if (!last || !strstr(last, "[]"))
+    return false;
+  char with_dot[512];
+  snprintf(with_dot, sizeof with_dot, "%s.", last);
+  return strstr(path, with_dot) != NULL;
+}
+
 static void enter(json_t *node, const char *path, const char *place) {
   const char *ref = json_string_value(json_object_get(node, "$ref"));
+  if (ref && goes_round(path))
+    return;
   if (ref) {
     place = strrchr(ref, '/') + 1;
     node = json_object_get(json_object_get(schema, "definitions"), place);

@@ -210,8 +210,10 @@ static void add_list(buffer *b, const json_t *node, const char *path) {
   else if (most)
     add(b, "at most %lld ", (long long)json_integer_value(most));
   const json_t *items = resolve(json_object_get(node, "items"));
-  const char *type = string(items, "type");
-  if (json_object_get(items, "properties"))
+  const char *type = string(items, "type"), *name = reference(json_object_get(node, "items"));
+  if (json_object_get(items, "properties") && name && is_shared(name))
+    add(b, "objects: [%s](#%s)", name, name);
+  else if (json_object_get(items, "properties"))
     add(b, "[objects](#"), add_anchor(b, path), add(b, ")");
   else if (type && strcmp(type, "number") == 0)
     add_number(b, items, "numbers");
