@@ -3,6 +3,7 @@
 #include "scenarios/support.h"
 
 #include "coupler/observe/observers.h"
+#include "protocol/parameters/load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +11,7 @@
 
 tdm_status scn_result_read(scn_result *r, const char *dir, tdm_error *err) {
   char file[4352];
-  r->scene = tdm_results_read(dir, "scene.json", err);
+  r->scene = tdm_scene_as_run(tdm_results_read(dir, "scene.json", err));
   r->summary = r->scene ? tdm_results_read(dir, "summary.json", err) : NULL;
   if (!r->summary)
     return err->status;

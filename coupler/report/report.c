@@ -3,6 +3,7 @@
 #include "coupler/report/report.h"
 
 #include "coupler/report/report_page.h"
+#include "protocol/parameters/load.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -143,7 +144,8 @@ tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error 
   if (!r)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   r->dir = dir;
-  r->scene = read_json(r, "scene.json", "no scene");
+  r->written = read_json(r, "scene.json", "no scene");
+  r->scene = tdm_scene_as_run(json_incref(r->written));
   r->summary = read_json(r, "summary.json", "no figures of the run");
   print_remarks(r);
   tdm_error no_scenario = {0};
@@ -160,6 +162,7 @@ tdm_status cpl_report(const char *dir, const cpl_scenario *scenarios, tdm_error 
   cpl_contents_free(&r->contents);
   cpl_comparison_free(&r->comparison);
   json_decref(r->scene);
+  json_decref(r->written);
   json_decref(r->summary);
   free(r);
   return err->status;

@@ -181,6 +181,27 @@ static void write_times(FILE *page, const json_t *wall) {
   fprintf(page, "<tr><td class=\"text\">all</td><td>%.3f</td></tr>\n</table>\n", all);
 }
 
+/* The scene's parameters: name, value, expression. */
+static void write_parameters(FILE *page, const cpl_report_data *r) {
+  const json_t *values = json_object_get(r->summary, "parameters");
+  const json_t *written = json_object_get(r->written, "parameters");
+  const char *name;
+  json_t *value;
+  char text[64];
+  if (json_object_size(values) == 0)
+    return;
+  fputs("<h3>Parameters</h3>\n<table>\n", page);
+  json_object_foreach((json_t *)values, name, value) {
+    const char *expression = json_string_value(json_object_get(written, name));
+    fputs("<tr>", page);
+    cpl_html_cell(page, name);
+    cpl_html_cell(page, tdm_json_text(value, text, sizeof text));
+    cpl_html_cell(page, expression ? expression : "");
+    fputs("</tr>\n", page);
+  }
+  fputs("</table>\n", page);
+}
+
 static void write_run(FILE *page, const cpl_report_data *r) {
   static const char *const counts[] = {"windows", "steps", "particles"};
   char text[64];
@@ -198,6 +219,7 @@ static void write_run(FILE *page, const cpl_report_data *r) {
   write_settings(page, r);
   write_software(page, r);
   fputs("</table>\n", page);
+  write_parameters(page, r);
   if (json_object_get(r->summary, "wall_s"))
     write_times(page, json_object_get(r->summary, "wall_s"));
 }
@@ -400,7 +422,7 @@ static void write_details(FILE *page, const char *name, const json_t *value) {
 }
 
 static void write_figures(FILE *page, const cpl_report_data *r) {
-  static const char *const shown[] = {"settings", "machine", "wall_s", "solvers", NULL};
+  static const char *const shown[] = {"settings", "machine", "wall_s", "solvers", "parameters", NULL};
   const char *key;
   json_t *value;
   if (!r->summary)

@@ -11,7 +11,8 @@ enum { CPL_REPORT_LACKS = 16 };
 
 typedef struct {
   const char *dir;
-  json_t *scene, *summary; /* NULL: not there, or not readable */
+  json_t *scene, *summary; /* NULL: not there, or not readable; the scene as it ran */
+  json_t *written;         /* the scene with its expressions; NULL: as above */
   cpl_contents contents;
   cpl_pictures pictures;
   cpl_comparison comparison;

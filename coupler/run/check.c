@@ -3,6 +3,7 @@
 #include "coupler/run/check.h"
 
 #include "coupler/settings/scheme.h"
+#include "protocol/parameters/load.h"
 #include "protocol/results/print.h"
 
 #include <math.h>
@@ -41,7 +42,8 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
     print_body(&s->body[i], &session->body[i], &session->load[i], i == 0);
 }
 
-void cpl_check_print(const cpl_settings *settings, const cpl_session *session) {
+void cpl_check_print(const tdm_scene *scene, const cpl_settings *settings, const cpl_session *session) {
+  tdm_scene_print_parameters(scene);
   print_coupling(settings, session);
   for (int r = 0; r < CPL_NROLE; r++) {
     const cpl_partner *p = &session->partner[r];

@@ -9,6 +9,7 @@
 #include "coupler/scheme/schemes.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/parameters/load.h"
 #include "protocol/scene/remark.h"
 #include "protocol/version.h"
 
@@ -41,11 +42,9 @@ static const double grace = 3; /* time that solvers get to end after FINISH [s] 
 
 static tdm_status load(run_state *run, tdm_error *err) {
   const cpl_run_options *o = run->options;
-  if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
+  if (tdm_scene_load(&run->scene, o->scene, o->set, err) != TDM_OK)
     return err->status;
-  for (const char *const *set = o->set; set && *set; set++)
-    if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
-      return err->status;
+  tdm_scene_remark_unused(&run->scene);
   if (cpl_settings_read(&run->settings, &run->scene, o->schemes ? o->schemes : cpl_schemes, err) != TDM_OK)
     return err->status;
   if ((!o->out || run->settings.transport == CPL_IPC) && cpl_private_make(&run->own, err) != TDM_OK)
@@ -58,7 +57,7 @@ static tdm_status load(run_state *run, tdm_error *err) {
   if (tdm_results_open(&run->results, &def, err) != TDM_OK)
     return err->status;
   tdm_log_open(run->results.log, "server");
-  return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
+  return tdm_results_json(&run->results, "scene.json", run->scene.written, err);
 }
 
 /* Where the server listens. ipc: a socket in a directory that only this user can enter. */
@@ -121,26 +120,38 @@ static tdm_status start(run_state *run, tdm_error *err) {
   return err->status;
 }
 
-/* Warnings of the solvers: printed, or refused when strict. */
+/* A warning of a solver: printed, or refused when strict. From now on its places are named as the scene was written. */
+static tdm_status heed(run_state *run, json_t *warning, tdm_error *err) {
+  tdm_error place = {0};
+  char quoted[TDM_MESSAGE_MAX];
+  const char *path = json_string_value(json_object_get(warning, "path"));
+  const char *message = json_string_value(json_object_get(warning, "message"));
+  tdm_fail(&place, TDM_ERR_SCENE, path, "%s", message ? message : "a warning without words");
+  tdm_error told = place;
+  tdm_scene_as_written(&run->scene, &place);
+  tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
+          tdm_log_quote(quoted, sizeof quoted, place.message));
+  if (run->options->strict)
+    return tdm_fail(err, TDM_ERR_SCENE, told.path, "%s (refused because of --strict)", told.message);
+  tdm_scene_locate(&run->scene, &told);
+  if (!run->options->quiet)
+    fprintf(stderr, "tandem: warning: %s\n", told.message);
+  if (run->scene.kept) {
+    json_object_set_new(warning, "path", json_string(place.path));
+    json_object_set_new(warning, "message", json_string(place.message));
+  }
+  return TDM_OK;
+}
+
 static tdm_status heed_warnings(run_state *run, cpl_run_result *result, tdm_error *err) {
   size_t i;
   json_t *warning;
-  char quoted[TDM_MESSAGE_MAX];
   json_array_foreach(run->session.warnings, i, warning) {
-    tdm_error place = {0};
-    const char *path = json_string_value(json_object_get(warning, "path"));
-    const char *message = json_string_value(json_object_get(warning, "message"));
-    tdm_fail(&place, TDM_ERR_SCENE, path, "%s", message ? message : "a warning without words");
     result->warnings++;
-    tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
-            tdm_log_quote(quoted, sizeof quoted, place.message));
-    if (run->options->strict)
-      return tdm_fail(err, TDM_ERR_SCENE, path, "%s (refused because of --strict)", place.message);
-    tdm_scene_locate(&run->scene, &place);
-    if (!run->options->quiet)
-      fprintf(stderr, "tandem: warning: %s\n", place.message);
+    if (heed(run, warning, err) != TDM_OK)
+      break;
   }
-  return TDM_OK;
+  return err->status;
 }
 
 /* ---- remarks ---- */
@@ -260,6 +271,8 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
                         json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
   if (run->loop.scheme && run->loop.scheme->enter && r->windows > 0)
     run->loop.scheme->enter(&run->loop, json);
+  if (tdm_scene_parameters(&run->scene))
+    json_object_set(json, "parameters", (json_t *)tdm_scene_parameters(&run->scene));
   json_t *solvers = json_object();
   for (int role = 0; role < CPL_NROLE; role++) {
     const cpl_partner *p = &run->session.partner[role];
@@ -269,7 +282,7 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   }
   json_object_set_new(json, "solvers", solvers);
   json_object_set_new(json, "warnings", run->session.warnings ? json_copy(run->session.warnings) : json_array());
-  tdm_remarks_enter(json, remarks);
+  tdm_remarks_enter(json, remarks, &run->scene);
   cpl_observers_enter(&run->observers, json);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
   if (err->status != TDM_OK)
@@ -339,7 +352,7 @@ tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_e
     if (!options->check)
       solve(&run, result, err);
     else if (!options->quiet)
-      cpl_check_print(&run.settings, &run.session);
+      cpl_check_print(&run.scene, &run.settings, &run.session);
   }
   finish(&run, result, begin, err);
   result->thread_hangs = run.thread_hangs;

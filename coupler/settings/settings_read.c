@@ -216,7 +216,8 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, const cpl_
                              tdm_error *err) {
   *s = (cpl_settings){.schemes = schemes};
   tdm_object root = tdm_object_open(scene->root, "", err);
-  tdm_has(&root, "$schema"); /* for editors */
+  tdm_has(&root, "$schema");    /* for editors */
+  tdm_has(&root, "parameters"); /* which expressions have used */
   const json_t *sections = scene->root;
   if (json_object_get(sections, "dem") && !json_object_get(sections, "mbd") && !json_object_get(sections, "coupling"))
     tdm_object_fail(&root, "coupling",

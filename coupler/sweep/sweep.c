@@ -7,6 +7,7 @@
 #include "protocol/app/command_line.h"
 #include "protocol/base/log.h"
 #include "protocol/math/hash.h"
+#include "protocol/parameters/load.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -142,15 +143,13 @@ static tdm_status fill_cell(const cpl_sweep_options *o, int index, cpl_cell *cel
 /* Let a cell take its bed from a file that all cells with the same bed share: its name is the hash of all of the scene
  * that is neither time, coupling nor output. Only tandem's own DEM knows the key. */
 static void share_bed(const cpl_sweep_options *o, cpl_cell *cell) {
-  static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema"};
+  static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema", "parameters"};
   tdm_scene scene = {0};
   tdm_error err = {0};
-  if (tdm_scene_read(&scene, o->scene, &err) == TDM_OK) {
-    for (const char *const *set = cell->set; *set; set++)
-      tdm_scene_set(&scene, *set, &err);
+  if (tdm_scene_load(&scene, o->scene, cell->set, &err) == TDM_OK) {
     bool ours = tdm_scene_value(scene.root, "dem.settle") && !tdm_scene_value(scene.root, "dem.settle.store") &&
                 !tdm_scene_value(scene.root, "coupling.solvers.dem");
-    for (int i = 0; i < 6; i++)
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
       json_object_del(scene.root, others[i]);
     char *text = ours ? json_dumps(scene.root, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     if (text && asprintf(&cell->assignment[o->naxis], "dem.settle.store=%s/bed_%016llx", o->out,
@@ -214,11 +213,9 @@ static json_t *earlier_row(const cpl_sweep_options *o, const cpl_cell *cell) {
   json_t *row = NULL;
   snprintf(file, sizeof file, "%s/scene.json", cell->dir);
   json_t *before = json_load_file(file, 0, NULL);
-  if (before && tdm_scene_read(&scene, o->scene, &err) == TDM_OK) {
-    for (const char *const *set = cell->set; *set; set++)
-      tdm_scene_set(&scene, *set, &err);
+  if (before && tdm_scene_load(&scene, o->scene, cell->set, &err) == TDM_OK) {
     row_file(cell, file, sizeof file);
-    if (json_equal(before, scene.root))
+    if (json_equal(before, scene.written))
       row = json_load_file(file, 0, NULL);
     const char *status = json_string_value(json_object_get(row, "status"));
     if (row && (!is_row(row) || strcmp(status, "failed") == 0)) { /* what failed is tried again */
@@ -302,6 +299,17 @@ static void run_cells(const cpl_sweep_options *o, cpl_cell *cell, int ncell) {
 
 /* ---- the sweep ---- */
 
+/* A slip in the name of a parameter is wrong in every cell: say so before the first. */
+static tdm_status check_parameters(const cpl_sweep_options *o, tdm_scene *scene, tdm_error *err) {
+  char assignment[TDM_PATH_MAX + 4];
+  for (int a = 0; a < o->naxis && err->status == TDM_OK; a++) {
+    snprintf(assignment, sizeof assignment, "%s=0", o->axis[a].path);
+    if (strncmp(assignment, "parameters.", 11) == 0)
+      tdm_scene_set(scene, assignment, err);
+  }
+  return err->status;
+}
+
 static tdm_status prepare(const cpl_sweep_options *o, cpl_cell *cell, int ncell, tdm_error *err) {
   tdm_scene scene = {0};
   char dir[4200];
@@ -309,6 +317,8 @@ static tdm_status prepare(const cpl_sweep_options *o, cpl_cell *cell, int ncell,
   if (tdm_scene_read(&scene, o->scene, err) == TDM_OK)
     cpl_scenario_of(o->scenarios, scene.root, err);
   tdm_scene_locate(&scene, err);
+  if (err->status == TDM_OK)
+    check_parameters(o, &scene, err);
   if (err->status == TDM_OK && tdm_make_directory(dir, err) == TDM_OK)
     for (int i = 0; i < ncell && fill_cell(o, i, &cell[i], err) == TDM_OK; i++) {
       share_bed(o, &cell[i]);

@@ -5,6 +5,7 @@
 
 #include "coupler/verify/table.h"
 #include "protocol/base/log.h"
+#include "protocol/parameters/load.h"
 #include "protocol/results/results.h"
 #include "protocol/scene/json.h"
 
@@ -17,16 +18,14 @@ static const double load_span = 0.02; /* [s] of the means of F_20ms */
 /* The scene of a cell as it runs (the caller destroys it), and the scenario that it names. */
 static const cpl_scenario *cell_scene(const cpl_sweep_options *o, const cpl_cell *cell, tdm_scene *scene) {
   tdm_error err = {0};
-  if (tdm_scene_read(scene, o->scene, &err) != TDM_OK)
-    return NULL;
-  for (const char *const *set = cell->set; *set; set++)
-    tdm_scene_set(scene, *set, &err);
-  return cpl_scenario_of(o->scenarios, scene->root, &err);
+  tdm_scene_load(scene, o->scene, cell->set, &err);
+  tdm_error none = {0};
+  return scene->root ? cpl_scenario_of(o->scenarios, scene->root, &none) : NULL;
 }
 
 /* A copy of the value at a path, null when there is none. */
 static json_t *value_at(const tdm_scene *scene, const char *path) {
-  const json_t *value = tdm_scene_value(scene->root, path);
+  const json_t *value = tdm_scene_value_written_at(scene, path);
   return value ? json_deep_copy(value) : json_null();
 }
 

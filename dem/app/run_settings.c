@@ -34,7 +34,8 @@ static void read_moldyn(dem_run_settings *s, tdm_object *output) {
 tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, tdm_error *err) {
   *s = (dem_run_settings){0};
   tdm_object root = tdm_object_open(scene->root, "", err);
-  tdm_has(&root, "$schema"); /* for editors */
+  tdm_has(&root, "$schema");    /* for editors */
+  tdm_has(&root, "parameters"); /* which expressions have used */
   tdm_get_string(&root, "title", "");
   tdm_standalone_refuse_coupling(&root, "mbd", "particles");
   tdm_check_gravity(&root);

@@ -51,7 +51,8 @@ typedef struct {
 tdm_status mbd_run_settings_read(mbd_run_settings *s, const tdm_scene *scene, tdm_error *err) {
   const double most_rows = 1e9;
   tdm_object root = tdm_object_open(scene->root, "", err);
-  tdm_has(&root, "$schema"); /* for editors */
+  tdm_has(&root, "$schema");    /* for editors */
+  tdm_has(&root, "parameters"); /* which expressions have used */
   tdm_get_string(&root, "title", "");
   tdm_standalone_refuse_coupling(&root, "dem", "bodies");
   tdm_check_gravity(&root);

@@ -5,6 +5,7 @@
 #include "protocol/app/plot.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/parameters/load.h"
 #include "protocol/results/print.h"
 #include "protocol/version.h"
 
@@ -25,11 +26,9 @@ static tdm_status read_scene(tdm_standalone *run, tdm_error *err) {
   const tdm_standalone_options *o = run->options;
   run->teller = (tdm_teller){.program = run->program->name, .scene = &run->scene};
   tdm_remarks_open(&run->remarks);
-  if (tdm_scene_read(&run->scene, o->scene, err) != TDM_OK)
+  if (tdm_scene_load(&run->scene, o->scene, o->set, err) != TDM_OK)
     return err->status;
-  for (const char *const *set = o->set; set && *set; set++)
-    if (tdm_scene_set(&run->scene, *set, err) != TDM_OK)
-      return err->status;
+  tdm_scene_remark_unused(&run->scene);
   return TDM_OK;
 }
 
@@ -44,7 +43,7 @@ static tdm_status open_results(tdm_standalone *run, tdm_error *err) {
   if (tdm_results_open(&run->results, &def, err) != TDM_OK)
     return err->status;
   tdm_log_open(run->results.log, role);
-  return tdm_results_json(&run->results, "scene.json", run->scene.root, err);
+  return tdm_results_json(&run->results, "scene.json", run->scene.written, err);
 }
 
 void tdm_standalone_refuse_coupling(tdm_object *root, const char *other, const char *what) {
@@ -76,13 +75,15 @@ static tdm_status heed(tdm_standalone *run, const tdm_warning *w, tdm_error *err
   char quoted[TDM_MESSAGE_MAX];
   tdm_error place = {0};
   tdm_fail(&place, TDM_ERR_SCENE, w->path, "%s", w->message);
+  tdm_error told = place;
+  tdm_scene_as_written(&run->scene, &place);
   json_array_append_new(run->warnings, json_pack("{s:s, s:s}", "path", place.path, "message", place.message));
   tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", place.path,
           tdm_log_quote(quoted, sizeof quoted, place.message));
   if (run->options->strict)
     return tdm_fail(err, TDM_ERR_SCENE, w->path, "%s (refused because of --strict)", w->message);
-  tdm_scene_locate(&run->scene, &place);
-  fprintf(stderr, "%s: warning: %s\n", run->program->name, place.message);
+  tdm_scene_locate(&run->scene, &told);
+  fprintf(stderr, "%s: warning: %s\n", run->program->name, told.message);
   return TDM_OK;
 }
 
@@ -274,10 +275,12 @@ json_t *tdm_standalone_summary(tdm_standalone *run, const tdm_error *err) {
   json_t *json = json_pack("{s:s, s:s, s:s, s:{s:s, s:s, s:i}}", "tandem", TDM_VERSION, "software",
                            run->program->ops->software, "scene", name, "machine", "system", machine.sysname,
                            "processor", machine.machine, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN));
+  if (tdm_scene_parameters(&run->scene))
+    json_object_set(json, "parameters", (json_t *)tdm_scene_parameters(&run->scene));
   json_object_set(json, "report", run->figures.report ? run->figures.report : json_null());
   json_object_set_new(json, "warnings", run->warnings ? json_copy(run->warnings) : json_array());
   json_t *remarks = tdm_remarks_to_json(&run->remarks, NULL);
-  tdm_remarks_enter(json, remarks);
+  tdm_remarks_enter(json, remarks, &run->scene);
   tdm_remarks_tell_end(&run->teller, remarks, run->nrow > 0 ? json_array_size(run->warnings) : 0);
   json_decref(remarks);
   json_object_set_new(json, "status", json_string(tdm_status_name(err->status)));
@@ -314,6 +317,7 @@ static void let_go(tdm_standalone *run) {
 /* ---- all of it ---- */
 
 static void print(const tdm_standalone *run) {
+  tdm_scene_print_parameters(&run->scene);
   run->program->print(run);
   tdm_print_json(run->figures.report);
   printf("%d warning%s\n", run->figures.nwarning, run->figures.nwarning == 1 ? "" : "s");

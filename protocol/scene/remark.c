@@ -148,7 +148,18 @@ json_t *tdm_remarks_from_json(const json_t *remarks, const char *from, tdm_error
   return all;
 }
 
-void tdm_remarks_enter(json_t *summary, const json_t *remarks) {
+/* A copy of an entry whose places are named as the scene was written. */
+static json_t *as_written(const json_t *entry, const tdm_scene *scene) {
+  tdm_error place = {0};
+  json_t *copy = json_copy((json_t *)entry);
+  tdm_fail(&place, TDM_ERR_NUMERIC, text_of(entry, "path"), "%s", text_of(entry, "message"));
+  tdm_scene_as_written(scene, &place);
+  json_object_set_new(copy, "path", json_string(place.path));
+  json_object_set_new(copy, "message", json_string(place.message));
+  return copy;
+}
+
+void tdm_remarks_enter(json_t *summary, const json_t *remarks, const tdm_scene *scene) {
   static const char *const lists[] = {"notices", "warnings"};
   for (int level = 0; level < 2; level++) {
     json_t *list = json_object_get(summary, lists[level]);
@@ -159,7 +170,7 @@ void tdm_remarks_enter(json_t *summary, const json_t *remarks) {
     for (size_t i = 0; i < json_array_size(remarks); i++) {
       json_t *entry = json_array_get(remarks, i);
       if (strcmp(text_of(entry, "level"), levels[level]) == 0)
-        json_array_append(list, entry);
+        json_array_append_new(list, scene && scene->kept ? as_written(entry, scene) : json_incref(entry));
     }
   }
 }
@@ -196,7 +207,10 @@ void tdm_remarks_tell(tdm_teller *teller, const json_t *remarks, const char *bef
 static void tell_count(const tdm_teller *teller, const json_t *entry, const char *key) {
   const long long count = json_integer_value(json_object_get(entry, "count"));
   const json_t *first = json_object_get(entry, "first_s"), *last = json_object_get(entry, "last_s");
-  const char *path = text_of(entry, "path");
+  tdm_error place = {0};
+  tdm_fail(&place, TDM_ERR_NUMERIC, text_of(entry, "path"), "first");
+  if (teller->scene)
+    tdm_scene_as_written(teller->scene, &place);
   fprintf(stderr, "%s: %s: %s: ", teller->program, text_of(entry, "level"), key);
   if (count > 1)
     fprintf(stderr, "%lld times", count);
@@ -206,7 +220,7 @@ static void tell_count(const tdm_teller *teller, const json_t *entry, const char
     fprintf(stderr, ", from t = %.6g s to %.6g s", json_number_value(first), json_number_value(last));
   else if (json_is_number(first))
     fprintf(stderr, ", at t = %.6g s", json_number_value(first));
-  fprintf(stderr, *path ? ", first at %s\n" : "\n", path);
+  fprintf(stderr, *place.path ? ", first at %s\n" : "\n", place.path);
 }
 
 void tdm_remarks_tell_end(tdm_teller *teller, const json_t *remarks, size_t doubts) {

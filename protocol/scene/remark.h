@@ -75,8 +75,9 @@ json_t *tdm_remarks_to_json(const tdm_remarks *table, const char *from);
 /* An array that came over the wire, as tdm_remarks_to_json makes it; NULL after an error (TDM_ERR_PROTOCOL). */
 json_t *tdm_remarks_from_json(const json_t *remarks, const char *from, tdm_error *err);
 
-/* Append the array's entries to "warnings" and "notices" of a summary, by their level. */
-void tdm_remarks_enter(json_t *summary, const json_t *remarks);
+/* Append the array's entries to "warnings" and "notices" of a summary, by their level; places are named as `scene`
+ * (borrowed, may be NULL) was written. */
+void tdm_remarks_enter(json_t *summary, const json_t *remarks, const tdm_scene *scene);
 
 /* Keeps track of what a terminal has been told. Zero-initialise. */
 typedef struct {

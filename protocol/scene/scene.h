@@ -31,9 +31,11 @@ extern "C" {
 
 /* A scene file that was read. */
 typedef struct {
-  char *file;   /* its name as given */
-  char *text;   /* its text, for positions */
-  json_t *root; /* the scene with overrides applied */
+  char *file;      /* its name as given */
+  char *text;      /* its text, for positions */
+  json_t *root;    /* the scene with overrides applied; where tandem reads it, with numbers for expressions */
+  json_t *written; /* then: the same with its expressions; else NULL */
+  json_t *kept;    /* path of a list as written -> indices of the entries that `root` has; NULL: all lists are whole */
 } tdm_scene;
 
 /* Read a scene file. Refuses what is not JSON, duplicate keys, and a root that is not an object; the message starts
@@ -42,7 +44,8 @@ typedef struct {
 tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err);
 
 /* Apply one "path=value" ("coupling.n=25", "dem.materials[0].density=1000"): the value is JSON if it parses, else a
- * string. Missing objects on the way are made; an array index must exist or be the next one. */
+ * string. Missing objects on the way are made; an array index must exist or be the next one, a member of "parameters"
+ * must exist. */
 tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *err);
 
 /* The section of a solver ("mbd", "dem") as the solver gets it: with the scene's own "gravity" where the section has
@@ -56,7 +59,15 @@ const json_t *tdm_scene_value(const json_t *root, const char *path);
  * not. Returns false when nothing of the path is found (line and column are 1 then). */
 bool tdm_scene_place(const char *text, const char *path, int *line, int *column);
 
-/* Put "file:line:column: path: " in front of the message of an error that has a path. */
+/* Name places as the scene was written: in the path and the message of an error, indices of lists from which entries
+ * were left out. Once for an error; tdm_scene_locate does it too. */
+void tdm_scene_as_written(const tdm_scene *scene, tdm_error *err);
+
+/* The value in `root` that was written at `path` (borrowed), NULL when there is none. */
+const json_t *tdm_scene_value_written_at(const tdm_scene *scene, const char *path);
+
+/* Put "file:line:column: path: " in front of the message of an error that has a path, and the expression behind it that
+ * gave the value there. */
 void tdm_scene_locate(const tdm_scene *scene, tdm_error *err);
 
 /* Free what a scene holds; *scene is as new. */

@@ -114,6 +114,8 @@ void tdm_scene_destroy(tdm_scene *scene) {
   free(scene->file);
   free(scene->text);
   json_decref(scene->root);
+  json_decref(scene->written);
+  json_decref(scene->kept);
   *scene = (tdm_scene){0};
 }
 
@@ -199,6 +201,34 @@ static tdm_status set_at(json_t *root, const char *path, json_t *value, tdm_erro
   return TDM_OK;
 }
 
+/* A parameter that the scene does not have would change nothing. */
+static tdm_status check_parameter(const json_t *root, const char *path, tdm_error *err) {
+  static const char section[] = "parameters.";
+  const size_t n = sizeof section - 1;
+  json_t *there = json_object_get(root, "parameters");
+  if (strncmp(path, section, n) != 0 || json_object_get(there, path + n))
+    return TDM_OK;
+  const char **names = calloc(json_object_size(there) + 1, sizeof *names), *name;
+  int count = 0;
+  json_t *value;
+  if (!names)
+    return tdm_fail(err, TDM_ERR_MEMORY, path, "--set: out of memory");
+  json_object_foreach(there, name, value) names[count++] = name;
+  const char *near = tdm_nearest(path + n, names, count);
+  tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "--set %s: the scene has no such parameter%s%s%s", path,
+           near        ? "; did you mean \""
+           : count > 0 ? "; it has \""
+                       : "s: it has no section parameters",
+           near        ? near
+           : count > 0 ? names[0]
+                       : "",
+           near        ? "\"?"
+           : count > 0 ? "\" and others"
+                       : "");
+  free(names);
+  return err->status;
+}
+
 tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *err) {
   const char *equals = strchr(assignment, '=');
   size_t n = equals ? (size_t)(equals - assignment) : 0;
@@ -208,6 +238,8 @@ tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *er
                     assignment);
   memcpy(path, assignment, n);
   path[n] = 0;
+  if (check_parameter(scene->root, path, err) != TDM_OK)
+    return err->status;
   json_t *value = json_loads(equals + 1, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
   if (!value)
     value = json_string(equals + 1);
@@ -318,9 +350,79 @@ bool tdm_scene_place(const char *text, const char *path, int *line, int *column)
   return found;
 }
 
+/* ---- places as the scene was written ---- */
+
+/* The index, as written, of entry i of the list at `path` (as written). */
+static long written_index(const json_t *kept, const char *path, long i) {
+  const json_t *index = json_array_get(json_object_get(kept, path), (size_t)i);
+  return index ? (long)json_integer_value(index) : i;
+}
+
+/* Give the indices of all paths in `text` (size bytes) as they were written. */
+static void name_as_written(const json_t *kept, char *text, size_t size) {
+  char out[TDM_MESSAGE_MAX];
+  size_t n = 0, word = 0; /* where the path begins that goes on here */
+  for (const char *c = text; *c && n + 24 < sizeof out;) {
+    char *end = NULL;
+    const long i = *c == '[' && n > word && isdigit((unsigned char)c[1]) ? strtol(c + 1, &end, 10) : 0;
+    out[n] = 0;
+    if (end && *end == ']') {
+      n += (size_t)snprintf(out + n, sizeof out - n, "[%ld]", written_index(kept, out + word, i));
+      c = end + 1;
+      continue;
+    }
+    out[n++] = *c;
+    if (!isalnum((unsigned char)*c) && !strchr("_-.", *c))
+      word = n;
+    c++;
+  }
+  out[n] = 0;
+  snprintf(text, size, "%s", out);
+}
+
+void tdm_scene_as_written(const tdm_scene *scene, tdm_error *err) {
+  if (!scene->kept)
+    return;
+  name_as_written(scene->kept, err->path, sizeof err->path);
+  name_as_written(scene->kept, err->message, sizeof err->message);
+}
+
+const json_t *tdm_scene_value_written_at(const tdm_scene *scene, const char *path) {
+  char key[TDM_PATH_MAX], so_far[TDM_PATH_MAX];
+  const json_t *value = scene->root;
+  for (const char *rest = path; value && *rest;) {
+    long index;
+    snprintf(so_far, sizeof so_far, "%.*s", (int)(rest - path), path);
+    rest = next_part(rest, key, sizeof key, &index);
+    if (!rest)
+      return NULL;
+    const json_t *left = index < 0 ? NULL : json_object_get(scene->kept, so_far);
+    size_t i = (size_t)index;
+    for (size_t k = 0; left && k <= json_array_size(left); k++)
+      if (json_integer_value(json_array_get(left, k)) == index || k == json_array_size(left)) {
+        i = k;
+        break;
+      }
+    value = index < 0 ? json_object_get(value, key) : json_array_get(value, i);
+  }
+  return value;
+}
+
+/* Say which expression gave the value at the error's place. */
+static void add_expression(const tdm_scene *scene, tdm_error *err) {
+  const char *text = json_string_value(tdm_scene_value(scene->written, err->path));
+  if (!text || text[0] != '=' || strncmp(err->path, "parameters.", 11) == 0)
+    return;
+  const size_t n = strlen(err->message);
+  snprintf(err->message + n, sizeof err->message - n, " (the value of \"%.150s\": change it or a parameter%s)", text,
+           strstr(err->message, "must be a whole number") ? ", or take round(), floor() or ceil() of it" : "");
+}
+
 void tdm_scene_locate(const tdm_scene *scene, tdm_error *err) {
   if (err->status == TDM_OK || !err->path[0] || !scene->text)
     return;
+  tdm_scene_as_written(scene, err);
+  add_expression(scene, err);
   int line, column;
   char message[TDM_MESSAGE_MAX];
   tdm_scene_place(scene->text, err->path, &line, &column);

@@ -4,6 +4,7 @@
 
 #include "mbd/mbd.h"
 #include "protocol/base/log.h"
+#include "protocol/parameters/load.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -13,7 +14,9 @@
 
 json_t *scn_motion_section(const char *file, tdm_error *err) {
   tdm_scene scene = {0};
-  json_t *mbd = tdm_scene_read(&scene, file, err) == TDM_OK ? json_incref(json_object_get(scene.root, "mbd")) : NULL;
+  json_t *mbd =
+      tdm_scene_load(&scene, file, NULL, err) == TDM_OK ? json_incref(json_object_get(scene.root, "mbd")) : NULL;
+  tdm_scene_locate(&scene, err);
   tdm_scene_destroy(&scene);
   return mbd;
 }

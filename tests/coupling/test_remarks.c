@@ -45,7 +45,7 @@ START_TEST(from_elsewhere_nothing_steers_the_terminal) {
   json_t *read = tdm_remarks_from_json(foreign, "dem", &err);
   json_t *summary = json_object();
   ck_assert_msg(read != NULL, "%s", err.message);
-  tdm_remarks_enter(summary, read);
+  tdm_remarks_enter(summary, read, NULL);
   ck_assert_uint_eq(json_array_size(json_object_get(summary, "notices")), 0);
   json_t *entry = json_array_get(json_object_get(summary, "warnings"), 0);
   ck_assert_str_eq(json_string_value(json_object_get(entry, "message")), "one two [31m");

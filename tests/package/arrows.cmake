@@ -9,7 +9,7 @@ set(protocol
   "base"
   "math"
   "scene view"
-  "motion results surface wire"
+  "motion parameters results surface wire"
   "app"
   "draw"
   "draw/space"

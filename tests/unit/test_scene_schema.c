@@ -11,7 +11,7 @@
 #include "dem/scene/scene.h"
 #include "mbd/app/run.h"
 #include "mbd/scene/scene.h"
-#include "protocol/scene/scene.h"
+#include "protocol/parameters/load.h"
 #include "tests/test_main.h"
 
 #include <ftw.h>
@@ -169,7 +169,7 @@ static tdm_status read_alone(const tdm_scene *scene, tdm_error *err) {
 static void read_scene(const char *file) {
   tdm_scene scene = {0};
   tdm_error err = {0};
-  tdm_scene_read(&scene, file, &err);
+  tdm_scene_load(&scene, file, NULL, &err);
   ck_assert_msg(err.status == TDM_OK, "%s: %s", file, err.message);
   if (json_object_get(scene.root, "coupling")) {
     cpl_settings settings = {0};
@@ -282,13 +282,20 @@ START_TEST(defaults_are_the_readers) {
 }
 END_TEST
 
+/* of a key, or of the definition that it refers to */
+static const char *text_of(const json_t *node) {
+  const char *own = json_string_value(json_object_get(node, "description"));
+  const char *ref = json_string_value(json_object_get(node, "$ref"));
+  return own || !ref ? own : text_of(json_object_get(json_object_get(schema, "definitions"), strrchr(ref, '/') + 1));
+}
+
 START_TEST(every_key_has_a_text) {
   read_schema();
   int fault = 0;
   const char *key;
   json_t *node;
   json_object_foreach(nodes, key, node) {
-    const char *text = json_string_value(json_object_get(node, "description"));
+    const char *text = text_of(node);
     if (!text || !text[0]) {
       fprintf(stderr, "%s: has no text\n", key);
       fault++;
@@ -306,7 +313,8 @@ static bool has_numbers(const json_t *node) {
     return false;
   if (ref)
     return has_numbers(json_object_get(json_object_get(schema, "definitions"), strrchr(ref, '/') + 1));
-  const char *type = json_string_value(json_object_get(node, "type"));
+  const json_t *types = json_object_get(node, "type"); /* a number or an expression: ["number", "string"] */
+  const char *type = json_string_value(json_is_array(types) ? json_array_get(types, 0) : types);
   if (type)
     return strcmp(type, "number") == 0 || (strcmp(type, "array") == 0 && has_numbers(json_object_get(node, "items")));
   for (size_t k = 0; k < sizeof choices / sizeof *choices; k++) {
@@ -339,5 +347,39 @@ START_TEST(every_number_has_a_unit) {
 }
 END_TEST
 
-TEST_MAIN("scene_schema", what_readers_ask_for_is_in_the_schema, what_is_in_the_schema_is_asked_for,
-          defaults_are_the_readers, every_key_has_a_text, every_number_has_a_unit)
+/* Count the places of the schema that take numbers, and those that take no expression in their stead. */
+static void count_numbers(const json_t *node, const char *path, int *count, int *fault) {
+  const json_t *type = json_object_get(node, "type"), *constant = json_array_get(json_object_get(node, "enum"), 0);
+  const char *pattern = json_string_value(json_object_get(node, "pattern")), *key;
+  const char *first = json_string_value(json_is_array(type) ? json_array_get(type, 0) : type);
+  const bool number = first && (strcmp(first, "number") == 0 || strcmp(first, "integer") == 0);
+  const char *last = json_is_array(type) ? json_string_value(json_array_get(type, json_array_size(type) - 1)) : NULL;
+  size_t i;
+  json_t *value;
+  *count += number;
+  if ((number && !(last && strcmp(last, "string") == 0 && pattern && strcmp(pattern, "^=") == 0)) ||
+      (json_is_number(constant) && !strstr(path, "anyOf"))) {
+    fprintf(stderr, "%s: takes a number, but no expression\n", path);
+    ++*fault;
+  }
+  json_object_foreach((json_t *)node, key, value) {
+    char below[1024];
+    snprintf(below, sizeof below, "%s.%s", path, key);
+    count_numbers(value, below, count, fault);
+  }
+  json_array_foreach(node, i, value) {
+    count_numbers(value, path, count, fault);
+  }
+}
+
+START_TEST(every_number_may_be_an_expression) {
+  read_schema();
+  int count = 0, fault = 0;
+  count_numbers(schema, "", &count, &fault);
+  ck_assert_int_eq(fault, 0);
+  ck_assert_int_gt(count, 50);
+}
+END_TEST
+
+TEST_MAIN("scene_schema", every_number_may_be_an_expression, what_readers_ask_for_is_in_the_schema,
+          what_is_in_the_schema_is_asked_for, defaults_are_the_readers, every_key_has_a_text, every_number_has_a_unit)

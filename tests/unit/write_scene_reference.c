@@ -99,6 +99,19 @@ static const char *string(const json_t *node, const char *key) {
   return json_string_value(json_object_get(node, key));
 }
 
+/* Is a string of this node an expression? Numbers may be such everywhere, which is said once, at the head. */
+static bool takes_expression(const json_t *node) {
+  const char *pattern = string(node, "pattern");
+  return pattern && strcmp(pattern, "^=") == 0;
+}
+
+/* The type of a node, NULL: none, or several. */
+static const char *type_of(const json_t *node) {
+  const json_t *type = json_object_get(node, "type");
+  const bool number = takes_expression(node) && json_array_size(type) == 2;
+  return json_string_value(number ? json_array_get(type, 0) : type);
+}
+
 /* ---- definitions ---- */
 
 /* the name of the definition that a node refers to, NULL: none */
@@ -133,6 +146,8 @@ static int count_references(const json_t *node, const char *name) {
 /* Has a definition a part of its own? Those with a text that are used more than once. */
 static bool is_shared(const char *name) {
   const json_t *definition = json_object_get(json_object_get(schema, "definitions"), name);
+  if (strcmp(name, "condition") == 0)
+    return false; /* `if` */
   return json_object_get(definition, "description") && count_references(schema, name) > 1;
 }
 
@@ -169,6 +184,9 @@ static void add_choices(buffer *b, const json_t *list, const char *path) {
   size_t i;
   json_t *choice;
   json_array_foreach(list, i, choice) {
+    const char *name = reference(choice);
+    if (name && strcmp(name, "expression") == 0)
+      continue; /* said once, at the head */
     add(b, "%s", i ? " or " : "");
     if (json_is_object(choice))
       add_type(b, choice, path);
@@ -210,7 +228,7 @@ static void add_list(buffer *b, const json_t *node, const char *path) {
   else if (most)
     add(b, "at most %lld ", (long long)json_integer_value(most));
   const json_t *items = resolve(json_object_get(node, "items"));
-  const char *type = string(items, "type"), *name = reference(json_object_get(node, "items"));
+  const char *type = type_of(items), *name = reference(json_object_get(node, "items"));
   if (json_object_get(items, "properties") && name && is_shared(name))
     add(b, "objects: [%s](#%s)", name, name);
   else if (json_object_get(items, "properties"))
@@ -237,7 +255,7 @@ static void add_type(buffer *b, const json_t *node, const char *path) {
   }
   node = resolve(node);
   const json_t *type = json_object_get(node, "type");
-  const char *word_of_type = json_string_value(type);
+  const char *word_of_type = type_of(node);
   if (json_object_get(node, "properties"))
     add(b, "[object](#"), add_anchor(b, path), add(b, ")");
   else if (json_object_get(node, "enum"))
@@ -248,9 +266,13 @@ static void add_type(buffer *b, const json_t *node, const char *path) {
     add_choices(b, json_object_get(node, "oneOf"), path);
   else if (json_object_get(node, "anyOf"))
     add_choices(b, json_object_get(node, "anyOf"), path);
-  else if (json_is_array(type))
-    add_choices(b, type, path);
-  else if (!word_of_type)
+  else if (!word_of_type && json_is_array(type)) {
+    json_t *types = json_copy((json_t *)type);
+    if (takes_expression(node))
+      json_array_remove(types, json_array_size(types) - 1); /* "string" */
+    add_choices(b, types, path);
+    json_decref(types);
+  } else if (!word_of_type)
     add(b, "see the text");
   else if (strcmp(word_of_type, "array") == 0)
     add_list(b, node, path);
@@ -326,6 +348,8 @@ static void write_keys(const json_t *object, const char *path, int depth) {
   const char *key;
   json_t *node;
   json_object_foreach((json_t *)properties, key, node) {
+    if (strcmp(key, "if") == 0)
+      continue; /* said once, at the head */
     path_of(below, sizeof below, path, key, node);
     write_key(object, below, key, node);
   }
@@ -367,7 +391,8 @@ static void write_page(void) {
   wrap("", "",
        "A list of objects is named with brackets: `dem.bodies[]` is an entry of `dem.bodies`. Behind a key stand its "
        "unit ([1]: none), what it may be, and its default; keys with neither a default nor **required** may be left "
-       "out, or their text says when they are needed.");
+       "out, or their text says when they are needed. In a list each object may have the key `if`: where it is 0 or "
+       "false the object is left out ([expressions](runs.md#parameters)).");
   fputs("\n## Sections\n\n", page);
   write_keys(schema, "", 3);
   fputs("\n## Shared forms\n", page);

@@ -5,6 +5,7 @@
 #include "protocol/app/command_line.h"
 #include "protocol/draw/color.h"
 #include "protocol/draw/program/painter.h"
+#include "protocol/parameters/load.h"
 #include "protocol/results/mark.h"
 #include "protocol/results/results.h"
 #include "protocol/view/frames.h"
@@ -58,7 +59,7 @@ static tdm_status open_frames(job *j, const char *name, tdm_error *err) {
 /* The scene's own pictures, output.pictures, as a list (new reference); an empty one when there is no scene. */
 static json_t *scene_pictures(const char *dir) {
   tdm_error none = {0};
-  json_t *scene = tdm_results_read(dir, "scene.json", &none), *list = json_array();
+  json_t *scene = tdm_scene_as_run(tdm_results_read(dir, "scene.json", &none)), *list = json_array();
   json_t *own = json_object_get(json_object_get(scene, "output"), "pictures");
   if (json_is_array(own))
     json_array_extend(list, own);
