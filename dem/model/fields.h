@@ -233,6 +233,7 @@
   H(mean, NUMBER, RUN)         \
   H(deviation, NUMBER, RUN)    \
   H(nradius, NUMBER, RUN)      \
+  H(total, NUMBER, RUN)        \
   H(radius, BYTES, RUN)        \
   H(upto, BYTES, RUN)
 

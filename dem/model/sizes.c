@@ -5,6 +5,7 @@
 #include "protocol/math/random.h"
 
 #include <gsl/gsl_cdf.h>
+#include <string.h>
 
 /* one row a distribution: its name, read by read_<name>, inverted by quantile_<name> */
 #define DISTRIBUTION_LIST(X) \
@@ -78,20 +79,48 @@ static void read_numbers(tdm_object *o, const char *key, double *out, int n, boo
   }
 }
 
-static void read_list(tdm_object *o, dem_sizes *s) {
-  static const char *const by[] = {"number", "mass"};
+/* whole numbers that add up to the particles of a lot */
+static void read_counts(tdm_object *o, dem_sizes *s) {
+  enum { MOST = 1000000000 };
+  if (tdm_has(o, "by"))
+    tdm_object_fail(o, "by", "is of \"shares\"; counts are numbers of particles; remove it");
+  double sum = 0;
+  read_numbers(o, "counts", s->upto, s->nradius, false);
+  for (int k = 0; k < s->nradius && !o->err->status; k++) {
+    sum += s->upto[k];
+    if (s->upto[k] != floor(s->upto[k]) || sum > MOST)
+      tdm_object_fail(o, "counts", "has the entry %g; give whole numbers of particles, %d in all at most", s->upto[k],
+                      MOST);
+  }
+  s->total = o->err->status ? 0 : (int)sum;
+}
+
+/* as many shares or counts as there are radii: their key; NULL after an error */
+static const char *read_radii(tdm_object *o, dem_sizes *s) {
+  const char *key = tdm_has(o, "counts") ? "counts" : "shares";
+  if (tdm_has(o, "counts") && tdm_has(o, "shares"))
+    tdm_object_fail(o, "counts", "excludes \"shares\"; give exact numbers or shares");
   size_t n = json_array_size(tdm_get_array(o, "radii", true));
-  size_t nshare = json_array_size(tdm_get_array(o, "shares", true));
-  bool by_mass = tdm_get_choice(o, "by", by, 2, 0) == 1;
+  size_t nshare = json_array_size(tdm_get_array(o, key, true));
   if (!o->err->status && (n == 0 || n > DEM_SIZES_MAX))
     tdm_object_fail(o, "radii", "has %zu entries; give 1 to %d", n, DEM_SIZES_MAX);
   if (!o->err->status && nshare != n)
-    tdm_object_fail(o, "shares", "has %zu entries for %zu radii; give one share for each radius", nshare, n);
-  if (o->err->status)
-    return;
-  s->nradius = (int)n;
+    tdm_object_fail(o, key, "has %zu entries for %zu radii; give one for each radius", nshare, n);
+  s->nradius = o->err->status ? 0 : (int)n;
   read_numbers(o, "radii", s->radius, s->nradius, true);
-  read_numbers(o, "shares", s->upto, s->nradius, false);
+  return o->err->status ? NULL : key;
+}
+
+static void read_list(tdm_object *o, dem_sizes *s) {
+  static const char *const by[] = {"number", "mass"};
+  const char *key = read_radii(o, s);
+  bool by_mass = tdm_get_choice(o, "by", by, 2, 0) == 1;
+  if (!key)
+    return;
+  if (strcmp(key, "counts") == 0)
+    read_counts(o, s);
+  else
+    read_numbers(o, "shares", s->upto, s->nradius, false);
   double sum = 0;
   s->min = INFINITY;
   for (int k = 0; k < s->nradius; k++) {
@@ -103,7 +132,7 @@ static void read_list(tdm_object *o, dem_sizes *s) {
     s->upto[k] = sum;
   }
   if (!o->err->status && !(sum > 0 && isfinite(sum)))
-    tdm_object_fail(o, "shares", "are all 0; give at least one that is greater");
+    tdm_object_fail(o, key, "are all 0; give at least one that is greater");
   for (int k = 0; k < s->nradius; k++)
     s->upto[k] /= sum;
 }
@@ -192,8 +221,16 @@ double dem_sizes_quantile(const dem_sizes *s, double u) {
   return fmin(s->max, fmax(s->min, table[s->distribution].quantile(s, u)));
 }
 
+/* the place of particle k in the sorted lot that it belongs to, as a share of the lot */
+static double share_of_lot(const dem_sizes *s, uint64_t seed, uint64_t k) {
+  uint64_t total = (uint64_t)s->total;
+  return ((double)tdm_random_place(tdm_random_mix(seed) + k / total, k % total, total) + 0.5) / s->total;
+}
+
 double dem_sizes_draw(const dem_sizes *s, uint64_t seed, uint64_t k) {
-  return s->min == s->max ? s->min : dem_sizes_quantile(s, tdm_random(seed, k, 0));
+  if (s->min == s->max)
+    return s->min;
+  return dem_sizes_quantile(s, s->total > 0 ? share_of_lot(s, seed, k) : tdm_random(seed, k, 0));
 }
 
 double dem_sizes_mean(const dem_sizes *s) {

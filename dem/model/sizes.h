@@ -20,6 +20,7 @@ typedef struct {
   double mean;      /* normal: of the radius [m]; lognormal: of ln(radius/m); before it is cut to [min, max] */
   double deviation; /* likewise */
   int nradius;
+  int total; /* list: particles in a lot that has exactly the counts of the scene; 0: each is drawn by itself */
   double radius[DEM_SIZES_MAX]; /* list: (nradius) [m] */
   double upto[DEM_SIZES_MAX];   /* list: (nradius) share by number of this radius and those before it */
 } dem_sizes;
@@ -30,7 +31,8 @@ void dem_sizes_read(tdm_object *o, dem_sizes *sizes);
 /* The radius that a share u of the particles, by number, does not exceed; 0 <= u < 1 [m]. */
 double dem_sizes_quantile(const dem_sizes *sizes, double u);
 
-/* The radius of particle k [m]. */
+/* The radius of particle k [m]. With counts, those of particles n total to (n + 1) total - 1 are a lot, in an order
+ * mixed by the seed. */
 double dem_sizes_draw(const dem_sizes *sizes, uint64_t seed, uint64_t k);
 
 /* Mean radius by number [m]. */

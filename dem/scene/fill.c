@@ -175,12 +175,14 @@ static bool choose_cells(const double size[3], double least, long count, double 
 static void scatter(filler *f, gsl_rng *rng, tdm_vec3 low, const double size[3], const double n[3], long count) {
   double cell[3] = {size[0] / n[0], size[1] / n[1], size[2] / n[2]};
   long ncell = (long)(n[0] * n[1] * n[2]), left = count;
+  uint64_t number = 0;
   for (long c = 0; c < ncell && left > 0; c++) {
     /* choose `left` of the remaining cells, each as likely as any other (Knuth, algorithm S); order stays */
     if (gsl_rng_uniform(rng) * (double)(ncell - c) >= (double)left)
       continue;
     left--;
-    double radius = dem_sizes_quantile(&f->sizes, gsl_rng_uniform(rng));
+    double share = gsl_rng_uniform(rng);
+    double radius = f->sizes.total > 0 ? radius_of(f, number++) : dem_sizes_quantile(&f->sizes, share);
     const double at[3] = {(double)(c % (long)n[0]), (double)(c / (long)n[0] % (long)n[1]),
                           (double)(c / ((long)n[0] * (long)n[1]))};
     double x[3];

@@ -136,6 +136,77 @@ START_TEST(test_list) {
 }
 END_TEST
 
+START_TEST(test_counts) {
+  /* every lot has exactly the counts, each in another order */
+  dem_sizes s = read_sizes("{'distribution':'list','radii':[0.003,0.009,0.001,0.002],'counts':[50,0,21,10]}");
+  ck_assert_int_eq(s.total, 81);
+  ck_assert(s.min == 0.001 && s.max == 0.003);
+  enum { LOTS = 400 };
+  int same = 0, first = 0;
+  for (uint64_t lot = 0; lot < LOTS; lot++) {
+    int count[3] = {0};
+    for (uint64_t k = 0; k < 81; k++) {
+      double r = dem_sizes_draw(&s, 3, 81 * lot + k);
+      count[r == 0.003 ? 0 : r == 0.001 ? 1 : 2]++;
+      same += r == dem_sizes_draw(&s, 3, k) && lot > 0;
+      first += k == 0 && r == 0.003;
+    }
+    ck_assert(count[0] == 50 && count[1] == 21 && count[2] == 10);
+  }
+  /* as often the same as by chance, and as often large at the front: four standard errors */
+  double chance = (50.0 * 50 + 21.0 * 21 + 10.0 * 10) / (81.0 * 81), n = 81.0 * (LOTS - 1);
+  ck_near(same / n, chance, 4 * sqrt(chance * (1 - chance) / n));
+  ck_near((double)first / LOTS, 50.0 / 81, 4 * sqrt(50 * 31 / (81.0 * 81 * LOTS)));
+  ck_relative(dem_sizes_mean(&s), (50 * 0.003 + 21 * 0.001 + 10 * 0.002) / 81, 0.01);
+}
+END_TEST
+
+START_TEST(test_exact_fill) {
+  /* a random fill has the counts, too: [A07] Fig. 2.16; and they are mixed in space */
+  rig *r = rig_make(scene_json("{'materials':[{'name':'a','density':100,'young_modulus':1e6,'poisson_ratio':0.3}],"
+                               "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0}],'dimension':2,"
+                               "'particles':[{'type':'random','material':'a','count':4336,'radius':{'distribution':"
+                               "'list','radii':[0.01,0.015,0.02],'counts':[2278,1716,342]},'region':{'min':[0,-0.02,0],"
+                               "'max':[2.68,0.02,2.68]}}]}"),
+                    1e-4, 0, NULL);
+  int count[3] = {0}, low[3] = {0};
+  for (int i = 0; i < r->data->state.nparticle; i++) {
+    double radius = r->data->state.sphere[i].radius;
+    int k = radius == 0.01 ? 0 : radius == 0.015 ? 1 : 2;
+    count[k]++;
+    low[k] += r->data->state.sphere[i].position.z < 1.34;
+  }
+  ck_assert(count[0] == 2278 && count[1] == 1716 && count[2] == 342);
+  for (int k = 0; k < 3; k++)
+    ck_near(low[k], 0.5 * count[k], 4 * 0.5 * sqrt(count[k]));
+  rig_free(r);
+}
+END_TEST
+
+START_TEST(test_places) {
+  /* a permutation of any length, by the seed; all orders of three are as likely */
+  static const uint64_t lengths[] = {1, 2, 3, 4, 5, 16, 17, 1000, 4336};
+  for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+    uint64_t n = lengths[i];
+    bool *seen = calloc(n, sizeof *seen);
+    for (uint64_t k = 0; k < n; k++) {
+      uint64_t place = tdm_random_place(i, k, n);
+      ck_assert(place < n && !seen[place]);
+      seen[place] = true;
+    }
+    free(seen);
+  }
+  enum { SEEDS = 6000 };
+  int orders[9] = {0};
+  for (uint64_t seed = 0; seed < SEEDS; seed++)
+    orders[3 * tdm_random_place(seed, 0, 3) + tdm_random_place(seed, 1, 3)]++;
+  double chi2 = 0;
+  for (int k = 0; k < 9; k++)
+    chi2 += k % 4 ? pow(orders[k] - SEEDS / 6.0, 2) / (SEEDS / 6.0) : orders[k];
+  ck_assert_msg(chi2 < 15.09, "%g", chi2); /* 1 %, five degrees of freedom */
+}
+END_TEST
+
 START_TEST(test_same_again) {
   /* a function of seed and number: no order, no state; other seeds and numbers give other radii */
   dem_sizes s = read_sizes("{'distribution':'lognormal','median':0.004,'sigma':0.5,'min':0.0005,'max':0.05}");
@@ -172,6 +243,13 @@ START_TEST(test_errors) {
       {"{'distribution':'list','radii':[1,2],'shares':[1,-1]}", "e.radius.shares[1]", "0 or greater"},
       {"{'distribution':'list','radii':[1,0],'shares':[1,1]}", "e.radius.radii[1]", "greater than 0"},
       {"{'distribution':'list','radii':[],'shares':[]}", "e.radius.radii", "1 to 64"},
+      {"{'distribution':'list','radii':[1,2],'counts':[3]}", "e.radius.counts", "1 entries for 2"},
+      {"{'distribution':'list','radii':[1,2],'counts':[3,2.5]}", "e.radius.counts", "whole numbers"},
+      {"{'distribution':'list','radii':[1,2],'counts':[1e9,1]}", "e.radius.counts", "whole numbers"},
+      {"{'distribution':'list','radii':[1,2],'counts':[0,0]}", "e.radius.counts", "all 0"},
+      {"{'distribution':'list','radii':[1,2],'counts':[3,-1]}", "e.radius.counts[1]", "0 or greater"},
+      {"{'distribution':'list','radii':[1,2],'counts':[3,1],'shares':[3,1]}", "e.radius.counts", "excludes"},
+      {"{'distribution':'list','radii':[1,2],'counts':[3,1],'by':'mass'}", "e.radius.by", "remove"},
       {"{'distribution':'normal','mean':1,'deviation':0.1,'max':2}", "e.radius.min", "missing"},
       {"{'distribution':'normal','mean':1,'deviation':0,'min':1,'max':2}", "e.radius.deviation", "greater than 0"},
       {"{'distribution':'normal','mean':1,'deviation':0.1,'min':3,'max':4}", "e.radius.min", "nothing"},
@@ -194,4 +272,5 @@ START_TEST(test_errors) {
 }
 END_TEST
 
-TEST_MAIN("dem sizes", test_distributions, test_lognormal_moments, test_list, test_same_again, test_errors)
+TEST_MAIN("dem sizes", test_distributions, test_lognormal_moments, test_list, test_counts, test_exact_fill, test_places,
+          test_same_again, test_errors)
