@@ -120,7 +120,7 @@ static const bad bads[] = {
     {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'plane','point':[0,0,0],'normal':[0,0,0]}]}",
      "dem.sinks[0].normal", "zero"},
     {"{" MATERIALS "," PAIRS ",'sinks':[{'name':'a','type':'box','min':[0,0,0],'max':[1,1,1],'body':'x'}]}",
-     "dem.sinks[0].body", "unknown key"},
+     "dem.sinks[0].body", "no body"},
     {"{" MATERIALS "," PAIRS ",'bodies':[{'name':'b','material':'grain','shapes':[{'type':'box','side':'inside','size':"
      "[1,1,1],'open':['+z'],'lid':{'face':'+z','gap':0}}]}]}",
      "dem.bodies[0].shapes[0].lid.face", "open"},
