@@ -1,5 +1,6 @@
 /* tandem: the command line. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/cells/jobs.h"
 #include "coupler/live/live.h"
 #include "coupler/page/view.h"
 #include "coupler/report/report.h"

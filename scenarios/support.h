@@ -3,7 +3,7 @@
 #ifndef SCN_SUPPORT_H
 #define SCN_SUPPORT_H
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "coupler/verify/verify.h"
 
 /* One result directory. Zero-initialise; free with scn_result_free. */

@@ -3,7 +3,7 @@
 #ifndef TEST_RESULT_TABLE_H
 #define TEST_RESULT_TABLE_H
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 
 #include <check.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #ifndef CPL_CONTENTS_CONTENTS_H
 #define CPL_CONTENTS_CONTENTS_H
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "protocol/base/status.h"
 
 #include <jansson.h>

@@ -1,7 +1,7 @@
 /* The files of a result directory, on a report's page: see report_page.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/report/html.h"
 #include "coupler/report/report_page.h"
+#include "coupler/results/html.h"
 #include "protocol/scene/input.h"
 
 #include <ctype.h>

@@ -3,7 +3,7 @@
 #include "coupler/report/report_page.h"
 
 #include "coupler/contents/words.h"
-#include "coupler/report/html.h"
+#include "coupler/results/html.h"
 #include "protocol/results/print.h"
 
 #include <math.h>

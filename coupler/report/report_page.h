@@ -5,7 +5,7 @@
 
 #include "coupler/contents/contents.h"
 #include "coupler/contents/pictures.h"
-#include "coupler/verify/compare.h"
+#include "coupler/results/compare.h"
 
 enum { CPL_REPORT_LACKS = 16 };
 

@@ -1,7 +1,6 @@
 /* `tandem sweep`: a grid of runs of one scene, as [L18] Table II.
  *
- *   out/bed_<hash>        the settled bed that cells share (one for each combination of other settings)
- *   out/cells/<name>/     result directory of a cell, its comparison, and row.json, which --resume reads
+ *   out/cells/<name>/     result directory of a cell (cells/cells.h)
  *   out/sweep.json, sweep.csv, table.html, heat_<state>.png, heat_energy.png, cost.png,
  *                         price.png
  *
@@ -11,8 +10,7 @@
 #ifndef CPL_SWEEP_SWEEP_H
 #define CPL_SWEEP_SWEEP_H
 
-#include "coupler/verify/jobs.h"
-#include "coupler/verify/verify.h"
+#include "coupler/sweep/sweep_rows.h"
 
 enum { CPL_AXES_MAX = 16, CPL_VALUES_MAX = 64 };
 
@@ -43,25 +41,16 @@ void cpl_sweep_free(cpl_sweep_options *options);
 /* Run the grid. TDM_OK when every cell was tried, whatever became of it. */
 tdm_status cpl_sweep(const cpl_sweep_options *options, tdm_error *err);
 
-/* ---- one cell (sweep_cell.c) ---- */
-
-typedef struct {
-  char name[512];                     /* "dt=1e-5 n=10 scheme=lommen" */
-  char dir[4096];                     /* its result directory */
-  char *assignment[CPL_AXES_MAX + 1]; /* "path=value" for each axis, then the stored bed's; owned */
-  const char *set[CPL_AXES_MAX + 2];  /* the same, NULL-terminated */
-  json_t *row;                        /* NULL until it was tried */
-} cpl_cell;
-
-/* Run a cell and judge it: a row as the JSON contract of the sweep has it (new reference). */
-json_t *cpl_cell_run(const cpl_sweep_options *options, const cpl_cell *cell);
-
-/* The row of a cell that has no numbers. */
-json_t *cpl_cell_row(const cpl_sweep_options *options, const cpl_cell *cell, const char *status, const char *reason);
-
 /* ---- results (sweep_report.c) ---- */
 
 /* Table on standard output, sweep.json, sweep.csv, table.html, plots. */
 tdm_status cpl_sweep_report(const cpl_sweep_options *options, const cpl_cell *cell, int ncell, tdm_error *err);
+
+/* A file of the results for writing. */
+tdm_status cpl_sweep_file(const cpl_sweep_options *options, const char *name, FILE **file, tdm_error *err);
+
+/* Error against run time, price of a window, heat maps (sweep_plots.c). */
+tdm_status cpl_sweep_plots(const cpl_sweep_options *options, const cpl_cell *cell, int ncell, const cpl_columns *c,
+                           tdm_error *err);
 
 #endif

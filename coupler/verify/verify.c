@@ -2,43 +2,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/verify/verify.h"
 
-#include "coupler/verify/jobs.h"
+#include "coupler/cells/jobs.h"
 #include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
 #include "protocol/base/log.h"
 #include "protocol/results/results.h"
-#include "protocol/scene/json.h"
-#include "protocol/version.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-typedef struct {
-  char name[64], case_name[64];
-  double value, limit;
-  cpl_limit_kind kind;
-  bool pass;
-  cpl_run_result run; /* of the run that it was measured in */
-} measure;
-
-typedef struct {
-  const cpl_scenario *scenario;
-  measure *measure;
-  int nmeasure;
-  double wall;
-  cpl_run_result total; /* sum over the scenario's runs */
-  tdm_error err;
-  bool pass;
-} outcome;
-
 struct cpl_verify {
   const cpl_verify_options *options;
-  outcome *now;        /* scenario under way */
+  cpl_outcome *now;    /* scenario under way */
   cpl_run_result last; /* its last run */
   char dir[4096];      /* its directory */
   bool plot_notice;    /* printed once */
@@ -219,33 +198,17 @@ tdm_status cpl_verify_compare(cpl_verify *v, const char *dir, cpl_comparison *c,
   return TDM_OK;
 }
 
-const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene, tdm_error *err) {
-  const char *name = json_string_value(json_object_get(scene, "scenario")), *known[256];
-  int nknown = 0;
-  if (!name)
-    return NULL;
-  for (const cpl_scenario *s = table; s->name && nknown < 256; s++) {
-    if (strcmp(s->name, name) == 0)
-      return s;
-    known[nknown++] = s->name;
-  }
-  const char *near = tdm_nearest(name, known, nknown);
-  tdm_fail(err, TDM_ERR_SCENE, "scenario", "\"%s\" is no scenario%s%s%s", name, near ? "; did you mean \"" : "",
-           near ? near : "", near ? "\"?" : "; leave the key out if none fits");
-  return NULL;
-}
-
 void cpl_verify_measure(cpl_verify *v, const char *name, const char *case_name, double value, cpl_limit_kind kind,
                         double limit) {
-  outcome *o = v->now;
-  measure *grown = realloc(o->measure, (size_t)(o->nmeasure + 1) * sizeof *grown);
+  cpl_outcome *o = v->now;
+  cpl_measure *grown = realloc(o->measure, (size_t)(o->nmeasure + 1) * sizeof *grown);
   if (!grown) {
     tdm_fail(&o->err, TDM_ERR_MEMORY, NULL, "out of memory");
     return;
   }
   o->measure = grown;
-  measure *m = &o->measure[o->nmeasure++];
-  *m = (measure){.value = value, .limit = limit, .kind = kind, .run = v->last};
+  cpl_measure *m = &o->measure[o->nmeasure++];
+  *m = (cpl_measure){.value = value, .limit = limit, .kind = kind, .run = v->last};
   snprintf(m->name, sizeof m->name, "%s", name);
   snprintf(m->case_name, sizeof m->case_name, "%s", case_name);
   m->pass = kind == CPL_NO_LIMIT || (kind == CPL_AT_LEAST && value >= limit) ||
@@ -256,70 +219,6 @@ void cpl_verify_plot(cpl_verify *v, const char *name, int nplot, const tdm_plot 
   tdm_error err = {0};
   tdm_plot_write(v->dir, name, nplot, plot, &err);
   notice(v, &err);
-}
-
-/* ---- the table ---- */
-
-static void print_head(void) {
-  printf("%-22s %-22s %-36s %12s %9s %10s %8s %15s  %s\n", "scenario", "measure", "case", "value", "limit", "simulated",
-         "wall", "DEM/MBD/coupling", "ok");
-}
-
-static void print_measure(const char *scenario, const measure *m) {
-  char limit[32] = "-", share[32] = "-";
-  double loop = m->run.loop;
-  if (m->kind != CPL_NO_LIMIT)
-    snprintf(limit, sizeof limit, "%s%g", m->kind == CPL_AT_LEAST ? ">= " : "<= ", m->limit);
-  if (loop > 0)
-    snprintf(share, sizeof share, "%.0f/%.0f/%.0f %%", 100 * m->run.step[CPL_DEM] / loop,
-             100 * m->run.step[CPL_MBD] / loop, 100 * cpl_run_coupling(&m->run) / loop);
-  printf("%-22s %-22s %-36s %12.6g %9s %8.4g s %6.2f s %16s  %s\n", scenario, m->name, m->case_name, m->value, limit,
-         m->run.simulated, m->run.wall, share,
-         m->kind == CPL_NO_LIMIT ? "-"
-         : m->pass               ? "ok"
-                                 : "MISSED");
-}
-
-static void print_outcome(const outcome *o) {
-  if (isatty(2))
-    fprintf(stderr, "\r\033[K");
-  for (int i = 0; i < o->nmeasure; i++)
-    print_measure(o->scenario->name, &o->measure[i]);
-  if (o->err.status != TDM_OK)
-    printf("%-22s FAILED: %s\n", o->scenario->name, o->err.message);
-  fflush(stdout);
-}
-
-/* ---- the JSON file ---- */
-
-static json_t *outcome_to_json(const outcome *o) {
-  json_t *measures = json_array();
-  for (int i = 0; i < o->nmeasure; i++) {
-    const measure *m = &o->measure[i];
-    json_array_append_new(measures,
-                          json_pack("{s:s, s:s, s:o, s:o, s:b}", "name", m->name, "case", m->case_name, "value",
-                                    tdm_number_to_json(m->value), "limit",
-                                    m->kind == CPL_NO_LIMIT ? json_null() : json_real(m->limit), "pass", (int)m->pass));
-  }
-  json_t *json =
-      json_pack("{s:s, s:b, s:f, s:f, s:I, s:f, s:f, s:f, s:o}", "name", o->scenario->name, "pass", (int)o->pass,
-                "wall_s", o->wall, "simulated_s", o->total.simulated, "windows", (json_int_t)o->total.windows,
-                "time_dem_s", o->total.step[CPL_DEM], "time_mbd_s", o->total.step[CPL_MBD], "time_coupling_s",
-                cpl_run_coupling(&o->total), "measures", measures);
-  if (o->err.status != TDM_OK)
-    json_object_set_new(json, "error", json_string(o->err.message));
-  return json;
-}
-
-static tdm_status write_json(const char *file, const outcome *outcomes, int n, bool pass, double wall, tdm_error *err) {
-  json_t *scenarios = json_array();
-  for (int i = 0; i < n; i++)
-    json_array_append_new(scenarios, outcome_to_json(&outcomes[i]));
-  json_t *json = json_pack("{s:s, s:b, s:f, s:o}", "tandem", TDM_VERSION, "pass", (int)pass, "wall_s", wall,
-                           "scenarios", scenarios);
-  int failed = json_dump_file(json, file, JSON_INDENT(2));
-  json_decref(json);
-  return failed ? tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno)) : TDM_OK;
 }
 
 /* ---- choosing and running ---- */
@@ -353,7 +252,7 @@ static tdm_status check_names(const cpl_verify_options *o, tdm_error *err) {
   return TDM_OK;
 }
 
-static void run_scenario(cpl_verify *v, outcome *o) {
+static void run_scenario(cpl_verify *v, cpl_outcome *o) {
   double begin = tdm_clock();
   v->now = o;
   v->last = (cpl_run_result){0};
@@ -368,7 +267,7 @@ static void run_scenario(cpl_verify *v, outcome *o) {
   o->pass = o->err.status == TDM_OK;
   for (int i = 0; i < o->nmeasure; i++)
     o->pass = o->pass && o->measure[i].pass;
-  print_outcome(o);
+  cpl_outcome_print(o);
 }
 
 /* The chosen scenarios, into a directory that is open. */
@@ -378,11 +277,11 @@ static tdm_status verify_chosen(const cpl_verify_options *options, tdm_error *er
   int nscenario = 0, n = 0;
   while (options->scenario[nscenario].name)
     nscenario++;
-  outcome *outcomes = calloc((size_t)nscenario + 1, sizeof *outcomes);
+  cpl_outcome *outcomes = calloc((size_t)nscenario + 1, sizeof *outcomes);
   if (!outcomes)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   bool pass = true, interrupted = false;
-  print_head();
+  cpl_outcome_head();
   for (int i = 0; i < nscenario && !interrupted; i++) {
     if (!chosen(&options->scenario[i], options->name))
       continue;
@@ -396,7 +295,7 @@ static tdm_status verify_chosen(const cpl_verify_options *options, tdm_error *er
   printf("%s in %.1f s; curves and plots in %s\n", pass ? "all limits met" : "limits were MISSED or scenarios failed",
          wall, options->out);
   if (options->json)
-    write_json(options->json, outcomes, n, pass, wall, err);
+    cpl_outcomes_write(options->json, outcomes, n, pass, wall, err);
   for (int i = 0; i < n; i++)
     free(outcomes[i].measure);
   free(outcomes);

@@ -7,31 +7,10 @@
 #ifndef CPL_VERIFY_VERIFY_H
 #define CPL_VERIFY_VERIFY_H
 
-#include "coupler/run/run.h"
-#include "coupler/verify/compare.h"
+#include "coupler/verify/outcome.h"
 #include "protocol/app/plot.h"
 
 typedef struct cpl_verify cpl_verify;
-
-typedef struct {
-  const char *name, *group;
-  const char *summary;
-  tdm_status (*verify)(cpl_verify *v, tdm_error *err);
-  /* Fill *c (zeroed; freed by the caller also after an error) from a result directory; NULL: no reference as curves. */
-  tdm_status (*compare)(const char *dir, cpl_comparison *c, tdm_error *err);
-  const char *state[3]; /* names of the comparison's states and of its load, for rows without numbers */
-  const char *load;
-} cpl_scenario;
-
-/* The scenario that a scene names as its own in the key "scenario"; NULL when it names none, or (an error) none that is
- * in the table. */
-const cpl_scenario *cpl_scenario_of(const cpl_scenario *table, const json_t *scene, tdm_error *err);
-
-typedef enum {
-  CPL_NO_LIMIT, /* reported only */
-  CPL_AT_LEAST, /* value >= limit */
-  CPL_AT_MOST   /* |value| <= limit */
-} cpl_limit_kind;
 
 /* Run the scenario's scene with overrides (NULL-terminated, may be NULL) into a directory of its own for this case ("":
  * the scenario's). On success `dir` (size bytes) is that directory. */

@@ -8,7 +8,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/collision/collision.h"
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "scenarios/table.h"
 
 #include <math.h>

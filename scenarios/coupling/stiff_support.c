@@ -5,7 +5,7 @@
  * and two runs of it that differ by round-off agree to 0.998 only; so a lid presses it, as on the arm of `torsional`.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 

@@ -3,7 +3,7 @@
 #ifndef SCN_MECHANISM_H
 #define SCN_MECHANISM_H
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "scenarios/mbd/motion.h"
 
 enum { SCN_COORDINATES = 8 };

@@ -1,6 +1,6 @@
 /* What drivers prescribe, in long windows: every scheme goes the way of n = 1, or refuses the window. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

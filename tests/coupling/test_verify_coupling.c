@@ -1,7 +1,7 @@
 /* The verification of the coupling schemes: runs side by side, cells of the grids, --full. The group itself takes
  * minutes: `tandem verify coupling`. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/jobs.h"
+#include "coupler/cells/jobs.h"
 #include "scenarios/coupling/cell.h"
 #include "scenarios/table.h"
 #include "tests/command.h"

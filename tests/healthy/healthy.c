@@ -2,7 +2,7 @@
  * it should; its twin is refused, stopped or warned of, in words that name the cause.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
 

@@ -50,9 +50,9 @@ set(coupler
   "state"
   "loop"
   "observe scheme"
-  "run live"
+  "run live results"
+  "cells contents"
   "verify"
-  "contents"
   "report"
   "sweep"
   "main.c")

@@ -1,8 +1,8 @@
 /* A run against its reference: see compare.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/compare.h"
+#include "coupler/results/compare.h"
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 #include "protocol/app/plot.h"
 #include "protocol/results/mark.h"
 

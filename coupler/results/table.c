@@ -1,6 +1,6 @@
 /* Time histories read back, and how well two of them agree: see table.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
 
 #include "protocol/scene/input.h"
 

@@ -1,11 +1,10 @@
-/* One cell of a sweep: run it, compare it, decide whether it is ok, inexact, unstable or failed. */
+/* One cell: run it, compare it, decide whether it is ok, inexact, unstable or failed. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/scheme/schemes.h"
-#include "coupler/sweep/sweep.h"
+#include "coupler/cells/cells.h"
 
-#include "coupler/verify/table.h"
+#include "coupler/results/table.h"
+#include "coupler/scheme/schemes.h"
 #include "protocol/base/log.h"
-#include "protocol/parameters/load.h"
 #include "protocol/results/results.h"
 #include "protocol/scene/json.h"
 
@@ -16,11 +15,10 @@
 static const double load_span = 0.02; /* [s] of the means of F_20ms */
 
 /* The scene of a cell as it runs (the caller destroys it), and the scenario that it names. */
-static const cpl_scenario *cell_scene(const cpl_sweep_options *o, const cpl_cell *cell, tdm_scene *scene) {
+static const cpl_scenario *scene_of(const cpl_cells *cells, const cpl_cell *cell, tdm_scene *scene) {
   tdm_error err = {0};
-  tdm_scene_load(scene, o->scene, cell->set, &err);
-  tdm_error none = {0};
-  return scene->root ? cpl_scenario_of(o->scenarios, scene->root, &none) : NULL;
+  cpl_cell_scene(cell, scene, &err);
+  return scene->root ? cpl_scenario_of(cells->scenarios, scene->root, &(tdm_error){0}) : NULL;
 }
 
 /* A copy of the value at a path, null when there is none. */
@@ -39,12 +37,15 @@ static json_t *scheme_of(const cpl_cell *cell, const tdm_scene *scene) {
   return scheme;
 }
 
-json_t *cpl_cell_row(const cpl_sweep_options *o, const cpl_cell *cell, const char *status, const char *reason) {
+json_t *cpl_cell_row(const cpl_cells *cells, const cpl_cell *cell, const char *status, const char *reason) {
   tdm_scene scene = {0};
-  const cpl_scenario *scenario = cell_scene(o, cell, &scene);
+  const cpl_scenario *scenario = scene_of(cells, cell, &scene);
   json_t *settings = json_object(), *r2 = json_object(), *nse = json_object();
-  for (int a = 0; a < o->naxis; a++)
-    json_object_set_new(settings, o->axis[a].path, value_at(&scene, o->axis[a].path));
+  for (int k = 0; k < cell->nset; k++) {
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "%.*s", (int)strcspn(cell->set[k], "="), cell->set[k]);
+    json_object_set_new(settings, path, value_at(&scene, path));
+  }
   for (int i = 0; scenario && i < 3 && scenario->state[i]; i++) {
     json_object_set_new(r2, scenario->state[i], json_null());
     json_object_set_new(nse, scenario->state[i], json_null());
@@ -120,15 +121,16 @@ static void add_numbers(json_t *row, const cpl_comparison *c) {
   }
 }
 
-json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
+json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell) {
   tdm_error err = {0};
   cpl_run_result result;
-  cpl_run_options run = {.scene = o->scene, .set = cell->set, .out = cell->dir, .force = true, .quiet = true};
-  memcpy(run.solver, o->solver, sizeof run.solver);
+  cpl_run_options run = {
+      .scene = cell->scene, .set = (const char *const *)cell->set, .out = cell->dir, .force = true, .quiet = true};
+  memcpy(run.solver, cells->solver, sizeof run.solver);
   tdm_status status = cpl_run(&run, &result, &err);
   if (status == TDM_ERR_INTERRUPTED)
     return NULL;
-  json_t *row = cpl_cell_row(o, cell,
+  json_t *row = cpl_cell_row(cells, cell,
                              status == TDM_OK            ? "ok"
                              : status == TDM_ERR_NUMERIC ? "unstable"
                                                          : "failed",
@@ -144,7 +146,7 @@ json_t *cpl_cell_run(const cpl_sweep_options *o, const cpl_cell *cell) {
     json_decref(summary);
   }
   tdm_scene scene = {0};
-  const cpl_scenario *scenario = cell_scene(o, cell, &scene);
+  const cpl_scenario *scenario = scene_of(cells, cell, &scene);
   cpl_comparison c = {0};
   tdm_error compared = {0};
   if (scenario && scenario->compare && result.windows > 0 && scenario->compare(cell->dir, &c, &compared) == TDM_OK) {

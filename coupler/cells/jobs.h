@@ -1,7 +1,7 @@
 /* Pieces of work side by side, each in a process of its own: whatever happens to one, the others go on. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_VERIFY_JOBS_H
-#define CPL_VERIFY_JOBS_H
+#ifndef CPL_CELLS_JOBS_H
+#define CPL_CELLS_JOBS_H
 
 #include <stdbool.h>
 

@@ -1,7 +1,7 @@
 /* Time histories read back, and how well two of them agree. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_VERIFY_TABLE_H
-#define CPL_VERIFY_TABLE_H
+#ifndef CPL_RESULTS_TABLE_H
+#define CPL_RESULTS_TABLE_H
 
 #include "protocol/base/status.h"
 

@@ -1,7 +1,7 @@
 /* The little HTML that reports and sweeps write. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_REPORT_HTML_H
-#define CPL_REPORT_HTML_H
+#ifndef CPL_RESULTS_HTML_H
+#define CPL_RESULTS_HTML_H
 
 #include <stdio.h>
 

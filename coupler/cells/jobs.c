@@ -1,6 +1,6 @@
 /* Pieces of work side by side, each in a process of its own: see jobs.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/verify/jobs.h"
+#include "coupler/cells/jobs.h"
 
 #include "protocol/app/command_line.h"
 #include "protocol/base/log.h"

@@ -1,6 +1,6 @@
 /* The little HTML that reports and sweeps write: see html.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/report/html.h"
+#include "coupler/results/html.h"
 
 #include <string.h>
 

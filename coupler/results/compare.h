@@ -3,8 +3,8 @@
  * A scenario fills a cpl_comparison from a result directory; verify, report and sweep take their numbers from it.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_VERIFY_COMPARE_H
-#define CPL_VERIFY_COMPARE_H
+#ifndef CPL_RESULTS_COMPARE_H
+#define CPL_RESULTS_COMPARE_H
 
 #include "protocol/base/status.h"
 

@@ -1,0 +1,66 @@
+/* The settled bed that cells share: see cells.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/cells/cells.h"
+
+#include "protocol/app/command_line.h"
+#include "protocol/math/hash.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char key[] = "dem.settle.store";
+
+/* Settings that change neither the bed nor anything before the run. */
+static bool is_beside(const char *path) {
+  return strncmp(path, "time.", 5) == 0 || strncmp(path, "coupling.", 9) == 0 || strncmp(path, "output.", 7) == 0;
+}
+
+/* The hash of all of the scene that is neither time, coupling nor output. */
+static uint64_t bed_hash(json_t *root) {
+  static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema", "parameters"};
+  for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+    json_object_del(root, others[i]);
+  char *text = json_dumps(root, JSON_COMPACT | JSON_SORT_KEYS);
+  uint64_t hash = text ? tdm_hash_bytes(TDM_HASH_START, text, strlen(text)) : 0;
+  free(text);
+  return hash;
+}
+
+void cpl_cell_share_bed(const cpl_cells *cells, cpl_cell *cell) {
+  tdm_scene scene = {0};
+  char file[4200];
+  cpl_cell_scene(cell, &scene, &(tdm_error){0});
+  bool ours = tdm_scene_value(scene.root, "dem.settle") && !tdm_scene_value(scene.root, key) &&
+              !tdm_scene_value(scene.root, "coupling.solvers.dem");
+  uint64_t hash = ours ? bed_hash(scene.root) : 0;
+  snprintf(file, sizeof file, "%s/bed_%016llx", cells->out, (unsigned long long)hash);
+  if (hash) /* without memory every cell settles its own */
+    cell->store = cpl_cell_add(cell, key, file, &(tdm_error){0});
+  tdm_scene_destroy(&scene);
+}
+
+/* Settle and stop. What has nothing to do with the bed may be wrong in this cell: it is left out. */
+static void make_bed(const cpl_cells *cells, const cpl_cell *cell) {
+  const char *set[CPL_CELL_SETTINGS + 2];
+  char out[4200];
+  int nset = 0;
+  for (int k = 0; k < cell->nset; k++)
+    if (!is_beside(cell->set[k]))
+      set[nset++] = cell->set[k];
+  set[nset++] = cell->store;
+  set[nset] = NULL;
+  snprintf(out, sizeof out, "%s/bed-out", cells->out);
+  fprintf(stderr, "tandem: settling the bed\n");
+  cpl_run_options run = {.scene = cell->scene, .set = set, .out = out, .force = true, .quiet = true, .check = true};
+  memcpy(run.solver, cells->solver, sizeof run.solver);
+  cpl_run(&run, &(cpl_run_result){0}, &(tdm_error){0});
+}
+
+void cpl_cells_make_beds(const cpl_cells *cells) {
+  for (int i = 0; i < cells->ncell && !tdm_interrupted; i++) {
+    const cpl_cell *cell = &cells->cell[i];
+    if (cell->store && !cell->row && access(strchr(cell->store, '=') + 1, R_OK) != 0)
+      make_bed(cells, cell);
+  }
+}
