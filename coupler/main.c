@@ -6,6 +6,7 @@
 #include "coupler/report/report.h"
 #include "coupler/run/run.h"
 #include "coupler/session/session.h"
+#include "coupler/study/study.h"
 #include "coupler/sweep/sweep.h"
 #include "coupler/verify/verify.h"
 #include "dem/adapter/solver.h"
@@ -60,6 +61,17 @@ static void usage(FILE *out) {
         "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
         "front.\n"
         "      --jobs J   cells at a time (default: processors); --resume keeps cells of an interrupted sweep.\n\n"
+        "  tandem sweep SCENE [...] --measure PATH|CHANNEL ... [--repeat PATH=LIST]\n"
+        "  tandem sweep STUDY [--set PATH=VALUE ...] [--cell NAME ...] [--jobs J] [--resume] [--out DIR] [--force] "
+        "[--json FILE]\n"
+        "      A parametric study, from options or a file (docs/runs.md): measures of each cell, with plots. Also of "
+        "scenes\n"
+        "      of particles alone and of bodies alone.\n"
+        "      --measure PATH         a value of summary.json: --measure wall_s.all\n"
+        "      --measure CHANNEL[@T]  a time history at T: end (default), mean, max, min, [t0,t1]: "
+        "dem:particles.count@max\n"
+        "      --repeat PATH=LIST     seeds: each cell runs with each, for mean and spread\n"
+        "      --cell NAME            only this cell of the study: --cell 'rpm=50'\n\n"
         "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--force] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
@@ -81,7 +93,8 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *budget, *json, *port, *scenarios, *dt, *n, *scheme, *jobs;
+  const char *out, *budget, *json, *port, *scenarios, *dt, *n, *scheme, *jobs, *repeat;
+  tdm_words measure, cell;
   bool force, strict, resume, full, live;
 } arguments;
 
@@ -94,6 +107,9 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--n", .value = &a->n},
                                 {.name = "--scheme", .value = &a->scheme},
                                 {.name = "--jobs", .value = &a->jobs},
+                                {.name = "--measure", .words = &a->measure},
+                                {.name = "--repeat", .value = &a->repeat},
+                                {.name = "--cell", .words = &a->cell},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
@@ -123,6 +139,9 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
                  {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
                  {.name = "--jobs", .given = a->jobs != NULL, .known = sweep || verify},
                  {.name = "--resume", .given = a->resume, .known = sweep},
+                 {.name = "--measure", .given = a->measure.n > 0, .known = sweep},
+                 {.name = "--repeat", .given = a->repeat != NULL, .known = sweep},
+                 {.name = "--cell", .given = a->cell.n > 0, .known = sweep},
                  {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
@@ -233,35 +252,94 @@ static tdm_status command_verify(const arguments *a, tdm_error *err) {
   return cpl_verify_all(&options, err);
 }
 
-/* the axes of a sweep, in the order dt, n, scheme, --set */
+/* PATH=LIST of an option: the path (TDM_PATH_MAX bytes), and where the list begins; NULL after an error */
+static const char *read_list(const char *option, const char *text, char *path, tdm_error *err) {
+  const char *equals = strchr(text, '=');
+  if (!equals || equals == text || equals - text >= TDM_PATH_MAX) {
+    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s %s: write PATH=LIST", option, text);
+    return NULL;
+  }
+  snprintf(path, TDM_PATH_MAX, "%.*s", (int)(equals - text), text);
+  return equals + 1;
+}
+
+/* the axes of a sweep, in the order dt, n, scheme, --set, and its seeds */
 static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error *err) {
   const char *const lists[] = {a->dt, a->n, a->scheme}, *const paths[] = {"time.dt", "coupling.n", "coupling.scheme"};
+  char path[TDM_PATH_MAX];
   for (int i = 0; i < 3; i++)
     if (lists[i] && cpl_sweep_axis(o, paths[i], lists[i], err) != TDM_OK)
       return err->status;
   for (int i = 0; i < a->given.nset; i++) {
-    char path[TDM_PATH_MAX];
-    const char *equals = strchr(a->given.set[i], '=');
-    if (!equals || equals == a->given.set[i] || (size_t)(equals - a->given.set[i]) >= sizeof path)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: --set %s: write PATH=LIST", a->given.set[i]);
-    snprintf(path, sizeof path, "%.*s", (int)(equals - a->given.set[i]), a->given.set[i]);
-    if (cpl_sweep_axis(o, path, equals + 1, err) != TDM_OK)
+    const char *list = read_list("--set", a->given.set[i], path, err);
+    if (!list || cpl_sweep_axis(o, path, list, err) != TDM_OK)
       return err->status;
   }
-  return TDM_OK;
+  const char *seeds = a->repeat ? read_list("--repeat", a->repeat, path, err) : NULL;
+  if (seeds)
+    cpl_sweep_repeat(o, path, seeds, err);
+  return err->status;
+}
+
+/* The scene or study of a sweep, as a file: scenarios of particles alone or of bodies alone too, and files of scenarios
+ * ("tumbler/studies/speed.json"). */
+static tdm_status find_swept(const arguments *a, char *file, size_t size, tdm_error *err) {
+  static const char *const groups[] = {"dem", "mbd"};
+  if (find_scene(a, "sweep", file, size, err) == TDM_OK && access(file, F_OK) != 0) {
+    char other[4096];
+    if (tdm_find_scenario_file(other, sizeof other, file, a->scenarios, &(tdm_error){0}) == TDM_OK)
+      snprintf(file, size, "%s", other);
+  }
+  if (err->status == TDM_OK || a->given.nword != 1)
+    return err->status;
+  for (int g = 0; g < 2; g++)
+    if (tdm_find_scene(file, size, groups[g], a->given.word[0], a->scenarios, &(tdm_error){0}) == TDM_OK) {
+      *err = (tdm_error){0};
+      return TDM_OK;
+    }
+  return err->status;
+}
+
+/* what a file holds: a study, a scene for both solvers, or one for a solver alone */
+static void look_into(const char *file, bool *study, bool *alone) {
+  tdm_scene scene = {0};
+  tdm_scene_read(&scene, file, &(tdm_error){0}); /* what is wrong is told by who reads it */
+  *study = cpl_study_is(scene.root);
+  *alone = !json_object_get(scene.root, "dem") != !json_object_get(scene.root, "mbd") &&
+           !json_object_get(scene.root, "coupling");
+  tdm_scene_destroy(&scene);
+}
+
+static tdm_status sweep_study(const arguments *a, cpl_sweep_options *o, tdm_error *err) {
+  if (a->dt || a->n || a->scheme || a->repeat || a->measure.n > 0)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                    "sweep: %s: --dt, --n, --scheme, --repeat and --measure go with a scene; write them into the study",
+                    o->scene);
+  o->study = o->scene;
+  o->set = a->given.set;
+  return cpl_sweep_study(o, err);
 }
 
 static tdm_status command_sweep(const arguments *a, tdm_error *err) {
   char scene[4096];
+  bool study = false, alone = false;
   cpl_sweep_options options = {
       .out = a->out ? a->out : "sweep-out", .json = a->json, .force = a->force, .resume = a->resume};
-  if (refuse(a, "sweep", false, true, false, err) != TDM_OK ||
-      find_scene(a, "sweep", scene, sizeof scene, err) != TDM_OK)
+  if (refuse(a, "sweep", false, true, false, err) != TDM_OK || find_swept(a, scene, sizeof scene, err) != TDM_OK ||
+      read_jobs(a, "sweep", &options.jobs, err) != TDM_OK)
     return err->status;
+  look_into(scene, &study, &alone);
   options.scene = scene;
   options.scenarios = scn_table;
+  options.measure = a->measure.word;
+  options.nmeasure = a->measure.n;
+  options.only = a->cell.n > 0 ? a->cell.word : NULL;
   memcpy(options.solver, solvers, sizeof solvers);
-  if (read_jobs(a, "sweep", &options.jobs, err) == TDM_OK && read_axes(a, &options, err) == TDM_OK)
+  if (study)
+    sweep_study(a, &options, err);
+  else if (read_axes(a, &options, err) == TDM_OK && (alone || a->measure.n > 0 || a->repeat || a->cell.n > 0))
+    cpl_sweep_study(&options, err);
+  else if (err->status == TDM_OK)
     cpl_sweep(&options, err);
   cpl_sweep_free(&options);
   return err->status;

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/cells/cells.h"
 
+#include "coupler/cells/jobs.h"
 #include "protocol/app/command_line.h"
 #include "protocol/math/hash.h"
 
@@ -21,23 +22,51 @@ static uint64_t bed_hash(json_t *root) {
   static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema", "parameters"};
   for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
     json_object_del(root, others[i]);
+  json_object_del(json_object_get(root, "dem"), "threads");
   char *text = json_dumps(root, JSON_COMPACT | JSON_SORT_KEYS);
   uint64_t hash = text ? tdm_hash_bytes(TDM_HASH_START, text, strlen(text)) : 0;
   free(text);
   return hash;
 }
 
-void cpl_cell_share_bed(const cpl_cells *cells, cpl_cell *cell) {
-  tdm_scene scene = {0};
+void cpl_cell_share_bed(const cpl_cells *cells, cpl_cell *cell, json_t *scene) {
   char file[4200];
-  cpl_cell_scene(cell, &scene, &(tdm_error){0});
-  bool ours = tdm_scene_value(scene.root, "dem.settle") && !tdm_scene_value(scene.root, key) &&
-              !tdm_scene_value(scene.root, "coupling.solvers.dem");
-  uint64_t hash = ours ? bed_hash(scene.root) : 0;
+  bool ours = tdm_scene_value(scene, "dem.settle") && !tdm_scene_value(scene, key) &&
+              !tdm_scene_value(scene, "coupling.solvers.dem");
+  uint64_t hash = ours ? bed_hash(scene) : 0;
   snprintf(file, sizeof file, "%s/bed_%016llx", cells->out, (unsigned long long)hash);
   if (hash) /* without memory every cell settles its own */
     cell->store = cpl_cell_add(cell, key, file, &(tdm_error){0});
-  tdm_scene_destroy(&scene);
+}
+
+/* ---- settling, by the solver's program where it runs alone ---- */
+
+typedef struct {
+  const cpl_cell *cell;
+  const char *const *set;
+} bed_work;
+
+static bool begin(void *context, int i) {
+  (void)context;
+  (void)i;
+  return true;
+}
+
+static int work(void *context, int i) {
+  const bed_work *bed = context;
+  (void)i;
+  return cpl_cell_become(bed->cell, "check", bed->set);
+}
+
+static void end(void *context, int i, int status, double seconds) {
+  (void)context;
+  (void)i;
+  (void)status;
+  (void)seconds;
+}
+
+static void check_alone(const cpl_cell *cell, const char *const *set) {
+  cpl_jobs_run(&(cpl_jobs){1, 1, &(bed_work){cell, set}, begin, work, end});
 }
 
 /* Settle and stop. What has nothing to do with the bed may be wrong in this cell: it is left out. */
@@ -52,6 +81,10 @@ static void make_bed(const cpl_cells *cells, const cpl_cell *cell) {
   set[nset] = NULL;
   snprintf(out, sizeof out, "%s/bed-out", cells->out);
   fprintf(stderr, "tandem: settling the bed\n");
+  if (cell->program) {
+    check_alone(cell, set);
+    return;
+  }
   cpl_run_options run = {.scene = cell->scene, .set = set, .out = out, .force = true, .quiet = true, .check = true};
   memcpy(run.solver, cells->solver, sizeof run.solver);
   cpl_run(&run, &(cpl_run_result){0}, &(tdm_error){0});

@@ -37,15 +37,20 @@ static json_t *scheme_of(const cpl_cell *cell, const tdm_scene *scene) {
   return scheme;
 }
 
-json_t *cpl_cell_row(const cpl_cells *cells, const cpl_cell *cell, const char *status, const char *reason) {
-  tdm_scene scene = {0};
-  const cpl_scenario *scenario = scene_of(cells, cell, &scene);
-  json_t *settings = json_object(), *r2 = json_object(), *nse = json_object();
+/* Its own settings with the values that the scene has. */
+static json_t *settings_of(const cpl_cell *cell, const tdm_scene *scene) {
+  json_t *settings = json_object();
   for (int k = 0; k < cell->nset; k++) {
     char path[TDM_PATH_MAX];
     snprintf(path, sizeof path, "%.*s", (int)strcspn(cell->set[k], "="), cell->set[k]);
-    json_object_set_new(settings, path, value_at(&scene, path));
+    json_object_set_new(settings, path, value_at(scene, path));
   }
+  return settings;
+}
+
+/* What a row of a co-simulation has besides. */
+static json_t *coupled_row(const cpl_cell *cell, const cpl_scenario *scenario, const tdm_scene *scene) {
+  json_t *r2 = json_object(), *nse = json_object();
   for (int i = 0; scenario && i < 3 && scenario->state[i]; i++) {
     json_object_set_new(r2, scenario->state[i], json_null());
     json_object_set_new(nse, scenario->state[i], json_null());
@@ -56,10 +61,17 @@ json_t *cpl_cell_row(const cpl_cells *cells, const cpl_cell *cell, const char *s
     json_object_set_new(r2, scenario->load, json_null());
     json_object_set_new(r2, mean, json_null());
   }
-  json_t *row =
-      json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:n, s:n, s:n, s:o, s:o, s:n}", "dt", value_at(&scene, "time.dt"), "n",
-                value_at(&scene, "coupling.n"), "scheme", scheme_of(cell, &scene), "settings", settings, "status",
-                status, "reason", reason, "wall_s", "simulated_s", "window_s", "r2", r2, "nse", nse, "energy_residual");
+  return json_pack("{s:o, s:o, s:n, s:o, s:o, s:n}", "n", value_at(scene, "coupling.n"), "scheme",
+                   scheme_of(cell, scene), "window_s", "r2", r2, "nse", nse, "energy_residual");
+}
+
+json_t *cpl_cell_row(const cpl_cells *cells, const cpl_cell *cell, const char *status, const char *reason) {
+  tdm_scene scene = {0};
+  const cpl_scenario *scenario = scene_of(cells, cell, &scene);
+  json_t *row = json_pack("{s:o, s:o, s:s, s:s, s:n, s:n}", "dt", value_at(&scene, "time.dt"), "settings",
+                          settings_of(cell, &scene), "status", status, "reason", reason, "wall_s", "simulated_s");
+  if (!cell->program)
+    json_object_update_new(row, coupled_row(cell, scenario, &scene));
   tdm_scene_destroy(&scene);
   return row;
 }
@@ -80,10 +92,10 @@ static double time_of_loss(const cpl_table *dem) {
   return NAN;
 }
 
-static void look_for_doubts(const cpl_cell *cell, json_t *row, const json_t *summary) {
+void cpl_cell_doubt(const cpl_cell *cell, json_t *row, const json_t *summary) {
   char file[4352], reason[160];
   cpl_table dem = {0};
-  snprintf(file, sizeof file, "%s/dem.csv", cell->dir);
+  snprintf(file, sizeof file, "%s/%s", cell->dir, cell->program ? "channels.csv" : "dem.csv");
   cpl_table_read(&dem, file, NULL);
   double loss = time_of_loss(&dem);
   const json_t *gained = tdm_scene_value(summary, "ledger.gained_at_s");
@@ -140,7 +152,7 @@ json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell) {
   if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC)) {
     json_t *summary = tdm_results_read(cell->dir, "summary.json", &(tdm_error){0});
     const json_t *residual = tdm_scene_value(summary, "ledger.energy_residual");
-    look_for_doubts(cell, row, summary);
+    cpl_cell_doubt(cell, row, summary);
     json_object_set_new(row, "energy_residual", residual ? json_copy((json_t *)residual) : json_null());
     json_object_set_new(row, "window_s", json_real((result.loop - result.step[CPL_DEM]) / (double)result.windows));
     json_decref(summary);

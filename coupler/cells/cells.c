@@ -94,11 +94,20 @@ static bool names_fit(const json_t *group) {
 }
 
 /* A row as cells write it: its names become names of files and words of gnuplot. */
-static bool is_row(const json_t *row) {
+static bool is_row(const cpl_cell *cell, const json_t *row) {
   const char *scheme = json_string_value(json_object_get(row, "scheme"));
   const char *status = json_string_value(json_object_get(row, "status"));
-  return scheme && status && cpl_name_fits_file(scheme) && strlen(scheme) <= 32 && cpl_name_fits_file(status) &&
-         names_fit(json_object_get(row, "r2")) && names_fit(json_object_get(row, "nse"));
+  if (!status || !cpl_name_fits_file(status))
+    return false;
+  return cell->program || (scheme && cpl_name_fits_file(scheme) && strlen(scheme) <= 32 &&
+                           names_fit(json_object_get(row, "r2")) && names_fit(json_object_get(row, "nse")));
+}
+
+/* The same but for threads, on which nothing depends. */
+static bool same_scene(json_t *a, json_t *b) {
+  json_object_del(json_object_get(a, "dem"), "threads");
+  json_object_del(json_object_get(b, "dem"), "threads");
+  return json_equal(a, b);
 }
 
 /* The row of an earlier run of the cell, if it was of the very same scene. */
@@ -111,10 +120,10 @@ static json_t *earlier_row(const cpl_cell *cell) {
   json_t *before = json_load_file(file, 0, NULL);
   if (before && cpl_cell_scene(cell, &scene, &err) == TDM_OK) {
     row_file(cell, file, sizeof file);
-    if (json_equal(before, scene.written))
+    if (same_scene(before, scene.written))
       row = json_load_file(file, 0, NULL);
     const char *status = json_string_value(json_object_get(row, "status"));
-    if (row && (!is_row(row) || strcmp(status, "failed") == 0)) { /* what failed is tried again */
+    if (row && (!is_row(cell, row) || strcmp(status, "failed") == 0)) { /* what failed is tried again */
       json_decref(row);
       row = NULL;
     }
@@ -149,6 +158,8 @@ static int run_cell(void *context, int i) {
   const cpl_cells *cells = ((const cell_work *)context)->cells;
   const cpl_cell *cell = &cells->cell[i];
   char file[4352];
+  if (cell->program)
+    return cpl_cell_become(cell, "run", (const char *const *)cell->set);
   row_file(cell, file, sizeof file);
   json_t *row = cpl_cell_run(cells, cell);
   tdm_make_directory(cell->dir, NULL); /* a scene that is refused has made none */
@@ -162,23 +173,34 @@ static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds
           reason && *reason ? ", " : "", reason ? reason : "", seconds);
 }
 
-/* A cell that was tried: its row, or why there is none. */
+/* The row of a cell whose process left none. */
+static json_t *late_row(const cpl_cells *cells, const cpl_cell *cell, int status) {
+  char reason[96];
+  if (cell->program && status != -1)
+    return cpl_cell_alone_row(cells, cell, status);
+  if (status == -1)
+    snprintf(reason, sizeof reason, "no process could be made for this cell");
+  else if (WIFSIGNALED(status))
+    snprintf(reason, sizeof reason, "the cell's process was ended by signal %d", WTERMSIG(status));
+  else
+    snprintf(reason, sizeof reason, "the cell's results cannot be written into its directory");
+  return cpl_cell_row(cells, cell, "failed", reason);
+}
+
+/* A cell that was tried: its row. One that was interrupted has none. */
 static void end_cell(void *context, int i, int status, double seconds) {
   cell_work *work = context;
   cpl_cell *cell = &work->cells->cell[i];
-  char file[4352], reason[96];
+  const bool whole = status != -1 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  char file[4352];
   row_file(cell, file, sizeof file);
   cell->row = status == -1 ? NULL : json_load_file(file, 0, NULL);
-  if (!cell->row && tdm_interrupted)
+  if (!cell->row && tdm_interrupted && !(whole && cell->program))
     return;
   if (!cell->row) {
-    if (status == -1)
-      snprintf(reason, sizeof reason, "no process could be made for this cell");
-    else if (WIFSIGNALED(status))
-      snprintf(reason, sizeof reason, "the cell's process was ended by signal %d", WTERMSIG(status));
-    else
-      snprintf(reason, sizeof reason, "the cell's results cannot be written into its directory");
-    cell->row = cpl_cell_row(work->cells, cell, "failed", reason);
+    cell->row = late_row(work->cells, cell, status);
+    if (cell->program)
+      json_dump_file(cell->row, file, JSON_INDENT(2)); /* where that fails it is run again */
   }
   print_cell(cell, ++work->done, work->cells->ncell, seconds);
 }
@@ -208,17 +230,36 @@ static tdm_status check_scenes(const cpl_cells *cells, tdm_error *err) {
   return err->status;
 }
 
+/* Cells side by side share the processors. */
+static void limit_threads(const cpl_cells *cells, cpl_cell *cell, const json_t *scene, tdm_error *err) {
+  static const char path[] = "dem.threads";
+  for (int k = 0; k < cell->nset; k++)
+    if (strncmp(cell->set[k], path, strlen(path)) == 0 && cell->set[k][strlen(path)] == '=')
+      return;
+  if (cells->jobs > 1 && cells->ncell > 1 && json_number_value(tdm_scene_value(scene, path)) > 1)
+    cpl_cell_add(cell, path, "1", err);
+}
+
+/* Who runs it, what it shares with others, and what is there of it. */
+static void prepare_cell(const cpl_cells *cells, cpl_cell *cell, tdm_error *err) {
+  tdm_scene scene = {0};
+  cpl_cell_scene(cell, &scene, &(tdm_error){0});
+  cell->program = cpl_cell_program_of(cells, scene.root);
+  limit_threads(cells, cell, scene.root, err);
+  cpl_cell_share_bed(cells, cell, scene.root);
+  tdm_scene_destroy(&scene);
+  if (cells->resume)
+    cell->row = earlier_row(cell);
+}
+
 static tdm_status prepare(cpl_cells *cells, tdm_error *err) {
   char dir[4200];
   snprintf(dir, sizeof dir, "%s/cells", cells->out);
   if (check_scenes(cells, err) != TDM_OK || tdm_make_directory(dir, err) != TDM_OK)
     return err->status;
-  for (int i = 0; i < cells->ncell; i++) {
-    cpl_cell_share_bed(cells, &cells->cell[i]);
-    if (cells->resume)
-      cells->cell[i].row = earlier_row(&cells->cell[i]);
-  }
-  return TDM_OK;
+  for (int i = 0; i < cells->ncell && err->status == TDM_OK; i++)
+    prepare_cell(cells, &cells->cell[i], err);
+  return err->status;
 }
 
 tdm_status cpl_cells_run(cpl_cells *cells, tdm_error *err) {

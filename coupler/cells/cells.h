@@ -4,6 +4,9 @@
  *   OUT/bed_<hash>       the settled bed that cells share (one for each combination of other settings)
  *   OUT/cells/<name>/    result directory of a cell, its comparison, and row.json, which `resume` reads
  *
+ * A scene of particles alone or of bodies alone is run by the solver's program, whose words are in run.log then. Where
+ * cells run side by side each has one thread for its particles (dem.threads): results do not depend on it.
+ *
  * A cell that fails or is unstable is a result, not a failure of the whole.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
@@ -19,6 +22,7 @@ typedef struct {
   char name[512];                   /* "dt=1e-5 n=10 scheme=lommen" */
   char dir[4096];                   /* its result directory */
   const char *scene;                /* file, borrowed */
+  const char *program;              /* solver that runs it alone, borrowed; NULL: both, coupled */
   int nset;                         /* settings of its own: what its row tells */
   char *set[CPL_CELL_SETTINGS + 3]; /* "path=value" of these, then what cells add themselves; NULL-terminated, owned */
   const char *store;                /* the stored bed's among them, NULL: none */
@@ -57,8 +61,9 @@ tdm_status cpl_cell_scene(const cpl_cell *cell, tdm_scene *scene, tdm_error *err
 
 /* ---- the settled bed (cell_bed.c) ---- */
 
-/* Let a cell take its bed from a file that all cells with the same bed share. Only tandem's own DEM knows the key. */
-void cpl_cell_share_bed(const cpl_cells *cells, cpl_cell *cell);
+/* Let a cell take its bed from a file that all cells with the same bed share: its name is the hash of all of the cell's
+ * scene (which loses the rest) that is neither time, coupling nor output. Only tandem's own DEM knows the key. */
+void cpl_cell_share_bed(const cpl_cells *cells, cpl_cell *cell, json_t *scene);
 
 /* Settle once for each bed, before cells run side by side. A bed that cannot be made fails in its cells, with words. */
 void cpl_cells_make_beds(const cpl_cells *cells);
@@ -70,5 +75,21 @@ json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell);
 
 /* The row of a cell that has no numbers. */
 json_t *cpl_cell_row(const cpl_cells *cells, const cpl_cell *cell, const char *status, const char *reason);
+
+/* Look for what a run that came to its end may still have: particles that left, energy that grew. `summary` is its
+ * summary.json. */
+void cpl_cell_doubt(const cpl_cell *cell, json_t *row, const json_t *summary);
+
+/* ---- one cell that a solver runs alone (cell_alone.c) ---- */
+
+/* The program for a scene, borrowed from the solvers; NULL: both are needed. */
+const char *cpl_cell_program_of(const cpl_cells *cells, const json_t *scene);
+
+/* In a process of its own: become the cell's program with "run" or "check" and these settings. Returns only when that
+ * fails: the exit status. */
+int cpl_cell_become(const cpl_cell *cell, const char *command, const char *const *set);
+
+/* The row of a cell whose process has ended with a status as waitpid gives it (new reference). */
+json_t *cpl_cell_alone_row(const cpl_cells *cells, const cpl_cell *cell, int wait_status);
 
 #endif

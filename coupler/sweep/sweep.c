@@ -27,13 +27,7 @@ static bool same_value(const char *a, const char *b) {
   return same;
 }
 
-tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
-  if (o->naxis == CPL_AXES_MAX - 1 || strlen(path) >= TDM_PATH_MAX)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: at most %d axes", CPL_AXES_MAX - 1);
-  for (int a = 0; a < o->naxis; a++)
-    if (strcmp(o->axis[a].path, path) == 0)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s is given twice", path);
-  cpl_axis *axis = &o->axis[o->naxis++];
+static tdm_status cut_list(cpl_axis *axis, const char *path, const char *list, tdm_error *err) {
   snprintf(axis->path, sizeof axis->path, "%s", path);
   const char *start = list;
   int depth = 0;
@@ -67,10 +61,29 @@ tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *li
   }
 }
 
+tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
+  if (o->naxis == CPL_AXES_MAX - 1 || strlen(path) >= TDM_PATH_MAX)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: at most %d axes", CPL_AXES_MAX - 1);
+  for (int a = 0; a < o->naxis; a++)
+    if (strcmp(o->axis[a].path, path) == 0)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s is given twice", path);
+  return cut_list(&o->axis[o->naxis++], path, list, err);
+}
+
+tdm_status cpl_sweep_repeat(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
+  return cut_list(&o->repeat, path, list, err);
+}
+
+static void free_axis(cpl_axis *axis) {
+  for (int i = 0; i < axis->nvalue; i++)
+    free(axis->value[i]);
+  axis->nvalue = 0;
+}
+
 void cpl_sweep_free(cpl_sweep_options *o) {
   for (int a = 0; a < o->naxis; a++)
-    for (int i = 0; i < o->axis[a].nvalue; i++)
-      free(o->axis[a].value[i]);
+    free_axis(&o->axis[a]);
+  free_axis(&o->repeat);
   o->naxis = 0;
 }
 

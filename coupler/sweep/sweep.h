@@ -1,4 +1,5 @@
-/* `tandem sweep`: a grid of runs of one scene, as [L18] Table II.
+/* `tandem sweep`: a grid of runs of one scene by error and run time, as [L18] Table II; or a study (study/study.h),
+ * from its file or from options.
  *
  *   out/cells/<name>/     result directory of a cell (cells/cells.h)
  *   out/sweep.json, sweep.csv, table.html, heat_<state>.png, heat_energy.png, cost.png,
@@ -25,21 +26,34 @@ typedef struct {
   const char *scene; /* file */
   int naxis;
   cpl_axis axis[CPL_AXES_MAX];
+  /* of a study */
+  const char *study;          /* its file, NULL: options instead */
+  const char *const *set;     /* "path=value" for all cells of the file's study; NULL-terminated, may be NULL */
+  const char *const *only;    /* names of its cells that are wanted; NULL-terminated, NULL: all */
+  cpl_axis repeat;            /* seeds; without values: none */
+  const char *const *measure; /* (nmeasure) paths of summary.json, or channels */
+  int nmeasure;
+  /* of both */
   int jobs;    /* cells at a time */
   bool force;  /* replace the results of an earlier sweep there */
   bool resume; /* keep the rows that are there */
   const char *out;
-  const char *json; /* further copy of sweep.json, NULL: none */
+  const char *json; /* further copy of sweep.json or study.json, NULL: none */
   const cpl_scenario *scenarios;
   cpl_solver solver[CPL_NROLE];
 } cpl_sweep_options;
 
 /* Cut "1e-5,1e-4" (commas inside brackets, braces and quotes do not count) into an axis, added to the options. */
 tdm_status cpl_sweep_axis(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);
+/* The same as the seeds. */
+tdm_status cpl_sweep_repeat(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);
 void cpl_sweep_free(cpl_sweep_options *options);
 
 /* Run the grid. TDM_OK when every cell was tried, whatever became of it. */
 tdm_status cpl_sweep(const cpl_sweep_options *options, tdm_error *err);
+
+/* The same judged by measures: a study. */
+tdm_status cpl_sweep_study(const cpl_sweep_options *options, tdm_error *err);
 
 /* ---- results (sweep_report.c) ---- */
 

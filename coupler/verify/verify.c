@@ -176,6 +176,47 @@ tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_
   return tdm_interrupted ? tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted") : TDM_OK;
 }
 
+/* ---- studies ---- */
+
+/* What the runs of a study took, together. */
+static cpl_run_result total_of(const cpl_study *study) {
+  cpl_run_result total = {0};
+  for (int i = 0; i < study->cells.ncell; i++) {
+    const json_t *row = study->cells.cell[i].row;
+    total.wall += json_number_value(json_object_get(row, "wall_s"));
+    total.simulated += json_number_value(json_object_get(row, "simulated_s"));
+  }
+  return total;
+}
+
+/* "studies/speed.json" -> the directory "speed" of the scenario's. */
+static void study_dir(const cpl_verify *v, const char *file, char *out, size_t size) {
+  const char *name = strrchr(file, '/') ? strrchr(file, '/') + 1 : file;
+  snprintf(out, size, "%s/%.*s", v->dir, (int)strcspn(name, "."), name);
+}
+
+tdm_status cpl_verify_study(cpl_verify *v, const char *file, const cpl_verify_part *part, cpl_study *study,
+                            tdm_error *err) {
+  char name[512], path[4096], dir[4352];
+  cpl_study_options options = {.out = dir,
+                               .jobs = v->options->jobs ? v->options->jobs : cpl_jobs_processors(),
+                               .scenarios = v->options->scenario,
+                               .set = part->set,
+                               .only = part->only,
+                               .seeds = part->seeds};
+  memcpy(options.solver, v->options->solver, sizeof options.solver);
+  *study = (cpl_study){0};
+  study_dir(v, file, dir, sizeof dir);
+  snprintf(name, sizeof name, "%s/%s", v->now->scenario->name, file);
+  if (tdm_find_scenario_file(path, sizeof path, name, v->options->scenarios, err) != TDM_OK ||
+      cpl_study_read(study, path, err) != TDM_OK || tdm_make_directory(dir, err) != TDM_OK ||
+      cpl_study_run(study, &options, err) != TDM_OK)
+    return err->status;
+  v->last = total_of(study);
+  count_last(v);
+  return cpl_study_write(study, dir, NULL, err);
+}
+
 void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wall) {
   v->last = (cpl_run_result){.simulated = simulated, .wall = wall, .loop = wall};
   v->last.step[role] = wall;

@@ -7,6 +7,7 @@
 #ifndef CPL_VERIFY_VERIFY_H
 #define CPL_VERIFY_VERIFY_H
 
+#include "coupler/study/study.h"
 #include "coupler/verify/outcome.h"
 #include "protocol/app/plot.h"
 
@@ -39,6 +40,22 @@ void cpl_verify_case_set(cpl_verify_case *c, const char *format, ...) __attribut
 /* Run n cases, `at_once` at a time in processes of their own (0: as many as the command says). What became of each is
  * in its err; the return value is an error only when none can go on (interrupted, no memory). */
 tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_once, tdm_error *err);
+
+/* ---- studies ---- */
+
+/* What of a study is run, zero-initialised: all of it. */
+typedef struct {
+  const char *const *only; /* names of the cells that are wanted ("rpm=50"); NULL-terminated, NULL: all */
+  const char *const *set;  /* further "path=value" for all cells; NULL-terminated, may be NULL */
+  int seeds;               /* how many of the seeds, 0: all */
+} cpl_verify_part;
+
+/* Run a study of this scenario, `file` in its folder ("studies/speed.json"), into a directory of the study's name, as
+ * many runs at a time as the command says; its files and pictures are written there. *study holds its numbers then
+ * (cpl_study_mean, cpl_study_value); the caller frees it also after an error. What became of each cell is no error of
+ * this call. What is measured after it was measured in all of its runs. */
+tdm_status cpl_verify_study(cpl_verify *v, const char *file, const cpl_verify_part *part, cpl_study *study,
+                            tdm_error *err);
 
 /* What is measured from now on was measured in this run. */
 void cpl_verify_about(cpl_verify *v, const cpl_verify_case *c);

@@ -45,8 +45,12 @@ tdm_status tdm_arguments_read(tdm_arguments *a, const tdm_option *options, int n
     }
     if (i + 1 == argc)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s needs a value", argv[i]);
+    if (options[k].words && options[k].words->n == TDM_WORDS_MAX)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s comes more than %d times", argv[i], TDM_WORDS_MAX);
     if (options[k].value)
       *options[k].value = argv[++i];
+    else if (options[k].words)
+      options[k].words->word[options[k].words->n++] = argv[++i];
     else
       a->set[a->nset++] = argv[++i];
   }

@@ -8,11 +8,20 @@
 
 #include <stdbool.h>
 
-/* An option "--name": with a value, a flag, a flag that a whole number may follow (both), or (both NULL) one of --set,
- * which may come more than once. */
+enum { TDM_WORDS_MAX = 31 };
+
+/* Values of an option that may come more than once. */
+typedef struct {
+  const char *word[TDM_WORDS_MAX + 1]; /* borrowed, NULL-terminated */
+  int n;
+} tdm_words;
+
+/* An option "--name": with a value, a flag, a flag that a whole number may follow (both), with a value each time it
+ * comes (words), or (none of these) one of --set, which may come more than once. */
 typedef struct {
   const char *name, **value;
   bool *flag;
+  tdm_words *words;
 } tdm_option;
 
 /* Words that are no options, and the values of --set; both NULL-terminated. Free with tdm_arguments_free. */

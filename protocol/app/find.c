@@ -68,6 +68,18 @@ tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char 
                   "%s: neither a scene file nor a scenario in %s; name a file, or give --scenarios DIR", name, looked);
 }
 
+tdm_status tdm_find_scenario_file(char *out, size_t size, const char *name, const char *dir, tdm_error *err) {
+  char share[2200];
+  share_dir(share, sizeof share);
+  const char *const place[] = {dir ? dir : "scenarios", share};
+  for (int i = 0; i < (dir ? 1 : 2); i++) {
+    snprintf(out, size, "%s/%s", place[i], name);
+    if (is_file(out))
+      return TDM_OK;
+  }
+  return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: there is no such file in %s; give --scenarios DIR", name, place[0]);
+}
+
 /* ---- programs ---- */
 
 static bool is_program(const char *path) {

@@ -13,6 +13,10 @@
  * scenario of another group names the program that runs it. */
 tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir, tdm_error *err);
 
+/* A file of the scenarios, such as "tumbler/studies/speed.json": in --scenarios DIR (`dir`, may be NULL: where scenes
+ * are looked for). */
+tdm_status tdm_find_scenario_file(char *out, size_t size, const char *name, const char *dir, tdm_error *err);
+
 /* The program `name` into out: a path as it is, else beside this program or in PATH. Returns whether there is one. */
 bool tdm_find_program(char *out, size_t size, const char *name);
 

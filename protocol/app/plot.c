@@ -57,12 +57,25 @@ static void write_data(FILE *f, const tdm_plot_data *data, int number) {
   fputs("EOD\n", f);
 }
 
+/* Names in place of numbers on the x axis, with room at both ends. */
+static void write_ticks(FILE *f, const tdm_plot *plot) {
+  fputs("set xtics (", f);
+  for (int i = 0; i < plot->ntick; i++) {
+    fputs(i ? ", " : "", f);
+    write_quoted(f, plot->tick[i]);
+    fprintf(f, " %d", i);
+  }
+  fprintf(f, ")\nset xrange [-0.5:%g]\n", plot->ntick - 0.5);
+}
+
 static void write_panel(FILE *f, const tdm_plot *plot, int number) {
   write_word(f, "set title ", plot->title);
   write_word(f, "set xlabel ", plot->xlabel);
   write_word(f, "set ylabel ", plot->ylabel);
   if (plot->setup)
     fputs(plot->setup, f);
+  if (plot->ntick > 0)
+    write_ticks(f, plot);
   fputs("plot ", f);
   for (int i = 0; i < plot->ncurve; i++) {
     const tdm_curve *c = &plot->curve[i];

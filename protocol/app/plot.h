@@ -19,7 +19,9 @@ typedef struct {
 
 typedef struct {
   const char *title, *xlabel, *ylabel;
-  const char *setup; /* further gnuplot commands, each line ended: "set logscale x\n"; may be NULL */
+  const char *setup;       /* further gnuplot commands, each line ended: "set logscale x\n"; may be NULL */
+  int ntick;               /* x = 0, 1, 2 ... have names instead of numbers; 0: numbers */
+  const char *const *tick; /* (ntick) */
   int ncurve;
   const tdm_curve *curve;
 } tdm_plot;

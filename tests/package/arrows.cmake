@@ -52,6 +52,7 @@ set(coupler
   "observe scheme"
   "run live results"
   "cells contents"
+  "study"
   "verify"
   "report"
   "sweep"

@@ -189,7 +189,8 @@ static int visit(const char *path, const struct stat *status, int type, struct F
   (void)status;
   (void)where;
   size_t n = strlen(path);
-  bool scene = n > 5 && strcmp(path + n - 5, ".json") == 0 && !strstr(path, "schema") && !strstr(path, "cases.json");
+  bool scene = n > 5 && strcmp(path + n - 5, ".json") == 0 && !strstr(path, "schema") && !strstr(path, "cases.json") &&
+               !strstr(path + strlen(TANDEM_SOURCE_DIR), "/studies/");
   if (type == FTW_F && scene)
     read_scene(path);
   return 0;
