@@ -248,6 +248,31 @@ START_TEST(from_options) {
 }
 END_TEST
 
+/* A study varies names of the scene's numbers; an expression of them as a value. */
+START_TEST(parameters_of_the_scene) {
+  setup("{'scene': 'named.json', 'set': {'parameters.end': '=0.05*k'},\n"
+        " 'axes': [{'path': 'parameters.k', 'values': [2, 4]}],\n"
+        " 'measures': [{'channel': 'dem:particles.kinetic_energy', 'name': 'energy'}, {'path': "
+        "'summary.parameters.end'}]}\n");
+  ck_assert_int_eq(command("sh -c 'sed \"s/.time.: {.end.: 0.1,/\\\"parameters\\\": {\\\"k\\\": 1, \\\"end\\\": 0.1}, "
+                           "\\\"time\\\": {\\\"end\\\": \\\"=end\\\",/\" %s/scene.json >%s/named.json'",
+                           dir, dir),
+                   0);
+  ck_assert_msg(command("tandem sweep %s/study.json --out %s/s", dir, dir) == 0, "%s", command_output);
+  json_t *study = load("s/study.json");
+  near(number(study, "k=4", "energy", "mean"), energy(1000, 10, 0.2));
+  near(number(study, "k=2", "parameters.end", "mean"), 0.1);
+  json_decref(study);
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/s --resume", dir, dir), 0);
+  expect_output("2 of 2 cells are there already");
+  ck_assert_int_eq(command("sh -c 'sed -i s/parameters.k/parameters.kk/ %s/study.json'", dir), 0);
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/t", dir, dir), 1);
+  expect_output("study.json:2:");
+  expect_output("axes[0].path: \"parameters.kk\" is no place in the scene");
+  directory_remove(dir);
+}
+END_TEST
+
 /* A scene for both solvers: a block that nothing touches, with a velocity; particles that fall. */
 START_TEST(both_solvers) {
   dir = directory_with_scene(
@@ -390,4 +415,4 @@ START_TEST(verify_runs_studies) {
 END_TEST
 
 TEST_MAIN("study", a_grid_with_seeds, neighbours_and_the_spread, cases_with_labels_and_one_that_fails,
-          killed_and_resumed, from_options, both_solvers, wrong_studies, verify_runs_studies)
+          killed_and_resumed, from_options, parameters_of_the_scene, both_solvers, wrong_studies, verify_runs_studies)
