@@ -212,11 +212,11 @@ static tdm_status draw_wanted(job *j, const arguments *a, const bool *wanted, td
 tdm_status draw_again(int argc, char **argv, tdm_error *err) {
   arguments a = {0};
   job j = {0};
-  const tdm_option options[] = {{"--times", &a.times, NULL},
-                                {"--view", &a.view, NULL},
-                                {"--out", &a.out, NULL},
-                                {"--set", NULL, NULL},
-                                {"--all", NULL, &a.all}};
+  const tdm_option options[] = {{.name = "--times", .value = &a.times},
+                                {.name = "--view", .value = &a.view},
+                                {.name = "--out", .value = &a.out},
+                                {.name = "--set"},
+                                {.name = "--all", .flag = &a.all}};
   if (tdm_arguments_read(&a.given, options, 5, "tandem", argc, argv, err) == TDM_OK &&
       begin(&j, &a, "draw", err) == TDM_OK) {
     bool *wanted = calloc((size_t)j.frames.count, sizeof *wanted);
@@ -309,11 +309,11 @@ tdm_status draw_movie(int argc, char **argv, tdm_error *err) {
   int size[2] = {0, 0};
   double fps = 25;
   char frames[4150], out[4150];
-  const tdm_option options[] = {{"--view", &a.view, NULL},
-                                {"--out", &a.out, NULL},
-                                {"--set", NULL, NULL},
-                                {"--fps", &a.fps, NULL},
-                                {"--size", &a.size, NULL}};
+  const tdm_option options[] = {{.name = "--view", .value = &a.view},
+                                {.name = "--out", .value = &a.out},
+                                {.name = "--set"},
+                                {.name = "--fps", .value = &a.fps},
+                                {.name = "--size", .value = &a.size}};
   if (tdm_arguments_read(&a.given, options, 5, "tandem", argc, argv, err) == TDM_OK &&
       movie_rate(&a, &fps, err) == TDM_OK && begin(&j, &a, "movie", err) == TDM_OK &&
       movie_size(&j, &a, size, err) == TDM_OK) {
