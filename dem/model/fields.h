@@ -43,6 +43,7 @@
   H(velocity, PARTICLES, PARTICLES)                          \
   H(spin, PARTICLES, PARTICLES)                              \
   H(oriented, OPTION, PARTICLES)                             \
+  H(unturned, OPTION, PARTICLES)                             \
   H(still, OPTIONAL, PARTICLES)                              \
   H(orientation, OPTIONAL, PARTICLES)                        \
   H(integrator, NAME, RUN)                                   \
@@ -82,7 +83,7 @@
   F(expected_speed, "for limits that are told")              \
   F(remembers, "follows from the integrator")                \
   F(settler, "always the same")                              \
-  F(driven, "follows from flat and the groups")              \
+  F(driven, "follows from flat, unturned, the groups")       \
   F(fixes, "follows from the groups")                        \
   F(start, "names the particles' state, which goes its way") \
   F(ndriven, "follows from the bodies")                      \

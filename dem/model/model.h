@@ -196,6 +196,7 @@ typedef struct dem_model {
   double reach;         /* gap over which contacts act, for the neighbour lists [m] */
   const struct dem_integrator *integrator;
   bool oriented;                        /* the state keeps how the particles are turned */
+  bool unturned;                        /* particles do not turn: moments on them are without effect */
   bool remembers;                       /* the integrator keeps something for each particle (dem_state.memory) */
   const struct dem_integrator *settler; /* velocity Verlet, for settling */
   struct {
@@ -206,7 +207,7 @@ typedef struct dem_model {
   const char *search; /* of dem_search_names, NULL: chosen for the spheres */
   int flat;           /* axis along which particles do not move (dem.dimension 2), -1: none */
   double flat_at;     /* their coordinate along it [m] */
-  bool driven;        /* flat, or a group has forces of its own or is fixed */
+  bool driven;        /* flat, unturned, or a group has forces of its own or is fixed */
   dem_domain_def domain;
   dem_guard_def guard;
   char *start;        /* stored state that the run starts from, NULL: none */

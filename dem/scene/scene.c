@@ -21,6 +21,26 @@ static const char *choose(tdm_object *o, const char *key, const char *const *nam
   return names[i < 0 ? 0 : i];
 }
 
+static void read_rotation(dem_model *m, tdm_object *section) {
+  m->unturned = !tdm_get_bool(section, "rotation", true);
+  m->driven = m->driven || m->unturned;
+  if (m->unturned && m->oriented)
+    tdm_object_fail(section, "orientation", "is for particles that turn; remove it, or \"rotation\": false");
+}
+
+/* after particles and laws */
+static void check_rotation(const dem_model *m, tdm_object *section) {
+  bool spins = false;
+  for (int i = 0; i < m->nparticle; i++)
+    spins = spins || tdm_dot(m->spin[i], m->spin[i]) > 0;
+  if (m->unturned && spins)
+    tdm_object_fail(section, "rotation", "is false, but a particle has a spin at the start; remove the spin");
+  if (m->unturned && m->couples)
+    tdm_object_fail(section, "rotation",
+                    "is false, but contact.rolling or contact.twisting resists rotation; set them "
+                    "to \"none\"");
+}
+
 /* after the particles, which may have forces of their own */
 static void read_integrator(dem_model *m, tdm_object *section) {
   m->integrator = dem_integrator_find(m->simd, choose(section, "integrator", dem_integrator_names, 0), m->driven);
@@ -262,6 +282,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
     read_bodies(m, bodies, assignment, err);
   read_loads(m, &o);
   m->oriented = tdm_get_bool(&o, "orientation", false);
+  read_rotation(m, &o);
   json_t *particles = tdm_get_array(&o, "particles", false);
   if (!err->status)
     dem_fill_read(m, particles, err);
@@ -279,6 +300,8 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
     read_settle(m, &o);
   if (!err->status)
     dem_contact_finish(m, err);
+  if (!err->status)
+    check_rotation(m, &o);
   tdm_has(&o, "settle");
   if (m->npouring > 0 && !m->settle.wanted)
     tdm_object_fail(&o, "settle", "missing: dem.particles[%d] is poured while settling; give \"settle\" {}",

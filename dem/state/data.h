@@ -132,6 +132,11 @@ static inline int dem_chunks(int nparticle) {
   return nparticle > 0 ? (nparticle + DEM_CHUNK - 1) / DEM_CHUNK : 1;
 }
 
+enum {
+  DEM_IN_FRONT = 1, /* the particle began in front of the wall */
+  DEM_LET_GO = 2    /* the wall does not act on it until they are clear of each other (dem_shape.lets_go) */
+};
+
 /* The state: what a run changes and another run needs to go on from here bit-identically, with the histories in the
  * lists. It is copied, stored and restored by the lists of fields.h, in which every member has its row. */
 typedef struct {
@@ -155,7 +160,7 @@ typedef struct {
   dem_pace *drive;       /* model.driven: accelerations besides contacts and gravity; else none */
   dem_pace *memory;      /* what the integrator keeps (integrate.h), if anything */
   tdm_quat *orientation; /* model.oriented; else none */
-  uint8_t *front;        /* (nparticle x nwall) the particle began in front of this wall */
+  uint8_t *front;        /* (nparticle x nwall) DEM_IN_FRONT, DEM_LET_GO: the particle and this wall */
 
   /* bodies, (nbody) each */
   tdm_pose *pose;         /* now */

@@ -35,7 +35,7 @@ static inline bool dem_behind(const dem_data *d, int i, int w) {
 
 /* Is particle i behind wall w, which it began in front of? */
 static inline bool dem_through(const dem_data *d, int i, int w) {
-  return d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] && dem_behind(d, i, w);
+  return (d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] & DEM_IN_FRONT) && dem_behind(d, i, w);
 }
 
 /* Note which walls the particles from `first` on are in front of: the reference for dem_through. */
@@ -43,7 +43,7 @@ static inline void dem_mark_front(dem_data *d, int first) {
   int nwall = d->model->nwall;
   for (int i = first; i < d->state.nparticle; i++)
     for (int w = 0; w < nwall; w++)
-      d->state.front[(size_t)i * (size_t)nwall + (size_t)w] = !dem_behind(d, i, w);
+      d->state.front[(size_t)i * (size_t)nwall + (size_t)w] = dem_behind(d, i, w) ? 0 : DEM_IN_FRONT;
 }
 
 #endif

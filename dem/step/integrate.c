@@ -33,7 +33,7 @@ DEM_INLINE v8 join(v8 a, v8 b) {
 
 /* What acts besides contacts; `driven` is known when a loop is compiled. */
 typedef struct {
-  v8 gravity, free; /* free: 0 for what must not change in two dimensions, else 1 */
+  v8 gravity, free; /* free: 0 for what must not change in two dimensions or without rotation, else 1 */
   const dem_pace *drive;
 } field;
 
@@ -43,6 +43,8 @@ DEM_INLINE field field_of(const dem_data *d, const bool driven) {
   for (int a = 0; driven && a < 3; a++)
     if (m->flat >= 0)
       f.free[a == m->flat ? a : 4 + a] = 0;
+  for (int a = 0; driven && m->unturned && a < 3; a++)
+    f.free[4 + a] = 0;
   return f;
 }
 

@@ -195,6 +195,73 @@ START_TEST(one_on_its_way_is_not_hit) {
 }
 END_TEST
 
+/* Who touches the deck over a hole is through at once: nothing acts on it until it is clear of the deck, also over
+ * bars. Then the deck is there again, from below. One over a bar is thrown back. */
+START_TEST(at_once_means_at_once) {
+  rig *r = rig_of("[0,0,0]", 1, "", "'reduced'," HOLES "'radius':0.14,'zeta':0.2,'passing':'at_once'",
+                  ONE("[0,0,0.02],[9,9,9]"), 1e-6);
+  dem_data *d = r->data;
+  place(r, 0, tdm_v3(0.0087, 0.001, 0.010001), tdm_v3(2, 0.3, -0.5));
+  rig_steps(r, 30000); /* 60 mm along, over two bars */
+  ck_vector(d->state.sphere[0].position, tdm_v3(0.0687, 0.01, -0.004999), 1e-12);
+  ck_assert_int_eq(d->state.front[0] & DEM_LET_GO, DEM_LET_GO);
+  rig_steps(r, 20000);
+  ck_assert_int_eq(d->state.front[0] & DEM_LET_GO, 0);
+  place(r, 0, tdm_v3(0.014, 0.001, -0.0102), tdm_v3(0, 0, 0.5)); /* under a bar */
+  rig_steps(r, 3000);
+  ck_relative(d->state.pace[0].velocity.z, -0.5, 1e-3);
+  place(r, 0, tdm_v3(0.0089, 0.001, 0.0102), tdm_v3(0, 0, -0.5)); /* just beside the reduced hole */
+  rig_steps(r, 3000);
+  ck_relative(d->state.pace[0].velocity.z, 0.5, 1e-3);
+  rig_free(r);
+}
+END_TEST
+
+/* A particle that slides over the deck keeps its speed on the way through. One that is too large stays above. */
+START_TEST(who_slides_passes_at_once) {
+  static const struct {
+    double radius;
+    bool through;
+  } slides[] = {{0.01, true}, {0.0111, false}};
+  for (int k = 0; k < 2; k++) {
+    char fill[200];
+    snprintf(fill, sizeof fill,
+             "{'type':'list','material':'m','radius':%g,'positions':[[-0.1,0.001,%g]],'velocity':[2,0,0]}",
+             slides[k].radius, slides[k].radius);
+    rig *r =
+        rig_of("[0,0,-9.81]", 0.3, "", "'reduced'," HOLES "'radius':0.14,'zeta':0.5,'passing':'at_once'", fill, 1e-5);
+    rig_steps(r, 8000);
+    ck_relative(r->data->state.pace[0].velocity.x, 2.0, 1e-12);
+    ck_assert((r->data->state.sphere[0].position.z < 0) == slides[k].through);
+    rig_free(r);
+  }
+}
+END_TEST
+
+/* [A07] Eq. (4.29): on particles that do not turn friction is that of sliding: v = v0 - mu g t, until they rest. Those
+ * that turn end rolling, at 5/7 of the speed. */
+START_TEST(who_does_not_turn_slides) {
+  for (int turning = 0; turning < 2; turning++) {
+    rig *r =
+        rig_make(scene_json("{'gravity':[0,0,-10],'rotation':%s,'contact':{'normal':'hooke','tangential':'spring'},"
+                            "'materials':[{'name':'m','density':2500}],"
+                            "'pairs':[{'materials':['m','m'],'restitution':0.3,'stiffness':1e6,'friction':0.25}],"
+                            "'bodies':[{'name':'b','material':'m','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+                            "'particles':[{'type':'list','material':'m','radius':0.01,'positions':[[0,0,0.0099999]],"
+                            "'velocity':[1,0,0]}]}",
+                            turning ? "true" : "false"),
+                 1e-5, 0, NULL);
+    rig_steps(r, 20000);
+    const dem_pace *now = &r->data->state.pace[0];
+    ck_relative(now->velocity.x, turning ? 5.0 / 7 : 0.5, 1e-3);
+    ck_assert(turning || tdm_norm(now->spin) == 0);
+    rig_steps(r, 30000);
+    ck_near(now->velocity.x, turning ? 5.0 / 7 : 0.0, 1e-3);
+    rig_free(r);
+  }
+}
+END_TEST
+
 /* ---- bars ---- */
 
 /* A bar as the test sees it: the nearest point of its axis, or of the box around it. */
@@ -552,6 +619,7 @@ START_TEST(what_is_wrong_is_told) {
       {"'deck':'reduced'," HOLES "'radius':0.14,'zeta':1.1", "zeta", "1"},
       {"'deck':'reduced'," HOLES "'radius':0.14,'zeta':0.1,'clearance':0.001", "clearance", "remove one"},
       {"'deck':'reduced'," HOLES "'radius':0.14,'layers':2", "layers", "unknown"},
+      {"'deck':'reduced'," HOLES "'radius':0.14,'passing':'fast'", "passing", "at_once"},
       {"'deck':'wires'," HOLES "'radius':0.14,'zeta':0.5", "zeta", "unknown"},
       {"'deck':'wires'," HOLES "'radius':0.14,'layers':3", "layers", "1"},
       {"'deck':'wires'," HOLES "'radius':0.14,'thickness':0.03", "thickness", "no holes"},
@@ -568,7 +636,8 @@ START_TEST(what_is_wrong_is_told) {
 END_TEST
 
 TEST_MAIN("dem_screen", the_layout_is_that_of_the_paper, passages_are_those_of_the_models,
-          the_reduced_gap_is_a_distance, rain_passes_in_its_share, one_on_its_way_is_not_hit,
-          touches_are_those_of_all_bars, a_plate_is_flat, wires_are_cylinders, elastic_bounces_keep_the_energy,
-          a_moving_deck_is_the_same_deck, a_swinging_deck_sorts, a_deck_has_its_own_material,
-          the_number_of_holes_costs_nothing, they_are_drawn, its_sizes_are_in_the_fingerprint, what_is_wrong_is_told)
+          the_reduced_gap_is_a_distance, rain_passes_in_its_share, one_on_its_way_is_not_hit, at_once_means_at_once,
+          who_slides_passes_at_once, who_does_not_turn_slides, touches_are_those_of_all_bars, a_plate_is_flat,
+          wires_are_cylinders, elastic_bounces_keep_the_energy, a_moving_deck_is_the_same_deck, a_swinging_deck_sorts,
+          a_deck_has_its_own_material, the_number_of_holes_costs_nothing, they_are_drawn,
+          its_sizes_are_in_the_fingerprint, what_is_wrong_is_told)

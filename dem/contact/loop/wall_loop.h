@@ -155,6 +155,18 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
 
 /* ---- walls with one contact ---- */
 
+/* Has wall w let particle i go, now or before, from which it is not yet clear? */
+DEM_INLINE bool let_go(dem_data *d, int i, int w, double gap) {
+  const dem_wall *wall = &d->model->wall[w];
+  const dem_sphere *s = &d->state.sphere[i];
+  uint8_t *front = &d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w];
+  if (gap >= s->radius)
+    *front &= (uint8_t)~DEM_LET_GO;
+  else if (wall->shape->lets_go(wall, dem_wall_own(&d->state.wall[w], s->position), s->radius))
+    *front |= DEM_LET_GO;
+  return *front & DEM_LET_GO;
+}
+
 DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
   const dem_model *m = task->model;
   dem_data *d = task->data;
@@ -170,7 +182,8 @@ DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t 
       continue;
     tdm_vec3 n;
     double gap = dem_wall_sphere_gap(wall, place, s->position, s->radius, &n);
-    if (gap >= s->radius + reach || dem_wall_behind(wall, gap, s->radius))
+    const bool gone = wall->shape->lets_go && let_go(d, list->entry[k].particle, list->entry[k].wall, gap);
+    if (gone || gap >= s->radius + reach || dem_wall_behind(wall, gap, s->radius))
       close_entry(list, k, r.ncolumn);
     else
       add_to_batch(task, b, k, gap, n, r);

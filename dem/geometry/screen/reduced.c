@@ -31,9 +31,15 @@ static double column_gap(const dem_screen *s, tdm_vec3 x, double a, tdm_vec3 *in
   return fmax(du, dv);
 }
 
+bool dem_screen_over_hole(const dem_screen *s, tdm_vec3 x, double radius) {
+  const double a = dem_screen_passage(s, radius), from = hypot(x.x, x.y);
+  return a > 0 && from <= s->radius && from >= s->inner && fabs(from_middle(s, x.x)) <= a &&
+         fabs(from_middle(s, x.y)) <= a;
+}
+
 double dem_screen_reduced_gap(const dem_screen *s, tdm_vec3 x, double radius, tdm_vec3 *normal) {
   double from = dem_ring_gap(s->inner, s->radius, x, normal), passage = dem_screen_passage(s, radius);
-  if (!(passage > 0))
+  if (s->at_once || !(passage > 0))
     return from;
   tdm_vec3 into;
   double column = column_gap(s, x, passage, &into);

@@ -24,6 +24,7 @@ typedef struct {
   int deck;         /* dem_deck */
   int aisles;       /* n - 1: of holes, on each side of the middle one */
   int by_radius;    /* reduced: a particle's own radius must be inside the reduced hole too (model 1) */
+  int at_once;      /* reduced: who touches the deck over a reduced hole is through */
   int pieces;       /* of a bar: 2 where an inner circle cuts some, else 1 */
   double half;      /* w, of a hole [m] */
   double bar;       /* g [m] */
@@ -53,6 +54,9 @@ double dem_screen_passage(const dem_screen *screen, double radius);
  * hole. A centre inside leaves by the nearest surface: the gap is continuous everywhere, and so is the energy of an
  * elastic contact. */
 double dem_screen_reduced_gap(const dem_screen *screen, tdm_vec3 x, double radius, tdm_vec3 *normal);
+
+/* Is a centre at x over a reduced hole through which a sphere of this radius passes? */
+bool dem_screen_over_hole(const dem_screen *screen, tdm_vec3 x, double radius);
 
 /* ---- bars ---- */
 

@@ -8,18 +8,20 @@
 
 #include <stdlib.h>
 
-static const dem_shape wires_and_plates;
+static const dem_shape wires_and_plates, lets_go_at_once;
 
 /* ---- reading ---- */
 
 static const char *const decks[] = {
     [DEM_DECK_REDUCED] = "reduced", [DEM_DECK_WIRES] = "wires", [DEM_DECK_PLATE] = "plate"};
 static const char *const models[] = {"center", "radius"};
+static const char *const passing[] = {"fall", "at_once"};
 
 enum { AISLES_MAX = 100000 }; /* of holes, on each side of the middle one */
 
 static void read_reduced(tdm_object *o, dem_screen *s) {
   s->by_radius = tdm_get_choice(o, "model", models, 2, 0) == 1;
+  s->at_once = tdm_get_choice(o, "passing", passing, 2, 0);
   s->zeta = tdm_get_number(o, "zeta", 0, TDM_UNIT_INTERVAL);
   s->clearance = tdm_get_number(o, "clearance", -1, tdm_has(o, "clearance") ? TDM_NOT_NEGATIVE : TDM_ANY);
   if (tdm_has(o, "zeta") && tdm_has(o, "clearance"))
@@ -65,7 +67,8 @@ static void read_screen(tdm_object *o, int body, dem_wall_list *list) {
     read_reduced(o, &s);
   else
     read_bars(o, &s);
-  dem_wall wall = {.shape = s.deck == DEM_DECK_REDUCED ? &dem_shape_screen : &wires_and_plates, .body = body};
+  const dem_shape *reduced = s.at_once ? &lets_go_at_once : &dem_shape_screen;
+  dem_wall wall = {.shape = s.deck == DEM_DECK_REDUCED ? reduced : &wires_and_plates, .body = body};
   wall.point = tdm_get_vec3(o, "center", &(tdm_vec3){0, 0, 0});
   wall.turn = tdm_get_orientation(o, "orientation");
   if (o->err->status)
@@ -90,8 +93,8 @@ static void box_of_screen(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high) {
 
 static unsigned long long hash_of(const dem_wall *wall) {
   const dem_screen *s = wall->data;
-  const double numbers[] = {s->deck,  s->aisles, s->by_radius, s->half,      s->bar,  s->radius,
-                            s->inner, s->zeta,   s->clearance, s->thickness, s->layer};
+  const double numbers[] = {s->deck,   s->aisles, s->by_radius, s->at_once,   s->half,      s->bar,
+                            s->radius, s->inner,  s->zeta,      s->clearance, s->thickness, s->layer};
   return tdm_hash_bytes(TDM_HASH_START, numbers, sizeof numbers);
 }
 
@@ -159,6 +162,21 @@ const dem_shape dem_shape_screen = {
     .read = read_screen,
     .gap = gap_of_reduced,
     .sphere_gap = gap_of_sphere,
+    .box = box_of_screen,
+    .polygons = draw_screen,
+    .hash = hash_of,
+    .destroy = free,
+};
+
+static bool lets_go(const dem_wall *wall, tdm_vec3 x, double radius) {
+  return dem_screen_over_hole(wall->data, x, radius);
+}
+
+static const dem_shape lets_go_at_once = {
+    .number = 13,
+    .gap = gap_of_reduced,
+    .sphere_gap = gap_of_sphere,
+    .lets_go = lets_go,
     .box = box_of_screen,
     .polygons = draw_screen,
     .hash = hash_of,

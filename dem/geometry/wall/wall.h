@@ -105,6 +105,10 @@ struct dem_shape {
    * small ones through. It changes with x by no more than x does. NULL: as gap. */
   double (*sphere_gap)(const dem_wall *wall, tdm_vec3 x, double radius, tdm_vec3 *normal);
 
+  /* Does the wall let a sphere go that touches it with its centre at x? From then on it does not act on that sphere
+   * until the two are clear of each other. NULL: it lets none go. Only of a shape with sphere_gap. */
+  bool (*lets_go)(const dem_wall *wall, tdm_vec3 x, double radius);
+
   /* The box around the wall, its own axes. NULL: it has no end. */
   void (*box)(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high);
 
