@@ -38,8 +38,8 @@ static tdm_status cut_list(cpl_axis *axis, const char *path, const char *list, t
       continue;
     }
     quoted = *c == '"' ? !quoted : quoted;
-    depth += !quoted && (*c == '[' || *c == '{');
-    depth -= !quoted && (*c == ']' || *c == '}');
+    depth += !quoted && (*c == '[' || *c == '{' || *c == '(');
+    depth -= !quoted && (*c == ']' || *c == '}' || *c == ')');
     if (*c && (*c != ',' || depth > 0 || quoted))
       continue;
     if (c == start || axis->nvalue == CPL_VALUES_MAX)

@@ -43,7 +43,8 @@ typedef struct {
   cpl_solver solver[CPL_NROLE];
 } cpl_sweep_options;
 
-/* Cut "1e-5,1e-4" (commas inside brackets, braces and quotes do not count) into an axis, added to the options. */
+/* Cut "1e-5,1e-4" (commas inside brackets, braces, parentheses and quotes do not count) into an axis, added to the
+ * options. */
 tdm_status cpl_sweep_axis(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);
 /* The same as the seeds. */
 tdm_status cpl_sweep_repeat(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);

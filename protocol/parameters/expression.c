@@ -214,15 +214,21 @@ tdm_status tdm_expression_check(const char *text, const char *path, tdm_error *e
 
 /* ---- computing ---- */
 
+/* muParser throws when there is no memory, which C cannot catch, or calls it an internal error: look ourselves. */
+static bool there_is_memory(void) {
+  void *volatile room = malloc(1 << 18); /* volatile: compilers leave out what nobody looks at */
+  free(room);
+  return room != NULL;
+}
+
 tdm_calculator *tdm_calculator_create(tdm_error *err) {
   tdm_calculator *c = calloc(1, sizeof *c);
-  if (c)
-    c->parser = mupCreate(muBASETYPE_FLOAT);
-  if (!c || !c->parser) {
+  if (!c || !there_is_memory()) {
     free(c);
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     return NULL;
   }
+  c->parser = mupCreate(muBASETYPE_FLOAT);
   mupClearFun(c->parser);
   mupClearConst(c->parser);
   for (int i = 0; i < NCONSTANT; i++)
@@ -254,12 +260,14 @@ void tdm_calculator_bind(tdm_calculator *c, const char *name, const double *valu
 }
 
 /* muParser's codes, of muParserError.h, which is C++ */
-enum { MU_TOO_MANY = 14, MU_TOO_FEW = 15 };
+enum { MU_TOO_MANY = 14, MU_TOO_FEW = 15, MU_INTERNAL = 39 /* a lone sign, or no memory */ };
 
 static void tell_error(muParserHandle_t parser, const char *text, const char *path, tdm_error *err) {
   const int code = mupGetErrorCode(parser), at = mupGetErrorPos(parser);
   const int size = (int)strlen(text + 1);
-  if (code == MU_TOO_MANY || code == MU_TOO_FEW)
+  if (code == MU_INTERNAL && !there_is_memory())
+    tdm_fail(err, TDM_ERR_MEMORY, path, "out of memory");
+  else if (code == MU_TOO_MANY || code == MU_TOO_FEW)
     tdm_expression_fail(text, path, err, "has a function with too %s arguments", code == MU_TOO_MANY ? "many" : "few");
   else if (at < 0 || at >= size)
     tdm_expression_fail(text, path, err, "is not whole: a number, a name or the rest of a ? b : c is missing");

@@ -168,7 +168,6 @@ static json_t *resolved_scene(walk *w, json_t *root) {
 
 /* The scene is `root` (stolen), and what it was is how it was written. */
 static void take(tdm_scene *scene, json_t *root, json_t *kept) {
-  json_decref(scene->written);
   scene->written = scene->root;
   scene->root = root;
   scene->kept = json_object_size(kept) > 0 ? json_incref(kept) : NULL;
@@ -192,6 +191,8 @@ static tdm_status resolve(tdm_scene *scene, tdm_error *err) {
 
 tdm_status tdm_scene_resolve(tdm_scene *scene, tdm_error *err) {
   const unsigned long before = tdm_memory_notes();
+  if (scene->written)
+    return TDM_OK; /* it is */
   resolve(scene, err);
   return tdm_memory_since(before, NULL, err);
 }

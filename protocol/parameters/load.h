@@ -18,7 +18,7 @@
  * *scene, also after an error; tdm_scene_locate names the place of that. */
 tdm_status tdm_scene_load(tdm_scene *scene, const char *file, const char *const *set, tdm_error *err);
 
-/* Put in the parameters of a scene that was read. */
+/* Put in the parameters of a scene that was read; one that is resolved stays. */
 tdm_status tdm_scene_resolve(tdm_scene *scene, tdm_error *err);
 
 /* The stored scene of a run, as it ran: `written` (stolen) with its parameters put in (new reference). NULL stays NULL,

@@ -410,7 +410,10 @@ const json_t *tdm_scene_value_written_at(const tdm_scene *scene, const char *pat
 
 /* Say which expression gave the value at the error's place. */
 static void add_expression(const tdm_scene *scene, tdm_error *err) {
-  const char *text = json_string_value(tdm_scene_value(scene->written, err->path));
+  const json_t *value = tdm_scene_value(scene->written, err->path);
+  const char *text = json_string_value(value);
+  for (size_t i = 0; i < json_array_size(value) && !(text && text[0] == '='); i++)
+    text = json_string_value(json_array_get(value, i)); /* of a vector: its first */
   if (!text || text[0] != '=' || strncmp(err->path, "parameters.", 11) == 0)
     return;
   const size_t n = strlen(err->message);

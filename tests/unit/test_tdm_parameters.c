@@ -136,7 +136,12 @@ START_TEST(without_parameters_a_scene_stays_what_it_is) {
       load(&scene, "{'parameters': {'a': 2}, 'dem': {'x': '=a', 'y': [{'if': '=a', 'z': 3}]}}", NULL, &err), TDM_OK);
   json_t *once = json_incref(scene.root);
   ck_assert_int_eq(tdm_scene_resolve(&scene, &err), TDM_OK);
-  ck_assert(json_equal(once, scene.root));
+  ck_assert_ptr_eq(once, scene.root);
+  json_t *again = tdm_scene_as_run(json_incref(once)), *run = tdm_scene_as_run(json_incref(scene.written));
+  ck_assert(json_equal(once, again) && json_equal(once, run));
+  ck_assert_ptr_null(tdm_scene_as_run(NULL));
+  json_decref(again);
+  json_decref(run);
   json_decref(once);
   tdm_scene_destroy(&scene);
 }
@@ -277,6 +282,7 @@ START_TEST(wrong_expressions) {
   expect_wrong("  ", "is empty");
   expect_wrong("rate*", "is not whole");
   expect_wrong("rate ? 1", "is not whole");
+  expect_wrong("-", "is not whole");
   expect_wrong("1 : 2", "cannot be read at");
   expect_wrong("*2", "cannot be read at \"*2\"");
   expect_wrong("2 rate", "cannot be read at \"rate\"");
