@@ -151,6 +151,14 @@ static void measure_curves(const cpl_study *study, const cpl_study_measure *m, i
   }
 }
 
+/* Labels that would run into each other: the picture has room for about 100 letters. */
+static bool is_crowded(const cpl_factor *f) {
+  bool crowded = false;
+  for (int i = 0; i < f->nlevel; i++)
+    crowded = crowded || (int)strlen(f->level[i].label) * f->nlevel > 120;
+  return crowded;
+}
+
 static void plot_measure(const cpl_study *study, int measure, const char *out, tdm_error *err) {
   const cpl_study_measure *m = &study->measure[measure];
   const cpl_factor *f = study->nfactor > 0 ? &study->factor[0] : NULL;
@@ -180,6 +188,8 @@ static void plot_measure(const cpl_study *study, int measure, const char *out, t
     tick[i] = f->level[i].label;
   setup_line(p, nline > 1 ? "set key outside right top" : "set key below");
   setup_line(p, "set offsets graph 0.04, graph 0.04, graph 0.08, graph 0.08");
+  if (ticks && is_crowded(f))
+    setup_line(p, "set xtics rotate by -20 left\nset rmargin 14");
   if (f && f->log)
     setup_line(p, "set logscale x");
   if (m->log)
@@ -193,9 +203,19 @@ static void plot_measure(const cpl_study *study, int measure, const char *out, t
 
 /* ---- time histories ---- */
 
-/* The mean of the seeds' histories where their rows have the same times, else the first one's; 0: there is none. */
+/* Add a history to the sum of those before, without its gaps. */
+static void add_history(double *sum, double *count, const double *x, int n) {
+  for (int i = 0; i < n; i++)
+    if (isfinite(x[i])) {
+      sum[i] += x[i];
+      count[i]++;
+    }
+}
+
+/* The mean of the seeds' histories whose rows have the same times as the first one's; 0: there is none. */
 static int history_of(const cpl_study *study, int cell, const cpl_study_measure *m, double **time, double **value) {
-  int n = 0, count = 0;
+  double *count = NULL;
+  int n = 0;
   *time = *value = NULL;
   for (int s = 0; s < study->nseed; s++) {
     const cpl_cell *run = cpl_study_run_of(study, cell, s);
@@ -203,21 +223,20 @@ static int history_of(const cpl_study *study, int cell, const cpl_study_measure 
     const int rows = run ? cpl_study_history(run, m, &t, &x, &(tdm_error){0}) : 0;
     if (rows > 0 && !*time) {
       n = rows;
-      count = 1;
       *time = t;
-      *value = x;
-      continue;
+      t = NULL;
+      *value = calloc((size_t)n, sizeof **value);
+      count = calloc((size_t)n, sizeof *count);
     }
-    if (rows > 0 && rows == n && memcmp(t, *time, (size_t)n * sizeof *t) == 0) {
-      for (int i = 0; i < n; i++)
-        (*value)[i] += x[i];
-      count++;
-    }
+    if (rows > 0 && rows == n && *value && count && (!t || memcmp(t, *time, (size_t)n * sizeof *t) == 0))
+      add_history(*value, count, x, n);
     free(t);
     free(x);
   }
-  for (int i = 0; i < n; i++)
-    (*value)[i] /= count;
+  for (int i = 0; i < n && *value && count; i++)
+    (*value)[i] = count[i] > 0 ? (*value)[i] / count[i] : NAN;
+  n = *value && count ? n : 0;
+  free(count);
   return n;
 }
 

@@ -216,6 +216,17 @@ START_TEST(killed_and_resumed) {
   background_end(pid);
   expect_nothing_left(dir);
   ck_assert(!has("s/study.json"));
+  /* a signal to this process: the results so far are written */
+  const char *const again[] = {"sweep", file, "--jobs", "2", "--out", out, "--resume", NULL};
+  pid = background(dir, again);
+  WAIT_FOR(background_said(dir, "1 of 2 cells are there already"));
+  kill(pid, SIGTERM);
+  ck_assert_int_eq(background_end(pid), 130);
+  ck_assert(background_said(dir, "--resume continues the sweep"));
+  expect_nothing_left(dir);
+  json_t *half = load("s/study.json");
+  ck_assert_uint_eq(json_array_size(json_object_get(half, "cells")), 1);
+  json_decref(half);
   ck_assert_int_eq(command("sh -c 'sed -i s/1e6/0.2/ %s/study.json'", dir), 0);
   ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/s --resume", dir, dir), 0);
   expect_output("1 of 2 cells are there already");
@@ -360,6 +371,41 @@ START_TEST(wrong_studies) {
 }
 END_TEST
 
+/* Gaps of a channel count neither in means nor as extremes; means are over time, not over rows. */
+START_TEST(gaps_and_uneven_rows) {
+  setup("{}");
+  write_file(dir, "channels.csv", "time [s],a [1]\n0,nan\n1,4\n2,8\n4,2\n5,nan\n6,9\n");
+  write_file(dir, "summary.json", "{\"status\": \"TDM_OK\", \"b\": {\"c\": [1, 7]}, \"none\": null}");
+  char file[128];
+  snprintf(file, sizeof file, "%s/scene.json", dir);
+  json_t *json =
+      json_pack("{s:s, s:[{s:s, s:s}, {s:s, s:s}, {s:s, s:s}, {s:s, s:s}, {s:s, s:[f, f], s:f}, {s:s}, {s:s}]}",
+                "scene", file, "measures", "channel", "dem:a", "at", "end", "channel", "dem:a", "at", "mean", "channel",
+                "dem:a", "at", "max", "channel", "dem:a", "at", "min", "channel", "dem:a", "at", 1.5, 3.0, "factor",
+                10.0, "path", "summary.b.c[1]", "path", "summary.none");
+  cpl_study study;
+  tdm_error err = {0};
+  ck_assert_msg(cpl_study_read_json(&study, json, &err) == TDM_OK, "%s", err.message);
+  ck_assert_int_eq(cpl_cells_make(&study.cells, 1, &err), TDM_OK);
+  snprintf(study.cells.cell[0].dir, sizeof study.cells.cell[0].dir, "%s", dir);
+  study.cells.cell[0].program = "tandem-dem";
+  study.cells.cell[0].row = json_object();
+  study.run = calloc(1, sizeof *study.run);
+  ck_assert_int_eq(cpl_study_collect(&study, &err), TDM_OK);
+  /* lines 4-8 over one second, 8-2 over two; between 1.5 and 3 s 6-8, then 8-5 */
+  const double right[] = {9, (6 + 2 * 5) / 3.0, 9, 2, 10 * (0.5 * 7 + 1 * 6.5) / 1.5, 7, NAN};
+  for (int m = 0; m < 7; m++)
+    if (isnan(right[m]))
+      ck_assert_int_eq(cpl_study_value(&study, 0, m).n, 0);
+    else
+      near(cpl_study_value(&study, 0, m).mean, right[m]);
+  ck_assert_ptr_nonnull(strstr(study.measure[6].lack, "none is no number"));
+  cpl_study_free(&study);
+  json_decref(json);
+  directory_remove(dir);
+}
+END_TEST
+
 /* ---- a study of verify ---- */
 
 static tdm_status falling(cpl_verify *v, tdm_error *err) {
@@ -415,4 +461,5 @@ START_TEST(verify_runs_studies) {
 END_TEST
 
 TEST_MAIN("study", a_grid_with_seeds, neighbours_and_the_spread, cases_with_labels_and_one_that_fails,
-          killed_and_resumed, from_options, parameters_of_the_scene, both_solvers, wrong_studies, verify_runs_studies)
+          killed_and_resumed, from_options, parameters_of_the_scene, both_solvers, wrong_studies, gaps_and_uneven_rows,
+          verify_runs_studies)
