@@ -74,6 +74,15 @@ static bool thin_table(tdm_thin *thin, const cpl_table *t) {
 
 static const char key[] = "set key tmargin right horizontal samplen 2\n"; /* above: nothing is hidden */
 
+/* Components of vectors have a colour each, in all panels, also where one of them does not change. */
+static const char *style_of(const cpl_panel *p, const char *component) {
+  static const char *const styles[] = {"lines lw 1.5 lc 1", "lines lw 1.5 lc 2", "lines lw 1.5 lc 3",
+                                       "lines lw 1.5 lc 4"};
+  static const char axes[] = "xyzw";
+  const char *axis = p->vector && component[0] ? strchr(axes, component[0]) : NULL;
+  return axis ? styles[axis - axes] : "lines lw 1.5";
+}
+
 /* The panel as the next plot, with the channels that vary. false: out of memory. */
 static bool add_plot(drawing *d, const cpl_panel *p) {
   char unit[48];
@@ -89,8 +98,9 @@ static bool add_plot(drawing *d, const cpl_panel *p) {
     column[plot->ncurve] = channel->column - 1;
     snprintf(d->using[d->ncurve], sizeof d->using[d->ncurve], "1:%d", plot->ncurve + 2);
     const bool named = p->vector || p->nchannel > 1 || strcmp(p->unit, "J") == 0;
-    d->curve[d->ncurve] =
-        (tdm_curve){.using = d->using[d->ncurve], .title = named ? channel->component : "", .style = "lines lw 1.5"};
+    d->curve[d->ncurve] = (tdm_curve){.using = d->using[d->ncurve],
+                                      .title = named ? channel->component : "",
+                                      .style = style_of(p, channel->component)};
     d->ncurve++;
     plot->ncurve++;
   }

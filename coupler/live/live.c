@@ -109,6 +109,7 @@ static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cp
   if (cpl_eyes_open(&w->eyes, loop->settings, loop->session, &w->scenery, err) != TDM_OK ||
       show_run(w, outlet, err) != TDM_OK)
     return err->status;
+  fprintf(stderr, "tandem: look at the run at %s\n", cpl_server_address(w->server));
   tell(w, loop, 0, NULL, NULL);
   return look(w, 0, err);
 }
@@ -157,7 +158,6 @@ tdm_status cpl_live_open(cpl_live **live, int port, tdm_error *err) {
       .name = "live", .context = l, .open = begin, .window = window, .done = done, .failed = failed, .free = let_go};
   if (cpl_server_open(&l->server, port, stop_runner, l, err) != TDM_OK)
     return err->status;
-  fprintf(stderr, "tandem: look at the run at %s\n", cpl_server_address(l->server));
   return TDM_OK;
 }
 

@@ -12,8 +12,9 @@
 
 typedef struct cpl_live cpl_live;
 
-/* Serve at `port` of this machine, 0: a free one, before the run begins, and print the address. A viewer's stop
- * interrupts the calling thread by SIGINT. TDM_ERR_SYSTEM: the port is taken. Close it whatever happened. */
+/* Serve at `port` of this machine, 0: a free one, before the run begins; the address is printed when both solvers are
+ * ready. A viewer's stop interrupts the calling thread by SIGINT. TDM_ERR_SYSTEM: the port is taken. Close it whatever
+ * happened. */
 tdm_status cpl_live_open(cpl_live **live, int port, tdm_error *err);
 
 /* Its row among the observers of a run; lives as long as *live. */

@@ -126,6 +126,7 @@ static const struct {
     {"frames.tdv", "what the viewer, pictures and the animation are made from"},
     {"*.vtp", "what scene.pvd shows"},
     {"picture_*.png", "pictures of the run"},
+    {"picture_*.frame", "pictures that were not drawn when the run ended: tandem draw FILE.frame"},
 };
 
 static const char *what_is(const char *name) {

@@ -84,7 +84,8 @@ tdm_status tdm_row_paint(tdm_row *row, tdm_painter *p, const tdm_picture *pictur
   if (picture->view.flat)
     tdm_camera_limits(&picture->view, &frame->bounds, low, high);
   const tdm_layout layout = tdm_layout_make(picture, picture->size, low, high);
-  tdm_layout_panel(&layout, picture, panels < TDM_ROW_COLUMNS ? panels : TDM_ROW_COLUMNS, size);
+  row->columns = tdm_layout_columns(&layout, panels);
+  tdm_layout_panel(&layout, picture, row->columns, size);
   if (tdm_paint(p, picture, scenery, snapshot, frame, size, &row->panel[row->count], err) == TDM_OK)
     row->count++;
   return err->status;
@@ -93,7 +94,7 @@ tdm_status tdm_row_paint(tdm_row *row, tdm_painter *p, const tdm_picture *pictur
 tdm_status tdm_row_write(const tdm_row *row, const char *path, tdm_error *err) {
   if (row->count < 2)
     return TDM_OK;
-  int columns = row->count < TDM_ROW_COLUMNS ? row->count : TDM_ROW_COLUMNS;
+  int columns = row->count < row->columns ? row->count : row->columns;
   cairo_surface_t *all = tdm_sheets_join(row->panel, row->count, columns);
   if (!all)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %s", path);

@@ -31,9 +31,9 @@ tdm_status tdm_paint(tdm_painter *painter, const tdm_picture *picture, const tdm
 
 /* Pictures of a view that stand in one image, pictures.png: their number is known beforehand, and when there are many,
  * some are left out. Zero-initialise; free with tdm_row_free. */
-enum { TDM_ROW_PANELS = 6, TDM_ROW_COLUMNS = 6 };
+enum { TDM_ROW_PANELS = 8 };
 typedef struct {
-  int count;
+  int count, columns;
   cairo_surface_t *panel[TDM_ROW_PANELS]; /* (count) */
 } tdm_row;
 

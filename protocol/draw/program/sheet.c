@@ -11,6 +11,7 @@
 
 enum { AREA = 320000, SIDE_LEAST = 260, SIDE_MOST = 1200 }; /* of a flat view's image [pixels] */
 enum { ROW = 1400 };                                        /* width of the images in a row [pixels] */
+enum { NARROW = 560 };                                      /* in space: below, colours stand beside [pixels] */
 enum { LEFT = 62, RIGHT = 16, TOP = 34, BOTTOM = 40, BAR = 104, FREE = 16 };
 static const double text_size = 13;
 static const double ink[3] = {0.13, 0.15, 0.18};
@@ -22,7 +23,7 @@ tdm_layout tdm_layout_make(const tdm_picture *p, const int size[2], const double
   if (!p->view.flat) {
     l.width = size[0] ? size[0] : 1200;
     l.height = size[1] ? size[1] : 850;
-    l.image[0] = l.width;
+    l.image[0] = l.width < NARROW && l.width > 2 * BAR ? l.width - BAR : l.width;
     l.image[1] = l.height;
     l.bar_x = l.width - BAR + FREE / 2;
     return l;
@@ -38,6 +39,21 @@ tdm_layout tdm_layout_make(const tdm_picture *p, const int size[2], const double
   l.height = size[1] ? size[1] : l.image[1] + TOP + BOTTOM;
   l.bar_x = l.x + l.image[0] + FREE;
   return l;
+}
+
+int tdm_layout_columns(const tdm_layout *l, int count) {
+  int best = 1;
+  double least = INFINITY;
+  for (int columns = 1; columns <= count; columns++) {
+    int rows = (count + columns - 1) / columns;
+    double wide = (double)(columns * l->width) / (rows * l->height);
+    double cost = fabs(log(wide / 1.6)) + 0.5 * (columns * rows - count);
+    if (cost < least) {
+      best = columns;
+      least = cost;
+    }
+  }
+  return best;
 }
 
 void tdm_layout_panel(const tdm_layout *l, const tdm_picture *p, int columns, int size[2]) {

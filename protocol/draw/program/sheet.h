@@ -29,6 +29,9 @@ typedef struct {
 /* The layout of a sheet of this size (0: chosen; flat views: by low and high [m]). */
 tdm_layout tdm_layout_make(const tdm_picture *picture, const int size[2], const double low[2], const double high[2]);
 
+/* In how many columns so many sheets of this layout stand: few empty places, and altogether about 8 : 5. */
+int tdm_layout_columns(const tdm_layout *layout, int count);
+
 /* The size of one of the sheets that stand beside each other in so many columns, like a single one but smaller. */
 void tdm_layout_panel(const tdm_layout *layout, const tdm_picture *picture, int columns, int size[2]);
 
