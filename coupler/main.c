@@ -183,6 +183,8 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
   if (a->live && open_live(a, &live, err) == TDM_OK) {
     observers[0] = cpl_live_observer(live);
     options.observers = observers;
+    options.loaded = cpl_live_tell;
+    options.context = live;
   }
   if (err->status == TDM_OK)
     cpl_run(&options, &result, err);

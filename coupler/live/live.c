@@ -109,7 +109,6 @@ static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cp
   if (cpl_eyes_open(&w->eyes, loop->settings, loop->session, &w->scenery, err) != TDM_OK ||
       show_run(w, outlet, err) != TDM_OK)
     return err->status;
-  fprintf(stderr, "tandem: look at the run at %s\n", cpl_server_address(w->server));
   tell(w, loop, 0, NULL, NULL);
   return look(w, 0, err);
 }
@@ -159,6 +158,10 @@ tdm_status cpl_live_open(cpl_live **live, int port, tdm_error *err) {
   if (cpl_server_open(&l->server, port, stop_runner, l, err) != TDM_OK)
     return err->status;
   return TDM_OK;
+}
+
+void cpl_live_tell(void *live) {
+  fprintf(stderr, "tandem: look at the run at %s\n", cpl_server_address(((cpl_live *)live)->server));
 }
 
 const cpl_observer *cpl_live_observer(const cpl_live *live) {

@@ -12,10 +12,12 @@
 
 typedef struct cpl_live cpl_live;
 
-/* Serve at `port` of this machine, 0: a free one, before the run begins; the address is printed when both solvers are
- * ready. A viewer's stop interrupts the calling thread by SIGINT. TDM_ERR_SYSTEM: the port is taken. Close it whatever
- * happened. */
+/* Serve at `port` of this machine, 0: a free one, before the run begins. A viewer's stop interrupts the calling thread
+ * by SIGINT. TDM_ERR_SYSTEM: the port is taken. Close it whatever happened. */
 tdm_status cpl_live_open(cpl_live **live, int port, tdm_error *err);
+
+/* Print the address of a cpl_live: a run calls it when its scene has been read (cpl_run_options.loaded). */
+void cpl_live_tell(void *live);
 
 /* Its row among the observers of a run; lives as long as *live. */
 const cpl_observer *cpl_live_observer(const cpl_live *live);

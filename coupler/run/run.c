@@ -57,7 +57,9 @@ static tdm_status load(run_state *run, tdm_error *err) {
   if (tdm_results_open(&run->results, &def, err) != TDM_OK)
     return err->status;
   tdm_log_open(run->results.log, "server");
-  return tdm_results_json(&run->results, "scene.json", run->scene.written, err);
+  if (tdm_results_json(&run->results, "scene.json", run->scene.written, err) == TDM_OK && o->loaded)
+    o->loaded(o->context);
+  return err->status;
 }
 
 /* Where the server listens. ipc: a socket in a directory that only this user can enter. */

@@ -17,6 +17,8 @@ typedef struct {
   cpl_solver solver[CPL_NROLE];
   const cpl_scheme *const *schemes;     /* that the scene may name, NULL-terminated; NULL: tandem's own */
   const cpl_observer *const *observers; /* beside tandem's own, NULL-terminated; NULL: none */
+  void (*loaded)(void *context); /* called when the scene has been read, before solvers start; NULL: nobody wants it */
+  void *context;                 /* borrowed */
 } cpl_run_options;
 
 typedef struct {
