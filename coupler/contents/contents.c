@@ -18,11 +18,11 @@ static const double round_off = 1e-12; /* of the largest of its unit: what chang
 static const struct {
   const char *title, *one; /* of the group, and what stands before the name of one of its sections */
 } groups[CPL_NGROUP] = {
-    [CPL_BODIES] = {"Bodies", "body "},     [CPL_JOINTS] = {"Joints", "joint "},
-    [CPL_DRIVERS] = {"Drivers", "driver "}, [CPL_FORCES] = {"Forces", "force "},
-    [CPL_MECHANISM] = {"Mechanism", ""},    [CPL_PARTICLES] = {"Particles", ""},
-    [CPL_FLOW] = {"Sources and sinks", ""}, [CPL_EXCHANGE] = {"Exchange", "exchange: "},
-    [CPL_OTHERS] = {"Others", ""},
+    [CPL_BODIES] = {"Bodies", "body "},          [CPL_JOINTS] = {"Joints", "joint "},
+    [CPL_DRIVERS] = {"Drivers", "driver "},      [CPL_FORCES] = {"Forces", "force "},
+    [CPL_MECHANISM] = {"Mechanism", ""},         [CPL_PARTICLES] = {"Particles", ""},
+    [CPL_FLOW] = {"Sources and sinks", ""},      [CPL_SCREENING] = {"Screening", "screening: "},
+    [CPL_EXCHANGE] = {"Exchange", "exchange: "}, [CPL_OTHERS] = {"Others", ""},
 };
 
 const char *cpl_group_title(cpl_group group) {
@@ -47,7 +47,7 @@ static const struct {
   const char *kind;
   cpl_group group;
   bool object;
-  const char *section; /* without an object */
+  const char *section; /* of channels without an object */
 } kinds[] = {
     {"body", CPL_BODIES, true, NULL},
     {"joint", CPL_JOINTS, true, NULL},
@@ -55,6 +55,7 @@ static const struct {
     {"force", CPL_FORCES, true, NULL},
     {"source", CPL_FLOW, true, NULL},
     {"sink", CPL_FLOW, true, NULL},
+    {"screening", CPL_SCREENING, true, "all decks"},
     {"constraint", CPL_MECHANISM, false, "mechanism as a whole"},
     {"particles", CPL_PARTICLES, false, "particles as a whole"},
     {"balance", CPL_PARTICLES, false, "particles as a whole"},
@@ -71,7 +72,7 @@ static void channel_place(const char *name, cpl_role role, place *p) {
     if ((int)strlen(kinds[k].kind) != n || strncmp(kinds[k].kind, name, (size_t)n) != 0)
       continue;
     p->group = kinds[k].group;
-    if (!kinds[k].object) {
+    if (kinds[k].section && (!kinds[k].object || last == first)) {
       snprintf(p->section, sizeof p->section, "%s", kinds[k].section);
     } else if (last > first) {
       snprintf(p->section, sizeof p->section, "%s%s%.*s", p->group == CPL_FLOW ? kinds[k].kind : "",
@@ -122,21 +123,19 @@ static cpl_section *find_section(cpl_contents *c, const place *p) {
   return s;
 }
 
-/* The panel of the channel's quantity that has room, or a new one. Of the quantities without components only energies
- * share a panel. */
-static cpl_panel *find_panel(cpl_contents *c, cpl_section *s, const cpl_channel *channel, const char *quantity,
-                             bool vector) {
+/* The panel of the channel's quantity that has room, or a new one. */
+static cpl_panel *find_panel(cpl_contents *c, cpl_section *s, const cpl_channel *channel, const cpl_words *w) {
   const int section = (int)(s - c->section);
   for (int i = 0; i < c->npanel; i++) {
     cpl_panel *p = &c->panel[i];
-    if (p->section == section && p->table == channel->table && strcmp(p->quantity, quantity) == 0 &&
-        strcmp(p->unit, channel->unit) == 0 && p->vector == vector && p->nchannel < CPL_PANEL_CHANNELS &&
-        (vector || strcmp(channel->unit, "J") == 0))
+    if (p->section == section && p->table == channel->table && strcmp(p->quantity, w->quantity) == 0 &&
+        strcmp(p->unit, channel->unit) == 0 && p->vector == w->vector && p->nchannel < CPL_PANEL_CHANNELS &&
+        (w->vector || w->shared))
       return p;
   }
   cpl_panel *p = &c->panel[c->npanel++];
-  *p = (cpl_panel){.table = channel->table, .section = section, .vector = vector};
-  snprintf(p->quantity, sizeof p->quantity, "%s", quantity);
+  *p = (cpl_panel){.table = channel->table, .section = section, .vector = w->vector};
+  snprintf(p->quantity, sizeof p->quantity, "%s", w->quantity);
   snprintf(p->unit, sizeof p->unit, "%s", channel->unit);
   s->npanel++;
   return p;
@@ -188,7 +187,7 @@ static void add_channel(cpl_contents *c, const source *from, const char *head, i
   tell_whose(&p, &w);
   snprintf(channel->component, sizeof channel->component, "%s", w.component);
   look_at(channel, &c->table[channel->table]);
-  cpl_panel *panel = find_panel(c, find_section(c, &p), channel, w.quantity, w.vector);
+  cpl_panel *panel = find_panel(c, find_section(c, &p), channel, &w);
   panel->channel[panel->nchannel++] = c->nchannel++;
 }
 

@@ -28,21 +28,34 @@ static const struct {
 /* channels with one number */
 static const struct {
   const char *name, *unit, *words; /* unit NULL: any */
+  const char *curve;               /* what the curve is called, where curves of one quantity share a panel; else NULL */
 } scalars[] = {
-    {"rate", "rad/s", "angular velocity"},
-    {"value", "N", "force"},
-    {"value", "N m", "torque"},
-    {"sliding", NULL, "direction of sliding"},
-    {"drift", "m", "drift of the states"},
-    {"drift_angle", NULL, "drift of the states"},
-    {"count", NULL, "number of particles"},
-    {"lost", NULL, "particles lost"},
-    {"left", NULL, "particles that left the domain"},
-    {"mass", "kg", "mass"},
-    {"created", NULL, "particles created"},
-    {"waiting", NULL, "particles that wait"},
-    {"removed", NULL, "particles removed"},
-    {"number", NULL, "particles unaccounted for"},
+    {"rate", "rad/s", "angular velocity", NULL},
+    {"value", "N", "force", NULL},
+    {"value", "N m", "torque", NULL},
+    {"sliding", NULL, "direction of sliding", NULL},
+    {"drift", "m", "drift of the states", NULL},
+    {"drift_angle", NULL, "drift of the states", NULL},
+    {"count", NULL, "number of particles", NULL},
+    {"lost", NULL, "particles lost", NULL},
+    {"left", NULL, "particles that left the domain", NULL},
+    {"mass", "kg", "mass", NULL},
+    {"created", NULL, "particles created", NULL},
+    {"waiting", NULL, "particles that wait", NULL},
+    {"removed", NULL, "particles removed", NULL},
+    {"number", NULL, "particles unaccounted for", NULL},
+    {"sorted", "1", "particles that left", "sorted"},
+    {"undersized", "1", "particles that left", "undersized"},
+    {"sorted_mass", "kg", "mass that left", "sorted"},
+    {"undersized_mass", "kg", "mass that left", "undersized"},
+    {"efficiency", "%", "efficiency", "by number"},
+    {"efficiency_mass", "%", "efficiency", "by mass"},
+    {"rate", "kg/s", "output rate", "mean"},
+    {"rate_now", "kg/s", "output rate", "of late"},
+    {"share", "%", "share of undersized by mass", NULL},
+    {"fed", "1", "particles of the product", "fed"},
+    {"inside", "1", "particles of the product", "inside"},
+    {"out", "1", "particles of the product", "left by outlets"},
 };
 
 /* The length of a vector's name before its component; -1: it is none. */
@@ -82,10 +95,15 @@ cpl_words cpl_words_of(const char *name, const char *unit) {
     return w;
   }
   plain(w.component, sizeof w.component, name);
-  snprintf(w.quantity, sizeof w.quantity, "%s", strcmp(unit, "J") == 0 ? "energy" : w.component);
+  w.shared = strcmp(unit, "J") == 0;
+  snprintf(w.quantity, sizeof w.quantity, "%s", w.shared ? "energy" : w.component);
   for (size_t i = 0; i < sizeof scalars / sizeof scalars[0]; i++)
-    if (strcmp(name, scalars[i].name) == 0 && (!scalars[i].unit || strcmp(unit, scalars[i].unit) == 0))
+    if (strcmp(name, scalars[i].name) == 0 && (!scalars[i].unit || strcmp(unit, scalars[i].unit) == 0)) {
       snprintf(w.quantity, sizeof w.quantity, "%s", scalars[i].words);
+      w.shared = scalars[i].curve != NULL;
+      if (w.shared)
+        snprintf(w.component, sizeof w.component, "%s", scalars[i].curve);
+    }
   return w;
 }
 

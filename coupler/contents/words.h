@@ -9,6 +9,7 @@ typedef struct {
   char quantity[96];  /* "angular velocity" */
   char component[96]; /* "x", or what tells a scalar from others of its quantity: "kinetic" */
   bool vector;
+  bool shared; /* a scalar whose panel has others of its quantity */
 } cpl_words;
 
 /* `name`: a channel's name without what it belongs to: "wx", "com.z", "drift_angle". */

@@ -6,6 +6,7 @@
  *   ledger     ledger.csv       impulse, work, drift and energy (ledger.h)
  *   view       frames.tdv, particles_N.vtp, walls_N.vtp, mechanism_N.vtp, scene.pvd: what there is to see, if the scene
  *              asks for it (protocol/output/outputs.h)
+ *   screening  on the terminal at the end, and in summary.json: what DEM's channels of screening come to
  *   progress   on the terminal: how far the run is
  *
  * run.c writes scene.json (the scene with all overrides), summary.json and the logs.
@@ -20,6 +21,7 @@
   X(record)                  \
   X(ledger)                  \
   X(view)                    \
+  X(screening)               \
   X(progress)
 
 #define X(name) extern const cpl_observer cpl_observer_##name;

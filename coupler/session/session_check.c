@@ -183,7 +183,8 @@ static tdm_status check_scalars(const cpl_session *s, int role, const tdm_step *
                       step->t0, step->t1);
   const cpl_partner *p = &s->partner[role];
   for (int i = 0; i < r->nsample * r->nchannel; i++) {
-    const char *why = bad_numbers(&r->channel[i], 1);
+    const bool gap = isnan(r->channel[i]) && p->channel[i % r->nchannel].gaps;
+    const char *why = gap ? NULL : bad_numbers(&r->channel[i], 1);
     if (why)
       return tdm_fail(err, TDM_ERR_NUMERIC, NULL, "returned %g for the channel \"%s\" at %g s, which %s", r->channel[i],
                       p->channel[i % r->nchannel].name, step->sample_time[i / r->nchannel], why);

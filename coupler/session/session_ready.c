@@ -91,6 +91,7 @@ static void read_channels(cpl_partner *p, tdm_object *ready, tdm_error *err) {
     json_object_set_new(names, name ? name : "", json_true());
     snprintf(p->channel[i].name, sizeof p->channel[i].name, "%s", name ? name : "");
     snprintf(p->channel[i].unit, sizeof p->channel[i].unit, "%s", unit ? unit : "");
+    p->channel[i].gaps = json_is_true(json_object_get(json, "gaps"));
     p->initial[i] = json_is_number(initial) ? json_number_value(initial) : NAN;
   }
   json_decref(names);

@@ -9,6 +9,7 @@
 #include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
 #include "dem/flow/flow.h"
+#include "dem/flow/screening.h"
 #include "dem/particles/field.h"
 #include "protocol/math/hermite.h"
 
@@ -29,6 +30,7 @@ typedef struct {
   const dem_data *data;
   double mass, kinetic, potential; /* [kg], [J]; potential: only where the scene asks for energies */
   tdm_vec3 com, velocity;          /* [m], [m/s] */
+  dem_screening_balance screening; /* only where the scene has one */
 } observation;
 
 typedef struct dem_channel_row {
@@ -38,6 +40,7 @@ typedef struct dem_channel_row {
   double (*value)(const observation *o, int item, int part);
   int part; /* of a vector, a load or a list */
   course course;
+  bool gaps; /* NaN where it is not defined */
   /* What stands for the * in the name; NULL: there is none. */
   void (*item_name)(const dem_model *model, int item, char out[64]);
 } row;
@@ -86,6 +89,14 @@ static int sinks(const dem_model *m, int item) {
   return s + 1 < m->nsink ? (s + 1) * PARTS : -1;
 }
 
+static int decks(const dem_model *m, int item) {
+  return item + 1 < m->screening.ndeck ? item + 1 : -1;
+}
+
+static int with_screening(const dem_model *m, int item) {
+  return one(m->screening.ndeck > 0, item);
+}
+
 /* Loads of the samples that have channels: bodies that are not coupled and have walls; geometries of bodies that have
  * several. */
 static bool has_load(const dem_model *m, int l) {
@@ -114,6 +125,10 @@ static void sink_name(const dem_model *m, int item, char out[64]) {
     snprintf(out, 64, "%s", name);
   else
     snprintf(out, 64, "%s.class%d", name, item % PARTS - 1);
+}
+
+static void deck_name(const dem_model *m, int item, char out[64]) {
+  snprintf(out, 64, "%s", m->screening.deck[item].name);
 }
 
 static void load_name(const dem_model *m, int item, char out[64]) {
@@ -212,6 +227,61 @@ VALUE(removed_mass) {
   return item % PARTS == 0 ? s->mass : s->class_mass[item % PARTS - 1];
 }
 
+/* what a deck has given: by number 0, by mass 1 */
+VALUE(sorted) {
+  const dem_deck_state *k = &o->data->state.deck[item];
+  return part ? k->sorted_mass : (double)k->sorted;
+}
+
+VALUE(undersized) {
+  const dem_deck_state *k = &o->data->state.deck[item];
+  return part ? k->undersized_mass : (double)k->undersized;
+}
+
+VALUE(deck_efficiency) {
+  return dem_deck_efficiency(&o->data->state.deck[item], part);
+}
+
+VALUE(deck_rate) {
+  (void)part;
+  return dem_deck_rate(o->data, item);
+}
+
+VALUE(deck_rate_now) {
+  (void)part;
+  return dem_deck_rate_now(o->data, item);
+}
+
+VALUE(deck_share) {
+  (void)part;
+  return dem_deck_share(&o->data->state.deck[item]);
+}
+
+VALUE(screening_efficiency) {
+  (void)item;
+  return dem_screening_efficiency(o->data, part);
+}
+
+VALUE(fed) {
+  UNUSED;
+  return (double)o->screening.fed;
+}
+
+VALUE(inside) {
+  UNUSED;
+  return (double)o->screening.inside;
+}
+
+VALUE(out) {
+  UNUSED;
+  return (double)o->screening.out;
+}
+
+VALUE(screening_lost) {
+  UNUSED;
+  return (double)o->screening.lost;
+}
+
 VALUE(left) {
   UNUSED;
   return (double)o->data->state.ledger.left;
@@ -275,6 +345,28 @@ static const row rows[] = {
     {.name = "sink.*.removed", .unit = "1", .next = sinks, .value = removed, .item_name = sink_name},
     {.name = "sink.*.mass", .unit = "kg", .next = sinks, .value = removed_mass, .item_name = sink_name},
 
+#define DECK(of, in, what, ...) \
+  { .name = "screening.*." of, .unit = in, .next = decks, .value = what, .item_name = deck_name, __VA_ARGS__ }
+    DECK("sorted", "1", sorted, .part = 0),
+    DECK("undersized", "1", undersized, .part = 0),
+    DECK("sorted_mass", "kg", sorted, .part = 1),
+    DECK("undersized_mass", "kg", undersized, .part = 1),
+    DECK("efficiency", "%", deck_efficiency, .part = 0, .gaps = true),
+    DECK("efficiency_mass", "%", deck_efficiency, .part = 1, .gaps = true),
+    DECK("rate", "kg/s", deck_rate, .gaps = true),
+    DECK("rate_now", "kg/s", deck_rate_now, .gaps = false),
+    DECK("share", "%", deck_share, .gaps = true),
+#undef DECK
+#define SCREENING(of, in, what, ...) \
+  { .name = "screening." of, .unit = in, .next = with_screening, .value = what, __VA_ARGS__ }
+    SCREENING("efficiency", "%", screening_efficiency, .part = 0, .gaps = true),
+    SCREENING("efficiency_mass", "%", screening_efficiency, .part = 1, .gaps = true),
+    SCREENING("fed", "1", fed, .part = 0),
+    SCREENING("inside", "1", inside, .part = 0),
+    SCREENING("out", "1", out, .part = 0),
+    SCREENING("lost", "1", screening_lost, .part = 0),
+#undef SCREENING
+
     {.name = "particles.left", .unit = "1", .next = with_domain, .value = left, .course = HELD},
     {.name = "balance.number", .unit = "1", .next = with_balance, .value = balance_number, .course = HELD},
     {.name = "balance.mass", .unit = "kg", .next = with_balance, .value = balance_mass, .course = HELD},
@@ -308,6 +400,7 @@ static void name_channel(tdm_channel *channel, const row *r, const dem_model *m,
   snprintf(channel->name, sizeof channel->name, "%.*s%s%s", (int)before, r->name, of,
            r->name[before] ? r->name + before + 1 : "");
   snprintf(channel->unit, sizeof channel->unit, "%s", r->unit);
+  channel->gaps = r->gaps;
 }
 
 /* Put the channels of this scene in their places (NULL: only count them); returns how many there are. */
@@ -356,6 +449,8 @@ static observation observe(const dem_data *d) {
   }
   for (int i = 0; d->model->energy && i < d->state.nparticle; i++)
     o.potential -= d->state.mass[i] * tdm_dot(dem_field(d, i), d->state.sphere[i].position);
+  if (d->model->screening.ndeck > 0)
+    o.screening = dem_screening_balance_of(d);
   double per_mass = o.mass > 0 ? 1 / o.mass : 0;
   o.com = tdm_scale(per_mass, o.com);
   o.velocity = tdm_scale(per_mass, o.velocity);

@@ -5,6 +5,7 @@
 #include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
 #include "dem/flow/flow.h"
+#include "dem/flow/screening.h"
 #include "dem/particles/create.h"
 #include "dem/particles/field.h"
 #include "dem/scene/keys.h"
@@ -104,6 +105,7 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
   for (int c = 0; c < m->ncoupled; c++)
     e->load[c] = d->state.body_load[m->coupled_body[c]];
   begin_samples(d);
+  dem_screening_begin(d);
   int nparticle = d->state.nparticle;
   if (dem_flow(d, m->time_start, m->dt, err))
     return err->status;

@@ -3,6 +3,7 @@
 #include "dem/adapter/engine.h"
 
 #include "dem/flow/flow.h"
+#include "dem/flow/screening.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
@@ -32,8 +33,8 @@ static void sum_loads(dem_data *d, double share, tdm_vec3 fixed) {
 }
 
 /* Close the output interval: means since the sample before (which repeats if no time lies between), and channels, at
- * `share` of the present step. */
-static void close_sample(dem_engine *e, int j, double share, double dt, const dem_outcome *out) {
+ * `share` of the present step, which ends at t. */
+static void close_sample(dem_engine *e, int j, double share, double t, double dt, const dem_outcome *out) {
   dem_data *d = e->data;
   const dem_model *m = e->model;
   for (int l = 0; l <= m->nload; l++) {
@@ -44,6 +45,7 @@ static void close_sample(dem_engine *e, int j, double share, double dt, const de
   for (int c = 0; c < m->ncoupled && out->sample_load; c++)
     out->sample_load[j * m->ncoupled + c] = d->state.sample_mean[m->coupled_body[c]];
   d->state.sample_steps = 0;
+  dem_screening_watch(d, t);
   if (!out->channel)
     return;
   double *values = &out->channel[j * e->channels.count];
@@ -62,7 +64,7 @@ static void sample_step(dem_engine *e, const dem_window *w, bool last, double t,
     if (share > from)
       sum_loads(e->data, share - from, fixed);
     from = fmax(from, share);
-    close_sample(e, *sample, share, dt, out);
+    close_sample(e, *sample, share, t, dt, out);
   }
   if (from < 1)
     sum_loads(e->data, 1 - from, fixed);

@@ -11,6 +11,7 @@
 #include "protocol/app/plot.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/results/screening.h"
 #include "protocol/scene/json.h"
 
 #include <stdlib.h>
@@ -206,6 +207,9 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   json_object_update_new(json, own);
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));
+  const tdm_standalone_figures *figures = &run->alone.figures;
+  for (int c = 0; run->alone.values && c < figures->nchannel; c++)
+    tdm_screening_enter(json, figures->channel[c].name, figures->channel[c].unit, run->alone.values[c]);
   return json;
 }
 
@@ -227,6 +231,7 @@ static void conclude(tdm_standalone *alone, tdm_error *err) {
   double wall = tdm_clock() - alone->begin;
   json_t *json = summary(run, wall, err);
   tdm_results_summary(&run->alone.results, json, err);
+  tdm_screening_print(stdout, json);
   json_decref(json);
   snprintf(pairs, sizeof pairs, "steps=%llu simulated=%g wall=%.3f", (unsigned long long)run->nstep, t, wall);
   tdm_standalone_log_end(pairs, err);

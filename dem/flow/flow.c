@@ -5,6 +5,7 @@
 #include "dem/bodies/walls.h"
 #include "dem/bodies/zone.h"
 #include "dem/flow/free_space.h"
+#include "dem/flow/screening.h"
 #include "dem/particles/particles.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
@@ -207,6 +208,7 @@ static void count_out(dem_data *d, int s, int i) {
   now->mass += d->state.mass[i];
   now->class_removed[k]++;
   now->class_mass[k] += d->state.mass[i];
+  dem_screening_count(d, s, i);
 }
 
 static void run_sinks(dem_data *d) {
@@ -228,6 +230,7 @@ static void run_sinks(dem_data *d) {
 
 tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
   const dem_model *m = d->model;
+  dem_screening_step(d, t);
   if (m->nsink > 0)
     run_sinks(d);
   for (int s = 0; s < m->nsource; s++)

@@ -55,6 +55,7 @@
   H(source, SOURCES, EACH)                                   \
   H(nsink, NUMBER, RUN)                                      \
   H(sink, SINKS, EACH)                                       \
+  H(screening, SCREENING, RUN)                               \
   F(dt, "a state may go on with another step")               \
   F(proxy, "of the coupling")                                \
   F(time_start, "of the simulation")                         \
@@ -99,6 +100,7 @@
   H(young, NUMBER, MATERIALS)     \
   H(poisson, NUMBER, MATERIALS)   \
   H(density, NUMBER, RUN)         \
+  H(product, OPTION, RUN)         \
   F(name, "known by its number")  \
   F(shear, "follows from the others")
 
@@ -252,6 +254,18 @@
   H(height, BYTES, RUN)       \
   H(nedge, NUMBER, RUN)       \
   H(edge, BYTES, RUN)         \
+  F(name, "known by its number")
+
+/* only of scenes that have it */
+#define DEM_SCREENING_FIELDS(H, F) \
+  H(ndeck, NUMBER, RUN)            \
+  H(deck, DECKS, RUN)              \
+  H(deck_of, BYTES, RUN)           \
+  H(start, NUMBER, RUN)            \
+  H(smoothing, NUMBER, RUN)
+
+#define DEM_DECK_FIELDS(H, F) \
+  H(sorted, NUMBER, RUN)      \
   F(name, "known by its number")
 
 #endif

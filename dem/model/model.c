@@ -40,6 +40,8 @@ void dem_model_destroy(dem_model **model) {
     free(m->source[i].name);
   for (int i = 0; m->sink && i < m->nsink; i++)
     free(m->sink[i].name);
+  for (int k = 0; m->screening.deck && k < m->screening.ndeck; k++)
+    free(m->screening.deck[k].name);
   for (int w = 0; w < m->nwall; w++)
     dem_wall_release(&m->wall[w]);
   free(m->settle.store);
@@ -48,7 +50,7 @@ void dem_model_destroy(dem_model **model) {
                     m->geometry,          m->first_triangle, m->pair,     m->settle_pair, m->body,
                     m->coupled_body,      m->wall,           m->group,    m->radius,      m->mass,
                     m->particle_material, m->position,       m->velocity, m->spin,        m->still,
-                    m->orientation};
+                    m->orientation,       m->screening.deck};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

@@ -16,6 +16,7 @@
 typedef struct {
   char *name;
   double density; /* [kg/m3] */
+  bool product;   /* dem.screening counts it */
   double young;   /* [Pa] */
   double poisson;
   double shear; /* young / (2 (1 + poisson)) [Pa] */
@@ -115,6 +116,21 @@ typedef struct {
 static inline int dem_sink_classes(const dem_sink *sink) {
   return sink->nedge > 0 ? sink->nedge + 1 : 0;
 }
+
+/* A deck of a screen by what leaves it (flow/screening.h). */
+typedef struct {
+  char *name;
+  double sorted; /* radius from which on a particle that leaves it is sorted [m] */
+} dem_screening_deck;
+
+/* What counts as screening (flow/screening.h). */
+typedef struct {
+  int ndeck;                  /* 0: the scene has no dem.screening */
+  dem_screening_deck *deck;   /* (ndeck) from the highest to the lowest */
+  int deck_of[DEM_SINKS_MAX]; /* (nsink) whose outlet a sink is, -1: of none */
+  double start;               /* what leaves from then on counts [s] */
+  double smoothing;           /* time over which output rates are smoothed [s] */
+} dem_screening_def;
 
 /* Lets particles fall into a bed while it settles (pour.h). */
 typedef struct {
@@ -249,6 +265,8 @@ typedef struct dem_model {
   int nsource, nsink;
   dem_source *source; /* (nsource) */
   dem_sink *sink;     /* (nsink) */
+
+  dem_screening_def screening;
 
   /* the particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
    * settling and have no position yet. */

@@ -6,8 +6,6 @@
  * would draw otherwise. The densest filling is the simple cubic lattice; a region that is too small for it is refused.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/scene/fill.h"
-
 #include "dem/base/sphere.h"
 #include "dem/model/cells.h"
 #include "dem/moldyn/particles.h"

@@ -10,20 +10,6 @@
 
 enum { NAME_MAX_LENGTH = 40 }; /* so that "source.NAME.waiting" is a channel's name */
 
-/* "name", which becomes part of channel names; NULL and an error when memory runs out. */
-static char *read_name(tdm_object *o) {
-  const char *name = tdm_get_string(o, "name", NULL);
-  size_t n = strlen(name);
-  bool good = n > 0 && n <= NAME_MAX_LENGTH;
-  for (size_t i = 0; i < n && good; i++)
-    good = (name[i] >= 'a' && name[i] <= 'z') || (name[i] >= 'A' && name[i] <= 'Z') ||
-           (name[i] >= '0' && name[i] <= '9') || name[i] == '_';
-  if (!good && !o->err->status)
-    tdm_object_fail(o, "name", "\"%s\" must be 1 to %d letters, digits and underscores: it names output channels", name,
-                    NAME_MAX_LENGTH);
-  return dem_copy_text(name, o->err);
-}
-
 static void refuse_same(tdm_object *o, const char *name, int same, const char *array) {
   if (same >= 0)
     tdm_object_fail(o, "name", "\"%s\" is the name of %s[%d] already; give each its own", name, array, same);
@@ -96,7 +82,7 @@ static void read_relative(const dem_model *m, tdm_object *o, dem_source *s) {
 
 static void read_source(dem_model *m, tdm_object *o) {
   dem_source *s = &m->source[m->nsource];
-  s->name = read_name(o);
+  s->name = dem_read_name(o, NAME_MAX_LENGTH);
   int same = -1;
   for (int k = 0; k < m->nsource; k++)
     if (s->name && strcmp(m->source[k].name, s->name) == 0)
@@ -203,7 +189,7 @@ static void read_sector(tdm_object *o, dem_sink *s) {
 static void read_sink(dem_model *m, tdm_object *o) {
   static const char *const types[] = {"after_contact", "box", "plane", "sector"};
   dem_sink *s = &m->sink[m->nsink];
-  s->name = read_name(o);
+  s->name = dem_read_name(o, NAME_MAX_LENGTH);
   int same = -1;
   for (int k = 0; k < m->nsink; k++)
     if (s->name && strcmp(m->sink[k].name, s->name) == 0)

@@ -21,6 +21,19 @@ char *dem_copy_text(const char *text, tdm_error *err) {
   return copy;
 }
 
+char *dem_read_name(tdm_object *o, size_t most) {
+  const char *name = tdm_get_string(o, "name", NULL);
+  size_t n = strlen(name);
+  bool good = n > 0 && n <= most;
+  for (size_t i = 0; i < n && good; i++)
+    good = (name[i] >= 'a' && name[i] <= 'z') || (name[i] >= 'A' && name[i] <= 'Z') ||
+           (name[i] >= '0' && name[i] <= '9') || name[i] == '_';
+  if (!good && !o->err->status)
+    tdm_object_fail(o, "name", "\"%s\" must be 1 to %zu letters, digits and underscores: it names output channels",
+                    name, most);
+  return dem_copy_text(name, o->err);
+}
+
 int dem_read_material(const dem_model *m, tdm_object *o) {
   const char *name = tdm_get_string(o, "material", NULL);
   int i = dem_find_material(m, name);

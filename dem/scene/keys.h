@@ -25,6 +25,10 @@ void *dem_allocate(size_t n, size_t size, tdm_error *err);
 /* A copy of a text, the caller's to free; NULL and an error when memory runs out. */
 char *dem_copy_text(const char *text, tdm_error *err);
 
+/* The key "name", at most so long, of what has channels of its own, which are named by it. The caller's to free; NULL
+ * and an error when memory runs out. */
+char *dem_read_name(tdm_object *o, size_t most);
+
 /* The key "material" of an object as an index; 0 after an error. */
 int dem_read_material(const dem_model *model, tdm_object *o);
 
@@ -34,9 +38,15 @@ int dem_read_body(const dem_model *model, tdm_object *o, const char *key);
 /* Fail at `path` because dem.bodies has no body `name`; the nearest name is suggested. */
 void dem_fail_unknown_body(const dem_model *model, const char *path, const char *name, tdm_error *err);
 
+/* "particles" (an array, may be NULL; fill.c). Materials and bodies are there already. */
+void dem_fill_read(dem_model *model, json_t *particles, tdm_error *err);
+
 /* The arrays "sources" and "sinks" (may be NULL; flow.c). Materials and bodies are there already. */
 void dem_sources_read(dem_model *model, json_t *sources, tdm_error *err);
 void dem_sinks_read(dem_model *model, json_t *sinks, tdm_error *err);
+
+/* The key "screening" of the section (screening.c). Materials and sinks are there already. */
+void dem_screening_read(dem_model *model, tdm_object *section);
 
 /* The key "domain" of the section (domain.c). */
 void dem_domain_read(dem_model *model, tdm_object *section);

@@ -5,7 +5,6 @@
 #include "dem/geometry/shape/shape.h"
 #include "dem/model/integrator.h"
 #include "dem/scene/contact.h"
-#include "dem/scene/fill.h"
 #include "dem/scene/keys.h"
 #include "dem/search/search.h"
 
@@ -294,6 +293,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
     dem_sources_read(m, sources, err);
   if (!err->status)
     dem_sinks_read(m, sinks, err);
+  dem_screening_read(m, &o);
   if (!err->status)
     dem_pairs_check(m, err);
   if (!err->status)

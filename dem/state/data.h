@@ -75,6 +75,21 @@ typedef struct {
   double class_mass[DEM_EDGES_MAX + 1];
 } dem_sink_state;
 
+/* What a deck of a screen has given (flow/screening.h). */
+typedef struct {
+  uint64_t sorted, undersized;         /* particles */
+  double sorted_mass, undersized_mass; /* [kg] */
+  double rate, rate_time;              /* smoothed output rate at the last particle [kg/s], and when that was [s] */
+} dem_deck_state;
+
+/* Screening as a whole. */
+typedef struct {
+  uint64_t initial; /* particles of the product at the start of the run */
+  uint64_t early;   /* those that left by an outlet before anything counts */
+  uint64_t lost;    /* those that left in other ways, as far as the user has been told */
+  double time;      /* of the last step boundary [s] */
+} dem_screening_state;
+
 /* What went in and out, for the balance. */
 typedef struct {
   uint64_t created, removed; /* created: with those of the start */
@@ -172,6 +187,9 @@ typedef struct {
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
+
+  dem_deck_state *deck;           /* (model.screening.ndeck) */
+  dem_screening_state *screening; /* one if there are decks, else none */
 
   double memory_dt; /* step for which memory was made [s] */
 

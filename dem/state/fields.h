@@ -29,21 +29,23 @@
 
 /* Arrays whose sizes the model fixes, one after the other in a block that is stored as it is: X(member, entries). Some
  * are of the lists or the workspace; they are made anew before they are read. */
-#define DEM_FIXED_STATE(X)                   \
-  X(state.pose, nb)                          \
-  X(state.twist, nb)                         \
-  X(state.body_load, nl)                     \
-  X(state.mobility, nb)                      \
-  X(lists.pose_at_list, nb)                  \
-  X(lists.margin, nb)                        \
-  X(lists.reach, nb)                         \
-  X(work.fast_load, nl)                      \
-  X(state.wall, nw)                          \
-  X(state.lid, nw)                           \
-  X(state.sample_sum, nl + 1)                \
-  X(state.sample_mean, nl + 1)               \
-  X(state.source, (size_t)d->model->nsource) \
-  X(state.sink, (size_t)d->model->nsink)
+#define DEM_FIXED_STATE(X)                         \
+  X(state.pose, nb)                                \
+  X(state.twist, nb)                               \
+  X(state.body_load, nl)                           \
+  X(state.mobility, nb)                            \
+  X(lists.pose_at_list, nb)                        \
+  X(lists.margin, nb)                              \
+  X(lists.reach, nb)                               \
+  X(work.fast_load, nl)                            \
+  X(state.wall, nw)                                \
+  X(state.lid, nw)                                 \
+  X(state.sample_sum, nl + 1)                      \
+  X(state.sample_mean, nl + 1)                     \
+  X(state.source, (size_t)d->model->nsource)       \
+  X(state.sink, (size_t)d->model->nsink)           \
+  X(state.deck, (size_t)d->model->screening.ndeck) \
+  X(state.screening, d->model->screening.ndeck > 0 ? 1 : 0)
 
 /* Numbers and records, in the order in which they are stored: X(object, member, type in stored states: as large as the
  * member or larger). */

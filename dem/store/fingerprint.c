@@ -87,6 +87,17 @@ HASHER(sizes, dem_sizes, DEM_SIZES_FIELDS)
 #define AS_SIZES(x) hash_sizes(h, &(x), part, 0)
 HASHER(source, dem_source, DEM_SOURCE_FIELDS)
 HASHER(sink, dem_sink, DEM_SINK_FIELDS)
+HASHER(deck, dem_screening_deck, DEM_DECK_FIELDS)
+
+static uint64_t hash_decks(uint64_t h, const dem_screening_def *s, int part) {
+  for (int i = 0; i < s->ndeck; i++)
+    h = hash_deck(h, &s->deck[i], part, i);
+  return h;
+}
+
+#define AS_DECKS(x) hash_decks(h, s, part)
+HASHER(screening, dem_screening_def, DEM_SCREENING_FIELDS)
+#define AS_SCREENING(x) ((x).ndeck > 0 ? hash_screening(h, &(x), part, 0) : h)
 
 /* ---- those of which a model has several ---- */
 

@@ -9,6 +9,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,12 +49,20 @@ static void write_word(FILE *f, const char *command, const char *text) {
   fputc('\n', f);
 }
 
+/* "nan" interrupts a line, whatever the sign of the NaN */
+static void write_number(FILE *f, double x, char end) {
+  if (isnan(x))
+    fprintf(f, "nan%c", end);
+  else
+    fprintf(f, "%.9g%c", x, end);
+}
+
 /* A plot's data as gnuplot's data block $panelN. */
 static void write_data(FILE *f, const tdm_plot_data *data, int number) {
   fprintf(f, "$panel%d << EOD\n", number);
   for (int i = 0; i < data->nrow; i++)
     for (int k = 0; k < data->ncolumn; k++)
-      fprintf(f, "%.9g%c", data->value[i * data->ncolumn + k], k + 1 < data->ncolumn ? ',' : '\n');
+      write_number(f, data->value[i * data->ncolumn + k], k + 1 < data->ncolumn ? ',' : '\n');
   fputs("EOD\n", f);
 }
 

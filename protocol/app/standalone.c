@@ -146,10 +146,11 @@ tdm_status tdm_standalone_begin(tdm_standalone *run, tdm_error *err) {
 tdm_status tdm_standalone_row(tdm_standalone *run, double t, const double *values, tdm_error *err) {
   tdm_write_row(run->channels, t, values, run->figures.nchannel);
   run->nrow++;
+  memcpy(run->values, values, (size_t)run->figures.nchannel * sizeof *run->values);
   if (run->plots)
     tdm_thin_add(&run->thin, t, values);
   for (int c = 0; c < run->figures.nchannel && run->moved; c++)
-    run->moved[c] = run->moved[c] || values[c] != 0;
+    run->moved[c] = run->moved[c] || (values[c] != 0 && !isnan(values[c]));
   double now = tdm_clock();
   if (now - run->last_flush > flush_interval) {
     run->last_flush = now;
@@ -207,6 +208,8 @@ static const char *axis_of(const char *unit) {
                                         {"N m", "moment [N m]"},
                                         {"J", "energy [J]"},
                                         {"kg", "mass [kg]"},
+                                        {"kg/s", "mass rate [kg/s]"},
+                                        {"%", "share [%]"},
                                         {"1", "number [-]"}};
   for (size_t k = 0; k < sizeof axes / sizeof axes[0]; k++)
     if (strcmp(unit, axes[k][0]) == 0)

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -192,7 +193,10 @@ FILE *tdm_results_file(const tdm_results *r, const char *name, tdm_error *err) {
 void tdm_write_row(FILE *f, double time, const double *values, int n) {
   fprintf(f, "%.12g", time);
   for (int i = 0; i < n; i++)
-    fprintf(f, ",%.17g", values[i]);
+    if (isnan(values[i])) /* whatever its sign */
+      fputs(",nan", f);
+    else
+      fprintf(f, ",%.17g", values[i]);
   fputc('\n', f);
 }
 

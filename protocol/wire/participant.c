@@ -365,8 +365,11 @@ static json_t *ready_to_json(const tdm_participant *p, const tdm_ready *ready) {
   for (int i = 0; i < ready->nchannel; i++) {
     const tdm_channel *c = &ready->channel[i];
     double initial = ready->initial[i];
-    json_array_append_new(channels, json_pack("{s:s, s:s, s:o}", "name", c->name, "unit", c->unit, "initial",
-                                              tdm_number_to_json(initial)));
+    json_t *entry =
+        json_pack("{s:s, s:s, s:o}", "name", c->name, "unit", c->unit, "initial", tdm_number_to_json(initial));
+    if (c->gaps)
+      json_object_set_new(entry, "gaps", json_true());
+    json_array_append_new(channels, entry);
   }
   for (int i = 0; i < ready->nwarning; i++)
     json_array_append_new(

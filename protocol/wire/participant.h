@@ -89,6 +89,7 @@ typedef struct {
 typedef struct {
   char name[64]; /* "joint.slider.fx": dots part, no spaces or commas */
   char unit[16]; /* "N" */
+  bool gaps;     /* its values may be NaN: not defined then */
 } tdm_channel;
 
 /* What the solver says when it has loaded its scene. All arrays are borrowed and copied into the message. */

@@ -75,7 +75,7 @@ START_TEST(a_wrong_scene_misses_its_limits) {
 END_TEST
 
 START_TEST(angles_are_counted_over_turns) {
-  tdm_channel channel[2] = {{"body.a.qw", "1"}, {"body.a.qz", "1"}};
+  tdm_channel channel[2] = {{.name = "body.a.qw", .unit = "1"}, {.name = "body.a.qz", .unit = "1"}};
   enum { N = 100 };
   double value[2 * N], angle[N];
   scn_motion m = {.nchannel = 2, .nsample = N, .channel = channel, .value = value};

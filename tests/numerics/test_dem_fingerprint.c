@@ -76,6 +76,8 @@ START_TEST(test_every_member_has_a_row) {
   IS_WHOLE(dem_sizes, DEM_SIZES_FIELDS);
   IS_WHOLE(dem_source, DEM_SOURCE_FIELDS);
   IS_WHOLE(dem_sink, DEM_SINK_FIELDS);
+  IS_WHOLE(dem_screening_def, DEM_SCREENING_FIELDS);
+  IS_WHOLE(dem_screening_deck, DEM_DECK_FIELDS);
 }
 END_TEST
 

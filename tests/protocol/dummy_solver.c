@@ -60,7 +60,7 @@ static void solve(dummy *d, const tdm_step *step, tdm_result *result) {
 }
 
 static tdm_status run(const tdm_participant_def *def, tdm_error *err) {
-  static const tdm_channel channel = {"dummy.time", "s"};
+  static const tdm_channel channel = {.name = "dummy.time", .unit = "s"};
   static const double initial = 0;
   static const tdm_wrench no_load[16];
   tdm_participant *p = NULL;

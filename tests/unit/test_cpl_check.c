@@ -50,7 +50,7 @@ typedef struct {
 } stage;
 
 static void set_up(stage *s) {
-  *s = (stage){.names = {{"arm", "bucket"}}, .announced = {"joint.pin.fx", "N"}};
+  *s = (stage){.names = {{"arm", "bucket"}}, .announced = {.name = "joint.pin.fx", .unit = "N"}};
   s->settings.nbody = 1;
   s->settings.body = &s->names;
   s->settings.scheme = cpl_schemes[0];
@@ -109,6 +109,8 @@ START_TEST(results) {
   EXPECT(s.sample.pose.orientation.w = 100, "a recorded state of body \"arm\" that has a quaternion");
   EXPECT(s.channel = NAN, "for the channel \"joint.pin.fx\" at 0.5 s, which is not finite");
   EXPECT(s.channel = 1e200, "for the channel \"joint.pin.fx\" at 0.5 s, which is too large to be squared");
+  EXPECT((s.announced.gaps = true, s.channel = NAN), "");
+  EXPECT((s.announced.gaps = true, s.channel = INFINITY), "for the channel \"joint.pin.fx\" at 0.5 s, which is not");
   EXPECT(s.acceleration[5] = 1e300, "an acceleration of body \"arm\" that is too large");
   EXPECT(s.energy.supplied = NAN, "a supplied energy");
   EXPECT(s.energy.kinetic = 1e200, "energy");

@@ -50,7 +50,7 @@
       for (const f of run.meta.channels)
         if (/^body_/.test(f.file))
           wanted.push(most(f.file, ['x', 'y', 'z']), most(f.file, ['vx', 'vy', 'vz']), most(f.file, ['fx', 'fy', 'fz']));
-      wanted.push(...channels.filter((c) => /^(balance|particles\.(count|kinetic_energy|mass)|energy\.kinetic)$/.test(c.name) && changes(c)));
+      wanted.push(...channels.filter((c) => /^(balance|screening\.(efficiency|out)|particles\.(count|kinetic_energy|mass)|energy\.kinetic)$/.test(c.name) && changes(c)));
       wanted.push(...channels.filter((c) => !/^(body_|ledger)/.test(c.file) && changes(c)));
       for (const c of wanted)
         if (c && chosen.size < CHOSEN_AT_FIRST)
