@@ -18,11 +18,17 @@ static const double round_off = 1e-12; /* of the largest of its unit: what chang
 static const struct {
   const char *title, *one; /* of the group, and what stands before the name of one of its sections */
 } groups[CPL_NGROUP] = {
-    [CPL_BODIES] = {"Bodies", "body "},          [CPL_JOINTS] = {"Joints", "joint "},
-    [CPL_DRIVERS] = {"Drivers", "driver "},      [CPL_FORCES] = {"Forces", "force "},
-    [CPL_MECHANISM] = {"Mechanism", ""},         [CPL_PARTICLES] = {"Particles", ""},
-    [CPL_FLOW] = {"Sources and sinks", ""},      [CPL_SCREENING] = {"Screening", "screening: "},
-    [CPL_EXCHANGE] = {"Exchange", "exchange: "}, [CPL_OTHERS] = {"Others", ""},
+    [CPL_BODIES] = {"Bodies", "body "},
+    [CPL_JOINTS] = {"Joints", "joint "},
+    [CPL_DRIVERS] = {"Drivers", "driver "},
+    [CPL_FORCES] = {"Forces", "force "},
+    [CPL_MECHANISM] = {"Mechanism", ""},
+    [CPL_PARTICLES] = {"Particles", ""},
+    [CPL_FLOW] = {"Sources and sinks", ""},
+    [CPL_SCREENING] = {"Screening", "screening: "},
+    [CPL_PATHS] = {"Paths of particles", "path "},
+    [CPL_EXCHANGE] = {"Exchange", "exchange: "},
+    [CPL_OTHERS] = {"Others", ""},
 };
 
 const char *cpl_group_title(cpl_group group) {
@@ -56,6 +62,7 @@ static const struct {
     {"source", CPL_FLOW, true, NULL},
     {"sink", CPL_FLOW, true, NULL},
     {"screening", CPL_SCREENING, true, "all decks"},
+    {"path", CPL_PATHS, true, NULL},
     {"constraint", CPL_MECHANISM, false, "mechanism as a whole"},
     {"particles", CPL_PARTICLES, false, "particles as a whole"},
     {"balance", CPL_PARTICLES, false, "particles as a whole"},

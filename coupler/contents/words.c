@@ -55,6 +55,10 @@ static const struct {
     {"share", "%", "share of undersized by mass", NULL},
     {"fed", "1", "particles of the product", "fed"},
     {"inside", "1", "particles of the product", "inside"},
+    {"blocked", "1", "blocked holes", "now"},
+    {"blocked_most", "1", "blocked holes", "most so far"},
+    {"blocked_share", "%", "share of holes that are blocked", NULL},
+    {"held", "1", "particles held on one spot", NULL},
     {"out", "1", "particles of the product", "left by outlets"},
 };
 

@@ -8,8 +8,11 @@
 
 #include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
+#include "dem/flow/blocking.h"
 #include "dem/flow/flow.h"
 #include "dem/flow/screening.h"
+#include "dem/flow/traces.h"
+#include "dem/geometry/screen/screen.h"
 #include "dem/particles/field.h"
 #include "protocol/math/hermite.h"
 
@@ -31,6 +34,7 @@ typedef struct {
   double mass, kinetic, potential; /* [kg], [J]; potential: only where the scene asks for energies */
   tdm_vec3 com, velocity;          /* [m], [m/s] */
   dem_screening_balance screening; /* only where the scene has one */
+  dem_relative trace[DEM_TRACES_MAX];
 } observation;
 
 typedef struct dem_channel_row {
@@ -93,6 +97,18 @@ static int decks(const dem_model *m, int item) {
   return item + 1 < m->screening.ndeck ? item + 1 : -1;
 }
 
+/* those whose screens are watched */
+static int screens(const dem_model *m, int item) {
+  do
+    item = decks(m, item);
+  while (item >= 0 && m->screening.deck[item].screen < 0);
+  return item;
+}
+
+static int traces(const dem_model *m, int item) {
+  return item + 1 < m->ntrace ? item + 1 : -1;
+}
+
 static int with_screening(const dem_model *m, int item) {
   return one(m->screening.ndeck > 0, item);
 }
@@ -129,6 +145,10 @@ static void sink_name(const dem_model *m, int item, char out[64]) {
 
 static void deck_name(const dem_model *m, int item, char out[64]) {
   snprintf(out, 64, "%s", m->screening.deck[item].name);
+}
+
+static void trace_name(const dem_model *m, int item, char out[64]) {
+  snprintf(out, 64, "%s", m->trace[item].name);
 }
 
 static void load_name(const dem_model *m, int item, char out[64]) {
@@ -257,6 +277,31 @@ VALUE(deck_share) {
   return dem_deck_share(&o->data->state.deck[item]);
 }
 
+VALUE(blocked) {
+  (void)part;
+  return (double)o->data->state.deck[item].blocked;
+}
+
+VALUE(blocked_most) {
+  (void)part;
+  return (double)o->data->state.deck[item].blocked_most;
+}
+
+VALUE(held) {
+  (void)part;
+  return (double)o->data->state.deck[item].held;
+}
+
+VALUE(blocked_share) {
+  (void)part;
+  return 100 * (double)o->data->state.deck[item].blocked / (double)o->data->model->screening.deck[item].holes;
+}
+
+VALUE(trace) {
+  const dem_relative *now = &o->trace[item];
+  return part < 3 ? (&now->position.x)[part] : (&now->velocity.x)[part - 3];
+}
+
 VALUE(screening_efficiency) {
   (void)item;
   return dem_screening_efficiency(o->data, part);
@@ -357,6 +402,13 @@ static const row rows[] = {
     DECK("rate_now", "kg/s", deck_rate_now, .gaps = false),
     DECK("share", "%", deck_share, .gaps = true),
 #undef DECK
+#define SCREEN(of, in, what) \
+  { .name = "screening.*." of, .unit = in, .next = screens, .value = what, .item_name = deck_name }
+    SCREEN("blocked", "1", blocked),
+    SCREEN("blocked_most", "1", blocked_most),
+    SCREEN("blocked_share", "%", blocked_share),
+    SCREEN("held", "1", held),
+#undef SCREEN
 #define SCREENING(of, in, what, ...) \
   { .name = "screening." of, .unit = in, .next = with_screening, .value = what, __VA_ARGS__ }
     SCREENING("efficiency", "%", screening_efficiency, .part = 0, .gaps = true),
@@ -366,6 +418,19 @@ static const row rows[] = {
     SCREENING("out", "1", out, .part = 0),
     SCREENING("lost", "1", screening_lost, .part = 0),
 #undef SCREENING
+
+#define PATH(of, in, k, goes)                                                                             \
+  {                                                                                                       \
+    .name = "path.*." of, .unit = in, .next = traces, .value = trace, .part = k, .item_name = trace_name, \
+    .course = goes, .gaps = true                                                                          \
+  }
+    PATH("x", "m", 0, CUBIC),
+    PATH("y", "m", 1, CUBIC),
+    PATH("z", "m", 2, CUBIC),
+    PATH("vx", "m/s", 3, LINEAR),
+    PATH("vy", "m/s", 4, LINEAR),
+    PATH("vz", "m/s", 5, LINEAR),
+#undef PATH
 
     {.name = "particles.left", .unit = "1", .next = with_domain, .value = left, .course = HELD},
     {.name = "balance.number", .unit = "1", .next = with_balance, .value = balance_number, .course = HELD},
@@ -449,6 +514,8 @@ static observation observe(const dem_data *d) {
   }
   for (int i = 0; d->model->energy && i < d->state.nparticle; i++)
     o.potential -= d->state.mass[i] * tdm_dot(dem_field(d, i), d->state.sphere[i].position);
+  for (int k = 0; k < d->model->ntrace; k++)
+    o.trace[k] = dem_trace_now(d, k);
   if (d->model->screening.ndeck > 0)
     o.screening = dem_screening_balance_of(d);
   double per_mass = o.mass > 0 ? 1 / o.mass : 0;

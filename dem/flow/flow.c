@@ -4,8 +4,10 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/bodies/zone.h"
+#include "dem/flow/blocking.h"
 #include "dem/flow/free_space.h"
 #include "dem/flow/screening.h"
+#include "dem/flow/traces.h"
 #include "dem/particles/particles.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
@@ -142,7 +144,7 @@ static tdm_status make_due(dem_data *d, dem_free_space *space, const dem_source 
     note_room(s, now, t);
     if (dem_data_add(d, &newcomer) || dem_free_space_add(space, d, d->state.nparticle - 1))
       return TDM_ERR_MEMORY;
-    now->made++;
+    dem_traces_made(d, (int)(s - d->model->source), now->made++);
     now->made_mass += newcomer.mass;
     now->tried = 0;
   }
@@ -231,6 +233,7 @@ static void run_sinks(dem_data *d) {
 tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
   const dem_model *m = d->model;
   dem_screening_step(d, t);
+  dem_blocking_look(d, t);
   if (m->nsink > 0)
     run_sinks(d);
   for (int s = 0; s < m->nsource; s++)

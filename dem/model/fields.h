@@ -56,6 +56,8 @@
   H(nsink, NUMBER, RUN)                                      \
   H(sink, SINKS, EACH)                                       \
   H(screening, SCREENING, RUN)                               \
+  H(ntrace, OPTION_NUMBER, RUN)                              \
+  H(trace, TRACES, RUN)                                      \
   F(dt, "a state may go on with another step")               \
   F(proxy, "of the coupling")                                \
   F(time_start, "of the simulation")                         \
@@ -257,15 +259,26 @@
   F(name, "known by its number")
 
 /* only of scenes that have it */
-#define DEM_SCREENING_FIELDS(H, F) \
-  H(ndeck, NUMBER, RUN)            \
-  H(deck, DECKS, RUN)              \
-  H(deck_of, BYTES, RUN)           \
-  H(start, NUMBER, RUN)            \
-  H(smoothing, NUMBER, RUN)
+#define DEM_SCREENING_FIELDS(H, F)     \
+  H(ndeck, NUMBER, RUN)                \
+  H(deck, DECKS, RUN)                  \
+  H(deck_of, BYTES, RUN)               \
+  H(start, NUMBER, RUN)                \
+  H(smoothing, NUMBER, RUN)            \
+  F(watched, "follows from the decks") \
+  F(every, "follows from the decks and the step")
 
-#define DEM_DECK_FIELDS(H, F) \
-  H(sorted, NUMBER, RUN)      \
+#define DEM_DECK_FIELDS(H, F)         \
+  H(sorted, NUMBER, RUN)              \
+  H(screen, NUMBER, RUN)              \
+  H(blocking_time, NUMBER, RUN)       \
+  F(holes, "follows from the screen") \
   F(name, "known by its number")
+
+#define DEM_TRACE_FIELDS(H, F) \
+  H(source, NUMBER, RUN)       \
+  H(particle, BYTES, RUN)      \
+  F(body, "for an output")     \
+  F(name, "for an output")
 
 #endif

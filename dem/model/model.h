@@ -120,7 +120,10 @@ static inline int dem_sink_classes(const dem_sink *sink) {
 /* A deck of a screen by what leaves it (flow/screening.h). */
 typedef struct {
   char *name;
-  double sorted; /* radius from which on a particle that leaves it is sorted [m] */
+  double sorted;        /* radius from which on a particle that leaves it is sorted [m] */
+  int screen;           /* the wall of its screen, -1: none is watched */
+  long holes;           /* of that */
+  double blocking_time; /* after which a particle that stays on a hole blocks it [s] */
 } dem_screening_deck;
 
 /* What counts as screening (flow/screening.h). */
@@ -130,7 +133,19 @@ typedef struct {
   int deck_of[DEM_SINKS_MAX]; /* (nsink) whose outlet a sink is, -1: of none */
   double start;               /* what leaves from then on counts [s] */
   double smoothing;           /* time over which output rates are smoothed [s] */
+  bool watched;               /* the screen of some deck is watched for blocked holes (flow/blocking.h) */
+  uint64_t every;             /* steps between two looks at them */
 } dem_screening_def;
+
+/* A particle whose path is an output (flow/traces.h). */
+typedef struct {
+  char *name;
+  int body;          /* in whose axes, -1: the world's */
+  int source;        /* that makes it; -1: any */
+  uint64_t particle; /* its number among those of the source, or of all, from 0 in the order of creation */
+} dem_trace;
+
+enum { DEM_TRACES_MAX = 16 };
 
 /* Lets particles fall into a bed while it settles (pour.h). */
 typedef struct {
@@ -267,6 +282,9 @@ typedef struct dem_model {
   dem_sink *sink;     /* (nsink) */
 
   dem_screening_def screening;
+
+  int ntrace;
+  dem_trace *trace; /* (ntrace) */
 
   /* the particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
    * settling and have no position yet. */

@@ -35,6 +35,8 @@ tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
     d->state.drive[i] = (dem_pace){0};
   if (m->oriented)
     d->state.orientation[i] = tdm_quat_identity();
+  if (m->screening.watched)
+    d->state.spot[i] = (dem_spot){0};
   if (m->integrator->remember && !d->state.restart)
     m->integrator->remember(d, i, i + 1, d->state.memory_dt);
   d->lists.position_at_list[i] = newcomer->position;

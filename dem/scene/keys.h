@@ -45,8 +45,10 @@ void dem_fill_read(dem_model *model, json_t *particles, tdm_error *err);
 void dem_sources_read(dem_model *model, json_t *sources, tdm_error *err);
 void dem_sinks_read(dem_model *model, json_t *sinks, tdm_error *err);
 
-/* The key "screening" of the section (screening.c). Materials and sinks are there already. */
+/* The key "screening" of the section, and the array "paths" (may be NULL; measures.c). Materials, bodies, sources and
+ * sinks are there already. */
 void dem_screening_read(dem_model *model, tdm_object *section);
+void dem_traces_read(dem_model *model, json_t *paths, tdm_error *err);
 
 /* The key "domain" of the section (domain.c). */
 void dem_domain_read(dem_model *model, tdm_object *section);

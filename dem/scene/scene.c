@@ -294,6 +294,9 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   if (!err->status)
     dem_sinks_read(m, sinks, err);
   dem_screening_read(m, &o);
+  json_t *paths = tdm_get_array(&o, "paths", false);
+  if (!err->status)
+    dem_traces_read(m, paths, err);
   if (!err->status)
     dem_pairs_check(m, err);
   if (!err->status)

@@ -31,6 +31,7 @@ static size_t layout_particles(dem_data *d, char *block) {
   DEM_PARTICLE_STATE(X)
 #undef X
   PLACE(lists.pairs.first, np)
+  PLACE(work.hole, d->model->screening.watched ? np : 0)
   PLACE(work.number, d->model->nsink > 0 || d->model->domain.open ? np : 0)
   size_t nchunk = (size_t)dem_chunks(d->work.capacity);
   PLACE(lists.pairs.chunk, nchunk + 1)

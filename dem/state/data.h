@@ -77,10 +77,20 @@ typedef struct {
 
 /* What a deck of a screen has given (flow/screening.h). */
 typedef struct {
-  uint64_t sorted, undersized;         /* particles */
-  double sorted_mass, undersized_mass; /* [kg] */
-  double rate, rate_time;              /* smoothed output rate at the last particle [kg/s], and when that was [s] */
+  uint64_t sorted, undersized;          /* particles */
+  double sorted_mass, undersized_mass;  /* [kg] */
+  uint64_t blocked, held, blocked_most; /* holes, particles at the last look; most holes at any look */
+  double rate, rate_time;               /* smoothed output rate at the last particle [kg/s], and when that was [s] */
 } dem_deck_state;
+
+/* Where a particle lies on a screen (flow/blocking.h), for particles that are watched. */
+typedef struct {
+  double x, y;                   /* where it was when it came to this spot, the screen's axes [m] */
+  double spot_since, hole_since; /* from when on it has been there, and over its hole [s] */
+  int deck;                      /* 1 + the deck, 0: it lies on none */
+  int over;                      /* 1: its centre is over hole (i, j) */
+  int i, j;
+} dem_spot;
 
 /* Screening as a whole. */
 typedef struct {
@@ -175,6 +185,7 @@ typedef struct {
   dem_pace *drive;       /* model.driven: accelerations besides contacts and gravity; else none */
   dem_pace *memory;      /* what the integrator keeps (integrate.h), if anything */
   tdm_quat *orientation; /* model.oriented; else none */
+  dem_spot *spot;        /* model.screening.watched; else none */
   uint8_t *front;        /* (nparticle x nwall) DEM_IN_FRONT, DEM_LET_GO: the particle and this wall */
 
   /* bodies, (nbody) each */
@@ -188,6 +199,7 @@ typedef struct {
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
 
+  uint64_t *traced;               /* (model.ntrace) 1 + id of the particle, of one that a source makes; 0: not yet */
   dem_deck_state *deck;           /* (model.screening.ndeck) */
   dem_screening_state *screening; /* one if there are decks, else none */
 
@@ -252,6 +264,7 @@ typedef struct {
   dem_wall_contacts spare_walls;                /* the previous list */
   size_t *chunk_spare;                          /* (nchunk + 1) */
 
+  uint64_t *hole;       /* (nparticle) scratch, where holes are watched; else none */
   int *number;          /* (nparticle) scratch, where particles can leave; else none */
   int capacity;         /* room for so many particles */
   double *contact_sum;  /* (places of push x model.nsum) over the contacts of a particle, for laws that have them */

@@ -20,6 +20,7 @@
   X(state.drive, d->model->driven, "drive")               \
   X(state.memory, d->model->remembers, "memory")          \
   X(state.orientation, d->model->oriented, "orientation") \
+  X(state.spot, d->model->screening.watched, "spot")      \
   X(state.front, d->model->nwall, "front")
 
 /* Sums of contacts, which have memory of their own: X(member, name of the section); NULL where there is none. */
@@ -44,6 +45,7 @@
   X(state.sample_mean, nl + 1)                     \
   X(state.source, (size_t)d->model->nsource)       \
   X(state.sink, (size_t)d->model->nsink)           \
+  X(state.traced, (size_t)d->model->ntrace)        \
   X(state.deck, (size_t)d->model->screening.ndeck) \
   X(state.screening, d->model->screening.ndeck > 0 ? 1 : 0)
 

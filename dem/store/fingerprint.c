@@ -51,6 +51,7 @@ static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
 #define AS_SHAPE_DATA(x) hash_data(h, s)
 #define AS_MULTI_STEP(x) hash_number(hash_number(h, (double)(x).substeps), (x).mass)
 #define AS_OPTION(x) ((x) ? hash_name(h, "with " #x) : h) /* of a scene without it as if there were none */
+#define AS_OPTION_NUMBER(x) ((x) > 0 ? AS_NUMBER(x) : h)
 #define AS_OPTIONAL(x) ((x) ? AS_PARTICLES(x) : h)
 #define AS_PARTICLES(x) tdm_hash_bytes(h, x, (size_t)s->nparticle * sizeof *(x))
 
@@ -87,6 +88,7 @@ HASHER(sizes, dem_sizes, DEM_SIZES_FIELDS)
 #define AS_SIZES(x) hash_sizes(h, &(x), part, 0)
 HASHER(source, dem_source, DEM_SOURCE_FIELDS)
 HASHER(sink, dem_sink, DEM_SINK_FIELDS)
+HASHER(trace, dem_trace, DEM_TRACE_FIELDS)
 HASHER(deck, dem_screening_deck, DEM_DECK_FIELDS)
 
 static uint64_t hash_decks(uint64_t h, const dem_screening_def *s, int part) {
@@ -115,6 +117,7 @@ SEVERAL(groups, group, dem_group, m->driven ? m->ngroup : 0)
 SEVERAL(pourings, pouring, dem_pouring, m->npouring)
 SEVERAL(sources, source, dem_source, m->nsource)
 SEVERAL(sinks, sink, dem_sink, m->nsink)
+SEVERAL(traces, trace, dem_trace, m->ntrace)
 
 /* pairs that the scene does not have have no coefficients */
 static uint64_t hash_pairs(uint64_t h, const dem_model *m, const dem_pair *pair, int part) {
@@ -157,6 +160,7 @@ static uint64_t hash_domain(uint64_t h, const dem_domain_def *domain, int part) 
 #define AS_POURINGS(x) hash_pourings(h, s, x, part)
 #define AS_SOURCES(x) hash_sources(h, s, x, part)
 #define AS_SINKS(x) hash_sinks(h, s, x, part)
+#define AS_TRACES(x) hash_traces(h, s, x, part)
 #define AS_DOMAIN(x) hash_domain(h, &(x), part)
 #define AS_SETTLING(x) hash_settling(h, &(x), part, 0)
 HASHER(model, dem_model, DEM_MODEL_FIELDS)

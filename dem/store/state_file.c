@@ -290,15 +290,18 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
   return TDM_OK;
 }
 
-/* The arrays of particles. What hangs on the integrator or on the scene's groups may be missing unless the scene is the
- * same. */
+static bool may_be_missing(const dem_data *d, const void *field) {
+  return field == d->state.memory || field == d->state.drive || field == d->state.spot;
+}
+
+/* The arrays of particles. What hangs on the integrator, on the scene's groups or on its outputs may be missing unless
+ * the scene is the same, and what is not wanted here may be in any case. */
 static tdm_status get_particles(const reader *r, dem_data *d) {
   size_t np = (size_t)d->state.nparticle;
   bool good = true;
-#define X(field, n, name)                                          \
-  if (get(r, name, d->field, np * (size_t)(n) * sizeof *d->field)) \
-    good = good && r->use != DEM_STATE_WHOLE &&                    \
-           ((void *)d->field == (void *)d->state.memory || (void *)d->field == (void *)d->state.drive);
+#define X(field, n, name)                                                     \
+  if ((n) > 0 && get(r, name, d->field, np * (size_t)(n) * sizeof *d->field)) \
+    good = good && r->use != DEM_STATE_WHOLE && may_be_missing(d, d->field);
   DEM_PARTICLE_STATE(X)
 #undef X
   for (int i = 0; i < d->state.nparticle; i++)
@@ -368,6 +371,8 @@ static tdm_status get_beginning(const reader *r, dem_data *d) {
   d->state.ledger = (dem_ledger){0};
   for (int i = 0; i < d->state.nparticle; i++) {
     d->state.touched[i] = 0;
+    if (d->model->screening.watched)
+      d->state.spot[i] = (dem_spot){0};
     d->state.sphere[i].inverse_mass = 1 / d->state.mass[i];
     d->state.ledger.created =
         d->state.id[i] + 1 > d->state.ledger.created ? d->state.id[i] + 1 : d->state.ledger.created;

@@ -78,6 +78,7 @@ START_TEST(test_every_member_has_a_row) {
   IS_WHOLE(dem_sink, DEM_SINK_FIELDS);
   IS_WHOLE(dem_screening_def, DEM_SCREENING_FIELDS);
   IS_WHOLE(dem_screening_deck, DEM_DECK_FIELDS);
+  IS_WHOLE(dem_trace, DEM_TRACE_FIELDS);
 }
 END_TEST
 
@@ -106,8 +107,8 @@ static void look(const dem_model *m, void *member, const char *name, const char 
 }
 
 /* pointers are not followed when they have another value */
-#define OF_STRUCT(member, how, part)                       \
-  if (strcmp(#how, "SHAPE") && strcmp(#how, "SHAPE_DATA")) \
+#define OF_STRUCT(member, how, part)                                                \
+  if (strcmp(#how, "SHAPE") && strcmp(#how, "SHAPE_DATA") && strcmp(#how, "DECKS")) \
     look(m, &s->member, #member, #part);
 #define FREE_OF_STRUCT(member, why)                          \
   if (strcmp(#member, "wanted") && strcmp(#member, "given")) \
@@ -135,7 +136,7 @@ static void *pointed(const void *pointer) {
   if (#member[0] != 'n' && strcmp(#member, "driven") != 0 && strcmp(#member, "geometry") != 0) \
     look(m, &m->member, #member, NULL);
 
-/* bodies, some driven, a box that is open and periodic, groups, sources and sinks */
+/* bodies, some driven, a box that is open and periodic, groups, sources and sinks, a deck, a path */
 static json_t *flowing(void) {
   return scene_json(
       "{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],'pairs':[{'materials':['a',"
@@ -145,7 +146,8 @@ static json_t *flowing(void) {
       "}]}],'domain':{'min':[0,0,-1],'max':[1,1,1],'x':'periodic'},"
       "'particles':[{'type':'list','material':'a','radius':0.04,'positions':[[0.8,0.8,0.05]],'force':[1,0,0]}],"
       "'sources':[{'name':'s','material':'a','radius':[0.01,0.03],'rate':400,'region':{'min':[0,0,0.9],'max':[1,1,0.95]"
-      "}}],'sinks':[{'name':'k','type':'box','min':[0.3,0.3,0],'max':[0.35,0.35,1],'classes':[0.02,0.035]}]}");
+      "}}],'sinks':[{'name':'k','type':'box','min':[0.3,0.3,0],'max':[0.35,0.35,1],'classes':[0.02,0.035]}],"
+      "'screening':{'decks':[{'name':'d','outlets':['k']}]},'paths':[{'name':'p','particle':0}]}");
 }
 
 /* a bed that is poured and pressed */
@@ -173,6 +175,9 @@ START_TEST(test_members_count) {
   COUNTS(dem_source, &m->source[0], DEM_SOURCE_FIELDS)
   COUNTS(dem_sizes, &m->source[0].sizes, DEM_SIZES_FIELDS)
   COUNTS(dem_sink, &m->sink[0], DEM_SINK_FIELDS)
+  COUNTS(dem_screening_def, &m->screening, DEM_SCREENING_FIELDS)
+  COUNTS(dem_screening_deck, &m->screening.deck[0], DEM_DECK_FIELDS)
+  COUNTS(dem_trace, &m->trace[0], DEM_TRACE_FIELDS)
   rig_free(r);
 }
 END_TEST

@@ -173,14 +173,17 @@ static const char grains[] =
     "'young_modulus':1e6,'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],'restitution':0.3,'friction':0.4},"
     "{'materials':['a','b'],'restitution':0.3,'friction':0.4},{'materials':['b','b'],'restitution':0.3,'friction':0.4}]"
     ","
-    "'bodies':[{'name':'plate','material':'a','shapes':[{'type':'plane','normal':[0,0,1]},{'type':'mesh','file':'%s'}]}"
+    "'bodies':[{'name':'plate','material':'a','shapes':[{'type':'plane','normal':[0,0,1]},{'type':'mesh','file':'%s'},{"
+    "'type':'screen',"
+    "'deck':'plate','hole':0.01,'bar':0.005,'radius':0.05,'center':[0,0,0.01]}]}"
     ","
     "{'name':'bin','material':'b','shapes':[{'type':'box','side':'inside','size':[0.3,0.3,0.4],'center':[0,0,0.2]}]}],"
     "'particles':[{'type':'random','material':'a','count':60,'radius':[0.008,0.012],'region':{'min':[-0.1,-0.1,0.02],"
     "'max':[0.1,0.1,0.2]},'velocity':[0,0,-1]}],"
     "'sources':[{'name':'tap','material':'b','radius':0.005,'rate':8000,'region':{'min':[-0.1,-0.1,0.2],'max':[0.1,0.1,"
     "0.3]},'velocity':[0,0,-2]}],'sinks':[{'name':'drain','type':'box','min':[-1,0.05,-1],'max':[1,0.2,0.05],'classes':"
-    "[0.01]}],'energy':true,'threads':1}";
+    "[0.01]}],'screening':{'decks':[{'name':'deck','outlets':['drain'],'screen':{'body':'plate','shape':2}}]},"
+    "'paths':[{'name':'one','particle':5,'source':'tap','body':'bin'}],'energy':true,'threads':1}";
 
 /* a box on a rail with friction, a spring and a bushing, and a motor that turns a second body by a table of angles */
 static const char mechanism[] =

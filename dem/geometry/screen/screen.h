@@ -13,6 +13,7 @@
 #define DEM_GEOMETRY_SCREEN_SCREEN_H
 
 #include "dem/geometry/touch.h"
+#include "dem/geometry/wall/wall.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,7 +21,7 @@
 typedef enum { DEM_DECK_REDUCED, DEM_DECK_WIRES, DEM_DECK_PLATE } dem_deck;
 
 /* All doubles after the numbers, so that it has no gaps. */
-typedef struct {
+typedef struct dem_screen {
   int deck;         /* dem_deck */
   int aisles;       /* n - 1: of holes, on each side of the middle one */
   int by_radius;    /* reduced: a particle's own radius must be inside the reduced hole too (model 1) */
@@ -40,6 +41,21 @@ typedef struct {
 static inline double dem_screen_pitch(const dem_screen *screen) {
   return 2 * screen->half + screen->bar;
 }
+
+/* The screen that a wall is; NULL: it is none. */
+const dem_screen *dem_screen_of(const dem_wall *wall);
+
+/* Is x (own axes) farther from the disc of the deck than range [m]? Where it is not, this may say no all the same. */
+static inline bool dem_screen_far(const dem_screen *s, tdm_vec3 x, double range) {
+  const double above = range + s->layer + 0.5 * s->thickness, beside = range + s->radius;
+  return fabs(x.z) > above || x.x * x.x + x.y * x.y > beside * beside;
+}
+
+/* Is x (own axes) over a hole, or under it or in it: hole (i, j)? Holes are those whose middles are on the disc. */
+bool dem_screen_hole(const dem_screen *screen, tdm_vec3 x, int *i, int *j);
+
+/* How many holes there are. */
+long dem_screen_holes(const dem_screen *screen);
 
 /* ---- the reduced hole ---- */
 

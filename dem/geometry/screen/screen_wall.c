@@ -98,6 +98,48 @@ static unsigned long long hash_of(const dem_wall *wall) {
   return tdm_hash_bytes(TDM_HASH_START, numbers, sizeof numbers);
 }
 
+/* ---- holes ---- */
+
+const dem_screen *dem_screen_of(const dem_wall *wall) {
+  return wall->shape->hash == hash_of ? wall->data : NULL; /* all kinds of decks have that one */
+}
+
+static double round_off(const dem_screen *s) {
+  return 1e-9 * dem_screen_pitch(s);
+}
+
+/* is the middle of hole (i, j) on the disc? */
+static bool on_disc(const dem_screen *s, int i, int j) {
+  const double pitch = dem_screen_pitch(s), rho = hypot(i * pitch, j * pitch);
+  return rho >= s->inner - round_off(s) && rho <= s->radius + round_off(s);
+}
+
+/* the number of the aisle that x is nearest to */
+static int aisle_of(const dem_screen *s, double x) {
+  return (int)fmax(-s->aisles, fmin(nearbyint(x / dem_screen_pitch(s)), s->aisles));
+}
+
+bool dem_screen_hole(const dem_screen *s, tdm_vec3 x, int *i, int *j) {
+  const double pitch = dem_screen_pitch(s);
+  *i = aisle_of(s, x.x);
+  *j = aisle_of(s, x.y);
+  return fabs(x.x - *i * pitch) <= s->half && fabs(x.y - *j * pitch) <= s->half && on_disc(s, *i, *j);
+}
+
+/* how many of the holes (i, 0), (i, 1) ... have their middles nearer than rho to that of the deck */
+static long nearer(const dem_screen *s, int i, double rho) {
+  const double pitch = dem_screen_pitch(s), across = i * pitch;
+  return across < rho ? (long)fmin(ceil(sqrt(rho * rho - across * across) / pitch), s->aisles + 1) : 0;
+}
+
+/* Row by row of a quarter of the deck: those with j > 0 or i > 0 are there four times. */
+long dem_screen_holes(const dem_screen *s) {
+  long n = 0;
+  for (int i = 1; i <= s->aisles; i++)
+    n += nearer(s, i, s->radius + round_off(s)) - nearer(s, i, s->inner - round_off(s));
+  return 4 * n + on_disc(s, 0, 0);
+}
+
 /* ---- drawing ---- */
 
 enum { POLYGONS_MAX = 20000 };
