@@ -179,6 +179,20 @@ static tdm_surface_look read_look(tdm_object *o, const char *key) {
   return look < 0 ? TDM_SURFACE_auto : (tdm_surface_look)look;
 }
 
+static void read_cut(tdm_picture *p, tdm_object *o) {
+  const tdm_vec3 origin = {0, 0, 0};
+  p->cut = tdm_has(o, "cut");
+  if (!p->cut)
+    return;
+  tdm_object plane = tdm_get_object(o, "cut", true);
+  p->cut_point = tdm_get_vec3(&plane, "point", &origin);
+  p->cut_normal = tdm_get_vec3(&plane, "normal", NULL);
+  if (!o->err->status && !(tdm_norm(p->cut_normal) > 0))
+    tdm_object_fail(&plane, "normal", "has no length; give the direction towards what is left out");
+  p->cut_normal = tdm_unit(p->cut_normal);
+  tdm_object_close(&plane);
+}
+
 static void read_size(tdm_picture *p, tdm_object *o) {
   double size[2] = {0, 0};
   if (!tdm_get_numbers(o, "size", size, 2, false))
@@ -200,6 +214,7 @@ static void read_looks(tdm_picture *p, tdm_object *o) {
     tdm_object_fail(o, "color_range", "is [%g, %g] but must be [smallest, largest]", p->range[0], p->range[1]);
   p->walls = read_look(o, "walls");
   p->bodies = read_look(o, "bodies");
+  read_cut(p, o);
   p->mechanism = tdm_get_bool(o, "mechanism", true);
   read_size(p, o);
 }

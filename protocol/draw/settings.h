@@ -52,8 +52,10 @@ typedef struct {
   tdm_color color;
   double range[2]; /* colours from … to; equal: chosen for the particles */
   tdm_surface_look walls, bodies;
-  bool mechanism; /* draw joints, springs and other lines, and marks */
-  int size[2];    /* pixels across, up; 0: chosen */
+  bool cut;                       /* what is in front of a plane is left out */
+  tdm_vec3 cut_point, cut_normal; /* of the plane [m], unit; world axes */
+  bool mechanism;                 /* draw joints, springs and other lines, and marks */
+  int size[2];                    /* pixels across, up; 0: chosen */
 } tdm_picture;
 
 /* All of a run. */

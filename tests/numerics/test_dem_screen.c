@@ -583,9 +583,10 @@ static int polygons_of(const char *deck, double *area, double level) {
 
 START_TEST(they_are_drawn) {
   double area;
-  ck_assert_int_eq(polygons_of("'reduced'," HOLES "'radius':2.5", &area, 0), 356);
-  ck_relative(area, M_PI * 2.5 * 2.5 * 2 * 0.006 / 0.028, 0.01);
-  ck_assert_int_eq(polygons_of("'wires'," HOLES "'radius':2.5", &area, 0.006), 4 * 356);
+  ck_assert_int_eq(polygons_of("'reduced'," HOLES "'radius':2.5", &area, 0), 356 + 72);
+  ck_relative(area, M_PI * 2.5 * 2.5 * 2 * 0.006 / 0.028 + 2 * M_PI * 2.497 * 0.006, 0.01); /* and its rim */
+  ck_assert_int_eq(polygons_of("'wires'," HOLES "'radius':2.5", &area, 0.006), (4 + 2) * 356);
+  ck_assert_int_eq(polygons_of("'wires','hole':0.05,'bar':0.01,'radius':2.5", &area, 0.01), (12 + 2) * 168);
   ck_assert_int_lt(polygons_of("'plate','hole':0.0002,'bar':0.0001,'radius':2.5", &area, 0.0001), 20000);
   ck_relative(area, M_PI * 2.5 * 2.5, 0.01);
 }

@@ -252,6 +252,65 @@ START_TEST(a_ball_half_in_a_plane) {
 }
 END_TEST
 
+/* ---- cuts and nets ---- */
+
+/* What the walls cover, against the same picture without them. */
+static double wall_area(const scene *s, int least) {
+  scene bare = *s;
+  bare.picture.walls = TDM_SURFACE_hidden;
+  picture with = paint(s), without = paint(&bare);
+  double area = compare(&with, &without, least).area;
+  cairo_surface_destroy(with.sheet);
+  cairo_surface_destroy(without.sheet);
+  return area;
+}
+
+/* What is in front of the plane is left out: balls whose centre is there, and that part of a wall. */
+START_TEST(a_cut_shows_what_is_behind) {
+  const ball two[2] = {{{0.2, -0.5, 0}, 0.1}, {{-0.2, 0.5, 0}, 0.1}};
+  scene both = scene_of(2, two, 0, NULL), behind = scene_of(1, two + 1, 0, NULL), wall = scene_of(0, NULL, 1, upright);
+  in_space(&both, tdm_v3(0, -2, 0), 40, 0);
+  in_space(&behind, tdm_v3(0, -2, 0), 40, 0);
+  in_space(&wall, tdm_v3(0, -2, 0), 0, 1.5);
+  both.picture.cut = wall.picture.cut = true;
+  both.picture.cut_normal = tdm_v3(0, -1, 0);
+  behind.frame.range[1] = both.frame.range[1];
+  ck_assert_double_eq_tol(covered(&both).x, covered(&behind).x, 0.01);
+  ck_assert_double_eq(covered(&both).area, covered(&behind).area);
+  wall.picture.walls = TDM_SURFACE_solid;
+  double pixel = 500 / 1.5;
+  wall.picture.cut_point = tdm_v3(0.1, 7, 7);
+  wall.picture.cut_normal = tdm_v3(1, 0, 0);
+  ck_assert_double_eq_tol(wall_area(&wall, 8), 0.6 * pixel * pixel, 0.01 * pixel * pixel);
+  wall.picture.cut_normal = tdm_v3(-1, 0, 0);
+  ck_assert_double_eq_tol(wall_area(&wall, 8), 0.4 * pixel * pixel, 0.01 * pixel * pixel);
+  wall.picture.cut_normal = tdm_unit(tdm_v3(1, 0, 1)); /* a corner less */
+  wall.picture.cut_point = tdm_v3(0.25, 0, 0.25);
+  ck_assert_double_eq_tol(wall_area(&wall, 8), 0.875 * pixel * pixel, 0.01 * pixel * pixel);
+  scene_free(&both);
+  scene_free(&behind);
+  scene_free(&wall);
+}
+END_TEST
+
+/* Bars that are thinner than a pixel have no dark edges; one wide wall has. */
+START_TEST(a_fine_net_is_pale) {
+  enum { BARS = 100 };
+  tdm_vec3 corner[4 * BARS];
+  for (int k = 0; k < BARS; k++)
+    for (int c = 0; c < 4; c++)
+      corner[4 * k + c] = tdm_v3(-0.5 + 0.01 * k + (c == 1 || c == 2 ? 0.002 : 0), 0, c < 2 ? -0.5 : 0.5);
+  scene net = scene_of(0, NULL, BARS, corner), wall = scene_of(0, NULL, 1, upright);
+  in_space(&net, tdm_v3(0, -2, 0), 0, 1.5);
+  in_space(&wall, tdm_v3(0, -2, 0), 0, 1.5);
+  ck_assert_double_eq(wall_area(&net, 40), 0);
+  ck_assert_double_gt(wall_area(&net, 2), 10000);
+  ck_assert_double_gt(wall_area(&wall, 40), 4 * 300);
+  scene_free(&net);
+  scene_free(&wall);
+}
+END_TEST
+
 /* ---- little to see ---- */
 
 START_TEST(what_is_not_finite_is_left_out) {
@@ -370,6 +429,6 @@ START_TEST(ranges_of_colours) {
 END_TEST
 
 TEST_MAIN("draw_picture", a_ball_in_a_flat_view, a_ball_in_perspective, a_ball_beside_the_middle_in_perspective,
-          walls_hide_and_let_through, flat_views_show_the_particles, a_ball_half_in_a_plane,
-          what_is_not_finite_is_left_out, scenes_of_every_size, far_from_the_origin, the_usual_camera_shows_all,
-          colours_get_brighter, ranges_of_colours)
+          walls_hide_and_let_through, flat_views_show_the_particles, a_ball_half_in_a_plane, a_cut_shows_what_is_behind,
+          a_fine_net_is_pale, what_is_not_finite_is_left_out, scenes_of_every_size, far_from_the_origin,
+          the_usual_camera_shows_all, colours_get_brighter, ranges_of_colours)

@@ -26,6 +26,7 @@ START_TEST(what_pictures_may_be) {
       {"{'times': [0], 'view': {}}", 1, 1, 0, false},
       {"{'times': [0], 'view': {'from': [1, 0, 0], 'at': [0, 0, 0], 'up': [0, 1, 0], 'angle': 40}}", 1, 1, 0, false},
       {"{'times': [0], 'view': {'parallel': 2}, 'walls': 'hidden', 'size': [640, 480]}", 1, 1, 0, false},
+      {"{'times': [0], 'view': {}, 'cut': {'point': [0, 1, 0], 'normal': [0, -2, 0]}}", 1, 1, 0, false},
       {"[{'times': [0, 1]}, {'name': 'top', 'times': [0, 1], 'view': 'xy', 'min': [0, 0], 'max': [1, 2]}]", 2, 2, 0,
        true}};
   for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -81,6 +82,8 @@ START_TEST(what_is_wrong_is_named) {
       {"{'times': [0], 'color_range': [2, 1]}", "output.pictures.color_range", "smallest, largest"},
       {"{'times': [0], 'walls': 'glass'}", "output.pictures.walls", "translucent"},
       {"{'times': [0], 'size': [10, 10]}", "output.pictures.size", "from 64 to"},
+      {"{'times': [0], 'cut': {'point': [0, 0, 0]}}", "output.pictures.cut.normal", "missing"},
+      {"{'times': [0], 'cut': {'normal': [0, 0, 0]}}", "output.pictures.cut.normal", "no length"},
       {"{'times': [0], 'name': '../x'}", "output.pictures.name", "letters"},
       {"[]", "output.pictures", "1 to 16"},
       {"[{'times': [0]}, {'times': [0]}]", "output.pictures[1].name", "pictures[0]"},

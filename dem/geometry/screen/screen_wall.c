@@ -142,50 +142,73 @@ long dem_screen_holes(const dem_screen *s) {
 
 /* ---- drawing ---- */
 
-enum { POLYGONS_MAX = 20000 };
+enum { POLYGONS_MAX = 20000, ROUND = 12, ROUND_PARTS = 300 };
 
-/* a face of a bar, between two of its four edges along its axis */
-static void draw_face(const dem_wall *wall, const dem_wall_view *view, const tdm_vec3 edge[2][2], int part,
-                      dem_polygons *all, tdm_error *err) {
-  const dem_screen *s = wall->data;
-  dem_polygon p = {.body = wall->body, .solid = s->thickness > 0, .part = part, .ncorner = 4};
-  p.corner[0] = dem_wall_world(view->place, edge[0][0]);
-  p.corner[1] = dem_wall_world(view->place, edge[0][1]);
-  p.corner[2] = dem_wall_world(view->place, edge[1][1]);
-  p.corner[3] = dem_wall_world(view->place, edge[1][0]);
-  dem_polygons_add(all, &p, err);
+/* A bar's section, across and up from its axis [m], clockwise from the left upper corner: of a deck of no thickness a
+ * line, of wires round unless there are very many. Returns the number of corners. */
+static int section_of(const dem_screen *s, double at[ROUND][2]) {
+  const double high = 0.5 * s->thickness, wide = s->deck == DEM_DECK_WIRES ? high : 0.5 * s->bar;
+  const bool round = s->deck == DEM_DECK_WIRES && dem_screen_parts(s) <= ROUND_PARTS;
+  const int n = s->thickness == 0 ? 2 : round ? ROUND : 4;
+  for (int k = 0; k < n; k++) {
+    const double angle = M_PI / 2 + M_PI * (1 - 2 * k) / n;
+    at[k][0] = round ? high * cos(angle) : k % 4 == 1 || k % 4 == 2 ? wide : -wide;
+    at[k][1] = round ? high * sin(angle) : k < 2 ? high : -high;
+  }
+  return n;
 }
 
-/* One bar as the four long faces of a box, of which the upper one shows its force, or as one face of a deck of no
- * thickness. */
+/* One bar as a prism between two ends, of which the uppermost face shows its force. */
 static void draw_bar(const dem_wall *wall, const dem_wall_view *view, int part, dem_polygons *all, tdm_error *err) {
   const dem_screen *s = wall->data;
-  double ends[2], across, wide = 0.5 * (s->deck == DEM_DECK_WIRES ? s->thickness : s->bar);
+  double ends[2], across, at[ROUND][2];
   if (!dem_screen_bar(s, part, ends, &across))
     return;
-  bool second = part >= dem_screen_parts(s) / 2;
-  double level = second ? -s->layer : s->layer;
-  tdm_vec3 edge[5][2];
-  for (int k = 0; k < 5; k++)
-    for (int end = 0; end < 2; end++) {
-      double side = across + (k % 4 == 1 || k % 4 == 2 ? wide : -wide),
-             z = level + (k % 4 < 2 ? 0.5 : -0.5) * s->thickness;
-      edge[k][end] = second ? tdm_v3(side, ends[end], z) : tdm_v3(ends[end], side, z);
+  const bool second = part >= dem_screen_parts(s) / 2;
+  const double level = second ? -s->layer : s->layer;
+  const int n = section_of(s, at);
+  dem_polygon end[2];
+  for (int e = 0; e < 2; e++) {
+    end[e] = (dem_polygon){.body = wall->body, .solid = s->thickness > 0, .part = -1, .ncorner = n};
+    for (int k = 0; k < n; k++) {
+      const double side = across + at[k][0], z = level + at[k][1];
+      end[e].corner[k] = dem_wall_world(view->place, second ? tdm_v3(side, ends[e], z) : tdm_v3(ends[e], side, z));
     }
-  for (int k = 0; k < (s->thickness > 0 ? 4 : 1); k++)
-    draw_face(wall, view, &edge[k], k == 0 ? part : -1, all, err);
+    if (n > 2)
+      dem_polygons_add(all, &end[e], err);
+  }
+  for (int k = 0; k < (n > 2 ? n : 1); k++) {
+    const int next = (k + 1) % n;
+    const dem_polygon face = {.body = wall->body,
+                              .solid = s->thickness > 0,
+                              .part = k == 0 ? part : -1,
+                              .ncorner = 4,
+                              .corner = {end[0].corner[k], end[1].corner[k], end[1].corner[next], end[0].corner[next]}};
+    dem_polygons_add(all, &face, err);
+  }
+}
+
+/* Bars of no thickness are framed by rings, as wide as they are. */
+static void draw_rims(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
+  const dem_screen *s = wall->data;
+  dem_wall_draw_ring(wall, view, fmax(s->inner, s->radius - s->bar), s->radius, false, all, err);
+  if (s->inner > 0)
+    dem_wall_draw_ring(wall, view, s->inner, fmin(s->radius, s->inner + s->bar), false, all, err);
 }
 
 static void draw_screen(const dem_wall *wall, const dem_wall_view *view, dem_polygons *all, tdm_error *err) {
   const dem_screen *s = wall->data;
   const int parts = dem_screen_parts(s);
-  if (parts * (s->thickness > 0 ? 4 : 1) > POLYGONS_MAX) {
+  double at[ROUND][2];
+  if (parts * (section_of(s, at) + 2) > POLYGONS_MAX) {
     /* a net that is too fine for polygons */
     dem_wall_draw_ring(wall, view, s->inner, s->radius, s->thickness > 0, all, err);
     return;
   }
   for (int part = 0; part < parts && err->status == TDM_OK; part++)
     draw_bar(wall, view, part, all, err);
+  if (s->thickness == 0)
+    draw_rims(wall, view, all, err);
 }
 
 /* ---- the reduced hole ---- */

@@ -154,15 +154,65 @@ static tdm_rgb color_of_body(const tdm_scenery *s, int body) {
   return body_color[n % (int)(sizeof body_color / sizeof body_color[0])];
 }
 
-static tdm_status add_edges(tdm_vertices *list, const tdm_vertex *corner, const bool *edge, int n, int opacity,
-                            tdm_error *err) {
-  for (int c = 0; c < n; c++) {
-    tdm_vertex ends[2] = {corner[c], corner[(c + 1) % n]};
-    if (!edge[c])
+/* A polygon in the world, with the normals of its corners and the widths at its edges (surface.h). */
+typedef struct {
+  int n;
+  tdm_vec3 at[TDM_VIEW_CORNERS_MAX + 1], normal[TDM_VIEW_CORNERS_MAX + 1];
+  float edge[TDM_VIEW_CORNERS_MAX + 1];
+} outline;
+
+static outline outline_of(const tdm_content *c, int k) {
+  const tdm_view_polygon *polygon = &c->scenery->polygon[k];
+  const tdm_pose pose = c->snapshot->pose[polygon->body];
+  const int first = c->surface->first[k];
+  outline o = {.n = polygon->ncorner};
+  for (int i = 0; i < o.n; i++) {
+    o.at[i] = tdm_pose_point(pose, polygon->corner[i]);
+    o.normal[i] = tdm_quat_rotate(pose.orientation, c->surface->round[first + i]);
+    o.edge[i] = c->surface->edge[first + i];
+  }
+  return o;
+}
+
+/* How far a point is in front of the plane in which the picture is cut [m]: what is in front is left out. */
+static double in_front(const tdm_picture *p, tdm_vec3 x) {
+  return p->cut ? tdm_dot(tdm_sub(x, p->cut_point), p->cut_normal) : -1;
+}
+
+static void add_corner(outline *o, tdm_vec3 at, tdm_vec3 normal, float edge) {
+  o->at[o->n] = at;
+  o->normal[o->n] = normal;
+  o->edge[o->n++] = edge;
+}
+
+/* What of a convex outline is not cut off (Sutherland and Hodgman 1974). */
+static outline cut(const tdm_picture *p, const outline *o) {
+  outline left = {.n = 0};
+  for (int i = 0; i < o->n && left.n < TDM_VIEW_CORNERS_MAX; i++) {
+    const int j = (i + 1) % o->n;
+    const double a = in_front(p, o->at[i]), b = in_front(p, o->at[j]), s = a / (a - b);
+    if (a <= 0)
+      add_corner(&left, o->at[i], o->normal[i], o->edge[i]);
+    if ((a <= 0) != (b <= 0))
+      add_corner(&left, tdm_axpy(s, tdm_sub(o->at[j], o->at[i]), o->at[i]),
+                 tdm_unit(tdm_axpy(s, tdm_sub(o->normal[j], o->normal[i]), o->normal[i])), a <= 0 ? 0 : o->edge[i]);
+  }
+  return left;
+}
+
+static const double narrow = 5; /* polygons of so many pixels or less have paler edges, or a fine net would be black */
+
+static tdm_status add_edges(tdm_vertices *list, const tdm_content *c, double unit, const tdm_vertex *corner,
+                            const outline *o, int opacity, tdm_error *err) {
+  for (int k = 0; k < o->n; k++) {
+    tdm_vertex ends[2] = {corner[k], corner[(k + 1) % o->n]};
+    const tdm_vec3 at = {corner[k].position[0], corner[k].position[1], corner[k].position[2]};
+    const double pale = fmin(1, (double)o->edge[k] / unit / pixels(c, unit, at, narrow));
+    if (!(opacity * pale >= 1))
       continue;
-    for (int k = 0; k < 2; k++) {
-      memset(ends[k].normal, 0, sizeof ends[k].normal);
-      paint(ends[k].color, edge_color, opacity);
+    for (int e = 0; e < 2; e++) {
+      memset(ends[e].normal, 0, sizeof ends[e].normal);
+      paint(ends[e].color, edge_color, (int)(opacity * pale));
     }
     if (tdm_vertices_add(list, ends, 2, err) != TDM_OK)
       return err->status;
@@ -180,25 +230,25 @@ static tdm_status add_polygon(tdm_drawing *d, const tdm_content *c, int k, tdm_r
   const tdm_view_polygon *polygon = &c->scenery->polygon[k];
   const tdm_pose pose = c->snapshot->pose[polygon->body];
   tdm_surface_look look = look_of(c->picture, c->scenery, polygon);
-  tdm_vertex corner[TDM_VIEW_CORNERS_MAX];
+  tdm_vertex corner[TDM_VIEW_CORNERS_MAX + 1];
   if (look == TDM_SURFACE_hidden || !whole(polygon, pose))
     return TDM_OK;
   bool glass = look == TDM_SURFACE_translucent, plain = c->camera->flat && look == TDM_SURFACE_auto;
-  int first = c->surface->first[k], n = polygon->ncorner;
-  for (int i = 0; i < n; i++) {
-    tdm_vec3 normal = turn(c->camera, tdm_quat_rotate(pose.orientation, c->surface->round[first + i]));
-    put(corner[i].position, seen(c, d->unit, tdm_pose_point(pose, polygon->corner[i])));
-    put(corner[i].normal, plain ? tdm_v3(0, 0, 0) : normal);
+  outline o = outline_of(c, k);
+  if (c->picture->cut)
+    o = cut(c->picture, &o);
+  for (int i = 0; i < o.n; i++) {
+    put(corner[i].position, seen(c, d->unit, o.at[i]));
+    put(corner[i].normal, plain ? tdm_v3(0, 0, 0) : turn(c->camera, o.normal[i]));
     paint(corner[i].color, color, glass ? GLASS : OPAQUE);
   }
   tdm_vec3 normal = tdm_quat_rotate(pose.orientation, c->surface->flat[k]);
-  for (int i = 2; i < n && !only_edges(c, look, polygon, normal); i++) {
+  for (int i = 2; i < o.n && !only_edges(c, look, polygon, normal); i++) {
     const tdm_vertex triangle[3] = {corner[0], corner[i - 1], corner[i]};
     if (tdm_vertices_add(glass ? &d->glass : &d->solid, triangle, 3, err) != TDM_OK)
       return err->status;
   }
-  return add_edges(glass ? &d->glass_edges : &d->edges, corner, c->surface->edge + first, n,
-                   glass ? GLASS_EDGE : OPAQUE, err);
+  return add_edges(glass ? &d->glass_edges : &d->edges, c, d->unit, corner, &o, glass ? GLASS_EDGE : OPAQUE, err);
 }
 
 static tdm_status add_surfaces(tdm_drawing *d, const tdm_content *c, tdm_error *err) {
@@ -230,7 +280,8 @@ static tdm_status add_particles(tdm_drawing *d, const tdm_content *c, tdm_error 
   const tdm_snapshot *s = c->snapshot;
   for (int i = 0; i < s->nparticle && err->status == TDM_OK; i++) {
     tdm_ball ball;
-    if (!is_finite(s->position[i]) || !(s->radius[i] > 0) || !isfinite(s->radius[i]))
+    if (!is_finite(s->position[i]) || !(s->radius[i] > 0) || !isfinite(s->radius[i]) ||
+        in_front(c->picture, s->position[i]) > 0)
       continue;
     put(ball.center, seen(c, d->unit, s->position[i]));
     ball.radius = (float)(s->radius[i] / d->unit);

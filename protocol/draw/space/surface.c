@@ -93,19 +93,33 @@ static bool has_edge(const maker *m, const tdm_surface *surface, int k, int a, i
   return false;
 }
 
+/* A polygon's area over its longest edge [m]: of a strip its width. */
+static float width_of(const tdm_view_polygon *p) {
+  double longest = 0;
+  tdm_vec3 area = {0, 0, 0};
+  for (int c = 0; c < p->ncorner; c++) {
+    longest = fmax(longest, tdm_norm(tdm_sub(p->corner[(c + 1) % p->ncorner], p->corner[c])));
+    if (c > 1)
+      area = tdm_add(area, tdm_cross(tdm_sub(p->corner[c - 1], p->corner[0]), tdm_sub(p->corner[c], p->corner[0])));
+  }
+  return longest > 0 ? (float)(0.5 * tdm_norm(area) / longest) : 0;
+}
+
 /* An edge is drawn unless another polygon goes on there smoothly; of two that meet at it, by the first. */
-static bool drawn_edge(const maker *m, const tdm_surface *surface, int corner, int after) {
+static float drawn_edge(const maker *m, const tdm_surface *surface, int corner, int after) {
   int k = m->owner[corner], a = m->place[corner], b = m->place[after];
+  float wide = width_of(&m->scenery->polygon[k]);
   if (a == b)
-    return false;
+    return 0;
   for (int c = m->table[a].first; c >= 0; c = m->next[c]) {
     int other = m->owner[c];
     if (other == k || !has_edge(m, surface, other, a, b))
       continue;
     if (fabs(tdm_dot(surface->flat[other], surface->flat[k])) > smooth || other < k)
-      return false;
+      return 0;
+    wide = fmaxf(wide, width_of(&m->scenery->polygon[other]));
   }
-  return true;
+  return wide;
 }
 
 static tdm_status allocate(maker *m, tdm_surface *surface, tdm_error *err) {

@@ -13,7 +13,8 @@ typedef struct {
   tdm_vec3 *flat;  /* (npolygon) unit normals, body axes; zero for a polygon without area */
   int *first;      /* (npolygon) index of a polygon's first corner */
   tdm_vec3 *round; /* (corners) unit normals at the corners */
-  bool *edge;      /* (corners) the edge from this corner to the next one is drawn: an outline or a sharp edge */
+  float *edge; /* (corners) of the edge from this corner to the next one, if it is drawn, as an outline or a sharp edge:
+                  the width of the widest polygon at it [m]; else 0 */
 } tdm_surface;
 
 tdm_status tdm_surface_make(tdm_surface *surface, const tdm_scenery *scenery, tdm_error *err);
