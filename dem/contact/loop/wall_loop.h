@@ -160,11 +160,14 @@ DEM_INLINE bool let_go(dem_data *d, int i, int w, double gap) {
   const dem_wall *wall = &d->model->wall[w];
   const dem_sphere *s = &d->state.sphere[i];
   uint8_t *front = &d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w];
+  dem_letting letting = DEM_HOLDS;
   if (gap >= s->radius)
     *front &= (uint8_t)~DEM_LET_GO;
-  else if (wall->shape->lets_go(wall, dem_wall_own(&d->state.wall[w], s->position), s->radius))
+  else
+    letting = wall->shape->lets_go(wall, dem_wall_own(&d->state.wall[w], s->position), s->radius);
+  if (letting == DEM_LETS_GO_FOR_ALL)
     *front |= DEM_LET_GO;
-  return *front & DEM_LET_GO;
+  return letting == DEM_LETS_GO_HERE || (*front & DEM_LET_GO);
 }
 
 DEM_KERNEL void simple_wall(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {

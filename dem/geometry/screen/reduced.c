@@ -39,7 +39,7 @@ bool dem_screen_over_hole(const dem_screen *s, tdm_vec3 x, double radius) {
 
 double dem_screen_reduced_gap(const dem_screen *s, tdm_vec3 x, double radius, tdm_vec3 *normal) {
   double from = dem_ring_gap(s->inner, s->radius, x, normal), passage = dem_screen_passage(s, radius);
-  if (s->at_once || !(passage > 0))
+  if (s->passing != DEM_PASSING_FALL || !(passage > 0))
     return from;
   tdm_vec3 into;
   double column = column_gap(s, x, passage, &into);

@@ -20,12 +20,16 @@
 
 typedef enum { DEM_DECK_REDUCED, DEM_DECK_WIRES, DEM_DECK_PLATE } dem_deck;
 
+/* How a particle gets through a reduced hole: it falls through, held by its sides; who touches the deck over a hole is
+ * through; nothing acts while it is over the hole, and the plane does beside it. */
+typedef enum { DEM_PASSING_FALL, DEM_PASSING_AT_ONCE, DEM_PASSING_OVER_HOLE } dem_passing;
+
 /* All doubles after the numbers, so that it has no gaps. */
 typedef struct dem_screen {
   int deck;         /* dem_deck */
   int aisles;       /* n - 1: of holes, on each side of the middle one */
   int by_radius;    /* reduced: a particle's own radius must be inside the reduced hole too (model 1) */
-  int at_once;      /* reduced: who touches the deck over a reduced hole is through */
+  int passing;      /* reduced: dem_passing */
   int pieces;       /* of a bar: 2 where an inner circle cuts some, else 1 */
   double half;      /* w, of a hole [m] */
   double bar;       /* g [m] */

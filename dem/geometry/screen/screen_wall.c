@@ -8,20 +8,21 @@
 
 #include <stdlib.h>
 
-static const dem_shape wires_and_plates, lets_go_at_once;
+static const dem_shape wires_and_plates, letting_go;
 
 /* ---- reading ---- */
 
 static const char *const decks[] = {
     [DEM_DECK_REDUCED] = "reduced", [DEM_DECK_WIRES] = "wires", [DEM_DECK_PLATE] = "plate"};
 static const char *const models[] = {"center", "radius"};
-static const char *const passing[] = {"fall", "at_once"};
+static const char *const passing[] = {
+    [DEM_PASSING_FALL] = "fall", [DEM_PASSING_AT_ONCE] = "at_once", [DEM_PASSING_OVER_HOLE] = "over_hole"};
 
 enum { AISLES_MAX = 100000 }; /* of holes, on each side of the middle one */
 
 static void read_reduced(tdm_object *o, dem_screen *s) {
   s->by_radius = tdm_get_choice(o, "model", models, 2, 0) == 1;
-  s->at_once = tdm_get_choice(o, "passing", passing, 2, 0);
+  s->passing = tdm_get_choice(o, "passing", passing, 3, 0);
   s->zeta = tdm_get_number(o, "zeta", 0, TDM_UNIT_INTERVAL);
   s->clearance = tdm_get_number(o, "clearance", -1, tdm_has(o, "clearance") ? TDM_NOT_NEGATIVE : TDM_ANY);
   if (tdm_has(o, "zeta") && tdm_has(o, "clearance"))
@@ -67,7 +68,7 @@ static void read_screen(tdm_object *o, int body, dem_wall_list *list) {
     read_reduced(o, &s);
   else
     read_bars(o, &s);
-  const dem_shape *reduced = s.at_once ? &lets_go_at_once : &dem_shape_screen;
+  const dem_shape *reduced = s.passing == DEM_PASSING_FALL ? &dem_shape_screen : &letting_go;
   dem_wall wall = {.shape = s.deck == DEM_DECK_REDUCED ? reduced : &wires_and_plates, .body = body};
   wall.point = tdm_get_vec3(o, "center", &(tdm_vec3){0, 0, 0});
   wall.turn = tdm_get_orientation(o, "orientation");
@@ -93,7 +94,7 @@ static void box_of_screen(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high) {
 
 static unsigned long long hash_of(const dem_wall *wall) {
   const dem_screen *s = wall->data;
-  const double numbers[] = {s->deck,   s->aisles, s->by_radius, s->at_once,   s->half,      s->bar,
+  const double numbers[] = {s->deck,   s->aisles, s->by_radius, s->passing,   s->half,      s->bar,
                             s->radius, s->inner,  s->zeta,      s->clearance, s->thickness, s->layer};
   return tdm_hash_bytes(TDM_HASH_START, numbers, sizeof numbers);
 }
@@ -233,11 +234,14 @@ const dem_shape dem_shape_screen = {
     .destroy = free,
 };
 
-static bool lets_go(const dem_wall *wall, tdm_vec3 x, double radius) {
-  return dem_screen_over_hole(wall->data, x, radius);
+static dem_letting lets_go(const dem_wall *wall, tdm_vec3 x, double radius) {
+  const dem_screen *s = wall->data;
+  if (!dem_screen_over_hole(s, x, radius))
+    return DEM_HOLDS;
+  return s->passing == DEM_PASSING_AT_ONCE ? DEM_LETS_GO_FOR_ALL : DEM_LETS_GO_HERE;
 }
 
-static const dem_shape lets_go_at_once = {
+static const dem_shape letting_go = {
     .number = 13,
     .gap = gap_of_reduced,
     .sphere_gap = gap_of_sphere,

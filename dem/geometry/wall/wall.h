@@ -22,6 +22,12 @@
 
 typedef struct dem_shape dem_shape;
 
+typedef enum {
+  DEM_HOLDS,          /* it acts, unless it has let go until clear */
+  DEM_LETS_GO_HERE,   /* it does not act while the sphere is there */
+  DEM_LETS_GO_FOR_ALL /* it does not act until the two are clear of each other */
+} dem_letting;
+
 typedef struct {
   const dem_shape *shape;
   int body;
@@ -105,9 +111,9 @@ struct dem_shape {
    * small ones through. It changes with x by no more than x does. NULL: as gap. */
   double (*sphere_gap)(const dem_wall *wall, tdm_vec3 x, double radius, tdm_vec3 *normal);
 
-  /* Does the wall let a sphere go that touches it with its centre at x? From then on it does not act on that sphere
-   * until the two are clear of each other. NULL: it lets none go. Only of a shape with sphere_gap. */
-  bool (*lets_go)(const dem_wall *wall, tdm_vec3 x, double radius);
+  /* Does the wall let a sphere go that touches it with its centre at x, so that it does not act on it? NULL: it lets
+   * none go. Only of a shape with sphere_gap. */
+  dem_letting (*lets_go)(const dem_wall *wall, tdm_vec3 x, double radius);
 
   /* The box around the wall, its own axes. NULL: it has no end. */
   void (*box)(const dem_wall *wall, tdm_vec3 *low, tdm_vec3 *high);
