@@ -56,6 +56,7 @@ static const struct {
   const char *section; /* of channels without an object */
 } kinds[] = {
     {"body", CPL_BODIES, true, NULL},
+    {"marker", CPL_BODIES, true, NULL},
     {"joint", CPL_JOINTS, true, NULL},
     {"driver", CPL_DRIVERS, true, NULL},
     {"force", CPL_FORCES, true, NULL},

@@ -33,6 +33,8 @@ static const struct {
     {"rate", "rad/s", "angular velocity", NULL},
     {"value", "N", "force", NULL},
     {"value", "N m", "torque", NULL},
+    {"f", "N", "size of the force", NULL},
+    {"m", "N m", "size of the moment", NULL},
     {"sliding", NULL, "direction of sliding", NULL},
     {"drift", "m", "drift of the states", NULL},
     {"drift_angle", NULL, "drift of the states", NULL},

@@ -18,7 +18,7 @@
 /* The plots of a run: a file each, with the channels whose names begin so, a panel a unit. */
 static const struct {
   const char *name, *of[4];
-} plots[] = {{"motion", {"body.", NULL}},
+} plots[] = {{"motion", {"body.", "marker.", NULL}},
              {"reactions", {"joint.", "driver.", "force.", NULL}},
              {"energies", {"energy.", NULL}},
              {"drift", {"constraint.", NULL}}};

@@ -38,9 +38,11 @@ typedef struct {
 
 /* ---- joints ---- */
 
-enum { WRENCH = 6, STATE = 19, COMPONENTS = 6, ENERGIES = 6 };
+enum { WRENCH = 6, SIZES = 2, DRIVE = 4, STATE = 19, COMPONENTS = 6, ENERGIES = 6 };
 static const label wrench[WRENCH] = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
                                      {"mx", "N m"}, {"my", "N m"}, {"mz", "N m"}};
+
+static const label sizes_label[SIZES] = {{"f", "N"}, {"m", "N m"}};
 
 static int joints(const mbd_model *m) {
   return m->njoint;
@@ -71,6 +73,13 @@ static void reaction(view *v, int object, double *out) {
       mbd_put3(out + 3, 1, tdm_sub(mbd_get3(of_part + 3), tdm_cross(arm, force)));
     }
   }
+}
+
+static void reaction_sizes(view *v, int object, double *out) {
+  double of_joint[WRENCH];
+  reaction(v, object, of_joint);
+  out[0] = tdm_norm(mbd_get3(of_joint));
+  out[1] = tdm_norm(mbd_get3(of_joint + 3));
 }
 
 static label coordinate_label(mbd_coordinate which, int k) {
@@ -130,16 +139,20 @@ static const char *driver_name(const mbd_model *m, int i) {
 static label driver_label(const mbd_model *m, int object, int k) {
   const mbd_coordinate which = m->driver[object].ops->coordinate;
   const mbd_coordinate_words *w = &mbd_coordinate_table[which];
-  return k == 0 ? (label){w->effort, w->effort_unit} : coordinate_label(which, k - 1);
+  return k == 0           ? (label){w->effort, w->effort_unit}
+         : k == DRIVE - 1 ? (label){"power", "W"}
+                          : coordinate_label(which, k - 1);
 }
 
-/* Effort on the second body, the coordinate where it is (not where it should be) and its rate. */
+/* Effort on the second body, the coordinate where it is (not where it should be), its rate, and the power that the
+ * driver gives. */
 static void drive(view *v, int object, double *out) {
   const mbd_driver *d = &v->model->driver[object];
   const mbd_rows *rows = mbd_part_at(v->model, v->data, v->model->njointpart + object, false);
   out[0] = -v->data->lambda[d->row];
   out[1] = tdm_motion_at(&d->motion, v->data->now).value + rows->g[0];
   out[2] = row_rate(v->data, rows);
+  out[3] = out[0] * out[2];
 }
 
 /* ---- forces ---- */
@@ -235,14 +248,60 @@ static bool is_alone(const mbd_model *m, int body) {
   return true;
 }
 
+static void put_state(const tdm_state *s, double *out) {
+  tdm_quat q = s->pose.orientation;
+  mbd_set3(out, s->pose.position);
+  out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
+  mbd_set3(out + 7, s->twist.velocity);
+  mbd_set3(out + 10, s->twist.angular);
+}
+
 static void state(view *v, int object, double *out) {
   tdm_state s = mbd_body_state(v->y, object);
-  tdm_quat q = s.pose.orientation;
-  mbd_set3(out, s.pose.position);
-  out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
-  mbd_set3(out + 7, s.twist.velocity);
-  mbd_set3(out + 10, s.twist.angular);
+  put_state(&s, out);
   memcpy(out + 13, v->data->acceleration + 6 * object, 6 * sizeof *out);
+}
+
+/* ---- markers that the scene wants ---- */
+
+/* The i-th of them, and its body; the number of all of them where there is no such one. */
+static int find_marker(const mbd_model *m, int i, int *body, const mbd_marker **marker) {
+  int n = 0;
+  for (int b = 0; b < m->nbody; b++)
+    for (int k = 0; k < m->body[b].nmarker; k++)
+      if (m->body[b].marker[k].output && n++ == i) {
+        *body = b;
+        *marker = &m->body[b].marker[k];
+      }
+  return n;
+}
+
+static int markers(const mbd_model *m) {
+  return find_marker(m, -1, NULL, NULL);
+}
+static const char *marker_name(const mbd_model *m, int i) {
+  int body;
+  const mbd_marker *marker;
+  find_marker(m, i, &body, &marker);
+  return marker->channel;
+}
+
+/* As the state of a body, at the marker's point and with its axes. */
+static void marker_state(view *v, int object, double *out) {
+  int body;
+  const mbd_marker *marker;
+  find_marker(v->model, object, &body, &marker);
+  tdm_state s = mbd_body_state(v->y, body);
+  const double *dot = v->data->acceleration + 6 * body;
+  const tdm_vec3 arm = tdm_quat_rotate(s.pose.orientation, marker->pose.position), w = s.twist.angular,
+                 alpha = mbd_get3(dot + 3);
+  const tdm_vec3 turning = tdm_add(tdm_cross(alpha, arm), tdm_cross(w, tdm_cross(w, arm)));
+  s.pose.position = tdm_add(s.pose.position, arm);
+  s.pose.orientation = tdm_quat_mul(s.pose.orientation, marker->pose.orientation);
+  s.twist.velocity = tdm_add(s.twist.velocity, tdm_cross(w, arm));
+  put_state(&s, out);
+  mbd_set3(out + 13, tdm_add(mbd_get3(dot), turning));
+  mbd_set3(out + 16, alpha);
 }
 
 /* ---- the whole ---- */
@@ -289,7 +348,8 @@ static const struct {
     {.group = "joint",
      .count = joints,
      .name = joint_name,
-     .row = {{.count = WRENCH, .label = wrench, .value = reaction}}},
+     .row = {{.count = WRENCH, .label = wrench, .value = reaction},
+             {.count = SIZES, .label = sizes_label, .value = reaction_sizes}}},
     {.group = "joint",
      .count = joints,
      .name = joint_name,
@@ -298,7 +358,7 @@ static const struct {
     {.group = "driver",
      .count = drivers,
      .name = driver_name,
-     .row = {{.count = 3, .tell = driver_label, .value = drive}}},
+     .row = {{.count = DRIVE, .tell = driver_label, .value = drive}}},
     {.group = "force",
      .count = forces,
      .name = force_name,
@@ -312,6 +372,10 @@ static const struct {
      .count = bodies,
      .name = body_name,
      .row = {{.count = STATE, .label = state_label, .has = is_alone, .value = state}}},
+    {.group = "marker",
+     .count = markers,
+     .name = marker_name,
+     .row = {{.count = STATE, .label = state_label, .value = marker_state}}},
     {.group = "energy", .count = one, .row = {{.count = ENERGIES, .label = energy_label, .value = energies}}},
     {.group = "constraint", .count = one, .row = {{.count = 1, .label = &drift_label, .value = drift}}},
 };

@@ -17,7 +17,9 @@ enum { MBD_GROUND = -1, MBD_NAME_MAX = 40 };
 /* a point with axes that is fixed to a body */
 typedef struct {
   char name[MBD_NAME_MAX];
-  tdm_pose pose; /* body axes, from the centre of mass */
+  tdm_pose pose;                  /* body axes, from the centre of mass */
+  bool output;                    /* it has channels */
+  char channel[2 * MBD_NAME_MAX]; /* "body.marker", their name */
 } mbd_marker;
 
 typedef struct {

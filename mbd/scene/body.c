@@ -4,6 +4,7 @@
 
 #include "mbd/model/read.h"
 #include "mbd/shape/inertia.h"
+#include "protocol/wire/participant.h"
 
 #include <gsl/gsl_eigen.h>
 #include <stdlib.h>
@@ -108,6 +109,16 @@ static void read_shape(tdm_object *o, mbd_body *b) {
   b->origin = tdm_scale(-1, shape.centre);
 }
 
+/* A marker with channels: their names must not be cut off. */
+static void name_channels(mbd_marker *m, const mbd_body *b, tdm_object *o) {
+  const size_t most = sizeof(((tdm_channel *)NULL)->name) - sizeof "marker...alphaz";
+  snprintf(m->channel, sizeof m->channel, "%s.%s", b->name, m->name);
+  if (!o->err->status && strlen(b->name) + strlen(m->name) > most)
+    tdm_object_fail(o, "output",
+                    "the names of body \"%s\" and marker \"%s\" are too long for channels, %zu letters; use %zu",
+                    b->name, m->name, strlen(b->name) + strlen(m->name), most);
+}
+
 /* Points and axes of the body, given from its centre of mass in its axes or in the world at the start. */
 static void read_marker(mbd_body *b, json_t *json, const char *path, tdm_error *err) {
   static const char *const frames[] = {"body", "world"};
@@ -118,6 +129,9 @@ static void read_marker(mbd_body *b, json_t *json, const char *path, tdm_error *
   bool world = tdm_get_choice(&o, "frame", frames, 2, 0) == 1;
   m->pose.position = tdm_get_vec3(&o, "point", world ? NULL : &zero);
   m->pose.orientation = tdm_get_orientation(&o, "orientation");
+  m->output = tdm_get_bool(&o, "output", false);
+  if (m->output)
+    name_channels(m, b, &o);
   tdm_object_close(&o);
   if (world) {
     tdm_quat back = tdm_quat_conj(b->start.pose.orientation);

@@ -207,6 +207,7 @@ static const char *axis_of(const char *unit) {
                                         {"N", "force [N]"},
                                         {"N m", "moment [N m]"},
                                         {"J", "energy [J]"},
+                                        {"W", "power [W]"},
                                         {"kg", "mass [kg]"},
                                         {"kg/s", "mass rate [kg/s]"},
                                         {"%", "share [%]"},

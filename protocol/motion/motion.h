@@ -28,6 +28,9 @@ typedef struct {
   void (*read)(void *own, tdm_object *o, tdm_motion_range *range);
   tdm_motion_value (*at)(const void *own, double t);
   void (*clear)(void *own); /* free what the parameters own; NULL: nothing */
+  /* The first time after t at which a step should end that is to see all of the law, INFINITY: none. NULL: there are
+   * none, or the steps' own error test finds them. */
+  double (*knot)(const void *own, double t);
 } tdm_motion_ops;
 
 typedef struct {
@@ -56,6 +59,11 @@ tdm_status tdm_motion_check(const tdm_motion *motion, double t0, double t1, cons
 
 static inline tdm_motion_value tdm_motion_at(const tdm_motion *motion, double t) {
   return motion->ops->at(motion->own, t);
+}
+
+/* The law's first knot after t, INFINITY: it has none. */
+static inline double tdm_motion_knot(const tdm_motion *motion, double t) {
+  return motion->ops && motion->ops->knot ? motion->ops->knot(motion->own, t) : INFINITY;
 }
 
 #endif

@@ -47,6 +47,14 @@ static tdm_motion_value at(const void *own, double t) {
   return sum;
 }
 
+static double knot(const void *own, double t) {
+  const law *l = own;
+  double first = INFINITY;
+  for (int i = 0; i < l->n; i++)
+    first = fmin(first, tdm_motion_knot(&l->part[i], t));
+  return first;
+}
+
 static void clear(void *own) {
   law *l = own;
   for (int i = 0; i < l->n; i++)
@@ -61,4 +69,5 @@ const tdm_motion_ops tdm_motion_sum = {
     .read = read,
     .at = at,
     .clear = clear,
+    .knot = knot,
 };

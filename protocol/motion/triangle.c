@@ -6,7 +6,7 @@
  * The corners are rounded over the time T around each of them: the rate goes from one to the other of +-w as
  * 10 s^3 - 15 s^4 + 6 s^5 does, which is odd about its middle, so that the triangle is met again at both ends. The
  * acceleration is at most 3.75 w/T and vanishes with its derivative at both ends. The first corner, t = 0, stays sharp:
- * a run begins at the rate w, and before it x = w t.
+ * a run begins at the rate w, and before it x = w t. Knots are where a corner begins, its quarters, and where it ends.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/motion/motion.h"
@@ -54,10 +54,20 @@ static tdm_motion_value at(const void *own, double t) {
   return (tdm_motion_value){l->rate * l->half - x.value, -x.rate, -x.acceleration};
 }
 
+static double knot(const void *own, double t) {
+  const law *l = own;
+  const double quarter = 0.25 * l->corner;
+  for (double corner = fmax(1, floor(t / l->half));; corner++)
+    for (int k = -2; k <= 2; k++)
+      if (corner * l->half + k * quarter > t)
+        return corner * l->half + k * quarter;
+}
+
 extern const tdm_motion_ops tdm_motion_triangle;
 const tdm_motion_ops tdm_motion_triangle = {
     .name = "triangle",
     .size = sizeof(law),
     .read = read,
     .at = at,
+    .knot = knot,
 };

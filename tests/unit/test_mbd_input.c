@@ -285,6 +285,9 @@ static const bad_case cases[] = {
      "mbd.bodies[0].markers[0].point", ""},
     {MARKED("'point':'box.tipp'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "(did you mean \"tip\"?); name one"},
     {MARKED("'point':'bxo.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "did you mean \"box\""},
+    {"{'bodies':[{'name':'a_body_whose_name_is_very_very_long','mass':1,'inertia':[1,1,1],'position':[0,0,0],"
+     "'markers':[{'name':'a_marker_of_length','output':true}]}]}",
+     "", TDM_ERR_SCENE, "mbd.bodies[0].markers[0].output", "too long"},
     {MARKED("'point':'tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "\"body.marker\""},
     {MARKED("'point':'box.tip.z'"), "", TDM_ERR_SCENE, "mbd.joints[0].point", "names no point"},
     {MARKED("'point':'box.tip','axis':'box.tip'"), "", TDM_ERR_SCENE, "mbd.joints[0].axis", "body.marker.z"},
@@ -377,7 +380,7 @@ START_TEST(test_good_scene) {
               "'solver':{'relative_tolerance':1e-6,'absolute_tolerance':1e-9,'max_order':3,'max_step':0.01}}",
       "box");
   ck_assert_int_eq(r.ready.nwarning, 0);
-  ck_assert_int_eq(r.ready.nchannel, 6 + 2 + 8 + 19 + 7);
+  ck_assert_int_eq(r.ready.nchannel, 8 + 2 + 8 + 19 + 7);
   ck_assert_str_eq(r.ready.body[0].name, "box");
   CLOSE(r.ready.body[0].mass, 10, 0);
   CLOSE(r.ready.body[0].inertia.m[0][2], 0.1, 0);

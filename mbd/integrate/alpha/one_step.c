@@ -277,6 +277,16 @@ static tdm_status gets_on(mbd_alpha *s, double t, double window, tdm_error *err)
   return TDM_OK;
 }
 
+/* Where the steps from t are to end: t1, or a driver's knot before it. What is prescribed has no error that would make
+ * steps shorter, but drivers' work and what hangs on it would go wrong. */
+static double next_end(const mbd_alpha *s, double t, double t1, double window) {
+  const double sliver = 1e-6 * window;
+  double end = t1;
+  for (int i = 0; i < s->model->ndriver; i++)
+    end = fmin(end, tdm_motion_knot(&s->model->driver[i].motion, t + sliver));
+  return end < t1 - sliver ? end : t1;
+}
+
 static tdm_status advance(void *self, double t1, int nsample, const double *sample_time, mbd_sample_fn sample,
                           void *context, tdm_error *err) {
   mbd_alpha *s = self;
@@ -296,10 +306,11 @@ static tdm_status advance(void *self, double t1, int nsample, const double *samp
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd",
                     "no response to the load at t = %.9g s: the mechanism is in a singular position", data->t);
   for (double t = data->t; t < t1;) {
+    const double until = next_end(s, t, t1, window);
     double n;
-    if (plan(s, t, t1, longest, &n, err))
+    if (plan(s, t, until, longest, &n, err))
       return err->status;
-    double end = n > 1 ? t + (t1 - t) / n : t1;
+    double end = n > 1 ? t + (until - t) / n : until;
     bool ends;
     if (!try(s, t, &end, &ends))
       continue;
