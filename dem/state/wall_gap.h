@@ -12,11 +12,24 @@ static inline double dem_gap_at(const dem_data *d, int w, tdm_vec3 x, tdm_vec3 *
   return dem_wall_gap(&d->model->wall[w], &d->state.wall[w], x, normal ? normal : &n);
 }
 
-/* The same of the centre of particle i, as wall w is to spheres of its size. */
+/* Does wall w, which particle i touches, not act on it (dem_shape.lets_go)? */
+static inline bool dem_let_go(const dem_data *d, int i, int w) {
+  const dem_wall *wall = &d->model->wall[w];
+  const dem_sphere *s = &d->state.sphere[i];
+  if (!wall->shape->lets_go)
+    return false;
+  return (d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] & DEM_LET_GO) ||
+         wall->shape->lets_go(wall, dem_wall_own(&d->state.wall[w], s->position), s->radius) != DEM_HOLDS;
+}
+
+/* The same of the centre of particle i, as wall w is to spheres of its size; the radius where the wall has let it go.
+ */
 static inline double dem_gap(const dem_data *d, int i, int w, tdm_vec3 *normal) {
   const dem_sphere *s = &d->state.sphere[i];
   tdm_vec3 n;
-  return dem_wall_sphere_gap(&d->model->wall[w], &d->state.wall[w], s->position, s->radius, normal ? normal : &n);
+  const double gap =
+      dem_wall_sphere_gap(&d->model->wall[w], &d->state.wall[w], s->position, s->radius, normal ? normal : &n);
+  return dem_let_go(d, i, w) ? s->radius : gap;
 }
 
 /* Does a sphere of this radius at x touch wall w? One that is altogether behind a wall without end does not. */

@@ -4,6 +4,7 @@
 #include "dem/geometry/screen/screen.h"
 #include "dem/output/view.h"
 #include "dem/search/pairs.h"
+#include "dem/state/wall_gap.h"
 #include "dem/store/fingerprint.h"
 #include "dem/watch/energy_balance.h"
 #include "test_dem_support.h"
@@ -205,6 +206,7 @@ START_TEST(at_once_means_at_once) {
   rig_steps(r, 30000); /* 60 mm along, over two bars */
   ck_vector(d->state.sphere[0].position, tdm_v3(0.0687, 0.01, -0.004999), 1e-12);
   ck_assert_int_eq(d->state.front[0] & DEM_LET_GO, DEM_LET_GO);
+  ck_assert(dem_gap(d, 0, 0, NULL) == d->state.sphere[0].radius); /* no overlap for guards and limits */
   rig_steps(r, 20000);
   ck_assert_int_eq(d->state.front[0] & DEM_LET_GO, 0);
   place(r, 0, tdm_v3(0.014, 0.001, -0.0102), tdm_v3(0, 0, 0.5)); /* under a bar */
@@ -213,6 +215,25 @@ START_TEST(at_once_means_at_once) {
   place(r, 0, tdm_v3(0.0089, 0.001, 0.0102), tdm_v3(0, 0, -0.5)); /* just beside the reduced hole */
   rig_steps(r, 3000);
   ck_relative(d->state.pace[0].velocity.z, 0.5, 1e-3);
+  rig_free(r);
+}
+END_TEST
+
+/* Nothing acts over a hole; a particle that leaves it before it is through is thrown up by what it has sunk. */
+START_TEST(nothing_acts_over_a_hole) {
+  rig *r = rig_of("[0,0,0]", 1, "", "'reduced'," HOLES "'radius':0.14,'zeta':0.2,'passing':'over_hole'",
+                  ONE("[0,0,0.02],[9,9,9]"), 1e-6);
+  dem_data *d = r->data;
+  place(r, 0, tdm_v3(0, 0.001, 0.010001), tdm_v3(0.1, 0, -0.5));
+  rig_steps(r, 42000); /* 4.2 mm along, 21 mm down */
+  ck_vector(d->state.sphere[0].position, tdm_v3(0.0042, 0.001, -0.010999), 1e-12);
+  place(r, 0, tdm_v3(0, 0.001, 0.0101), tdm_v3(2, 0, -0.5));
+  rig_steps(r, 4300); /* 8.6 mm along, 2.15 mm down; the hole ends at 8.8 */
+  ck_relative(d->state.sphere[0].position.z, 0.00795, 1e-9);
+  ck_assert_int_eq(d->state.front[0] & DEM_LET_GO, 0);
+  ck_assert(dem_gap(d, 0, 0, NULL) == d->state.sphere[0].radius);
+  rig_steps(r, 200);
+  ck_assert_double_gt(d->state.pace[0].velocity.z, 1);
   rig_free(r);
 }
 END_TEST
@@ -638,7 +659,7 @@ END_TEST
 
 TEST_MAIN("dem_screen", the_layout_is_that_of_the_paper, passages_are_those_of_the_models,
           the_reduced_gap_is_a_distance, rain_passes_in_its_share, one_on_its_way_is_not_hit, at_once_means_at_once,
-          who_slides_passes_at_once, who_does_not_turn_slides, touches_are_those_of_all_bars, a_plate_is_flat,
-          wires_are_cylinders, elastic_bounces_keep_the_energy, a_moving_deck_is_the_same_deck, a_swinging_deck_sorts,
-          a_deck_has_its_own_material, the_number_of_holes_costs_nothing, they_are_drawn,
+          nothing_acts_over_a_hole, who_slides_passes_at_once, who_does_not_turn_slides, touches_are_those_of_all_bars,
+          a_plate_is_flat, wires_are_cylinders, elastic_bounces_keep_the_energy, a_moving_deck_is_the_same_deck,
+          a_swinging_deck_sorts, a_deck_has_its_own_material, the_number_of_holes_costs_nothing, they_are_drawn,
           its_sizes_are_in_the_fingerprint, what_is_wrong_is_told)
