@@ -62,6 +62,7 @@ static const struct {
     {"force", CPL_FORCES, true, NULL},
     {"source", CPL_FLOW, true, NULL},
     {"sink", CPL_FLOW, true, NULL},
+    {"container", CPL_FLOW, true, NULL},
     {"screening", CPL_SCREENING, true, "all decks"},
     {"path", CPL_PATHS, true, NULL},
     {"constraint", CPL_MECHANISM, false, "mechanism as a whole"},
@@ -160,6 +161,10 @@ static void tell_whose(const place *p, cpl_words *w) {
     snprintf(w->quantity, sizeof w->quantity, "reaction %.60s", plain);
   else if (p->group == CPL_MECHANISM && strcmp(p->name, "drift") == 0)
     snprintf(w->quantity, sizeof w->quantity, "opening of the joints");
+  else if (p->group == CPL_FLOW && strcmp(p->name, "number") == 0)
+    snprintf(w->quantity, sizeof w->quantity, "particles inside");
+  else if (p->group == CPL_FLOW && strcmp(p->name, "left") == 0)
+    snprintf(w->quantity, sizeof w->quantity, "particles that left");
 }
 
 static void look_at(cpl_channel *channel, const cpl_table *t) {

@@ -46,6 +46,8 @@ static const struct {
     {"waiting", NULL, "particles that wait", NULL},
     {"removed", NULL, "particles removed", NULL},
     {"number", NULL, "particles unaccounted for", NULL},
+    {"rate", "1/s", "outflow", "now"},
+    {"mean_rate", "1/s", "outflow", "mean of the discharge"},
     {"sorted", "1", "particles that left", "sorted"},
     {"undersized", "1", "particles that left", "undersized"},
     {"sorted_mass", "kg", "mass that left", "sorted"},

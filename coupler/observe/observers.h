@@ -6,8 +6,8 @@
  *   ledger     ledger.csv       impulse, work, drift and energy (ledger.h)
  *   view       frames.tdv, particles_N.vtp, walls_N.vtp, mechanism_N.vtp, scene.pvd: what there is to see, if the scene
  *              asks for it (protocol/output/outputs.h)
- *   screening  on the terminal at the end, and in summary.json: what DEM's channels of screening come to
- *   progress   on the terminal: how far the run is
+ *   screening  on the terminal at the end, and in summary.json: what DEM's channels of screening and of containers come
+ * to progress   on the terminal: how far the run is
  *
  * run.c writes scene.json (the scene with all overrides), summary.json and the logs.
  */

@@ -1,8 +1,9 @@
-/* What screening comes to: the last values of DEM's channels of it, in summary.json and on the terminal
- * (protocol/results/screening.h). */
+/* What screening and containers come to: the last values of DEM's channels of them, in summary.json and on the terminal
+ * (protocol/results/screening.h, protocol/output/figures.h). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/results/screening.h"
 #include "coupler/observe/observers.h"
+#include "protocol/output/figures.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,8 +41,11 @@ static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
 
 static void enter(const void *own, json_t *summary) {
   const measures *m = own;
-  for (int c = 0; m && m->last && c < m->dem->nchannel; c++)
-    tdm_screening_enter(summary, m->dem->channel[c].name, m->dem->channel[c].unit, m->last[c]);
+  for (int c = 0; m && m->last && c < m->dem->nchannel; c++) {
+    const tdm_channel *channel = &m->dem->channel[c];
+    tdm_screening_enter(summary, channel->name, channel->unit, m->last[c]);
+    tdm_figure_enter(summary, channel, m->last[c]);
+  }
   if (m && !m->quiet)
     tdm_screening_print(stdout, summary);
 }

@@ -13,6 +13,7 @@
 #include "dem/flow/screening.h"
 #include "dem/flow/traces.h"
 #include "dem/geometry/screen/screen.h"
+#include "dem/particles/container.h"
 #include "dem/particles/field.h"
 #include "protocol/math/hermite.h"
 
@@ -113,6 +114,10 @@ static int with_screening(const dem_model *m, int item) {
   return one(m->screening.ndeck > 0, item);
 }
 
+static int containers(const dem_model *m, int item) {
+  return item + 1 < m->ncontainer ? item + 1 : -1;
+}
+
 /* Loads of the samples that have channels: bodies that are not coupled and have walls; geometries of bodies that have
  * several. */
 static bool has_load(const dem_model *m, int l) {
@@ -149,6 +154,10 @@ static void deck_name(const dem_model *m, int item, char out[64]) {
 
 static void trace_name(const dem_model *m, int item, char out[64]) {
   snprintf(out, 64, "%s", m->trace[item].name);
+}
+
+static void container_name(const dem_model *m, int item, char out[64]) {
+  snprintf(out, 64, "%s", m->container[item].name);
 }
 
 static void load_name(const dem_model *m, int item, char out[64]) {
@@ -327,6 +336,36 @@ VALUE(screening_lost) {
   return (double)o->screening.lost;
 }
 
+VALUE(content) {
+  (void)part;
+  return (double)o->data->state.container[item].number;
+}
+
+VALUE(content_mass) {
+  (void)part;
+  return o->data->state.container[item].mass;
+}
+
+VALUE(left_container) {
+  (void)part;
+  return (double)o->data->state.container[item].left;
+}
+
+VALUE(outflow) {
+  (void)part;
+  return o->data->state.container[item].rate;
+}
+
+VALUE(mean_outflow) {
+  (void)part;
+  return dem_container_mean_rate(&o->data->state.container[item]);
+}
+
+VALUE(jams) {
+  (void)part;
+  return (double)o->data->state.container[item].jams;
+}
+
 VALUE(left) {
   UNUSED;
   return (double)o->data->state.ledger.left;
@@ -431,6 +470,16 @@ static const row rows[] = {
     PATH("vy", "m/s", 4, LINEAR),
     PATH("vz", "m/s", 5, LINEAR),
 #undef PATH
+
+#define CONTAINER(of, in, what, ...) \
+  { .name = "container.*." of, .unit = in, .next = containers, .value = what, .item_name = container_name, __VA_ARGS__ }
+    CONTAINER("number", "1", content, .course = HELD),
+    CONTAINER("mass", "kg", content_mass, .course = HELD),
+    CONTAINER("left", "1", left_container, .course = HELD),
+    CONTAINER("rate", "1/s", outflow, .course = MEAN),
+    CONTAINER("mean_rate", "1/s", mean_outflow, .course = HELD, .gaps = true),
+    CONTAINER("jams", "1", jams, .course = HELD),
+#undef CONTAINER
 
     {.name = "particles.left", .unit = "1", .next = with_domain, .value = left, .course = HELD},
     {.name = "balance.number", .unit = "1", .next = with_balance, .value = balance_number, .course = HELD},

@@ -4,6 +4,7 @@
 
 #include "dem/flow/flow.h"
 #include "dem/flow/screening.h"
+#include "dem/particles/container.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
@@ -44,6 +45,7 @@ static void close_sample(dem_engine *e, int j, double share, double t, double dt
   }
   for (int c = 0; c < m->ncoupled && out->sample_load; c++)
     out->sample_load[j * m->ncoupled + c] = d->state.sample_mean[m->coupled_body[c]];
+  dem_containers_sample(d, d->state.sample_steps * dt);
   d->state.sample_steps = 0;
   dem_screening_watch(d, t);
   if (!out->channel)

@@ -11,6 +11,7 @@
 #include "protocol/app/plot.h"
 #include "protocol/base/log.h"
 #include "protocol/base/progress.h"
+#include "protocol/output/figures.h"
 #include "protocol/results/screening.h"
 #include "protocol/scene/json.h"
 
@@ -208,8 +209,10 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));
   const tdm_standalone_figures *figures = &run->alone.figures;
-  for (int c = 0; run->alone.values && c < figures->nchannel; c++)
+  for (int c = 0; run->alone.values && c < figures->nchannel; c++) {
     tdm_screening_enter(json, figures->channel[c].name, figures->channel[c].unit, run->alone.values[c]);
+    tdm_figure_enter(json, &figures->channel[c], run->alone.values[c]);
+  }
   return json;
 }
 

@@ -8,6 +8,7 @@
 #include "dem/flow/free_space.h"
 #include "dem/flow/screening.h"
 #include "dem/flow/traces.h"
+#include "dem/particles/container.h"
 #include "dem/particles/particles.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
@@ -239,6 +240,8 @@ tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
   for (int s = 0; s < m->nsource; s++)
     if (run_source(d, &m->source[s], &d->state.source[s], t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
+  if (m->ncontainer > 0)
+    dem_containers_step(d, t);
   return TDM_OK;
 }
 

@@ -55,6 +55,8 @@
   H(source, SOURCES, EACH)                                   \
   H(nsink, NUMBER, RUN)                                      \
   H(sink, SINKS, EACH)                                       \
+  H(ncontainer, NUMBER, RUN)                                 \
+  H(container, CONTAINERS, EACH)                             \
   H(screening, SCREENING, RUN)                               \
   H(ntrace, OPTION_NUMBER, RUN)                              \
   H(trace, TRACES, RUN)                                      \
@@ -241,6 +243,14 @@
   H(total, NUMBER, RUN)        \
   H(radius, BYTES, RUN)        \
   H(upto, BYTES, RUN)
+
+#define DEM_CONTAINER_FIELDS(H, F) \
+  H(frame, NUMBER, RUN)            \
+  H(low, BYTES, RUN)               \
+  H(high, BYTES, RUN)              \
+  H(jam_time, NUMBER, RUN)         \
+  H(jam_start, NUMBER, RUN)        \
+  F(name, "known by its number")
 
 #define DEM_SINK_FIELDS(H, F) \
   H(type, NUMBER, RUN)        \

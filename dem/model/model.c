@@ -44,6 +44,8 @@ void dem_model_destroy(dem_model **model) {
     free(m->screening.deck[k].name);
   for (int k = 0; m->trace && k < m->ntrace; k++)
     free(m->trace[k].name);
+  for (int i = 0; m->container && i < m->ncontainer; i++)
+    free(m->container[i].name);
   for (int w = 0; w < m->nwall; w++)
     dem_wall_release(&m->wall[w]);
   free(m->settle.store);
@@ -52,7 +54,7 @@ void dem_model_destroy(dem_model **model) {
                     m->geometry,          m->first_triangle, m->pair,     m->settle_pair, m->body,
                     m->coupled_body,      m->wall,           m->group,    m->radius,      m->mass,
                     m->particle_material, m->position,       m->velocity, m->spin,        m->still,
-                    m->orientation,       m->screening.deck, m->trace};
+                    m->orientation,       m->screening.deck, m->trace,    m->container};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

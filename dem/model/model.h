@@ -147,6 +147,17 @@ typedef struct {
 
 enum { DEM_TRACES_MAX = 16 };
 
+enum { DEM_CONTAINERS_MAX = 32 }; /* one bit each in dem_state.held */
+
+/* A place whose content is counted, and watched for jams (container.h). */
+typedef struct {
+  char *name;
+  int frame;          /* body in whose axes, from its centre of mass, the box is given; -1: world */
+  tdm_vec3 low, high; /* box [m] */
+  double jam_time;    /* without a particle that leaves [s] */
+  double jam_start;   /* from when on it is watched [s]; inf: from the first particle that leaves on */
+} dem_container;
+
 /* Lets particles fall into a bed while it settles (pour.h). */
 typedef struct {
   int entry;          /* of dem.particles */
@@ -280,6 +291,9 @@ typedef struct dem_model {
   int nsource, nsink;
   dem_source *source; /* (nsource) */
   dem_sink *sink;     /* (nsink) */
+
+  int ncontainer;
+  dem_container *container; /* (ncontainer) */
 
   dem_screening_def screening;
 

@@ -23,6 +23,8 @@ tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->state.mass[i] = newcomer->mass;
   d->state.material[i] = newcomer->material;
   d->state.touched[i] = 0;
+  if (d->model->ncontainer > 0)
+    d->state.held[i] = 0;
   const dem_model *m = d->model;
   tdm_vec3 velocity = dem_flatten(m, newcomer->velocity, 0);
   d->state.sphere[i] = (dem_sphere){newcomer->position, newcomer->radius, velocity, 1 / newcomer->mass};

@@ -1,4 +1,4 @@
-/* Reading dem.sources and dem.sinks: see docs/scene.md for their keys. */
+/* Reading dem.sources, dem.sinks and dem.containers: see docs/scene.md for their keys. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/base/sphere.h"
 #include "dem/scene/keys.h"
@@ -231,5 +231,38 @@ void dem_sinks_read(dem_model *m, json_t *sinks, tdm_error *err) {
     snprintf(path, sizeof path, "dem.sinks[%zu]", i);
     tdm_object o = tdm_object_open(json_array_get(sinks, i), path, err);
     read_sink(m, &o);
+  }
+}
+
+/* ---- containers ---- */
+
+static void read_container(dem_model *m, tdm_object *o) {
+  dem_container *c = &m->container[m->ncontainer];
+  c->name = dem_read_name(o, NAME_MAX_LENGTH);
+  int same = -1;
+  for (int k = 0; k < m->ncontainer; k++)
+    if (c->name && strcmp(m->container[k].name, c->name) == 0)
+      same = k;
+  m->ncontainer++;
+  refuse_same(o, c->name, same, "dem.containers");
+  c->frame = tdm_has(o, "body") ? dem_read_body(m, o, "body") : -1;
+  read_region(o, &c->low, &c->high);
+  c->jam_time = tdm_get_number(o, "jam_time", 1, TDM_POSITIVE);
+  c->jam_start = tdm_get_number(o, "jam_start", INFINITY, TDM_ANY);
+  tdm_object_close(o);
+}
+
+void dem_containers_read(dem_model *m, json_t *containers, tdm_error *err) {
+  size_t n = json_array_size(containers);
+  if (n > DEM_CONTAINERS_MAX) {
+    tdm_fail(err, TDM_ERR_SCENE, "dem.containers", "has %zu entries; at most %d are supported", n, DEM_CONTAINERS_MAX);
+    return;
+  }
+  m->container = dem_allocate(n, sizeof *m->container, err);
+  for (size_t i = 0; i < n && !err->status; i++) {
+    char path[TDM_PATH_MAX];
+    snprintf(path, sizeof path, "dem.containers[%zu]", i);
+    tdm_object o = tdm_object_open(json_array_get(containers, i), path, err);
+    read_container(m, &o);
   }
 }

@@ -41,9 +41,10 @@ void dem_fail_unknown_body(const dem_model *model, const char *path, const char 
 /* "particles" (an array, may be NULL; fill.c). Materials and bodies are there already. */
 void dem_fill_read(dem_model *model, json_t *particles, tdm_error *err);
 
-/* The arrays "sources" and "sinks" (may be NULL; flow.c). Materials and bodies are there already. */
+/* The arrays "sources", "sinks" and "containers" (may be NULL; flow.c). Materials and bodies are there already. */
 void dem_sources_read(dem_model *model, json_t *sources, tdm_error *err);
 void dem_sinks_read(dem_model *model, json_t *sinks, tdm_error *err);
+void dem_containers_read(dem_model *model, json_t *containers, tdm_error *err);
 
 /* The key "screening" of the section, and the array "paths" (may be NULL; measures.c). Materials, bodies, sources and
  * sinks are there already. */

@@ -293,6 +293,9 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
     dem_sources_read(m, sources, err);
   if (!err->status)
     dem_sinks_read(m, sinks, err);
+  json_t *containers = tdm_get_array(&o, "containers", false);
+  if (!err->status)
+    dem_containers_read(m, containers, err);
   dem_screening_read(m, &o);
   json_t *paths = tdm_get_array(&o, "paths", false);
   if (!err->status)

@@ -100,6 +100,21 @@ typedef struct {
   double time;      /* of the last step boundary [s] */
 } dem_screening_state;
 
+/* What went through a container (particles/container.h). */
+typedef struct {
+  uint64_t number;       /* particles inside */
+  double mass;           /* of these [kg] */
+  uint64_t entered;      /* particles that have been inside, each once */
+  uint64_t left;         /* most of these that were outside at a time */
+  double last;           /* when that rose last, or the watch for jams began [s] */
+  uint64_t jammed, jams; /* 1: now; how often */
+  uint64_t content;      /* particles inside when the first one left */
+  uint64_t marks;        /* of the two below that have passed */
+  double mark[2];        /* when a tenth and nine tenths of the content had left [s] */
+  uint64_t sampled;      /* left at the output before */
+  double rate;           /* of those that leave, over the last output interval [1/s] */
+} dem_container_state;
+
 /* What went in and out, for the balance. */
 typedef struct {
   uint64_t created, removed; /* created: with those of the start */
@@ -174,6 +189,7 @@ typedef struct {
   int restart;           /* 1: memory is to be made anew */
   uint64_t *id;          /* order of creation, ascending; never used twice */
   int *material;         /* index of model.material */
+  uint32_t *held;        /* bit k: the particle has been in container k; none without containers */
   uint32_t *touched;     /* bit s: sink s waits until the particle has left its body again */
   double *mass;          /* [kg] */
   dem_sphere *sphere;    /* position, radius, velocity ahead, 1/mass; one more: the dummy particle */
@@ -198,6 +214,8 @@ typedef struct {
 
   dem_source_state *source; /* (nsource) */
   dem_sink_state *sink;     /* (nsink) */
+
+  dem_container_state *container; /* (ncontainer) */
 
   uint64_t *traced;               /* (model.ntrace) 1 + id of the particle, of one that a source makes; 0: not yet */
   dem_deck_state *deck;           /* (model.screening.ndeck) */

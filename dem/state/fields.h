@@ -17,6 +17,7 @@
   X(state.material, 1, "kind")                            \
   X(state.id, 1, "id")                                    \
   X(state.touched, 1, "touched")                          \
+  X(state.held, d->model->ncontainer > 0, "held")         \
   X(state.drive, d->model->driven, "drive")               \
   X(state.memory, d->model->remembers, "memory")          \
   X(state.orientation, d->model->oriented, "orientation") \
@@ -45,6 +46,7 @@
   X(state.sample_mean, nl + 1)                     \
   X(state.source, (size_t)d->model->nsource)       \
   X(state.sink, (size_t)d->model->nsink)           \
+  X(state.container, (size_t)d->model->ncontainer) \
   X(state.traced, (size_t)d->model->ntrace)        \
   X(state.deck, (size_t)d->model->screening.ndeck) \
   X(state.screening, d->model->screening.ndeck > 0 ? 1 : 0)

@@ -291,7 +291,7 @@ static tdm_status check_header(reader *r, const dem_data *d, tdm_error *err) {
 }
 
 static bool may_be_missing(const dem_data *d, const void *field) {
-  return field == d->state.memory || field == d->state.drive || field == d->state.spot;
+  return field == d->state.memory || field == d->state.drive || field == d->state.spot || field == d->state.held;
 }
 
 /* The arrays of particles. What hangs on the integrator, on the scene's groups or on its outputs may be missing unless
@@ -371,6 +371,8 @@ static tdm_status get_beginning(const reader *r, dem_data *d) {
   d->state.ledger = (dem_ledger){0};
   for (int i = 0; i < d->state.nparticle; i++) {
     d->state.touched[i] = 0;
+    if (d->model->ncontainer > 0)
+      d->state.held[i] = 0;
     if (d->model->screening.watched)
       d->state.spot[i] = (dem_spot){0};
     d->state.sphere[i].inverse_mass = 1 / d->state.mass[i];

@@ -495,10 +495,40 @@ START_TEST(the_summary_tells_how_it_went) {
 }
 END_TEST
 
+/* A container of a coupled body, which the particle leaves after it has rebounded: counted, and a jam until then, in
+ * summary.json, also where windows are tried again. */
+START_TEST(a_coupled_container_is_watched) {
+  static const char *const schemes[] = {"proxy", "iterative"};
+  setup();
+  for (int k = 0; k < 2; k++) {
+    ck_assert_msg(command("tandem run collision --out %s/%s --set time.end=0.01 --set coupling.n=5 --set "
+                          "coupling.scheme=%s --set 'dem.containers=[{\"name\": \"front\", \"body\": \"cube\", "
+                          "\"min\": [-0.113, -1, -1], \"max\": [0, 1, 1], \"jam_time\": 1e-3, \"jam_start\": 0}]'",
+                          dir, schemes[k], schemes[k]) == 0,
+                  "%s", command_output);
+    char file[256];
+    json_error_t error;
+    snprintf(file, sizeof file, "%s/%s/summary.json", dir, schemes[k]);
+    json_t *summary = json_load_file(file, 0, &error), *warnings = json_object_get(summary, "warnings");
+    ck_assert_msg(summary != NULL, "%s", error.text);
+    const json_t *front = json_object_get(json_object_get(summary, "containers"), "front");
+    ck_assert_int_eq(json_integer_value(json_object_get(front, "left")), 1);
+    ck_assert_int_eq(json_integer_value(json_object_get(front, "number")), 0);
+    ck_assert_int_eq(json_integer_value(json_object_get(front, "jams")), 1);
+    ck_assert_int_eq((int)json_array_size(warnings), 1);
+    const json_t *jam = json_array_get(warnings, 0);
+    ck_assert_str_eq(json_string_value(json_object_get(jam, "event")), "jam.front");
+    ck_assert_int_eq(json_integer_value(json_object_get(jam, "count")), 1);
+    json_decref(summary);
+  }
+  directory_remove(dir);
+}
+END_TEST
+
 TEST_MAIN("runs", runs_are_bit_identical, iterations_are_bit_identical_and_recorded_once,
           dem_first_follows_the_same_motion, the_grid_does_not_depend_on_n, the_last_window_is_shorter,
           loads_are_means_between_output_times, an_empty_box_is_an_oscillator, ctrl_c_keeps_what_was_computed,
-          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went, ctrl_c_while_settling_as_threads,
-          a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal, an_installed_tandem_finds_its_own,
-          result_directories_are_guarded, a_report_plots_and_keeps_the_logs, check_tells_what_would_run,
-          a_full_disk_leaves_readable_results)
+          a_solver_killed_at_a_random_window, the_summary_tells_how_it_went, a_coupled_container_is_watched,
+          ctrl_c_while_settling_as_threads, a_stopped_run_goes_on, memory_is_constant, a_bar_on_a_terminal,
+          an_installed_tandem_finds_its_own, result_directories_are_guarded, a_report_plots_and_keeps_the_logs,
+          check_tells_what_would_run, a_full_disk_leaves_readable_results)
