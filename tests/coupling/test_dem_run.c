@@ -376,6 +376,7 @@ START_TEST(the_scenes_load) {
     const char *name, *what, *number, *options;
   } scenes[] = {{"hopper", "particles", "1911", "--set dem.settle.max_time=1e-3"},
                 {"mixer", "particles", "1567", "--set dem.settle.max_time=1e-3"},
+                {"nozzle", "particles", "3483", "--set dem.settle.max_time=1e-3"},
                 {"zigzag", "sources", "1", "--strict"},
                 {"repose", "sources", "1", "--strict"},
                 {"showers", "particles", "4336", "--strict"},
