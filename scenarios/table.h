@@ -53,4 +53,9 @@ tdm_status scn_torque_free(cpl_verify *v, tdm_error *err);
 /* bodies alone: Adams' own results, adams/ */
 tdm_status scn_adams(cpl_verify *v, tdm_error *err);
 
+/* the tumbler screening machine, tumbler/ */
+tdm_status scn_tumbler_kinematics(cpl_verify *v, tdm_error *err);
+tdm_status scn_tumbler_drive(cpl_verify *v, tdm_error *err);
+tdm_status scn_tumbler_mount(cpl_verify *v, tdm_error *err);
+
 #endif

@@ -54,6 +54,10 @@ tdm_status cpl_verify_find(const cpl_verify *v, const char *group, const char *n
   return tdm_find_scene(scene, size, group, name, v->options->scenarios, err);
 }
 
+tdm_status cpl_verify_find_file(const cpl_verify *v, const char *name, char *file, size_t size, tdm_error *err) {
+  return tdm_find_scenario_file(file, size, name, v->options->scenarios, err);
+}
+
 tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *const *set, char *dir, size_t size,
                           tdm_error *err) {
   char scene[4096];

@@ -67,6 +67,9 @@ bool cpl_verify_full(const cpl_verify *v);
 tdm_status cpl_verify_find(const cpl_verify *v, const char *group, const char *name, char *scene, size_t size,
                            tdm_error *err);
 
+/* A file of the scenarios that are verified, such as "tumbler/five_deck.json", into `file` (size bytes). */
+tdm_status cpl_verify_find_file(const cpl_verify *v, const char *name, char *file, size_t size, tdm_error *err);
+
 /* Say that this scenario ran one solver without the coupler: `simulated` [s] in `wall` [s]. */
 void cpl_verify_alone(cpl_verify *v, cpl_role role, double simulated, double wall);
 

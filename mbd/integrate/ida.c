@@ -426,7 +426,9 @@ static double step_over(ida_solver *ida, double t, double t1) {
   bool good = mbd_accelerations(ida->model, ida->data, ida->kkt, t, N_VGetArrayPointer(ida->y));
   double here = good ? mbd_kkt_spread(ida->kkt) : 0;
   for (int i = 0; i < 6 && here < singular * ida->regular && best < enough * here; i++) {
-    double to = fmin(past->t[past->n - 1] + lengths[i] * mbd_past_step(past), t1);
+    double to = past->t[past->n - 1] + lengths[i] * mbd_past_step(past);
+    if (to > t1 - 16 * DBL_EPSILON * fabs(t1)) /* IDA does not start for so short a rest */
+      to = t1;
     mbd_past_at(past, to, N_VGetArrayPointer(ida->sample));
     double spread = to > t ? spread_at(ida, to, ida->sample) : 0;
     if (spread > best)

@@ -16,6 +16,9 @@ struct mbd_lu {
   bool good;          /* factored */
   double *matrix;     /* (n x n) row-major, factored in place; NULL: sparse */
   int *pivot;         /* (n) row that was exchanged with row i */
+  double *factor;     /* (n x n) what is not zero of the factors, row by row, diagonals at the rows' ends */
+  int *column;        /* (n x n) its columns */
+  int *end;           /* (2n) where row i's part left of the diagonal ends, and where its diagonal stands */
   mbd_sparse *sparse; /* NULL: dense */
 };
 
@@ -29,10 +32,13 @@ mbd_lu *mbd_lu_create(int n) {
   if (dense) {
     lu->matrix = calloc(size * size, sizeof *lu->matrix);
     lu->pivot = calloc(size, sizeof *lu->pivot);
+    lu->factor = calloc(size * size, sizeof *lu->factor);
+    lu->column = calloc(size * size, sizeof *lu->column);
+    lu->end = calloc(2 * size, sizeof *lu->end);
   } else {
     lu->sparse = mbd_sparse_create(n);
   }
-  if (dense ? !lu->matrix || !lu->pivot : !lu->sparse)
+  if (dense ? !lu->matrix || !lu->pivot || !lu->factor || !lu->column || !lu->end : !lu->sparse)
     mbd_lu_destroy(&lu);
   return lu;
 }
@@ -44,6 +50,9 @@ void mbd_lu_destroy(mbd_lu **pointer) {
   mbd_sparse_destroy(&lu->sparse);
   free(lu->matrix);
   free(lu->pivot);
+  free(lu->factor);
+  free(lu->column);
+  free(lu->end);
   free(lu);
   *pointer = NULL;
 }
@@ -95,9 +104,26 @@ static bool factor_dense(mbd_lu *lu) {
   return true;
 }
 
+/* Gather what is not zero: mechanisms' factors are mostly zeros, and many solutions follow. */
+static void gather(mbd_lu *lu) {
+  int k = 0;
+  for (int i = 0; i < lu->n; i++) {
+    const double *row = lu->matrix + i * lu->n;
+    for (int j = 0; j < lu->n; j++) {
+      if (j == i)
+        lu->end[2 * i] = k;
+      else if (row[j] != 0) {
+        lu->column[k] = j;
+        lu->factor[k++] = row[j];
+      }
+    }
+    lu->end[2 * i + 1] = k;
+    lu->factor[k++] = row[i];
+  }
+}
+
 static void solve_dense(const mbd_lu *lu, double *x) {
   const int n = lu->n;
-  const double *A = lu->matrix;
   for (int i = 0; i < n; i++) {
     double swap = x[lu->pivot[i]];
     x[lu->pivot[i]] = x[i];
@@ -105,15 +131,15 @@ static void solve_dense(const mbd_lu *lu, double *x) {
   }
   for (int i = 1; i < n; i++) {
     double sum = x[i];
-    for (int j = 0; j < i; j++)
-      sum -= A[i * n + j] * x[j];
+    for (int k = lu->end[2 * i - 1] + 1; k < lu->end[2 * i]; k++)
+      sum -= lu->factor[k] * x[lu->column[k]];
     x[i] = sum;
   }
   for (int i = n - 1; i >= 0; i--) {
     double sum = x[i];
-    for (int j = i + 1; j < n; j++)
-      sum -= A[i * n + j] * x[j];
-    x[i] = sum / A[i * n + i];
+    for (int k = lu->end[2 * i]; k < lu->end[2 * i + 1]; k++)
+      sum -= lu->factor[k] * x[lu->column[k]];
+    x[i] = sum / lu->factor[lu->end[2 * i + 1]];
   }
 }
 
@@ -122,6 +148,8 @@ static void solve_dense(const mbd_lu *lu, double *x) {
 bool mbd_lu_factor(mbd_lu *lu) {
   lu->good = lu->matrix ? factor_dense(lu)
                         : mbd_sparse_end(lu->sparse) != MBD_SPARSE_NO_MEMORY && mbd_sparse_factor(lu->sparse);
+  if (lu->good && lu->matrix)
+    gather(lu);
   return lu->good;
 }
 
@@ -139,7 +167,10 @@ bool mbd_lu_copy(mbd_lu *to, const mbd_lu *from) {
     return true;
   if (from->sparse)
     return mbd_sparse_copy(to->sparse, from->sparse);
-  memcpy(to->matrix, from->matrix, n * n * sizeof(double));
+  const size_t used = n > 0 ? (size_t)from->end[2 * n - 1] + 1 : 0;
+  memcpy(to->factor, from->factor, used * sizeof(double));
+  memcpy(to->column, from->column, used * sizeof(int));
+  memcpy(to->end, from->end, 2 * n * sizeof(int));
   memcpy(to->pivot, from->pivot, n * sizeof(int));
   return true;
 }

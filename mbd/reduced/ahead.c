@@ -25,6 +25,7 @@ struct mbd_ahead {
   void *integration; /* one_step's */
   int substeps;      /* from node to node */
   bool *prescribed;  /* (ncoupled) */
+  bool *carries;     /* (nbody) it is coupled, or hangs on a coupled one by joints or forces */
   double *time;      /* (TDM_NODES_MAX x substeps) */
   double *node_time; /* (TDM_NODES_MAX) */
   tdm_state *state;  /* (TDM_NODES_MAX x ncoupled) */
@@ -40,6 +41,7 @@ void mbd_ahead_destroy(mbd_ahead **ahead) {
   mbd_kkt_destroy(&a->kkt);
   mbd_data_destroy(&a->data);
   free(a->prescribed);
+  free(a->carries);
   free(a->time);
   free(a->node_time);
   free(a->state);
@@ -74,6 +76,29 @@ static bool find_prescribed(mbd_ahead *a) {
   return good;
 }
 
+/* If one of the two carries, so does the other; the ground and bodies that do not move with it carry nothing. Returns
+ * whether that is new. */
+static bool carry(mbd_ahead *a, const int body[2]) {
+  if (body[0] < 0 || body[1] < 0 || a->carries[body[0]] == a->carries[body[1]])
+    return false;
+  return a->carries[body[0]] = a->carries[body[1]] = true;
+}
+
+/* Which bodies may bend the path of a coupled one by their turning: not those that a gear alone ties to it, such as a
+ * motor's rotor, whose angle goes as the law does. */
+static void find_carriers(mbd_ahead *a) {
+  const mbd_model *m = a->model;
+  for (int c = 0; c < m->ncoupled; c++)
+    a->carries[m->coupled[c]] = true;
+  for (bool more = true; more;) {
+    more = false;
+    for (int i = 0; i < m->njoint; i++)
+      more = (!m->joint[i].ops->couples && carry(a, m->joint[i].body)) || more;
+    for (int i = 0; i < m->nforce; i++)
+      more = carry(a, m->force[i].body) || more;
+  }
+}
+
 tdm_status mbd_ahead_create(mbd_ahead **out, const mbd_model *model, const mbd_data *data, int freedom,
                             mbd_stop_fn stop, void *context, tdm_error *err) {
   mbd_ahead *a = *out = calloc(1, sizeof *a);
@@ -84,11 +109,13 @@ tdm_status mbd_ahead_create(mbd_ahead **out, const mbd_model *model, const mbd_d
   a->data = mbd_data_create(model);
   a->kkt = mbd_kkt_create(model);
   a->prescribed = calloc((size_t)model->ncoupled + 1, sizeof *a->prescribed);
+  a->carries = calloc((size_t)model->nbody + 1, sizeof *a->carries);
   a->time = calloc((size_t)TDM_NODES_MAX * (size_t)a->substeps, sizeof *a->time);
   a->node_time = calloc(TDM_NODES_MAX, sizeof *a->node_time);
   a->state = calloc((size_t)TDM_NODES_MAX * (size_t)model->ncoupled + 1, sizeof *a->state);
-  if (!a->data || !a->kkt || !a->prescribed || !a->time || !a->node_time || !a->state)
+  if (!a->data || !a->kkt || !a->prescribed || !a->carries || !a->time || !a->node_time || !a->state)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the path ahead");
+  find_carriers(a);
   mbd_data_copy(model, a->data, data);
   if (!find_prescribed(a))
     return tdm_fail(err, TDM_ERR_NUMERIC, "mbd", "no accelerations at the start; check joints and masses");
@@ -137,7 +164,8 @@ static bend bend_of(const tdm_motion *law, double t1, double t2, int n) {
 static double fastest_turn(const mbd_ahead *a, const double *y) {
   double most = 0;
   for (int b = 0; b < a->model->nbody; b++)
-    most = fmax(most, tdm_norm(mbd_get3(y + MBD_BODY_UNKNOWNS * b + MBD_W)));
+    if (a->carries[b])
+      most = fmax(most, tdm_norm(mbd_get3(y + MBD_BODY_UNKNOWNS * b + MBD_W)));
   return most;
 }
 

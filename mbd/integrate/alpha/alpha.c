@@ -354,8 +354,9 @@ static double negligible(mbd_alpha *s, double h) {
 /* Solve for vdot1 and lambda1 at the end of the step; false: no convergence. Positions go down to what rounding leaves
  * first, then accelerations: what is left of them is no way to speak of in a short step, but adds up over many. */
 static bool newton(mbd_alpha *s, double t1, double h) {
-  const double fastest =
-      0.1; /* a rate is not taken for better: rounding of the constraints may be in the change before */
+  /* Rates are not taken for better than these: rounding of the constraints may be in the change before; and what
+   * factors do well with is gone after the first correction, with what is left of the constraints they may do worse. */
+  const double fastest = 0.1, fastest_closing = 1e-3;
   correction last = {0, 0};
   bool closed = false, fresh = false;
   int since = 0; /* corrections with these factors on constraints that were closed */
@@ -375,8 +376,8 @@ static bool newton(mbd_alpha *s, double t1, double h) {
     double slower = i > 0 ? fmax(fastest, now.acceleration / last.acceleration) : 1;
     if (!(now.position < 1e18)) /* or not a number */
       return false;
-    closed =
-        closed || now.position <= 0.01 || (i > 0 && (now.position <= 1 || (rate < 0.3 && rate * now.position <= 0.1)));
+    closed = closed || now.position <= 0.01 ||
+             (i > 0 && (now.position <= 1 || (rate < 0.3 && fmax(rate, fastest_closing) * now.position <= 0.1)));
     if (closed && slower * now.acceleration <= negligible(s, h)) {
       if (i > 3)
         s->now.step_length = 0; /* worn out: the next step makes its own */
