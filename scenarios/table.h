@@ -51,7 +51,7 @@ tdm_status scn_fourbar_a02(cpl_verify *v, tdm_error *err);
 tdm_status scn_torque_free(cpl_verify *v, tdm_error *err);
 
 /* the tumbler screening machine, tumbler/ */
-tdm_status scn_tumbler(cpl_verify *v, tdm_error *err);
+tdm_status scn_tumbler_screening(cpl_verify *v, tdm_error *err);
 
 /* bodies alone: Adams' own results, adams/ */
 tdm_status scn_adams(cpl_verify *v, tdm_error *err);

@@ -99,7 +99,7 @@ static tdm_status run_study(cpl_verify *v, const study_row *row, tdm_error *err)
   return err->status;
 }
 
-tdm_status scn_tumbler(cpl_verify *v, tdm_error *err) {
+tdm_status scn_tumbler_screening(cpl_verify *v, tdm_error *err) {
   for (size_t k = 0; k < sizeof studies / sizeof *studies; k++)
     if ((studies[k].only[0] || cpl_verify_full(v)) && run_study(v, &studies[k], err) != TDM_OK)
       return err->status;
