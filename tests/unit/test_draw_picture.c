@@ -26,7 +26,7 @@ typedef struct {
 
 static scene scene_of(int nball, const ball *balls, int nwall, const tdm_vec3 *corner) {
   scene s = {.frame = {.bounds = {{-1, -1, -1}, {1, 1, 1}}, .range = {0, 1}}};
-  tdm_view_body wall = {.name = "wall", .still = true};
+  tdm_view_body wall = {.name = "wall", .still = true, .dem = true};
   ck_assert_int_eq(tdm_scenery_add_body(&s.scenery, &wall, NULL), TDM_OK);
   for (int k = 0; k < nwall; k++) {
     tdm_view_polygon polygon = {.body = 0, .solid = true, .ncorner = 4};

@@ -7,6 +7,7 @@
   /* as in the pictures: protocol/draw/space/content.c */
   tandem.lineColours = {joint: 0xb22234, spring: 0x2e7d32, cable: 0x28282c, cylinder: 0x195aaa, bar: 0xc8783c};
   const LOAD = tandem.loadColour = 0xd41f3a;
+  const NARROW = 0.01;      /* of the size of all: bars of a net, whose edges would make it black, have none */
   const EDGES_MOST = 30000; /* triangles of a body; the edges of more are not looked for */
 
   /* triangles of convex polygons */
@@ -20,6 +21,18 @@
     geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(corner), 3));
     geometry.computeVertexNormals();
     return geometry;
+  }
+
+  /* a polygon's area over its longest edge: of a strip its width */
+  function width(p) {
+    const at = (k) => new THREE.Vector3().fromArray(p.corner, 3 * (k % n)), n = p.corner.length / 3;
+    const area = new THREE.Vector3();
+    let longest = 0;
+    for (let k = 0; k < n; k++) {
+      longest = Math.max(longest, at(k).distanceTo(at(k + 1)));
+      area.add(at(k).sub(at(0)).cross(at(k + 1).sub(at(0))));
+    }
+    return longest > 0 ? 0.5 * area.length() / longest : 0;
   }
 
   tandem.Machine = function (scene, run, size) {
@@ -38,7 +51,8 @@
       body.meshes.push(mesh);
       if (geometry.attributes.position.count / 3 > EDGES_MOST)
         return;
-      const edges = new THREE.LineSegments(new THREE.EdgesGeometry(geometry, 25),
+      const wide = polygons.filter((p) => width(p) > NARROW * size);
+      const edges = new THREE.LineSegments(new THREE.EdgesGeometry(triangles(wide), 25),
         new THREE.LineBasicMaterial({color: new THREE.Color(body.colour).multiplyScalar(0.45), transparent: true,
                                      opacity: solid ? 0.8 : 0.45, clippingPlanes: planes}));
       body.group.add(edges);

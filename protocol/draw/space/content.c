@@ -235,7 +235,7 @@ static tdm_status add_polygon(tdm_drawing *d, const tdm_content *c, int k, tdm_r
     return TDM_OK;
   bool glass = look == TDM_SURFACE_translucent, plain = c->camera->flat && look == TDM_SURFACE_auto;
   outline o = outline_of(c, k);
-  if (c->picture->cut)
+  if (c->picture->cut && c->scenery->body[polygon->body].dem) /* others are solids, which would be seen to be hollow */
     o = cut(c->picture, &o);
   for (int i = 0; i < o.n; i++) {
     put(corner[i].position, seen(c, d->unit, o.at[i]));
