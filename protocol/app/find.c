@@ -50,8 +50,17 @@ tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char 
   const char *const *place = dir ? &dir : usual;
   int nplace = dir ? 1 : 2;
   snprintf(out, size, "%s", name);
-  if (is_file(out) || strchr(name, '/') || strstr(name, ".json"))
-    return TDM_OK; /* a file, or meant as one: reading it tells what is wrong */
+  if (is_file(out))
+    return TDM_OK;
+  if (strchr(name, '/') || strstr(name, ".json")) { /* meant as a file */
+    for (int i = 0; i < nplace; i++) {
+      snprintf(out, size, "%s/%s", place[i], name);
+      if (is_file(out))
+        return TDM_OK;
+    }
+    snprintf(out, size, "%s", name);
+    return TDM_OK; /* reading it tells what is wrong */
+  }
   char looked[1024] = "";
   for (int i = 0; i < nplace; i++) {
     snprintf(out, size, "%s/%s%s%s/scene.json", place[i], group, *group ? "/" : "", name);

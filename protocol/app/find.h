@@ -8,9 +8,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The scene file for `name`: a file of that name, or GROUP/NAME/scene.json ("": NAME/scene.json) in --scenarios DIR
- * (`dir`, may be NULL: then ./scenarios, and share/tandem/scenarios beside the folder of the program). The error for a
- * scenario of another group names the program that runs it. */
+/* The scene file for `name`: a file of that name; one of the scenarios ("tumbler/five_deck.json"); or
+ * GROUP/NAME/scene.json ("": NAME/scene.json). Scenarios are in --scenarios DIR (`dir`, may be NULL: then ./scenarios,
+ * and share/tandem/scenarios beside the folder of the program). The error for a scenario of another group names the
+ * program that runs it. */
 tdm_status tdm_find_scene(char *out, size_t size, const char *group, const char *name, const char *dir, tdm_error *err);
 
 /* A file of the scenarios, such as "tumbler/studies/speed.json": in --scenarios DIR (`dir`, may be NULL: where scenes

@@ -180,6 +180,10 @@ START_TEST(command_lines) {
   expect_output("--out needs a value");
   ck_assert_int_eq(command("tandem run collision --scenarios " TANDEM_SOURCE_DIR "/scenarios --set coupling.n"), 2);
   expect_output("PATH=VALUE");
+  /* scenes that are not called scene.json */
+  ck_assert_int_eq(command("tandem check tumbler/two_deck.json --scenarios " TANDEM_SOURCE_DIR "/scenarios"), 0);
+  ck_assert_int_eq(command("tandem check tumbler/no_deck.json --scenarios " TANDEM_SOURCE_DIR "/scenarios"), 1);
+  expect_output("tumbler/no_deck.json: cannot be opened");
   ck_assert_int_eq(command("tandem run no_such_scenario"), 1);
   expect_output("neither a scene file nor a scenario");
   ck_assert_int_eq(command("tandem run andrews"), 1);
