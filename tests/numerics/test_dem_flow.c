@@ -295,7 +295,7 @@ START_TEST(test_many_with_substeps) {
       at[k][d->state.id[i]] = d->state.sphere[i].position;
   }
   ck_assert_int_gt(plain->data->state.nparticle, DEM_CHUNK);
-  ck_assert_uint_gt(plain->data->state.sink[0].removed, 10);
+  ck_assert_uint_gt(plain->data->state.sink[0].removed, 20);
   ck_assert_uint_gt(plain->data->state.ledger.left, 20);
   ck_assert_uint_gt(plain->data->state.source[0].made, 10);
   ck_assert_int_eq(plain->data->state.nparticle, multi->data->state.nparticle);
