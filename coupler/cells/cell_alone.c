@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/cells/cells.h"
 
+#include "protocol/app/command_line.h"
 #include "protocol/app/find.h"
 #include "protocol/results/results.h"
 
@@ -40,8 +41,10 @@ int cpl_cell_become(const cpl_cell *cell, const char *command, const char *const
     argv[n++] = *set;
   }
   argv[n] = NULL;
-  if (tdm_find_program(path, sizeof path, cell->program))
+  if (tdm_find_program(path, sizeof path, cell->program)) {
+    tdm_release_signals();
     execv(path, (char *const *)argv);
+  }
   fprintf(stderr, "%s: error: is neither beside this program nor on PATH, or may not be executed\n", cell->program);
   return 127;
 }

@@ -42,14 +42,20 @@ typedef struct {
 } cpl_published;
 
 /* When a channel is measured. */
-typedef enum { CPL_AT_END, CPL_AT_MEAN, CPL_AT_MAX, CPL_AT_MIN, CPL_AT_SPAN } cpl_at;
+typedef enum {
+  CPL_AT_END,
+  CPL_AT_MEAN,
+  CPL_AT_MAX,
+  CPL_AT_MIN,
+  CPL_AT_AMPLITUDE, /* half of the greatest less the least */
+} cpl_at;
 
 typedef struct {
   char name[64], title[CPL_STUDY_NAME], unit[32]; /* the name fits files */
   char path[TDM_PATH_MAX];                        /* of summary.json; "": a channel */
   char channel[TDM_PATH_MAX];                     /* "dem:particles.count" */
   cpl_at at;
-  double span[2]; /* [s] of CPL_AT_SPAN */
+  double over[2]; /* [s] only this part of the time history; the end is its last value there */
   double factor;  /* of what is read, for its unit */
   bool log;       /* axis of its plot */
   int npublished;

@@ -253,25 +253,34 @@ static void read_all_published(reader *r, tdm_object *o, cpl_study_measure *m) {
   }
 }
 
-/* When: a word, or a span. */
+static const char *const at_words[] = {"end", "mean", "max", "min", "amplitude"}; /* of cpl_at */
+enum { N_AT = sizeof at_words / sizeof *at_words };
+
+static void read_times(tdm_object *o, const char *key, double *over) {
+  tdm_get_numbers(o, key, over, 2, true);
+  if (!o->err->status && !(over[1] > over[0]))
+    tdm_object_fail(o, key, "is from %g s to %g s; give the earlier time first", over[0], over[1]);
+}
+
+/* When: a word, over the whole run or a part of it; or the part, of which the mean is taken. */
 static void read_at(tdm_object *o, cpl_study_measure *m) {
-  static const char *const words[] = {"end", "mean", "max", "min"};
   if (tdm_has(o, "at") && json_is_array(json_object_get(o->json, "at"))) {
-    m->at = CPL_AT_SPAN;
-    tdm_get_numbers(o, "at", m->span, 2, true);
-    if (!o->err->status && !(m->span[1] > m->span[0]))
-      tdm_object_fail(o, "at", "is from %g s to %g s; give the earlier time first", m->span[0], m->span[1]);
+    m->at = CPL_AT_MEAN;
+    read_times(o, "at", m->over);
     return;
   }
-  int at = tdm_get_choice(o, "at", words, 4, CPL_AT_END);
+  const int at = tdm_get_choice(o, "at", at_words, N_AT, CPL_AT_END);
   m->at = at < 0 ? CPL_AT_END : (cpl_at)at;
+  if (tdm_has(o, "over"))
+    read_times(o, "over", m->over);
 }
 
 /* A name for files and columns from the path or the channel. */
 static void default_name(const cpl_study_measure *m, char *out, size_t size) {
-  static const char *const ends[] = {"", "_mean", "_max", "_min", "_span"};
   const char *from = m->path[0] ? m->path : strchr(m->channel, ':') ? strchr(m->channel, ':') + 1 : m->channel;
-  snprintf(out, size, "%.50s%s", from, m->path[0] ? "" : ends[m->at]);
+  const bool channel = !m->path[0], part = channel && isfinite(m->over[0]),
+             word = part ? m->at != CPL_AT_MEAN : channel && m->at != CPL_AT_END;
+  snprintf(out, size, "%.40s%s%s%s", from, word ? "_" : "", word ? at_words[m->at] : "", part ? "_span" : "");
   for (char *c = out; *c; c++)
     if (!strchr("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.", *c))
       *c = '_';
@@ -279,6 +288,8 @@ static void default_name(const cpl_study_measure *m, char *out, size_t size) {
 
 static void read_channel(tdm_object *o, cpl_study_measure *m) {
   char file[TDM_PATH_MAX];
+  m->over[0] = -INFINITY;
+  m->over[1] = INFINITY;
   copy(m->channel, sizeof m->channel, tdm_get_string(o, "channel", NULL));
   snprintf(file, sizeof file, "%.*s", (int)strcspn(m->channel, ":"), m->channel);
   if (!o->err->status && (!strchr(m->channel, ':') || !cpl_name_fits_file(file)))

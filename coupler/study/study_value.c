@@ -68,27 +68,40 @@ static double extreme(const double *x, int n, double sign) {
   return sign * most;
 }
 
+/* Leave the part of a time history that counts: n rows from *first on. */
+static int part_of(const double *t, int n, const double over[2], int *first) {
+  int end = n;
+  *first = 0;
+  while (*first < n && t[*first] < over[0])
+    ++*first;
+  while (end > *first && t[end - 1] > over[1])
+    end--;
+  return end - *first;
+}
+
+static double taken(const cpl_study_measure *m, const double *t, const double *x, int n) {
+  int first;
+  const int part = part_of(t, n, m->over, &first);
+  switch (m->at) {
+  case CPL_AT_END:
+    return part > 0 ? x[first + part - 1] : NAN;
+  case CPL_AT_MEAN:
+    return n > 0 ? mean_over(t, x, n, fmax(m->over[0], t[0]), fmin(m->over[1], t[n - 1])) : NAN;
+  case CPL_AT_MAX:
+    return extreme(x + first, part, 1);
+  case CPL_AT_MIN:
+    return extreme(x + first, part, -1);
+  case CPL_AT_AMPLITUDE:
+    return 0.5 * (extreme(x + first, part, 1) - extreme(x + first, part, -1));
+  }
+  return NAN;
+}
+
 static double of_channel(const cpl_cell *run, const cpl_study_measure *m, tdm_error *err) {
   double *t, *x, value = NAN;
   const int n = cpl_study_history(run, m, &t, &x, err);
   if (n > 0)
-    switch (m->at) {
-    case CPL_AT_END:
-      value = x[n - 1];
-      break;
-    case CPL_AT_MEAN:
-      value = mean_over(t, x, n, t[0], t[n - 1]);
-      break;
-    case CPL_AT_MAX:
-      value = extreme(x, n, 1);
-      break;
-    case CPL_AT_MIN:
-      value = extreme(x, n, -1);
-      break;
-    case CPL_AT_SPAN:
-      value = mean_over(t, x, n, m->span[0], m->span[1]);
-      break;
-    }
+    value = taken(m, t, x, n);
   free(t);
   free(x);
   if (!isfinite(value))

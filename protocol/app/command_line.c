@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static tdm_status unknown_option(const tdm_option *options, int noption, const char *program, const char *word,
                                  tdm_error *err) {
@@ -77,12 +78,25 @@ static void on_signal(int number) {
 }
 
 void tdm_catch_signals(void) {
-  struct sigaction action = {.sa_handler = on_signal};
+  struct sigaction action = {.sa_handler = on_signal}, hangup;
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
-  sigaction(SIGHUP, &action, NULL);
+  sigaction(SIGHUP, NULL, &hangup);
+  if (hangup.sa_handler != SIG_IGN) /* nohup */
+    sigaction(SIGHUP, &action, NULL);
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN); /* a file at its size limit is an error of the write, as on a full disk */
+}
+
+void tdm_release_signals(void) {
+  struct sigaction action = {.sa_handler = SIG_DFL}, hangup;
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  sigaction(SIGHUP, NULL, &hangup);
+  if (hangup.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, NULL);
+  if (tdm_interrupted)
+    _exit(130);
 }
 
 int tdm_finish(const char *program, const tdm_error *err) {

@@ -43,6 +43,10 @@ tdm_status tdm_unknown_command(const char *program, const char *command, const c
 /* From now on signals set tdm_interrupted and so end a run in order; calls that wait are woken. */
 void tdm_catch_signals(void);
 
+/* In a child, right before exec: signals act as they do by default. One that came since the fork, which the new program
+ * would never hear of, ends the child with 130. */
+void tdm_release_signals(void);
+
 /* Print the error, if it is set, and return the exit status: 0, 1, 2 (wrong command line), 130 (interrupted). */
 int tdm_finish(const char *program, const tdm_error *err);
 

@@ -379,10 +379,12 @@ START_TEST(gaps_and_uneven_rows) {
   char file[128];
   snprintf(file, sizeof file, "%s/scene.json", dir);
   json_t *json =
-      json_pack("{s:s, s:[{s:s, s:s}, {s:s, s:s}, {s:s, s:s}, {s:s, s:s}, {s:s, s:[f, f], s:f}, {s:s}, {s:s}]}",
+      json_pack("{s:s, s:[{s:s, s:s}, {s:s, s:s}, {s:s, s:s}, {s:s, s:s}, {s:s, s:[f, f], s:f}, {s:s}, {s:s}, "
+                "{s:s, s:s, s:[f, f]}, {s:s, s:s, s:[f, f]}]}",
                 "scene", file, "measures", "channel", "dem:a", "at", "end", "channel", "dem:a", "at", "mean", "channel",
                 "dem:a", "at", "max", "channel", "dem:a", "at", "min", "channel", "dem:a", "at", 1.5, 3.0, "factor",
-                10.0, "path", "summary.b.c[1]", "path", "summary.none");
+                10.0, "path", "summary.b.c[1]", "path", "summary.none", "channel", "dem:a", "at", "amplitude", "over",
+                2.0, 6.0, "channel", "dem:a", "at", "end", "over", 0.0, 4.5);
   cpl_study study;
   tdm_error err = {0};
   ck_assert_msg(cpl_study_read_json(&study, json, &err) == TDM_OK, "%s", err.message);
@@ -393,8 +395,8 @@ START_TEST(gaps_and_uneven_rows) {
   study.run = calloc(1, sizeof *study.run);
   ck_assert_int_eq(cpl_study_collect(&study, &err), TDM_OK);
   /* lines 4-8 over one second, 8-2 over two; between 1.5 and 3 s 6-8, then 8-5 */
-  const double right[] = {9, (6 + 2 * 5) / 3.0, 9, 2, 10 * (0.5 * 7 + 1 * 6.5) / 1.5, 7, NAN};
-  for (int m = 0; m < 7; m++)
+  const double right[] = {9, (6 + 2 * 5) / 3.0, 9, 2, 10 * (0.5 * 7 + 1 * 6.5) / 1.5, 7, NAN, 3.5, 2};
+  for (int m = 0; m < 9; m++)
     if (isnan(right[m]))
       ck_assert_int_eq(cpl_study_value(&study, 0, m).n, 0);
     else

@@ -272,6 +272,7 @@ static int run_ffmpeg(const char *pattern, double fps, const char *out) {
   snprintf(rate, sizeof rate, "%g", fps);
   pid_t pid = fork();
   if (pid == 0) {
+    tdm_release_signals();
     execlp("ffmpeg", "ffmpeg", "-y", "-nostdin", "-loglevel", "error", "-framerate", rate, "-i", pattern, "-pix_fmt",
            "yuv420p", "-crf", "18", "-movflags", "+faststart", out, (char *)NULL);
     _exit(127);
