@@ -50,8 +50,8 @@ double scn_number_or(const json_t *json, const char *path, double fallback) {
   return json_is_number(value) ? json_number_value(value) : fallback;
 }
 
-static tdm_status measure(cpl_verify *v, const cpl_verify_case *run, double least_nse, cpl_comparison *c,
-                          tdm_error *err) {
+tdm_status scn_verify_measure(cpl_verify *v, const cpl_verify_case *run, double least_nse, cpl_comparison *c,
+                              tdm_error *err) {
   char name[64];
   cpl_verify_about(v, run);
   if (run->err.status != TDM_OK)
@@ -76,8 +76,9 @@ tdm_status scn_verify_run_and_compare(cpl_verify *v, bool settles, double least_
   cpl_comparison proxy = {0};
   cpl_verify_case_set(&run[0], "coupling.scheme=lommen");
   cpl_verify_case_set(&run[1], "coupling.scheme=proxy");
-  if (cpl_verify_run_many(v, 2, run, 0, err) == TDM_OK && measure(v, &run[1], least_nse, &proxy, err) == TDM_OK)
-    measure(v, &run[0], least_nse, c, err);
+  if (cpl_verify_run_many(v, 2, run, 0, err) == TDM_OK &&
+      scn_verify_measure(v, &run[1], least_nse, &proxy, err) == TDM_OK)
+    scn_verify_measure(v, &run[0], least_nse, c, err);
   cpl_comparison_free(&proxy);
   snprintf(dir, size, "%s", run[0].dir);
   return err->status;

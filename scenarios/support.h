@@ -24,13 +24,18 @@ double scn_number(const json_t *json, const char *path, tdm_error *err);
 /* The same, with a value for when there is none. */
 double scn_number_or(const json_t *json, const char *path, double fallback);
 
+/* A case that has run, compared with its reference: nse (with the limit) and r2 of every state, r2 of every load;
+ * writes the comparison and its plots. The caller frees *c also after an error; what is measured next belongs to the
+ * case. */
+tdm_status scn_verify_measure(cpl_verify *v, const cpl_verify_case *run, double least_nse, cpl_comparison *c,
+                              tdm_error *err);
+
 /* As scn_verify_comparison; the directory of case "" and its comparison (freed by the caller also after an error) are
  * handed out, and what is measured next belongs to it. */
 tdm_status scn_verify_run_and_compare(cpl_verify *v, bool settles, double least_nse, char *dir, size_t size,
                                       cpl_comparison *c, tdm_error *err);
 
-/* Run the scenario's scene with `lommen` (case "") and with `proxy`, compare, and report nse (with the limit) and r2 of
- * every state, r2 of every load; writes the comparisons and their plots. settles: the scene has a bed. */
+/* Run the scenario's scene with `lommen` (case "") and with `proxy`, and measure both. settles: the scene has a bed. */
 tdm_status scn_verify_comparison(cpl_verify *v, bool settles, double least_nse, tdm_error *err);
 
 #endif

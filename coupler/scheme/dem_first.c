@@ -47,7 +47,7 @@ static tdm_status keep_acceleration(const cpl_loop *loop, tdm_status status) {
 
 static tdm_status first_window(cpl_loop *loop, tdm_error *err) {
   const memory m = memory_of(loop);
-  if (cpl_mbd_first(loop, 1, err) != TDM_OK)
+  if (cpl_mbd_first(loop, cpl_history_continue(loop, 1), err) != TDM_OK)
     return err->status;
   for (int i = 0; i < loop->nbody; i++)
     m.end[i] = loop->dem_end[i] = loop->state_end[i];

@@ -66,6 +66,26 @@ int cpl_extrapolate(const cpl_history *h, int n, double t0, double t1, tdm_wrenc
   return n;
 }
 
+tdm_wrench cpl_load_at_end(int n, const tdm_wrench *c) {
+  tdm_wrench sum = c[0];
+  for (int j = 1; j < n; j++)
+    sum = (tdm_wrench){tdm_add(sum.force, c[j].force), tdm_add(sum.moment, c[j].moment)};
+  return sum;
+}
+
+int cpl_hold_end(int n, tdm_wrench *c) {
+  c[0] = cpl_load_at_end(n, c);
+  return 1;
+}
+
+int cpl_ramp_to_end(int n, tdm_wrench *c, tdm_wrench *last) {
+  const tdm_wrench end = cpl_load_at_end(n, c);
+  c[0] = *last;
+  c[1] = (tdm_wrench){tdm_sub(end.force, last->force), tdm_sub(end.moment, last->moment)};
+  *last = end;
+  return 2;
+}
+
 size_t cpl_history_memory(int nbody) {
   return (size_t)nbody * sizeof(cpl_history);
 }
@@ -78,11 +98,16 @@ tdm_status cpl_history_begin(cpl_loop *loop, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err) {
-  cpl_history *history = (cpl_history *)(void *)loop->memory;
+int cpl_history_continue(cpl_loop *loop, int nmean) {
+  const cpl_history *history = (const cpl_history *)(const void *)loop->memory;
   int ncoefficient = 1;
   for (int i = 0; i < loop->nbody; i++)
     ncoefficient = cpl_extrapolate(&history[i], nmean, loop->t0, loop->t1, &loop->load[i * TDM_LOAD_MAX]);
+  return ncoefficient;
+}
+
+tdm_status cpl_mbd_first(cpl_loop *loop, int ncoefficient, tdm_error *err) {
+  cpl_history *history = (cpl_history *)(void *)loop->memory;
   if (cpl_solve_mbd(loop, ncoefficient, err) != TDM_OK)
     return err->status;
   if (cpl_solve_dem_along(loop, loop->state_start, loop->state_end, err) != TDM_OK)

@@ -25,6 +25,14 @@ void cpl_cramer(int n, const double *tau, const double *f, double *c);
  * 2 (linear) or 3 (quadratic). */
 int cpl_extrapolate(const cpl_history *history, int n, double t0, double t1, tdm_wrench *out);
 
+/* [L18] Eq. 12: what a polynomial of n coefficients in s has come to at the window's end, s = 1. */
+tdm_wrench cpl_load_at_end(int n, const tdm_wrench *c);
+
+/* Two simpler loads with the same value at the end, in place of a polynomial's n coefficients: that value, held; or the
+ * straight way to it from `last`, which becomes it. Both return their number of coefficients. */
+int cpl_hold_end(int n, tdm_wrench *c);
+int cpl_ramp_to_end(int n, tdm_wrench *c, tdm_wrench *last);
+
 /* ---- schemes whose memory begins with a history for each body ---- */
 
 /* cpl_scheme.memory: the histories alone [bytes]. */
@@ -33,8 +41,12 @@ size_t cpl_history_memory(int nbody);
 /* cpl_scheme.open: the first load is DEM's at t = 0. */
 tdm_status cpl_history_begin(cpl_loop *loop, tdm_error *err);
 
-/* A whole window: MBD on the polynomial through the last nmean (1 to 3) means, DEM on the path from state_start to
- * state_end that comes of it. */
-tdm_status cpl_mbd_first(cpl_loop *loop, int nmean, tdm_error *err);
+/* Set loop->load to the polynomials through the last nmean (1 to 3) means, continued into the window. Returns how many
+ * coefficients they have. */
+int cpl_history_continue(cpl_loop *loop, int nmean);
+
+/* A whole window: MBD under loop->load (its first `ncoefficient` entries a body), DEM on the path from state_start to
+ * state_end that comes of it, whose mean load goes into the history. */
+tdm_status cpl_mbd_first(cpl_loop *loop, int ncoefficient, tdm_error *err);
 
 #endif

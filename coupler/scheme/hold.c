@@ -5,7 +5,7 @@
 #include "coupler/scheme/schemes.h"
 
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
-  return cpl_mbd_first(loop, 1, err);
+  return cpl_mbd_first(loop, cpl_history_continue(loop, 1), err);
 }
 
 const cpl_scheme cpl_scheme_hold = {

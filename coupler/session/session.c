@@ -308,10 +308,13 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   json_decref(results);
   if (cpl_session_asks(s, (cpl_role)role, "ahead"))
     json_object_set_new(message, "ahead", json_real(cpl_first_window(set)));
-  if (s->scheme->needs[role] & CPL_RESTORE)
+  const unsigned needs = cpl_session_needs(s, (cpl_role)role);
+  if (needs & CPL_RESTORE)
     json_object_set_new(message, "restores", json_true());
-  if (s->scheme->needs[role] & CPL_PROXY)
+  if (needs & CPL_PROXY)
     json_object_set_new(message, "proxy", json_true());
+  if (needs & CPL_SENT_VELOCITY)
+    json_object_set_new(message, "wall_velocity", json_string("sent"));
   tdm_status status = tdm_control_write(&s->out, TDM_ASSIGN, 0, message, err);
   if (status == TDM_OK)
     status = send_to(s, role, err);

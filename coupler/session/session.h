@@ -89,6 +89,9 @@ tdm_status cpl_session_check_ready(const cpl_session *session, cpl_role role, td
 tdm_status cpl_session_check_result(const cpl_session *session, int role, const tdm_step *step,
                                     const tdm_result *result, tdm_error *err);
 
+/* What the scheme of this run needs of a role's solver, as its settings are: flags of cpl_need. */
+unsigned cpl_session_needs(const cpl_session *session, cpl_role role);
+
 /* Whether a role's solver has announced a capability. */
 bool cpl_session_has(const cpl_session *session, cpl_role role, const char *capability);
 

@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const cpl_need_names[CPL_NNEED] = {"acceleration", "mobility", "interface", "proxy", "restore"};
+const char *const cpl_need_names[CPL_NNEED] = {"acceleration", "mobility", "interface",
+                                               "proxy",        "restore",  "sent_velocity"};
 
 const char *cpl_session_name(const cpl_session *session, cpl_role role) {
   const cpl_partner *p = &session->partner[role];
@@ -25,12 +26,36 @@ bool cpl_session_has(const cpl_session *s, cpl_role role, const char *capability
   return false;
 }
 
-/* The first capability that a scheme needs and a role's solver lacks; NULL: none. */
-static const char *lacks(const cpl_session *s, int role, const cpl_scheme *scheme) {
+unsigned cpl_session_needs(const cpl_session *s, cpl_role role) {
+  const cpl_scheme *scheme = s->scheme;
+  return scheme->needs[role] |
+         (scheme->needs_too ? scheme->needs_too(cpl_scheme_settings(s->settings, scheme), role) : 0);
+}
+
+/* The first capability that the scheme needs and a role's solver lacks, as bit of cpl_need; -1: none. */
+static int lacks(const cpl_session *s, int role) {
+  const unsigned needs = cpl_session_needs(s, (cpl_role)role);
   for (int k = 0; k < CPL_NNEED; k++)
-    if (scheme->needs[role] & (1u << k) && !cpl_session_has(s, (cpl_role)role, cpl_need_names[k]))
-      return cpl_need_names[k];
-  return NULL;
+    if (needs & (1u << k) && !cpl_session_has(s, (cpl_role)role, cpl_need_names[k]))
+      return k;
+  return -1;
+}
+
+/* A role's solver lacks what the scheme needs, and there is no other to take. */
+static tdm_status refuse(const cpl_session *s, int role, int missing, tdm_error *err) {
+  const cpl_scheme *scheme = s->scheme, *fallback = s->settings->fallback;
+  const bool by_settings = !(scheme->needs[role] & (1u << missing));
+  char path[64];
+  snprintf(path, sizeof path, "coupling.%s",
+           by_settings                     ? scheme->name
+           : scheme == s->settings->scheme ? "scheme"
+                                           : "fallback");
+  return tdm_fail(err, TDM_ERR_SCENE, path,
+                  "the scheme %s needs the capability \"%s\"%s, which %s does not have; take %sanother scheme or "
+                  "solver%s",
+                  scheme->name, cpl_need_names[missing], by_settings ? " for its settings" : "",
+                  cpl_session_name(s, (cpl_role)role), by_settings ? "other settings, " : "",
+                  fallback ? "" : ", or name one that does without it as coupling.fallback");
 }
 
 const cpl_extra cpl_extras[CPL_NEXTRA] = {
@@ -91,18 +116,14 @@ tdm_status cpl_session_choose(cpl_session *s, tdm_error *err) {
   const cpl_scheme *wanted = s->settings->scheme, *fallback = s->settings->fallback;
   s->scheme = wanted;
   for (int r = 0; r < CPL_NROLE; r++) {
-    const char *missing = lacks(s, r, s->scheme);
-    if (!missing)
+    const int missing = lacks(s, r);
+    if (missing < 0)
       continue;
     if (!fallback || s->scheme == fallback)
-      return tdm_fail(err, TDM_ERR_SCENE, s->scheme == wanted ? "coupling.scheme" : "coupling.fallback",
-                      "the scheme %s needs the capability \"%s\", which %s does not have; take another scheme or "
-                      "solver%s",
-                      s->scheme->name, missing, cpl_session_name(s, (cpl_role)r),
-                      fallback ? "" : ", or name one that does without it as coupling.fallback");
+      return refuse(s, r, missing, err);
     tdm_remark(TDM_NOTICE, "fallback", "coupling.fallback", 0,
                "the scheme %s needs the capability \"%s\", which %s does not have: %s was taken instead", wanted->name,
-               missing, cpl_session_name(s, (cpl_role)r), fallback->name);
+               cpl_need_names[missing], cpl_session_name(s, (cpl_role)r), fallback->name);
     s->scheme = fallback;
     r = -1; /* what it needs, of both */
   }

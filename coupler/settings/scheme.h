@@ -18,10 +18,11 @@ typedef enum {
   CPL_MOBILITY = 1 << 1,     /* mbd: ... and how loads on them change these */
   CPL_INTERFACE = 1 << 2,    /* dem: RESULTs tell the moments of the load */
   CPL_PROXY = 1 << 3,        /* dem: carries the mechanism through the window */
-  CPL_RESTORE = 1 << 4       /* both: SAVE and RESTORE */
+  CPL_RESTORE = 1 << 4,      /* both: SAVE and RESTORE */
+  CPL_SENT_VELOCITY = 1 << 5 /* dem: contacts take the velocity that a body is sent with */
 } cpl_need;
 
-enum { CPL_NNEED = 5 };
+enum { CPL_NNEED = 6 };
 extern const char *const cpl_need_names[CPL_NNEED]; /* by the flag's bit */
 
 typedef struct cpl_scheme {
@@ -33,6 +34,8 @@ typedef struct cpl_scheme {
   const char *better; /* the scheme to take where this one's windows are too long for it; NULL: none is */
   /* what each role's solver must announce: flags of cpl_need. What RESULTs carry for it is asked for in ASSIGN. */
   unsigned needs[CPL_NROLE];
+  /* what it needs of a role's solver beside that, as its settings are; NULL: nothing */
+  unsigned (*needs_too)(const void *settings, cpl_role role);
   /* Path of a body's position in a window that DEM is sent along, unless the scene says (coupling.interpolation). */
   tdm_interpolation interpolation;
   /* Order in H of the mismatch between the two solvers' ends of a window, loop->dem_end and loop->state_end, by which

@@ -12,6 +12,7 @@
 typedef struct {
   dem_engine *engine;
   dem_path *path; /* (ncoupled) of the present window */
+  bool sent;      /* contacts feel the twists that are sent */
 } dem_solver;
 
 static tdm_status create(void **self, const tdm_assignment *assignment, tdm_ready *ready, tdm_participant *p,
@@ -23,6 +24,7 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
   s->path = calloc((size_t)assignment->nbody + 1, sizeof *s->path);
   if (!s->path)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the paths of %d bodies", assignment->nbody);
+  s->sent = assignment->sent_velocity;
   if (dem_engine_create(&s->engine, assignment, p, err))
     return err->status;
   const dem_start *start = dem_engine_start(s->engine);
@@ -42,10 +44,12 @@ static tdm_status create(void **self, const tdm_assignment *assignment, tdm_read
 /* the bodies' paths of this window */
 static void make_paths(dem_solver *s, const tdm_step *step) {
   const dem_model *m = dem_engine_data(s->engine)->model;
-  for (int c = 0; c < m->ncoupled; c++) /* the server sees to it that no body turns far in a window without nodes */
+  for (int c = 0; c < m->ncoupled; c++) { /* the server sees to it that no body turns far in a window without nodes */
     s->path[c] = step->path.nnode > 0
                      ? dem_path_through(step, c)
                      : dem_path_make(&step->start[c], &step->end[c], step->t1 - step->t0, m->interpolation);
+    s->path[c].sent = s->sent;
+  }
 }
 
 static tdm_status solve(void *self, const tdm_step *step, tdm_result *result, tdm_error *err) {
@@ -110,7 +114,8 @@ const dem_data *dem_solver_data(const void *self) {
   return dem_engine_data(s->engine);
 }
 
-static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load", "energy", "path", "view"};
+static const char *const capabilities[] = {"restore", "interface", "proxy", "matched_load",
+                                           "energy",  "path",      "view",  "sent_velocity"};
 
 const tdm_solver_ops dem_solver_ops = {
     .capabilities = capabilities,

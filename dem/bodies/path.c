@@ -61,3 +61,7 @@ tdm_twist dem_path_twist(const dem_path *m, double s) {
   }
   return (tdm_twist){v, m->angular};
 }
+
+tdm_twist dem_path_felt(const dem_path *m, double s) {
+  return m->sent ? m->end.twist : dem_path_twist(m, s);
+}

@@ -7,6 +7,9 @@
  * otherwise the works of the two sides disagree.
  *
  * Where the path comes with nodes it goes through them instead (protocol/wire/nodes.h), its angular velocity too.
+ *
+ * With `sent` contacts feel another twist than that of the path: the solver's own at the end, all through the window
+ * ([L18] Section 2.2).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BODIES_PATH_H
@@ -23,6 +26,7 @@ typedef struct {
   tdm_nodes path;   /* borrowed; no nodes: none */
   int body;         /* in path */
   double t0;        /* when the window begins [s] */
+  bool sent;        /* contacts feel end.twist */
 } dem_path;
 
 dem_path dem_path_make(const tdm_state *start, const tdm_state *end, double duration, tdm_interpolation interpolation);
@@ -42,5 +46,8 @@ tdm_pose dem_path_pose(const dem_path *motion, double s);
 
 /* Twist at s in [0, 1]. */
 tdm_twist dem_path_twist(const dem_path *motion, double s);
+
+/* Twist that contacts feel there. */
+tdm_twist dem_path_felt(const dem_path *motion, double s);
 
 #endif

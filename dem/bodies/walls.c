@@ -34,7 +34,7 @@ void dem_bodies_move(dem_data *d, const dem_path *motion, uint64_t k, uint64_t n
   for (int c = 0; c < m->ncoupled; c++) {
     int b = m->coupled_body[c];
     d->state.pose[b] = dem_path_pose(&motion[c], s);
-    d->state.twist[b] = dem_path_twist(&motion[c], s);
+    d->state.twist[b] = dem_path_felt(&motion[c], s);
   }
   dem_coupled_walls_put(d);
 }

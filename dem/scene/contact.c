@@ -84,10 +84,13 @@ static void check_laws(const dem_model *m, tdm_object *o) {
                     m->normal->why_not_clip);
 }
 
+/* what EDEM takes for every wall ([L18] Section 3.1, after Arumugan 2014) [kg] */
+static const double edem_wall_mass = 1e8;
+
 static void read_wall_mass(dem_model *m, tdm_object *o) {
   if (tdm_has(o, "wall_mass") && json_is_string(json_object_get(o->json, "wall_mass"))) {
-    static const char *const body[] = {"body"};
-    tdm_get_choice(o, "wall_mass", body, 1, 0);
+    static const char *const words[] = {"body", "edem"};
+    m->wall_mass = tdm_get_choice(o, "wall_mass", words, 2, 0) == 1 ? edem_wall_mass : 0;
   } else {
     m->wall_mass = tdm_get_number(o, "wall_mass", 0, tdm_has(o, "wall_mass") ? TDM_POSITIVE : TDM_ANY);
   }

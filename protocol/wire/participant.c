@@ -258,7 +258,8 @@ static void refuse_unable(const tdm_participant *p, const tdm_assignment *a, tdm
                 {"energy", "results", a->energy},
                 {"matched_load", "results", a->matched_load},
                 {"restore", "restores", a->restores},
-                {"proxy", "proxy", a->proxy}};
+                {"proxy", "proxy", a->proxy},
+                {"sent_velocity", "wall_velocity", a->sent_velocity}};
   for (size_t k = 0; k < sizeof wanted / sizeof wanted[0]; k++)
     if (wanted[k].asked && !is_able(p, wanted[k].capability))
       tdm_object_fail(o, wanted[k].key, "asks for the capability \"%s\", which this solver (%s) has not announced",
@@ -267,7 +268,7 @@ static void refuse_unable(const tdm_participant *p, const tdm_assignment *a, tdm
 
 /* Keys that this version does not know are left alone: a newer server may send more. */
 static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *err) {
-  static const char *const interpolations[] = {"linear", "hermite"};
+  static const char *const interpolations[] = {"linear", "hermite"}, *const velocities[] = {"path", "sent"};
   tdm_object o = tdm_object_open(p->assign, "", err);
   tdm_object scene = tdm_get_object(&o, "scene", true);
   a->scene = scene.json;
@@ -285,6 +286,7 @@ static void read_assignment(tdm_participant *p, tdm_assignment *a, tdm_error *er
   a->ahead = tdm_get_number(&o, "ahead", 0, TDM_ANY);
   a->restores = tdm_get_bool(&o, "restores", false);
   a->proxy = tdm_get_bool(&o, "proxy", false);
+  a->sent_velocity = tdm_get_choice(&o, "wall_velocity", velocities, 2, 0) == 1;
   p->tells = tdm_get_bool(&o, "remarks", false);
   refuse_unable(p, a, &o);
   json_t *bodies = tdm_get_array(&o, "bodies", true);

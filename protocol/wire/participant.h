@@ -83,6 +83,8 @@ typedef struct {
   double ahead;                    /* READY is to tell the path until then [s]; 0: none (mbd with the capability) */
   bool restores;                   /* SAVE and RESTORE will come, perhaps in every window */
   bool proxy;                      /* STEP will have a proxy (dem with the capability) */
+  bool sent_velocity;              /* contacts take the velocities of STEP's `end` all through the window, not those
+                                    * of the path (dem with the capability) */
 } tdm_assignment;
 
 /* A further output that is sampled on the output grid. */

@@ -22,16 +22,27 @@ static const double limit_percent = 0.2, limit_ratio = 100; /* the limit holds w
 enum { NCASE = SCN_COLLISION_CASES };
 const double scn_collision_mass[NCASE] = {0.01, 0.02, 0.1, 1, 2, 10};
 
-/* [L18] Table I, printed velocities (two misprints corrected: v_p of 0.1 kg, v_c of 2 kg) */
+/* [L18] Table I, printed velocities, with three misprints corrected: of 0.1 kg v_p (-9.74e-2) and v_c (2.94e-2, which
+ * is not the printed +0.783 %), of 2 kg v_c (-5.10e-1) */
 static const struct {
   double v_p, v_c;
-} paper[NCASE] = {{-9.98e-1, 3.02e-3}, {-9.95e-1, 6.03e-3}, {-9.74e-1, 2.94e-2},
+} paper[NCASE] = {{-9.98e-1, 3.02e-3}, {-9.95e-1, 6.03e-3}, {-9.74e-1, 2.99e-2},
                   {-7.56e-1, 2.75e-1}, {-5.54e-1, 5.10e-1}, {3.87e-1, 1.62}};
 
 static void theory(double m_p, double *v_p, double *v_c) {
   double sum = m_p + scn_collision_body_mass;
   *v_c = m_p * scn_collision_speed * (1 + restitution) / sum;
   *v_p = (m_p - scn_collision_body_mass * restitution) * scn_collision_speed / sum;
+}
+
+/* The velocities, beside theory. */
+static void judge(double m_p, double v_p, double v_c, scn_collision_errors *out) {
+  double expected_p, expected_c;
+  theory(m_p, &expected_p, &expected_c);
+  out->particle = 100 * (v_p / expected_p - 1);
+  out->body = 100 * (v_c / expected_c - 1);
+  out->restitution = (v_c - v_p) / scn_collision_speed;
+  out->momentum = (m_p * v_p + scn_collision_body_mass * v_c) / (m_p * scn_collision_speed);
 }
 
 /* Velocities after the collision, and the rows in which the cube feels a load: one row is one step here. */
@@ -48,10 +59,7 @@ tdm_status scn_collision_read(const char *dir, double m_p, scn_collision_errors 
   const double *load = v_c ? cpl_table_column(&body, "fx", err) : NULL;
   const double *v_p = load ? cpl_table_column(&dem, "particles.velocity.x", err) : NULL;
   if (v_p) {
-    double expected_p, expected_c;
-    theory(m_p, &expected_p, &expected_c);
-    out->particle = 100 * (v_p[dem.nrow - 1] / expected_p - 1);
-    out->body = 100 * (v_c[body.nrow - 1] / expected_c - 1);
+    judge(m_p, v_p[dem.nrow - 1], v_c[body.nrow - 1], out);
     for (int i = 0; i < body.nrow; i++)
       out->steps += load[i] != 0;
     if (load[body.nrow - 1] != 0)
@@ -62,55 +70,82 @@ tdm_status scn_collision_read(const char *dir, double m_p, scn_collision_errors 
   return err->status;
 }
 
-typedef enum { LOMMEN, PROXY, WALL_MASS, NSERIES } series;
+/* literal: the paper's exchange to the letter, one value of the load held and the velocity as it was sent, with the
+ * wall mass of its DEM code */
+typedef enum { LOMMEN, PROXY, WALL_MASS, LITERAL, NSERIES } series;
+
+static const struct {
+  const char *name, *scheme, *wall_mass, *lommen;
+  bool limited;
+} kind[NSERIES] = {
+    [LOMMEN] = {"", "lommen", "body", "{}", true},
+    [PROXY] = {" scheme=proxy", "proxy", "body", "{}", true},
+    [WALL_MASS] = {" wall_mass=1e8", "lommen", "1e8", "{}", false},
+    [LITERAL] = {" literal", "lommen", "edem", "{\"load\": \"end-held\", \"wall_velocity\": \"sent\"}", false},
+};
 
 static void name_case(cpl_verify_case *c, int i, series what) {
-  static const char *const more[NSERIES] = {[LOMMEN] = "", [PROXY] = " scheme=proxy", [WALL_MASS] = " wall_mass=1e8"};
-  snprintf(c->name, sizeof c->name, "m_p=%g%s", scn_collision_mass[i], more[what]);
+  snprintf(c->name, sizeof c->name, "m_p=%g%s", scn_collision_mass[i], kind[what].name);
   cpl_verify_case_set(c, "dem.particles[0].mass=%g", scn_collision_mass[i]);
-  cpl_verify_case_set(c, "coupling.scheme=%s", what == PROXY ? "proxy" : "lommen");
-  cpl_verify_case_set(c, "dem.contact.wall_mass=%s", what == WALL_MASS ? "1e8" : "body");
+  cpl_verify_case_set(c, "coupling.scheme=%s", kind[what].scheme);
+  cpl_verify_case_set(c, "coupling.lommen=%s", kind[what].lommen);
+  cpl_verify_case_set(c, "dem.contact.wall_mass=%s", kind[what].wall_mass);
 }
 
-static tdm_status measure_case(cpl_verify *v, const cpl_verify_case *c, int i, series what,
-                               scn_collision_errors *result, tdm_error *err) {
-  double m_p = scn_collision_mass[i], v_p, v_c;
+static scn_collision_errors of_paper(int i) {
+  scn_collision_errors e = {0};
+  judge(scn_collision_mass[i], paper[i].v_p, paper[i].v_c, &e);
+  return e;
+}
+
+static void measure_paper(cpl_verify *v, const cpl_verify_case *c, int i) {
+  const scn_collision_errors e = of_paper(i);
+  cpl_verify_measure(v, "paper_particle_percent", c->name, e.particle, CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_body_percent", c->name, e.body, CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_restitution", c->name, e.restitution, CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "paper_momentum", c->name, e.momentum, CPL_NO_LIMIT, 0);
+}
+
+static tdm_status measure_case(cpl_verify *v, const cpl_verify_case *c, int i, series what, scn_collision_errors *e,
+                               tdm_error *err) {
   if (c->err.status != TDM_OK) {
     *err = c->err;
     return err->status;
   }
-  if (scn_collision_read(c->dir, m_p, result, err) != TDM_OK)
+  if (scn_collision_read(c->dir, scn_collision_mass[i], e, err) != TDM_OK)
     return err->status;
-  cpl_limit_kind kind = what != WALL_MASS && scn_collision_body_mass / m_p >= limit_ratio ? CPL_AT_MOST : CPL_NO_LIMIT;
+  const bool light = scn_collision_body_mass / scn_collision_mass[i] >= limit_ratio;
+  const cpl_limit_kind limit = kind[what].limited && light ? CPL_AT_MOST : CPL_NO_LIMIT;
   cpl_verify_about(v, c);
-  cpl_verify_measure(v, "error_particle_percent", c->name, result->particle, kind, limit_percent);
-  cpl_verify_measure(v, "error_body_percent", c->name, result->body, kind, limit_percent);
-  if (what != WALL_MASS) {
-    cpl_verify_measure(v, "steps_per_contact", c->name, result->steps, CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "error_particle_percent", c->name, e->particle, limit, limit_percent);
+  cpl_verify_measure(v, "error_body_percent", c->name, e->body, limit, limit_percent);
+  if (kind[what].limited) {
+    cpl_verify_measure(v, "steps_per_contact", c->name, e->steps, CPL_NO_LIMIT, 0);
     return TDM_OK;
   }
-  theory(m_p, &v_p, &v_c);
-  cpl_verify_measure(v, "paper_particle_percent", c->name, 100 * (paper[i].v_p / v_p - 1), CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "paper_body_percent", c->name, 100 * (paper[i].v_c / v_c - 1), CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "restitution", c->name, e->restitution, CPL_NO_LIMIT, 0);
+  cpl_verify_measure(v, "momentum", c->name, e->momentum, CPL_NO_LIMIT, 0);
+  if (what == WALL_MASS)
+    measure_paper(v, c, i);
   return TDM_OK;
 }
 
-static tdm_status write_table(cpl_verify *v, const scn_collision_errors *true_mass,
-                              const scn_collision_errors *wall_mass, tdm_error *err) {
+static tdm_status write_table(cpl_verify *v, scn_collision_errors result[NSERIES][NCASE], tdm_error *err) {
   char file[4096];
   snprintf(file, sizeof file, "%s/table.csv", cpl_verify_dir(v));
   FILE *f = fopen(file, "w");
   if (!f)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written", file);
-  fputs(
-      "m_c/m_p [-],particle [%],body [%],particle wall_mass [%],body wall_mass [%],particle paper [%],body paper [%]\n",
-      f);
+  fputs("m_c/m_p [-],particle [%],body [%],particle wall_mass [%],body wall_mass [%],particle paper [%],body paper [%],"
+        "particle literal [%],body literal [%],restitution literal,restitution paper,momentum literal,momentum paper\n",
+        f);
   for (int i = 0; i < NCASE; i++) {
-    double v_p, v_c;
-    theory(scn_collision_mass[i], &v_p, &v_c);
-    fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", scn_collision_body_mass / scn_collision_mass[i],
-            true_mass[i].particle, true_mass[i].body, wall_mass[i].particle, wall_mass[i].body,
-            100 * (paper[i].v_p / v_p - 1), 100 * (paper[i].v_c / v_c - 1));
+    const scn_collision_errors *own = &result[LOMMEN][i], *heavy = &result[WALL_MASS][i], *as = &result[LITERAL][i];
+    const scn_collision_errors printed = of_paper(i);
+    fprintf(f, "%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n",
+            scn_collision_body_mass / scn_collision_mass[i], own->particle, own->body, heavy->particle, heavy->body,
+            printed.particle, printed.body, as->particle, as->body, as->restitution, printed.restitution, as->momentum,
+            printed.momentum);
   }
   fclose(f);
   return TDM_OK;
@@ -172,7 +207,7 @@ tdm_status scn_collision(cpl_verify *v, tdm_error *err) {
   cpl_verify_run_many(v, NSERIES * NCASE, run, 0, err);
   for (int k = 0; err->status == TDM_OK && k < NSERIES * NCASE; k++)
     measure_case(v, &run[k], k % NCASE, (series)(k / NCASE), &result[k / NCASE][k % NCASE], err);
-  if (err->status == TDM_OK && write_table(v, result[LOMMEN], result[WALL_MASS], err) == TDM_OK)
+  if (err->status == TDM_OK && write_table(v, result, err) == TDM_OK)
     plot(v);
   return err->status;
 }

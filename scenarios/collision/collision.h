@@ -12,6 +12,8 @@ extern const double scn_collision_body_mass, scn_collision_speed; /* of the cube
 
 typedef struct {
   double particle, body; /* errors of the velocities after the collision, signed [%] */
+  double restitution;    /* effective: (v_c - v_p)/u_p */
+  double momentum;       /* after the collision, as a share of that before */
   int steps;             /* rows of the output grid in which the cube feels a load */
 } scn_collision_errors;
 

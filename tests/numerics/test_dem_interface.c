@@ -106,6 +106,46 @@ START_TEST(loads_are_what_particles_lose) {
 }
 END_TEST
 
+/* Contacts may feel another velocity than that of the path: the damping's share of the load says which. */
+START_TEST(contacts_feel_the_velocity_that_is_sent) {
+  const double stiffness = 1e4, damping = 30, overlap = 1e-4, h = 1e-6, T = 10 * h;
+  json_t *json = scene_json(
+      "{'gravity':[0,0,0],'contact':{'normal':'hooke','tangential':'none'},"
+      "'materials':[{'name':'a','density':1000}],'pairs':[{'materials':['a','a'],'stiffness':%g,'damping':%g}],"
+      "'bodies':[{'name':'plate','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],"
+      "'particles':[{'type':'list','material':'a','radius':0.01,'mass':1e6,'positions':[[0,0,%g]]}]}",
+      stiffness, damping, 0.01 - overlap);
+  const tdm_assigned_body plate = {.name = "plate", .mass = 1e9, .state = state_at(0, 0, 0)};
+  static const struct {
+    double path, sent; /* velocities along the normal [m/s] */
+  } cases[] = {{0, 0.4}, {0.1, 0.4}, {0.1, -0.2}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    double load[2];
+    for (int sent = 0; sent < 2; sent++) {
+      const tdm_assignment assignment = {.scene = json, .time_end = 1, .dt = h, .n = 1, .nbody = 1, .body = &plate};
+      const tdm_state start = state_at(0, 0, 0);
+      tdm_state end = state_at(0, 0, cases[i].path * T);
+      end.twist.velocity.z = cases[i].sent;
+      dem_path path = dem_path_make(&start, &end, T, TDM_LINEAR);
+      path.sent = sent;
+      const dem_window window = {.t1 = T, .nstep = 10, .path = &path};
+      tdm_wrench mean;
+      tdm_interface body = {0};
+      dem_engine *engine = NULL;
+      tdm_error err = {0};
+      ck_assert_msg(!dem_engine_create(&engine, &assignment, NULL, &err), "%s: %s", err.path, err.message);
+      ck_assert(!dem_engine_advance(engine, &window, &(dem_outcome){.load = &mean, .body = &body}, &err));
+      load[sent] = -mean.force.z;
+      ck_near(load[sent], stiffness * overlap + damping * (sent ? cases[i].sent : cases[i].path), 0.02);
+      ck_near(body.work, cases[i].path * body.moment[0].force.z * T, 1e-12); /* along the path all the same */
+      dem_engine_destroy(&engine);
+    }
+    ck_near(load[1] - load[0], damping * (cases[i].sent - cases[i].path), 1e-8);
+  }
+  json_decref(json);
+}
+END_TEST
+
 START_TEST(what_is_not_wanted_need_not_be_given) {
   dem_engine *engine = make(flows, 1);
   const double end = 10 * dt;
@@ -162,4 +202,5 @@ START_TEST(a_bad_scene_makes_no_engine) {
 END_TEST
 
 TEST_MAIN("dem interface", windows_do_not_change_a_run, a_slot_brings_back_every_bit, loads_are_what_particles_lose,
-          what_is_not_wanted_need_not_be_given, channels_come_in_the_order_of_the_table, a_bad_scene_makes_no_engine)
+          contacts_feel_the_velocity_that_is_sent, what_is_not_wanted_need_not_be_given,
+          channels_come_in_the_order_of_the_table, a_bad_scene_makes_no_engine)

@@ -90,6 +90,33 @@ START_TEST(the_stream_is_the_exact_sequence) {
 }
 END_TEST
 
+/* Both readings of "their own initial speed of 2 m/s minus the current speed of the cube", with the scene's numbers. */
+START_TEST(two_readings_of_the_stream) {
+  static const struct {
+    const char *factor;
+    double v;                                     /* at 20 s [m/s] */
+  } readings[] = {{"-1", 0.1749}, {"0", 0.1830}}; /* launched at 2 m/s less the cube's speed; at 2 m/s */
+  for (int k = 0; k < 2; k++) {
+    const char *dir = stream_result();
+    char scene[640];
+    tdm_error err = {0};
+    cpl_comparison c = {0};
+    snprintf(scene, sizeof scene,
+             "{\"coupling\": {\"bodies\": [{\"mbd\": \"cube\"}]}, \"mbd\": {\"bodies\": [{\"mass\": 10, \"position\": "
+             "[0.1, 0, 0]}]}, \"dem\": {\"pairs\": [{\"restitution\": 0.5}], \"bodies\": [{\"shapes\": [{\"size\": "
+             "[0.2, 0.2, 0.2]}]}], \"sources\": [{\"mass\": 0.01, \"radius\": 0.01, \"rate\": 3.3333333333333335, "
+             "\"velocity\": [2, 0, 0], \"position\": [-0.1, 0, 0], \"relative_to\": {\"factor\": %s}}]}}",
+             readings[k].factor);
+    write_file(dir, "scene.json", scene);
+    write_file(dir, "body_cube.csv", "time [s],x [m],vx [m/s]\n0,0.1,0\n20,0.1,0\n");
+    ck_assert_msg(scn_stream_compare(dir, &c, &err) == TDM_OK, "%s", err.message);
+    ck_assert_double_eq_tol(c.curve[1].reference[1], readings[k].v, 5e-5);
+    cpl_comparison_free(&c);
+    directory_remove(dir);
+  }
+}
+END_TEST
+
 START_TEST(the_paper_s_table_stands_beside_ours) {
   cpl_table t;
   tdm_error err = {0};
@@ -105,4 +132,4 @@ START_TEST(the_paper_s_table_stands_beside_ours) {
 END_TEST
 
 TEST_MAIN("references", the_oscillator_obeys_its_equation, a_rigid_fill_is_box_and_fill_about_the_pivot,
-          the_stream_is_the_exact_sequence, the_paper_s_table_stands_beside_ours)
+          the_stream_is_the_exact_sequence, two_readings_of_the_stream, the_paper_s_table_stands_beside_ours)

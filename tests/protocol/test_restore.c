@@ -189,13 +189,14 @@ START_TEST(test_foreign_assignments) {
   static const char *const cases[][3] = {
       {"results", "[\"acceleration\"]", "asks for the capability \"acceleration\""},
       {"results", "[\"interface\", \"mobility\"]", "asks for the capability \"mobility\""},
+      {"wall_velocity", "\"felt\"", "wall_velocity: \"felt\""},
       {"inertia", "[-1,0,0,0,1,0,0,0,1]", "inertia: is not symmetric, or negative"},
       {"state", "[0,0,0,0,0,0,0,0,0,0,0,0,0]", "state: has a quaternion that is not of norm 1"},
       {"state", "[0,0,0,100,0,0,0,0,0,0,0,0,0]", "state: has a quaternion that is not of norm 1"}};
-  for (int i = 0; i < 5; i++) {
+  for (int i = 0; i < 6; i++) {
     wire w;
-    json_t *assign = assignment(), *value = json_loads(cases[i][1], 0, NULL);
-    json_t *to = i < 2 ? assign : json_array_get(json_object_get(assign, "bodies"), 0);
+    json_t *assign = assignment(), *value = json_loads(cases[i][1], JSON_DECODE_ANY, NULL);
+    json_t *to = i < 3 ? assign : json_array_get(json_object_get(assign, "bodies"), 0);
     json_object_set_new(to, cases[i][0], value);
     open_wire(&w, &dem_solver_ops, endpoint, "restore");
     json_t *error = say(&w, TDM_ASSIGN, assign, TDM_ERROR);

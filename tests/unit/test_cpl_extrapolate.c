@@ -49,6 +49,32 @@ START_TEST(three_means_give_the_paper_s_weights) {
 }
 END_TEST
 
+START_TEST(the_value_at_the_end_alone) {
+  /* means 2, 5, 11, the newest last: 3 x 11 - 3 x 5 + 2 = 20, held, or ramped to from what it was before */
+  cpl_history history = {0};
+  tdm_wrench c[3], last = all(-4);
+  for (int k = 0; k < 3; k++)
+    cpl_history_push(&history, 0.1 * k, all((double[]){2, 5, 11}[k]));
+  int n = cpl_extrapolate(&history, 3, 0.2, 0.3, c);
+  ck_assert_double_eq_tol(cpl_load_at_end(n, c).force.x, 20, 1e-12);
+  ck_assert_double_eq_tol(cpl_load_at_end(n, c).moment.z, 60, 1e-12);
+  ck_assert_int_eq(cpl_ramp_to_end(n, c, &last), 2);
+  ck_assert_double_eq(value_at(c, 2, 0), -4);
+  ck_assert_double_eq_tol(value_at(c, 2, 0.5), 8, 1e-12);
+  ck_assert_double_eq_tol(value_at(c, 2, 1), 20, 1e-12);
+  ck_assert_double_eq_tol(last.force.x, 20, 1e-12); /* where the next window begins */
+  ck_assert_double_eq_tol(last.moment.z, 60, 1e-12);
+  n = cpl_extrapolate(&history, 3, 0.2, 0.3, c);
+  ck_assert_int_eq(cpl_hold_end(n, c), 1);
+  ck_assert_double_eq_tol(c[0].force.x, 20, 1e-12);
+  ck_assert_double_eq_tol(c[0].force.y, 40, 1e-12);
+  /* of a constant it is the constant */
+  c[0] = all(7);
+  ck_assert_int_eq(cpl_hold_end(1, c), 1);
+  ck_assert_double_eq(c[0].force.x, 7);
+}
+END_TEST
+
 START_TEST(polynomials_are_continued_exactly) {
   /* f = 2 - 3 t + 5 t^2 by the parabola, f = 2 - 3 t by the line, inside a window that is shorter than the others */
   cpl_history history = {0};
@@ -89,5 +115,5 @@ START_TEST(the_history_keeps_the_last_three) {
 }
 END_TEST
 
-TEST_MAIN("extrapolate", cramer_solves_the_system, three_means_give_the_paper_s_weights,
+TEST_MAIN("extrapolate", cramer_solves_the_system, three_means_give_the_paper_s_weights, the_value_at_the_end_alone,
           polynomials_are_continued_exactly, the_start_holds_then_goes_linear, the_history_keeps_the_last_three)
