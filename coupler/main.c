@@ -62,8 +62,8 @@ static void usage(FILE *out) {
         "front.\n"
         "      --jobs J   cells at a time (default: processors); --resume keeps cells of an interrupted sweep.\n\n"
         "  tandem sweep SCENE [...] --measure PATH|CHANNEL ... [--repeat PATH=LIST]\n"
-        "  tandem sweep STUDY [--set PATH=VALUE ...] [--cell NAME ...] [--jobs J] [--resume] [--out DIR] [--force] "
-        "[--json FILE]\n"
+        "  tandem sweep STUDY [--set PATH=VALUE ...] [--cell NAME ...] [--seeds LIST] [--jobs J] [--resume]\n"
+        "               [--out DIR] [--force] [--json FILE]\n"
         "      A parametric study, from options or a file (docs/runs.md): measures of each cell, with plots. Also of "
         "scenes\n"
         "      of particles alone and of bodies alone.\n"
@@ -71,7 +71,8 @@ static void usage(FILE *out) {
         "      --measure CHANNEL[@T]  a time history at T: end (default), mean, max, min, [t0,t1]: "
         "dem:particles.count@max\n"
         "      --repeat PATH=LIST     seeds: each cell runs with each, for mean and spread\n"
-        "      --cell NAME            only this cell of the study: --cell 'rpm=50'\n\n"
+        "      --cell NAME            only this cell of the study: --cell 'rpm=50'\n"
+        "      --seeds LIST           only these of its seeds: --seeds 1,2 (with --resume the others later)\n\n"
         "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--force] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
@@ -93,7 +94,7 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *budget, *json, *port, *scenarios, *dt, *n, *scheme, *jobs, *repeat;
+  const char *out, *budget, *json, *port, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds;
   tdm_words measure, cell;
   bool force, strict, resume, full, live;
 } arguments;
@@ -110,6 +111,7 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--measure", .words = &a->measure},
                                 {.name = "--repeat", .value = &a->repeat},
                                 {.name = "--cell", .words = &a->cell},
+                                {.name = "--seeds", .value = &a->seeds},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
@@ -142,6 +144,7 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
                  {.name = "--measure", .given = a->measure.n > 0, .known = sweep},
                  {.name = "--repeat", .given = a->repeat != NULL, .known = sweep},
                  {.name = "--cell", .given = a->cell.n > 0, .known = sweep},
+                 {.name = "--seeds", .given = a->seeds != NULL, .known = sweep},
                  {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
@@ -337,9 +340,11 @@ static tdm_status command_sweep(const arguments *a, tdm_error *err) {
   options.nmeasure = a->measure.n;
   options.only = a->cell.n > 0 ? a->cell.word : NULL;
   memcpy(options.solver, solvers, sizeof solvers);
-  if (study)
+  const bool good = !a->seeds || cpl_sweep_seeds(&options, a->seeds, err) == TDM_OK;
+  if (good && study)
     sweep_study(a, &options, err);
-  else if (read_axes(a, &options, err) == TDM_OK && (alone || a->measure.n > 0 || a->repeat || a->cell.n > 0))
+  else if (good && read_axes(a, &options, err) == TDM_OK &&
+           (alone || a->measure.n > 0 || a->repeat || a->cell.n > 0 || a->seeds))
     cpl_sweep_study(&options, err);
   else if (err->status == TDM_OK)
     cpl_sweep(&options, err);

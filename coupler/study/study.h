@@ -113,9 +113,9 @@ typedef struct {
   bool resume;                   /* keep the runs that are there */
   const cpl_scenario *scenarios; /* table ended by a NULL name */
   cpl_solver solver[CPL_NROLE];
-  const char *const *set;  /* further "path=value" for all cells, over the study's own; NULL-terminated, may be NULL */
-  const char *const *only; /* names of the cells that are wanted; NULL-terminated, NULL: all */
-  int seeds;               /* how many of the seeds, 0: all */
+  const char *const *set;   /* further "path=value" for all cells, over the study's own; NULL-terminated, may be NULL */
+  const char *const *only;  /* names of the cells that are wanted; NULL-terminated, NULL: all */
+  const char *const *seeds; /* values of the seeds that are wanted ("1"); NULL-terminated, NULL: all */
 } cpl_study_options;
 
 /* Run the wanted cells and measure them. TDM_OK when each was tried, whatever became of it. */
@@ -123,6 +123,9 @@ tdm_status cpl_study_run(cpl_study *study, const cpl_study_options *options, tdm
 
 /* The run of a cell with its seed number `seed`; NULL: not wanted. */
 const cpl_cell *cpl_study_run_of(const cpl_study *study, int cell, int seed);
+
+/* Whether any cell runs with seed number `seed`. */
+bool cpl_study_has_seed(const cpl_study *study, int seed);
 
 /* What became of a cell: "ok" when all of its runs are, else the first other status; NULL: it was not run. */
 const char *cpl_study_status(const cpl_study *study, int cell);

@@ -133,10 +133,15 @@ static void html_about(FILE *f, const cpl_study *study) {
   if (study->seeds.nlevel > 0) {
     fputs(". Each cell runs with ", f);
     cpl_html_text(f, study->seeds.path);
+    int n = 0;
     for (int s = 0; s < study->seeds.nlevel; s++) {
-      fputs(s ? ", " : " = ", f);
+      if (!cpl_study_has_seed(study, s))
+        continue;
+      fputs(n++ > 0 ? ", " : " = ", f);
       cpl_html_text(f, study->seeds.level[s].label);
     }
+    if (n < study->seeds.nlevel)
+      fprintf(f, " (of %d in the study)", study->seeds.nlevel);
   }
   fputs(".</p>\n", f);
   if (json_object_size(study->set) == 0)

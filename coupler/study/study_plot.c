@@ -127,8 +127,23 @@ static void fill_measure(const cpl_study *study, int measure, int nline, picture
     }
 }
 
-static void measure_curves(const cpl_study *study, const cpl_study_measure *m, int nline, picture *p) {
-  const bool lines = study->nfactor > 0 && study->factor[0].numbers, bars = study->nseed > 1;
+/* "3 runs", "1 to 3 runs": how many a cell's values come from; returns the most, 0: no cell has one. */
+static int count_runs(const cpl_study *study, int measure, char *out, size_t size) {
+  int least = 0, most = 0;
+  for (int cell = 0; cell < study->ncell; cell++) {
+    const int n = cpl_study_value(study, cell, measure).n;
+    least = n > 0 && (least == 0 || n < least) ? n : least;
+    most = n > most ? n : most;
+  }
+  snprintf(out, size, least < most ? "%d to %d runs" : "%d runs", least, most);
+  return most;
+}
+
+static void measure_curves(const cpl_study *study, int measure, int nline, picture *p) {
+  char runs[48];
+  const cpl_study_measure *m = &study->measure[measure];
+  const bool lines = study->nfactor > 0 && study->factor[0].numbers;
+  const bool bars = count_runs(study, measure, runs, sizeof runs) > 1;
   for (int k = 0; k < nline; k++) {
     const int c = p->ncurve;
     snprintf(p->using[c], sizeof p->using[c], bars ? "1:%d:%d:%d" : "1:%d", 2 + 3 * k, 3 + 3 * k, 4 + 3 * k);
@@ -139,7 +154,7 @@ static void measure_curves(const cpl_study *study, const cpl_study_measure *m, i
              k + 1);
     line_name(study, k, p->title[c], sizeof p->title[c]);
     if (!p->title[c][0])
-      snprintf(p->title[c], sizeof p->title[c], bars ? "mean, least to greatest of %d runs" : "tandem", study->nseed);
+      snprintf(p->title[c], sizeof p->title[c], bars ? "mean, least to greatest of %s" : "tandem", runs);
     add_curve(p);
   }
   for (int i = 0; i < m->npublished; i++) {
@@ -164,6 +179,7 @@ static void plot_measure(const cpl_study *study, int measure, const char *out, t
   const cpl_factor *f = study->nfactor > 0 ? &study->factor[0] : NULL;
   const bool ticks = f && !f->numbers;
   const char *tick[64];
+  char runs[48];
   int nrow = first_levels(study), nline = study->ncell / first_levels(study);
   nline = nline < LINES_MAX ? nline : LINES_MAX;
   for (int i = 0; i < m->npublished; i++)
@@ -175,11 +191,11 @@ static void plot_measure(const cpl_study *study, int measure, const char *out, t
     return;
   }
   fill_measure(study, measure, nline, p);
-  measure_curves(study, m, nline, p);
+  measure_curves(study, measure, nline, p);
   snprintf(p->heading, sizeof p->heading, "%s%s%s", study->title, study->title[0] ? ": " : "", m->title);
-  if (study->nseed > 1 && nline > 1) {
+  if (count_runs(study, measure, runs, sizeof runs) > 1 && nline > 1) {
     const size_t n = strlen(p->heading);
-    snprintf(p->heading + n, sizeof p->heading - n, " (bars: least to greatest of %d runs)", study->nseed);
+    snprintf(p->heading + n, sizeof p->heading - n, " (bars: least to greatest of %s)", runs);
   }
   axis_label(p->ylabel, sizeof p->ylabel, m->title, m->unit);
   if (f)
@@ -267,6 +283,9 @@ static void plot_curve(const cpl_study *study, const cpl_study_measure *m, const
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     return;
   }
+  int nseed = 0;
+  for (int s = 0; s < study->nseed; s++)
+    nseed += cpl_study_has_seed(study, s);
   for (int cell = 0; cell < study->ncell && p->ncurve < most; cell++) {
     const int c = p->ncurve;
     if (!fill_history(study, cell, m, c, p))
@@ -277,7 +296,7 @@ static void plot_curve(const cpl_study *study, const cpl_study_measure *m, const
     add_curve(p);
   }
   snprintf(p->heading, sizeof p->heading, "%s%s%s%s", study->title, study->title[0] ? ": " : "", m->title,
-           study->nseed > 1 ? ", mean of the runs of a cell" : "");
+           nseed > 1 ? ", mean of the runs of a cell" : "");
   snprintf(p->xlabel, sizeof p->xlabel, "time [s]");
   axis_label(p->ylabel, sizeof p->ylabel, m->title, m->unit);
   setup_line(p, "set key outside right top");

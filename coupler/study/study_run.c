@@ -63,6 +63,13 @@ const cpl_cell *cpl_study_run_of(const cpl_study *study, int cell, int seed) {
   return i < 0 ? NULL : &study->cells.cell[i];
 }
 
+bool cpl_study_has_seed(const cpl_study *study, int seed) {
+  bool found = false;
+  for (int cell = 0; cell < study->ncell; cell++)
+    found = found || cpl_study_run_of(study, cell, seed);
+  return found;
+}
+
 const char *cpl_study_status(const cpl_study *study, int cell) {
   const char *status = NULL;
   for (int s = 0; s < study->nseed; s++) {
@@ -124,30 +131,49 @@ static void fill_run(const cpl_study *study, const cpl_study_options *o, int cel
   cpl_cell_place(&study->cells, run, name, study->nfactor + (study->seeds.nlevel > 0));
 }
 
-static bool wanted(const cpl_study *study, const cpl_study_options *o, int cell) {
-  char name[512];
-  cpl_study_cell_name(study, cell, name, sizeof name);
-  bool found = !o->only;
-  for (const char *const *only = o->only; only && *only; only++)
-    found = found || strcmp(*only, name) == 0;
+/* Whether a name is in the list; one that is not there has all. */
+static bool listed(const char *const *list, const char *name) {
+  bool found = !list;
+  for (; list && *list; list++)
+    found = found || strcmp(*list, name) == 0;
   return found;
 }
 
 /* Number the wanted runs; returns how many there are. */
 static int choose_runs(cpl_study *study, const cpl_study_options *o) {
-  const int most = o->seeds > 0 && o->seeds < study->nseed ? o->seeds : study->nseed;
+  char name[512];
   int n = 0;
   for (int cell = 0; cell < study->ncell; cell++) {
-    const bool cell_wanted = wanted(study, o, cell);
+    const bool wanted = listed(o->only, cpl_study_cell_name(study, cell, name, sizeof name));
     for (int seed = 0; seed < study->nseed; seed++)
-      study->run[cell * study->nseed + seed] = cell_wanted && seed < most ? n++ : -1;
+      study->run[cell * study->nseed + seed] =
+          wanted && (!o->seeds || listed(o->seeds, study->seeds.level[seed].label)) ? n++ : -1;
   }
   return n;
 }
 
-static tdm_status fill_runs(cpl_study *study, const cpl_study_options *o, tdm_error *err) {
+/* Refuse what the study does not have. */
+static tdm_status check_wanted(const cpl_study *study, const cpl_study_options *o, tdm_error *err) {
+  const cpl_factor *seeds = &study->seeds;
+  char has[256] = "";
   for (const char *const *only = o->only; only && *only; only++)
     cpl_study_find_cell(study, *only, err);
+  for (int s = 0; s < seeds->nlevel && strlen(has) < sizeof has - 1; s++)
+    snprintf(has + strlen(has), sizeof has - strlen(has), "%s%s", s ? ", " : "", seeds->level[s].label);
+  for (const char *const *seed = o->seeds; seed && *seed; seed++) {
+    bool found = false;
+    for (int s = 0; s < seeds->nlevel; s++)
+      found = found || strcmp(seeds->level[s].label, *seed) == 0;
+    if (!found)
+      tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "the study has no seed \"%s\"; %s%s", *seed,
+               seeds->nlevel > 0 ? "its seeds are " : "it repeats nothing", has);
+  }
+  return err->status;
+}
+
+static tdm_status fill_runs(cpl_study *study, const cpl_study_options *o, tdm_error *err) {
+  if (check_wanted(study, o, err) != TDM_OK)
+    return err->status;
   cpl_cells_free(&study->cells);
   free(study->run);
   study->run = calloc((size_t)(study->ncell * study->nseed) + 1, sizeof *study->run);

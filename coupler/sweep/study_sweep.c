@@ -56,8 +56,16 @@ static json_t *options_to_json(const cpl_sweep_options *o) {
 
 /* Into a directory that is open. */
 static tdm_status run_study(const cpl_sweep_options *o, cpl_study *study, tdm_error *err) {
-  cpl_study_options options = {
-      .out = o->out, .jobs = o->jobs, .resume = o->resume, .scenarios = o->scenarios, .set = o->set, .only = o->only};
+  const char *seeds[CPL_VALUES_MAX + 1] = {NULL};
+  for (int s = 0; s < o->seeds.nvalue; s++)
+    seeds[s] = o->seeds.value[s];
+  cpl_study_options options = {.out = o->out,
+                               .jobs = o->jobs,
+                               .resume = o->resume,
+                               .scenarios = o->scenarios,
+                               .set = o->set,
+                               .only = o->only,
+                               .seeds = o->seeds.nvalue > 0 ? seeds : NULL};
   memcpy(options.solver, o->solver, sizeof options.solver);
   cpl_study_run(study, &options, err);
   if (err->status != TDM_OK && err->status != TDM_ERR_INTERRUPTED)

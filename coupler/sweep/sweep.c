@@ -74,6 +74,10 @@ tdm_status cpl_sweep_repeat(cpl_sweep_options *o, const char *path, const char *
   return cut_list(&o->repeat, path, list, err);
 }
 
+tdm_status cpl_sweep_seeds(cpl_sweep_options *o, const char *list, tdm_error *err) {
+  return cut_list(&o->seeds, "--seeds", list, err);
+}
+
 static void free_axis(cpl_axis *axis) {
   for (int i = 0; i < axis->nvalue; i++)
     free(axis->value[i]);
@@ -84,6 +88,7 @@ void cpl_sweep_free(cpl_sweep_options *o) {
   for (int a = 0; a < o->naxis; a++)
     free_axis(&o->axis[a]);
   free_axis(&o->repeat);
+  free_axis(&o->seeds);
   o->naxis = 0;
 }
 

@@ -30,6 +30,7 @@ typedef struct {
   const char *study;          /* its file, NULL: options instead */
   const char *const *set;     /* "path=value" for all cells of the file's study; NULL-terminated, may be NULL */
   const char *const *only;    /* names of its cells that are wanted; NULL-terminated, NULL: all */
+  cpl_axis seeds;             /* those of its seeds that are wanted; without values: all */
   cpl_axis repeat;            /* seeds; without values: none */
   const char *const *measure; /* (nmeasure) paths of summary.json, or channels */
   int nmeasure;
@@ -48,6 +49,8 @@ typedef struct {
 tdm_status cpl_sweep_axis(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);
 /* The same as the seeds. */
 tdm_status cpl_sweep_repeat(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);
+/* The same as those of a study's seeds that are wanted. */
+tdm_status cpl_sweep_seeds(cpl_sweep_options *options, const char *list, tdm_error *err);
 void cpl_sweep_free(cpl_sweep_options *options);
 
 /* Run the grid. TDM_OK when every cell was tried, whatever became of it. */

@@ -45,9 +45,9 @@ tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_
 
 /* What of a study is run, zero-initialised: all of it. */
 typedef struct {
-  const char *const *only; /* names of the cells that are wanted ("rpm=50"); NULL-terminated, NULL: all */
-  const char *const *set;  /* further "path=value" for all cells; NULL-terminated, may be NULL */
-  int seeds;               /* how many of the seeds, 0: all */
+  const char *const *only;  /* names of the cells that are wanted ("rpm=50"); NULL-terminated, NULL: all */
+  const char *const *set;   /* further "path=value" for all cells; NULL-terminated, may be NULL */
+  const char *const *seeds; /* values of the seeds that are wanted ("1"); NULL-terminated, NULL: all */
 } cpl_verify_part;
 
 /* Run a study of this scenario, `file` in its folder ("studies/speed.json"), into a directory of the study's name, as

@@ -115,7 +115,16 @@ static tdm_vec3 nearest_on_side(const dem_window *w, int side, const double radi
 
 /* Distances grow with the angle from x and, along each line of the wall, with the distance from its own nearest point.
  * So of a window in which x has its foot the nearest points are those of the arcs at the angle of x, and of the
- * straight edges. */
+ * straight edges.
+ *
+ * In a corner that is one contact too, with the nearer edge. As far as places go that is right: a rigid sphere of
+ * radius r is free exactly where the nearest point of what is solid is r away, whichever edge it belongs to. The force
+ * is k (r
+ * - distance) and the distance has no jump there, so elastic contacts keep their energy also across the corner's
+ * bisector, where the normal turns from one edge to the other. What it is not: a sphere that is wedged into the corner
+ * touches both edges at once; here it changes between them from step to step, so the corner is half as stiff as two
+ * contacts, and friction follows one edge at a time. Those who leave by a window pass its corner, they do not rest in
+ * it: the deck or floor that they lie on is a wall of its own. */
 static double rim_gap(const dem_window *w, const double radius[2], double length, tdm_vec3 x, tdm_vec3 foot,
                       double from_axis, tdm_vec3 *normal) {
   double least = INFINITY;

@@ -161,4 +161,52 @@ START_TEST(with_a_mechanism) {
 }
 END_TEST
 
-TEST_MAIN("runs that measure screening", particles_alone, with_a_mechanism)
+/* ---- options of the tumbler screening machine ---- */
+
+#define FIVE_DECK "tumbler/five_deck.json --scenarios " TANDEM_SOURCE_DIR "/scenarios "
+
+/* Each option is a scene without doubts, with the particles that it says; all of the grain is the product, balls are
+ * not, and each deck's screen is the one that is watched, whatever other shapes there are. */
+static const struct {
+  const char *set, *fill; /* particles at the start */
+  int fed;                /* of these and of the source, 0.02 s later */
+} options[] = {
+    {"", "0", 3},
+    {"--set parameters.batch=1", "3483", 3483},
+    {"--set parameters.feeder=1", "3483", 3483},
+    {"--set parameters.feeder=1 --set parameters.nozzle=0.03 --set parameters.count=500", "500", 500},
+    {"--set parameters.balls=40", "160", 3},
+    {"--set parameters.balls=40 --set parameters.deck_kind=1 --set parameters.lower_radius=0.6", "160", 3},
+    {"--set parameters.lower_radius=0.9 --set parameters.batch=1", "3483", 3483},
+    {"--set parameters.deflector=0.15", "0", 3},
+};
+
+START_TEST(options_of_the_tumbler) {
+  const char *dir = directory_with_scene("{}");
+  char file[512], text[128];
+  ck_assert_msg(command("tandem check " FIVE_DECK "%s", options[_i].set) == 0, "%s", command_output);
+  snprintf(text, sizeof text, "fill.number                  %s\n", options[_i].fill);
+  expect_output(text);
+  expect_output("\n0 warnings");
+  ck_assert_msg(command("tandem run " FIVE_DECK "%s --set parameters.end=0.02 --out %s/a", options[_i].set, dir) == 0,
+                "%s", command_output);
+  snprintf(file, sizeof file, "%s/a/summary.json", dir);
+  json_t *summary = json_load_file(file, 0, NULL);
+  const json_t *s = json_object_get(summary, "screening");
+  ck_assert_int_eq(json_integer_value(value(s, "fed", NULL, NULL)), options[_i].fed);
+  ck_assert_int_eq(json_integer_value(value(s, "inside", NULL, NULL)), options[_i].fed);
+  ck_assert_int_eq(json_integer_value(value(s, "decks", "deck2", "blocked_most")), 0);
+  ck_assert_int_eq(json_object_get(summary, "containers") != NULL, strstr(options[_i].set, "feeder") != NULL);
+  json_decref(summary);
+  cpl_table t;
+  snprintf(file, sizeof file, "%s/a", dir);
+  read_table(&t, file, "dem.csv");
+  ck_assert(isfinite(column(&t, "path.followed.x")[t.nrow - 1])); /* the first grain, in the barrel's axes */
+  ck_assert_double_lt(fabs(column(&t, "path.followed.x")[t.nrow - 1]), 0.6);
+  cpl_table_free(&t);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN_ROWS("runs that measure screening", {particles_alone, 1}, {with_a_mechanism, 1},
+               {options_of_the_tumbler, sizeof options / sizeof *options})

@@ -129,6 +129,45 @@ START_TEST(a_grid_with_seeds) {
 }
 END_TEST
 
+/* A part of the seeds: pages and plots tell of the runs that were, and the others come later. */
+START_TEST(some_of_the_seeds) {
+  setup("{'scene': 'scene.json', 'axes': [{'path': 'dem.gravity[2]', 'values': [-10, -20]}],\n"
+        " 'seeds': {'path': 'time.end', 'values': [0.1, 0.2, 0.3]},\n"
+        " 'measures': [{'channel': 'dem:particles.kinetic_energy', 'name': 'energy'}],\n"
+        " 'curves': [{'channel': 'dem:particles.kinetic_energy', 'name': 'energy'}]}\n");
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/s --seeds 0.2", dir, dir), 0);
+  expect_output("[2/2]");
+  json_t *study = load("s/study.json");
+  ck_assert_double_eq(number(study, "gravity[2]=-20", "energy", "n"), 1);
+  near(number(study, "gravity[2]=-20", "energy", "mean"), energy(1000, 20, 0.2));
+  ck_assert_uint_eq(json_array_size(json_object_get(cell_named(study, "gravity[2]=-20"), "runs")), 1);
+  json_decref(study);
+  ck_assert(!says("s/measure_energy.gp", "runs") && !says("s/curve_energy.gp", "mean of"));
+  ck_assert(says("s/table.html", "time.end = 0.2 (of 3 in the study)") && !says("s/table.html", "3 runs"));
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/s --seeds 0.1,0.2 --resume", dir, dir), 0);
+  expect_output("2 of 4 cells are there already");
+  study = load("s/study.json");
+  near(number(study, "gravity[2]=-20", "energy", "max"), energy(1000, 20, 0.2));
+  near(number(study, "gravity[2]=-20", "energy", "min"), energy(1000, 20, 0.1));
+  json_decref(study);
+  ck_assert(says("s/measure_energy.gp", "least to greatest of 2 runs") && says("s/curve_energy.gp", "mean of"));
+  ck_assert(says("s/table.html", "time.end = 0.1, 0.2 (of 3 in the study)") && says("s/table.html", "2 runs"));
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/s --resume", dir, dir), 0);
+  expect_output("4 of 6 cells are there already");
+  ck_assert(says("s/measure_energy.gp", "least to greatest of 3 runs"));
+  ck_assert(says("s/table.html", "time.end = 0.1, 0.2, 0.3.</p>"));
+  /* one that is not there; no list; a study without seeds; a command without studies */
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/t --seeds 0.2,0.4", dir, dir), 2);
+  expect_output("the study has no seed \"0.4\"; its seeds are 0.1, 0.2, 0.3");
+  ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/u --seeds 0.2,", dir, dir), 2);
+  expect_output("an empty value");
+  ck_assert_int_eq(command("tandem sweep %s/scene.json --out %s/v --seeds 1", dir, dir), 2);
+  expect_output("it repeats nothing");
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/w --seeds 1", dir, dir), 2);
+  directory_remove(dir);
+}
+END_TEST
+
 /* Neighbours along the first axis: differences against the spread of the seeds, known from the formula. */
 START_TEST(neighbours_and_the_spread) {
   setup("{'scene': 'scene.json', 'axes': [{'path': 'dem.gravity[2]', 'values': [-10, -10.1, -20]}],\n"
@@ -412,6 +451,7 @@ END_TEST
 
 static tdm_status falling(cpl_verify *v, tdm_error *err) {
   static const char *const only[] = {"density=1000", NULL}, *const set[] = {"time.end=0.3", NULL};
+  static const char *const seeds[] = {"-20", NULL};
   cpl_study study;
   if (cpl_verify_study(v, "studies/density.json", &(cpl_verify_part){0}, &study, err) == TDM_OK) {
     cpl_verify_measure(v, "energy", "density=2000", cpl_study_mean(&study, "density=2000", "energy"), CPL_NO_LIMIT, 0);
@@ -419,7 +459,7 @@ static tdm_status falling(cpl_verify *v, tdm_error *err) {
   }
   cpl_study_free(&study);
   if (err->status == TDM_OK &&
-      cpl_verify_study(v, "studies/density.json", &(cpl_verify_part){.only = only, .set = set, .seeds = 1}, &study,
+      cpl_verify_study(v, "studies/density.json", &(cpl_verify_part){.only = only, .set = set, .seeds = seeds}, &study,
                        err) == TDM_OK) {
     const cpl_value value = cpl_study_value(&study, cpl_study_find_cell(&study, "density=1000", err), 0);
     ck_assert_int_eq(value.n, 1);
@@ -454,7 +494,7 @@ START_TEST(verify_runs_studies) {
   const json_t *measures = json_object_get(scenario, "measures");
   near(json_number_value(json_object_get(json_array_get(measures, 0), "value")),
        0.5 * (energy(2000, 10, 0.1) + energy(2000, 20, 0.1)));
-  near(json_number_value(json_object_get(json_array_get(measures, 1), "value")), energy(1000, 10, 0.3));
+  near(json_number_value(json_object_get(json_array_get(measures, 1), "value")), energy(1000, 20, 0.3));
   near(json_number_value(json_object_get(scenario, "simulated_s")), 4 * 0.1 + 0.3);
   json_decref(verified);
   ck_assert(has("out/falling/density/table.html") && has("out/falling/density/measure_energy.png"));
@@ -462,6 +502,6 @@ START_TEST(verify_runs_studies) {
 }
 END_TEST
 
-TEST_MAIN("study", a_grid_with_seeds, neighbours_and_the_spread, cases_with_labels_and_one_that_fails,
-          killed_and_resumed, from_options, parameters_of_the_scene, both_solvers, wrong_studies, gaps_and_uneven_rows,
-          verify_runs_studies)
+TEST_MAIN("study", a_grid_with_seeds, some_of_the_seeds, neighbours_and_the_spread,
+          cases_with_labels_and_one_that_fails, killed_and_resumed, from_options, parameters_of_the_scene, both_solvers,
+          wrong_studies, gaps_and_uneven_rows, verify_runs_studies)

@@ -220,6 +220,29 @@ START_TEST(the_force_is_continuous_over_an_edge) {
 }
 END_TEST
 
+/* In a corner of the window the nearer edge alone is touched: on both sides of the bisector the force is that of one
+ * contact, of the same size, along that edge's normal. */
+START_TEST(a_corner_is_one_contact) {
+  rig *r = smooth(TUBE WINDOW, "[9,9,9]", 1e-5);
+  const dem_data *d = r->data;
+  const tdm_vec3 along = tdm_v3(sin(0.5), -cos(0.5), 0), up = tdm_v3(0, 0, 1); /* from the straight edge, the sill */
+  for (int k = 0; k < 5; k++) {
+    const double away = 0.01 * k + 0.005;
+    for (int side = 0; side < 2; side++) {
+      tdm_vec3 x = tdm_axpy(away, along, at_angle(1, 0.5, 0.5));
+      x = tdm_scale(1 / hypot(x.x, x.y), tdm_v3(x.x, x.y, 0)); /* on the wall's surface */
+      const double edge = tdm_norm(tdm_sub(x, at_angle(1, 0.5, 0)));
+      x.z = 0.5 + edge * (side ? 1 - 1e-9 : 1 + 1e-9);
+      place(r, x, tdm_v3(0, 0, 0));
+      forces_now(r->data, false);
+      tdm_vec3 normal = side ? up : tdm_scale(1 / edge, tdm_sub(tdm_v3(x.x, x.y, 0), at_angle(1, 0.5, 0)));
+      ck_vector(d->state.push[0].force, tdm_scale(1e6 * (0.05 - edge), normal), 1e-3);
+    }
+  }
+  rig_free(r);
+}
+END_TEST
+
 static double energy_of(const dem_data *d) {
   return dem_stored_energy_now(d).kinetic;
 }
@@ -409,6 +432,7 @@ START_TEST(discs_are_rings) {
 END_TEST
 
 TEST_MAIN_ROWS("dem_windows", {the_gap_is_a_distance, 4}, {edges_are_where_they_are_said_to_be, 1},
-               {angles_count_from_the_x_axis, 1}, {the_force_is_continuous_over_an_edge, 1}, {bounces_keep_energy, 1},
-               {moments_balance, 1}, {who_leaves_is_not_lost, 1}, {holes_are_seen, 1}, {windows_belong_to_the_bed, 1},
+               {angles_count_from_the_x_axis, 1}, {the_force_is_continuous_over_an_edge, 1},
+               {a_corner_is_one_contact, 1}, {bounces_keep_energy, 1}, {moments_balance, 1},
+               {who_leaves_is_not_lost, 1}, {holes_are_seen, 1}, {windows_belong_to_the_bed, 1},
                {what_is_no_window_is_refused, 1}, {discs_are_rings, 1})
