@@ -30,6 +30,10 @@ tdm_status scn_coupling_heavy_fill(cpl_verify *v, tdm_error *err);
 tdm_status scn_coupling_stiff_support(cpl_verify *v, tdm_error *err);
 tdm_status scn_coupling_stiff_hinge(cpl_verify *v, tdm_error *err);
 
+/* stiff and extreme cases, stability/: the family is the scenario's name; and the map of all of them */
+tdm_status scn_stability(cpl_verify *v, tdm_error *err);
+tdm_status scn_stability_map(cpl_verify *v, tdm_error *err);
+
 /* particles alone, dem_physics/ */
 tdm_status scn_normal_laws(cpl_verify *v, tdm_error *err);
 tdm_status scn_chung_ooi(cpl_verify *v, tdm_error *err);

@@ -80,7 +80,8 @@ static void make_bed(const cpl_cells *cells, const cpl_cell *cell) {
   set[nset++] = cell->store;
   set[nset] = NULL;
   snprintf(out, sizeof out, "%s/bed-out", cells->out);
-  fprintf(stderr, "tandem: settling the bed\n");
+  if (!cells->quiet)
+    fprintf(stderr, "tandem: settling the bed\n");
   if (cell->program) {
     check_alone(cell, set);
     return;

@@ -147,6 +147,7 @@ json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell) {
                              : status == TDM_ERR_NUMERIC ? "unstable"
                                                          : "failed",
                              err.message);
+  json_object_set_new(row, "ended", json_string(tdm_status_name(status)));
   json_object_set_new(row, "wall_s", json_real(result.wall)); /* also of a failed cell: it was tried */
   json_object_set_new(row, "simulated_s", json_real(result.simulated));
   if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC)) {

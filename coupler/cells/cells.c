@@ -166,9 +166,14 @@ static int run_cell(void *context, int i) {
   return !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
 }
 
-static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds) {
+static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds, bool quiet) {
   const char *status = json_string_value(json_object_get(cell->row, "status"));
   const char *reason = json_string_value(json_object_get(cell->row, "reason"));
+  if (quiet) {
+    if (isatty(2))
+      fprintf(stderr, "\r\033[K[%d/%d] %s", done, ncell, cell->name);
+    return;
+  }
   fprintf(stderr, "tandem: [%d/%d] %s: %s%s%.100s, %.1f s\n", done, ncell, cell->name, status ? status : "?",
           reason && *reason ? ", " : "", reason ? reason : "", seconds);
 }
@@ -202,7 +207,7 @@ static void end_cell(void *context, int i, int status, double seconds) {
     if (cell->program)
       json_dump_file(cell->row, file, JSON_INDENT(2)); /* where that fails it is run again */
   }
-  print_cell(cell, ++work->done, work->cells->ncell, seconds);
+  print_cell(cell, ++work->done, work->cells->ncell, seconds, work->cells->quiet);
 }
 
 /* ---- all of them ---- */

@@ -33,6 +33,7 @@ typedef struct {
   const char *out;               /* directory, which is there */
   int jobs;                      /* cells at a time */
   bool resume;                   /* keep the rows that are there */
+  bool quiet;                    /* no line for each cell on standard error */
   const cpl_scenario *scenarios; /* table ended by a NULL name */
   cpl_solver solver[CPL_NROLE];
   int ncell;

@@ -55,6 +55,8 @@ static json_t *outcome_to_json(const cpl_outcome *o) {
                 "wall_s", o->wall, "simulated_s", o->total.simulated, "windows", (json_int_t)o->total.windows,
                 "time_dem_s", o->total.step[CPL_DEM], "time_mbd_s", o->total.step[CPL_MBD], "time_coupling_s",
                 cpl_run_coupling(&o->total), "measures", measures);
+  if (o->detail)
+    json_object_set(json, "detail", o->detail);
   if (o->err.status != TDM_OK)
     json_object_set_new(json, "error", json_string(o->err.message));
   return json;

@@ -26,6 +26,7 @@ typedef struct {
   int nmeasure;
   double wall;
   cpl_run_result total; /* sum over the scenario's runs */
+  json_t *detail;       /* what it found besides, NULL: nothing */
   tdm_error err;
   bool pass;
 } cpl_outcome;

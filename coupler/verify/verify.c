@@ -74,6 +74,15 @@ tdm_status cpl_verify_run(cpl_verify *v, const char *case_name, const char *cons
   return err->status;
 }
 
+const char *cpl_verify_name(const cpl_verify *v) {
+  return v->now->scenario->name;
+}
+
+void cpl_verify_detail(cpl_verify *v, json_t *detail) {
+  json_decref(v->now->detail);
+  v->now->detail = detail;
+}
+
 bool cpl_verify_full(const cpl_verify *v) {
   return v->options->full;
 }
@@ -182,15 +191,31 @@ tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_
 
 /* ---- studies ---- */
 
-/* What the runs of a study took, together. */
-static cpl_run_result total_of(const cpl_study *study) {
+/* What the runs of cells took, together. */
+static cpl_run_result total_of(const cpl_cells *cells) {
   cpl_run_result total = {0};
-  for (int i = 0; i < study->cells.ncell; i++) {
-    const json_t *row = study->cells.cell[i].row;
+  for (int i = 0; i < cells->ncell; i++) {
+    const json_t *row = cells->cell[i].row;
     total.wall += json_number_value(json_object_get(row, "wall_s"));
     total.simulated += json_number_value(json_object_get(row, "simulated_s"));
   }
   return total;
+}
+
+static int jobs_of(const cpl_verify *v) {
+  return v->options->jobs ? v->options->jobs : cpl_jobs_processors();
+}
+
+tdm_status cpl_verify_cells(cpl_verify *v, cpl_cells *cells, tdm_error *err) {
+  cells->out = v->dir;
+  cells->jobs = jobs_of(v);
+  cells->quiet = true;
+  cells->scenarios = v->options->scenario;
+  memcpy(cells->solver, v->options->solver, sizeof cells->solver);
+  cpl_cells_run(cells, err);
+  v->last = total_of(cells);
+  count_last(v);
+  return err->status;
 }
 
 /* "studies/speed.json" -> the directory "speed" of the scenario's. */
@@ -203,7 +228,7 @@ tdm_status cpl_verify_study(cpl_verify *v, const char *file, const cpl_verify_pa
                             tdm_error *err) {
   char name[512], path[4096], dir[4352];
   cpl_study_options options = {.out = dir,
-                               .jobs = v->options->jobs ? v->options->jobs : cpl_jobs_processors(),
+                               .jobs = jobs_of(v),
                                .scenarios = v->options->scenario,
                                .set = part->set,
                                .only = part->only,
@@ -216,7 +241,7 @@ tdm_status cpl_verify_study(cpl_verify *v, const char *file, const cpl_verify_pa
       cpl_study_read(study, path, err) != TDM_OK || tdm_make_directory(dir, err) != TDM_OK ||
       cpl_study_run(study, &options, err) != TDM_OK)
     return err->status;
-  v->last = total_of(study);
+  v->last = total_of(&study->cells);
   count_last(v);
   return cpl_study_write(study, dir, NULL, err);
 }
@@ -341,8 +366,10 @@ static tdm_status verify_chosen(const cpl_verify_options *options, tdm_error *er
          wall, options->out);
   if (options->json)
     cpl_outcomes_write(options->json, outcomes, n, pass, wall, err);
-  for (int i = 0; i < n; i++)
+  for (int i = 0; i < n; i++) {
     free(outcomes[i].measure);
+    json_decref(outcomes[i].detail);
+  }
   free(outcomes);
   if (interrupted)
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted");

@@ -57,6 +57,18 @@ typedef struct {
 tdm_status cpl_verify_study(cpl_verify *v, const char *file, const cpl_verify_part *part, cpl_study *study,
                             tdm_error *err);
 
+/* ---- cells ---- */
+
+/* Run cells (their names, scenes and settings are there) in the scenario's directory, as many at a time as the command
+ * says; what became of each is in its row. `cells` gets what the command knows: solvers, jobs, scenarios. */
+tdm_status cpl_verify_cells(cpl_verify *v, cpl_cells *cells, tdm_error *err);
+
+/* Hand over what the scenario has found beside its measures, for the JSON file ("detail"); takes the reference. */
+void cpl_verify_detail(cpl_verify *v, json_t *detail);
+
+/* Name of the scenario under way. */
+const char *cpl_verify_name(const cpl_verify *v);
+
 /* What is measured from now on was measured in this run. */
 void cpl_verify_about(cpl_verify *v, const cpl_verify_case *c);
 

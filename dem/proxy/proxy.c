@@ -190,6 +190,16 @@ static bool turns_with(tdm_vec3 omega, const double *a, const double *rate, int 
   return off <= 1e-6 * all;
 }
 
+/* Does nothing within the window show how J goes along with the body: it neither turns nor changes J? */
+static bool is_still(const dem_proxy *x, tdm_vec3 omega) {
+  double J = 0, rate = 0;
+  for (int i = 0; i < x->k6 * x->f; i++) {
+    J = fmax(J, fabs(x->J[i]));
+    rate = fmax(rate, fabs(x->J_rate[i]));
+  }
+  return tdm_norm(omega) * x->H <= 1e-9 && rate * x->H <= 1e-9 * J;
+}
+
 /* The reduced model; without one the mobility alone stands for a mechanism of 6k independent velocities. */
 static tdm_status take_model(dem_proxy *x, const dem_mechanism *mechanism) {
   const tdm_proxy *in = &mechanism->proxy;
@@ -235,10 +245,11 @@ static void take_prescribed(dem_proxy *x, const dem_mechanism *mechanism, const 
     }
   }
   const tdm_vec3 omega = mechanism->start[0].twist.angular;
-  const bool rests = tdm_norm(omega) * x->H <= 1e-9;
-  if (!rests) /* at rest there is nothing to see it by: as last, which a hinge's turning points need */
+  const bool rests = tdm_norm(omega) * x->H <= 1e-9, still = is_still(x, omega);
+  if (!still) /* as last, which a hinge's turning points need; a body that moves on a circle and does not turn is none
+               */
     x->turned_so = turns_with(omega, x->J, x->J_rate, f);
-  x->turns = k == 6 && f > 0 && (x->turned_so || (rests && f == 1));
+  x->turns = k == 6 && f > 0 && (x->turned_so || (still && f == 1));
   x->path_turns = k == 6 && !rests && turns_with(omega, x->Vt, x->at, 1);
 }
 

@@ -190,7 +190,8 @@ static int visit(const char *path, const struct stat *status, int type, struct F
   (void)where;
   size_t n = strlen(path);
   bool scene = n > 5 && strcmp(path + n - 5, ".json") == 0 && !strstr(path, "schema") && !strstr(path, "cases.json") &&
-               !strstr(path + strlen(TANDEM_SOURCE_DIR), "/studies/");
+               !strstr(path + strlen(TANDEM_SOURCE_DIR), "/studies/") &&
+               !strstr(path + strlen(TANDEM_SOURCE_DIR), "/families/");
   if (type == FTW_F && scene)
     read_scene(path);
   return 0;

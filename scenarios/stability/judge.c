@@ -1,0 +1,172 @@
+/* What became of a run: see judge.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scenarios/stability/judge.h"
+
+#include "coupler/results/table.h"
+#include "protocol/results/results.h"
+#include "protocol/scene/json.h"
+#include "scenarios/support.h"
+
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double accurate = 0.05; /* an error that a user would not call wrong */
+static const double tame = 100; /* a larger growth of a difference is chaos: the coupling's own errors grow so, too */
+static const double spread = 3; /* chaotic: so many times what the neighbour is off is no error either */
+
+const char *const scn_outcome_name[SCN_OUTCOMES] = {"ok",      "warned", "inexact", "stopped",
+                                                    "refused", "SILENT", "BROKEN"};
+
+const double scn_nudge[SCN_TRIO] = {0, 1e-12, 1e-6};
+
+scn_outcome scn_row_outcome(const json_t *row) {
+  const char *name = json_string_value(json_object_get(row, "outcome"));
+  for (int i = 0; name && i < SCN_OUTCOMES; i++)
+    if (strcmp(name, scn_outcome_name[i]) == 0)
+      return (scn_outcome)i;
+  return SCN_BROKEN;
+}
+
+/* ---- how far off ---- */
+
+/* a time history, on the output grid */
+typedef struct {
+  int n;
+  double *t, *x; /* (n) both, one block; NULL: none */
+} series;
+
+/* The family's column of a run that came to its end. */
+static series read_series(const scn_family *f, const cpl_cell *cell) {
+  char file[4352];
+  const char *ended = json_string_value(json_object_get(cell->row, "ended"));
+  series s = {0};
+  cpl_table table = {0};
+  if (!ended || strcmp(ended, "TDM_OK") != 0)
+    return s;
+  snprintf(file, sizeof file, "%s/%s", cell->dir, f->file);
+  if (cpl_table_read(&table, file, NULL) == TDM_OK) {
+    const double *time = cpl_table_column(&table, "time", NULL), *x = cpl_table_column(&table, f->column, NULL);
+    const size_t size = (size_t)table.nrow * sizeof *s.t;
+    s.t = time && x ? malloc(2 * size) : NULL;
+    if (s.t) {
+      s.n = table.nrow;
+      s.x = s.t + s.n;
+      memcpy(s.t, time, size);
+      memcpy(s.x, x, size);
+    }
+  }
+  cpl_table_free(&table);
+  return s;
+}
+
+/* Of a run and its reference those rows alone that are ends of the run's windows: between them a load is a polynomial,
+ * whatever impacts it stands for. Both are shortened in place. */
+static void keep_ends(series *s, series *reference, double window) {
+  int kept = 0;
+  for (int i = 0; i < s->n; i++)
+    if (i + 1 == s->n || fabs(remainder(s->t[i], window)) < 1e-6 * window) {
+      s->x[kept] = s->x[i];
+      reference->x[kept++] = reference->x[i];
+    }
+  s->n = reference->n = kept;
+}
+
+static double rms(const series *s) {
+  double sum = 0;
+  for (int i = 0; i < s->n; i++)
+    sum += s->x[i] * s->x[i];
+  return sqrt(sum / s->n);
+}
+
+/* scale: the spread of the whole reference */
+static double path_error(const series *s, const series *reference, double scale) {
+  double sum = 0;
+  for (int i = 0; i < s->n; i++)
+    sum += pow(s->x[i] - reference->x[i], 2);
+  return sqrt(sum / s->n) / scale;
+}
+
+static double statistics_error(const series *s, const series *reference, double scale) {
+  const double mean = gsl_stats_mean(s->x, 1, (size_t)s->n) - gsl_stats_mean(reference->x, 1, (size_t)s->n);
+  return fmax(fabs(mean), fabs(rms(s) - rms(reference))) / scale;
+}
+
+typedef double measure(const series *s, const series *reference, double scale);
+
+/* How far a run is from the reference, at the ends of its windows [s] of that length; NaN where one of both has not
+ * come to its end. */
+static double off(measure *by, const scn_family *f, const cpl_cell *cell, const cpl_cell *reference, double window) {
+  series s = read_series(f, cell), right = read_series(f, reference);
+  double error = NAN;
+  if (s.n > 1 && s.n == right.n) {
+    const double scale = fmax(gsl_stats_sd(right.x, 1, (size_t)right.n), f->floor);
+    keep_ends(&s, &right, window);
+    error = by(&s, &right, scale);
+  }
+  free(s.t);
+  free(right.t);
+  return error;
+}
+
+/* ---- what it said ---- */
+
+/* The first warning, "event: message"; returns how many there are. */
+static size_t first_warning(const json_t *summary, char *text, size_t size) {
+  const json_t *warnings = json_object_get(summary, "warnings"), *first = json_array_get(warnings, 0);
+  const char *message = json_string_value(json_object_get(first, "message"));
+  if (message)
+    snprintf(text, size, "%s", message);
+  return json_array_size(warnings);
+}
+
+static scn_outcome outcome_of(const char *ended, double error, double allowed, size_t nwarning) {
+  if (strcmp(ended, "TDM_OK") == 0) {
+    const bool good = error <= allowed; /* NaN is not */
+    return good ? (nwarning ? SCN_WARNED : SCN_OK) : (nwarning ? SCN_INEXACT : SCN_SILENT);
+  }
+  if (strcmp(ended, "TDM_ERR_NUMERIC") == 0)
+    return SCN_STOPPED;
+  return strcmp(ended, "TDM_ERR_SCENE") == 0 ? SCN_REFUSED : SCN_BROKEN;
+}
+
+static json_t *number_at(const json_t *json, const char *path) {
+  return tdm_number_to_json(scn_number_or(json, path, NAN));
+}
+
+/* Length of the run's windows [s]; NaN: it did not come so far. */
+static double window_of(const json_t *summary) {
+  const json_t *settings = json_object_get(summary, "settings");
+  return json_number_value(json_object_get(settings, "coupling.n")) *
+         json_number_value(json_object_get(settings, "time.dt"));
+}
+
+json_t *scn_judge(const scn_family *f, const scn_stability_case *c, const char *scheme, const cpl_cell *cell,
+                  const cpl_cell trio[SCN_TRIO]) {
+  const cpl_cell *right = &trio[SCN_REFERENCE];
+  const char *ended = json_string_value(json_object_get(cell->row, "ended"));
+  json_t *summary = tdm_results_read(cell->dir, "summary.json", NULL);
+  json_t *fine = tdm_results_read(right->dir, "summary.json", NULL);
+  const double window = window_of(summary), step = window_of(fine);
+  const double growth = off(path_error, f, &trio[SCN_NEIGHBOUR], right, step) / scn_nudge[SCN_NEIGHBOUR];
+  const bool chaotic = !(growth <= tame);
+  measure *by = chaotic ? statistics_error : path_error;
+  const double error = off(by, f, cell, right, window), ceiling = off(by, f, &trio[SCN_TWIN], right, step);
+  const double reach = off(by, f, &trio[SCN_NEIGHBOUR], right, step);
+  const double allowed = chaotic ? fmax(accurate, spread * reach) : accurate;
+  char said[TDM_MESSAGE_MAX];
+  snprintf(said, sizeof said, "%s", json_string_value(json_object_get(cell->row, "reason")));
+  const size_t nwarning = ended && strcmp(ended, "TDM_OK") == 0 ? first_warning(summary, said, sizeof said) : 0;
+  json_t *row = json_pack(
+      "{s:s, s:s, s:s, s:o, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:s, s:o}", "case", c->name, "scheme", scheme,
+      "outcome", scn_outcome_name[outcome_of(ended ? ended : "", error, allowed, nwarning)], "error",
+      tdm_number_to_json(error), "ceiling", tdm_number_to_json(ceiling), "growth", tdm_number_to_json(growth),
+      "chaotic", (int)chaotic, "beyond", (int)c->beyond, "residual_share", number_at(summary, "ledger.residual_share"),
+      "energy_residual", number_at(summary, "ledger.energy_residual"), "ratio", number_at(summary, "parameters.ratio"),
+      "H", tdm_number_to_json(window), "said", said, "wall_s", number_at(cell->row, "wall_s"));
+  json_decref(fine);
+  json_decref(summary);
+  return row;
+}

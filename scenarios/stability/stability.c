@@ -1,0 +1,104 @@
+/* Stiff and extreme cases: what each scheme makes of them, and whether it says so.
+ *
+ * A family (families/NAME.json) is a scene and values of its parameters. Each case runs with every scheme; its
+ * reference is `proxy` with windows of one step; a twin of the reference, whose start is off by round-off, shows what
+ * any run can reach.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/scheme/schemes.h"
+#include "scenarios/stability/report.h"
+#include "scenarios/table.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A parameter of a cell, as --set takes it. */
+static void set_parameter(cpl_cell *cell, const char *key, const json_t *value, tdm_error *err) {
+  char path[64], text[64];
+  snprintf(path, sizeof path, "parameters.%.40s", key);
+  if (json_is_string(value))
+    snprintf(text, sizeof text, "%.60s", json_string_value(value));
+  else
+    snprintf(text, sizeof text, "%.17g", json_number_value(value));
+  cpl_cell_set(cell, path, text, err);
+}
+
+static void set_case(cpl_cell *cell, const scn_family *f, const scn_stability_case *c, bool with_window,
+                     tdm_error *err) {
+  const char *key;
+  json_t *value;
+  cell->scene = f->scene;
+  json_object_foreach(c->set, key, value) if (with_window || strcmp(key, "H") != 0)
+      set_parameter(cell, key, value, err);
+}
+
+static int schemes(void) {
+  int n = 0;
+  while (cpl_schemes[n])
+    n++;
+  return n;
+}
+
+/* Of a physics: the reference and those that start beside it. */
+static void make_trio(const cpl_cells *cells, const scn_family *f, const scn_stability_case *c, tdm_error *err) {
+  static const char *const names[SCN_TRIO] = {"reference", "twin", "neighbour"};
+  for (int k = 0; k < SCN_TRIO; k++) {
+    cpl_cell *cell = &cells->cell[SCN_TRIO * c->physics + k];
+    char text[32];
+    set_case(cell, f, c, false, err);
+    cpl_cell_set(cell, "parameters.H", "=dt", err);
+    snprintf(text, sizeof text, "%g", scn_nudge[k]);
+    cpl_cell_set(cell, "parameters.nudge", text, err);
+    snprintf(text, sizeof text, "%s %d", names[k], c->physics);
+    cpl_cell_place(cells, cell, text, 2);
+  }
+}
+
+/* Of each physics the trio, then of each case the schemes. */
+static tdm_status make_cells(cpl_cells *cells, const scn_family *f, tdm_error *err) {
+  const int nscheme = schemes();
+  if (cpl_cells_make(cells, SCN_TRIO * f->nphysics + nscheme * f->ncase, err) != TDM_OK)
+    return err->status;
+  for (int i = 0; i < f->ncase; i++) {
+    const scn_stability_case *c = &f->at[i];
+    if (!cells->cell[SCN_TRIO * c->physics].scene)
+      make_trio(cells, f, c, err);
+    for (int k = 0; k < nscheme; k++) {
+      cpl_cell *cell = &cells->cell[SCN_TRIO * f->nphysics + nscheme * i + k];
+      char name[160];
+      set_case(cell, f, c, true, err);
+      cpl_cell_set(cell, "coupling.scheme", cpl_schemes[k]->name, err);
+      snprintf(name, sizeof name, "%s %s", c->name, cpl_schemes[k]->name);
+      cpl_cell_place(cells, cell, name, (int)json_object_size(c->set) + 1);
+    }
+  }
+  return err->status;
+}
+
+static json_t *judge(const cpl_cells *cells, const scn_family *f) {
+  json_t *rows = json_array();
+  const int nscheme = schemes();
+  for (int i = 0; i < f->ncase; i++)
+    for (int k = 0; k < nscheme; k++)
+      json_array_append_new(rows, scn_judge(f, &f->at[i], cpl_schemes[k]->name,
+                                            &cells->cell[SCN_TRIO * f->nphysics + nscheme * i + k],
+                                            &cells->cell[SCN_TRIO * f->at[i].physics]));
+  return rows;
+}
+
+tdm_status scn_stability(cpl_verify *v, tdm_error *err) {
+  scn_family f = {0};
+  cpl_cells cells = {.out = cpl_verify_dir(v)};
+  const char *name = cpl_verify_name(v) + strlen("stability_");
+  if (scn_family_read(&f, v, name, cpl_verify_full(v), err) == TDM_OK && make_cells(&cells, &f, err) == TDM_OK &&
+      cpl_verify_cells(v, &cells, err) == TDM_OK) {
+    json_t *rows = judge(&cells, &f);
+    scn_stability_print(f.title, rows);
+    scn_stability_measure(v, rows);
+    scn_stability_write(v, f.title, rows, err);
+    json_decref(rows);
+  }
+  cpl_cells_free(&cells);
+  scn_family_free(&f);
+  return err->status;
+}
