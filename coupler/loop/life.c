@@ -141,6 +141,7 @@ static tdm_status check_samples(const cpl_session *session, double samples, doub
 static void begin(cpl_loop *loop) {
   const cpl_session *session = loop->session;
   loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
+  loop->grows = loop->settings->adapt.on;
   loop->n = loop->settings->adapt.on ? loop->settings->adapt.n_min : loop->settings->n;
   if (loop->proxy_size > 0)
     cpl_loop_keep_mechanism(loop, session->acceleration, &session->mobility);
@@ -164,7 +165,8 @@ tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_sessi
                      .scheme = scheme,
                      .session = session,
                      .nbody = settings->nbody,
-                     .takes_path = cpl_session_has(session, CPL_DEM, "path")};
+                     .takes_path = cpl_session_has(session, CPL_DEM, "path"),
+                     .goes_back = settings->adapt.on && cpl_session_restores(session)};
   if (check_samples(session, samples, steps * settings->dt, err) != TDM_OK)
     return err->status;
   loop->samples_most = (size_t)samples;

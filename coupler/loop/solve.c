@@ -31,6 +31,7 @@ static tdm_status check_turn(cpl_loop *loop, int body, tdm_error *err) {
     turn = loop->prescribed[body] ? 0 : by_nodes;
   if (turn <= most)
     return TDM_OK;
+  loop->too_far = true;
   return tdm_fail(
       err, TDM_ERR_NUMERIC, "coupling.n",
       "body \"%s\" turns by %.3g rad in the window from %g s to %g s; the path inside a window is followed up "

@@ -18,8 +18,8 @@ static long limit_turn(const cpl_loop *loop, long n) {
   return (double)n <= limit ? n : limit > 1 ? (long)limit : 1;
 }
 
-/* How long the next window is to be, from what both solvers made of this one. */
-static void adapt(cpl_loop *loop) {
+/* The mismatch of the window beside what is allowed, of the worst body. */
+static double excess_of(const cpl_loop *loop) {
   const cpl_auto *s = &loop->settings->adapt;
   double worst = 0, apart[CPL_APART];
   for (int i = 0; i < loop->nbody; i++) {
@@ -28,7 +28,7 @@ static void adapt(cpl_loop *loop) {
     if (is > 0)
       worst = fmax(worst, is / (s->tolerance * cpl_motion(loop, i) + s->absolute));
   }
-  loop->n = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, worst);
+  return worst;
 }
 
 static void add_sample(cpl_loop *loop, double time, double row) {
@@ -53,6 +53,7 @@ static void open_window(cpl_loop *loop) {
   }
   loop->t0 = (double)loop->step0 * s->dt;
   loop->t1 = (double)loop->step1 * s->dt;
+  loop->too_far = false;
   loop->sent_start = loop->sent_end = NULL;
   loop->correction = NULL;
   loop->nsample = 0;
@@ -68,14 +69,56 @@ static void open_window(cpl_loop *loop) {
     add_sample(loop, loop->t1, loop->t1);
 }
 
-tdm_status cpl_loop_advance(cpl_loop *loop, const cpl_observers *observers, tdm_error *err) {
+static tdm_status solve(cpl_loop *loop, tdm_error *err) {
   open_window(loop);
-  if (cpl_path_open(loop, err) != TDM_OK || loop->scheme->advance(loop, err) != TDM_OK)
+  if (cpl_path_open(loop, err) != TDM_OK)
     return err->status;
+  return loop->scheme->advance(loop, err);
+}
+
+static void count_too_long(cpl_loop *loop, uint64_t *which) {
+  if (loop->too_long.taken_back + loop->too_long.kept == 0)
+    loop->too_long.first = loop->t0;
+  ++*which;
+}
+
+/* A window of "n": "auto": solved again, shorter, as long as it is far too long and both solvers can go back; and the
+ * length of the next one. */
+static tdm_status solve_adaptive(cpl_loop *loop, tdm_error *err) {
+  const cpl_auto *s = &loop->settings->adapt;
+  const bool can_shrink = loop->goes_back && loop->n > s->n_min;
+  if (can_shrink && cpl_loop_save(loop, CPL_SLOT_WINDOW, err) != TDM_OK)
+    return err->status;
+  while (true) {
+    const tdm_status status = solve(loop, err);
+    if (status != TDM_OK && !loop->too_far)
+      return status;
+    const double excess = status == TDM_OK ? excess_of(loop) : INFINITY;
+    const long steps = (long)(loop->step1 - loop->step0);
+    const bool shrinks = can_shrink && steps > s->n_min;
+    if (!cpl_adapt_too_long(excess) || !shrinks) {
+      if (cpl_adapt_too_long(excess))
+        count_too_long(loop, &loop->too_long.kept);
+      const long next = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, excess);
+      loop->grows = next > loop->n;
+      loop->n = next;
+      return status;
+    }
+    count_too_long(loop, &loop->too_long.taken_back);
+    *err = (tdm_error){0};
+    if (cpl_loop_restore(loop, CPL_SLOT_WINDOW, err) != TDM_OK)
+      return err->status;
+    loop->n = cpl_adapt_next(s, loop->scheme->mismatch_order, steps, excess);
+  }
+}
+
+tdm_status cpl_loop_advance(cpl_loop *loop, const cpl_observers *observers, tdm_error *err) {
+  if ((loop->settings->adapt.on ? solve_adaptive(loop, err) : solve(loop, err)) != TDM_OK)
+    return err->status;
+  if (loop->scheme->keep)
+    loop->scheme->keep(loop);
   if (!cpl_session_has(loop->session, CPL_MBD, "ahead"))
     cpl_path_doubt(loop);
-  if (loop->settings->adapt.on)
-    adapt(loop);
   for (int i = 0; i < loop->nbody; i++)
     loop->speed[i] = fmax(loop->speed[i], cpl_speed(&loop->state_end[i], loop->radius[i]));
   cpl_observers_window(observers, loop, err);

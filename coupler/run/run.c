@@ -219,6 +219,8 @@ static tdm_status solve(run_state *run, cpl_run_result *result, tdm_error *err) 
     result->n_least = run->loop.n_least;
     result->n_most = run->loop.n_most;
   }
+  result->adapts = run->settings.adapt.on;
+  result->too_long = run->loop.too_long;
   if (run->loop.scheme->tell)
     run->loop.scheme->tell(&run->loop, result->scheme_line, sizeof result->scheme_line);
   result->loop = tdm_clock() - begin;
@@ -236,10 +238,24 @@ double cpl_run_coupling(const cpl_run_result *r) {
   return r->loop - r->step[CPL_MBD] - r->step[CPL_DEM];
 }
 
+static void print_lengths(const cpl_run_result *r) {
+  const cpl_too_long *t = &r->too_long;
+  printf("  windows of %ld to %ld steps", r->n_least, r->n_most);
+  if (t->taken_back > 0)
+    printf("; %llu were taken back and solved again, shorter", (unsigned long long)t->taken_back);
+  if (t->kept > 0)
+    printf("; %llu stayed with a mismatch that was far too large", (unsigned long long)t->kept);
+  if (t->taken_back + t->kept > 0)
+    printf("; the first at %.6g s", t->first);
+  putchar('\n');
+}
+
 void cpl_run_print(const cpl_run_result *r, const char *out) {
   double exchange = 0, own = cpl_run_coupling(r);
   printf("%.6g s simulated in %llu windows; %.2f s wall, %.2f s of it until the solvers were ready; results in %s\n",
          r->simulated, (unsigned long long)r->windows, r->wall, r->setup, out);
+  if (r->adapts)
+    print_lengths(r);
   if (r->scheme_line[0])
     printf("  %s\n", r->scheme_line);
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
@@ -250,6 +266,16 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
     own -= r->exchange[role];
   }
   printf("  %-8s %10.3f %10.3f %12.3f\n", "server", fmax(0, own), r->step[CPL_MBD] + r->step[CPL_DEM], exchange);
+}
+
+/* What became of the windows of "n": "auto" (new reference). */
+static json_t *lengths(const cpl_run_result *r) {
+  const cpl_too_long *t = &r->too_long;
+  json_t *json = json_pack("{s:I, s:I, s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most,
+                           "taken_back", (json_int_t)t->taken_back, "kept", (json_int_t)t->kept);
+  if (t->taken_back + t->kept > 0)
+    json_object_set_new(json, "first_s", json_real(t->first));
+  return json;
 }
 
 static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *remarks, const tdm_error *err) {
@@ -269,8 +295,7 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
       "wall_s", "all", r->wall, "setup", r->setup, "dem", r->step[CPL_DEM], "mbd", r->step[CPL_MBD], "coupling",
       cpl_run_coupling(r), "dem_exchange", r->exchange[CPL_DEM], "mbd_exchange", r->exchange[CPL_MBD]);
   if (s->adapt.on)
-    json_object_set_new(json, "n",
-                        json_pack("{s:I, s:I}", "least", (json_int_t)r->n_least, "most", (json_int_t)r->n_most));
+    json_object_set_new(json, "n", lengths(r));
   if (run->loop.scheme && run->loop.scheme->enter && r->windows > 0)
     run->loop.scheme->enter(&run->loop, json);
   if (tdm_scene_parameters(&run->scene))

@@ -30,8 +30,10 @@ typedef struct {
   double step[CPL_NROLE];     /* the solvers' own work on windows [s] */
   double exchange[CPL_NROLE]; /* messages to each solver and back, without its work [s] */
   long n_least, n_most;       /* DEM steps of the shortest and the longest window */
-  char scheme_line[160];      /* the scheme's own line on its windows, "" for none */
-  bool thread_hangs;          /* inproc: a solver's thread does not end; the process must leave by _exit */
+  bool adapts;                /* "n": "auto" */
+  cpl_too_long too_long;
+  char scheme_line[160]; /* the scheme's own line on its windows, "" for none */
+  bool thread_hangs;     /* inproc: a solver's thread does not end; the process must leave by _exit */
   int warnings;
 } cpl_run_result;
 

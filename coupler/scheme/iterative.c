@@ -22,7 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLOT = 0 };
+enum { SLOT = CPL_SLOT_SCHEME };
 
 /* coupling.iterative */
 typedef struct {
@@ -39,6 +39,7 @@ typedef struct {
   uint64_t all;     /* iterations in them */
   int largest;      /* in one window */
   uint64_t not_converged;
+  double excess; /* of the last window, beside what is allowed */
 } statistics;
 
 typedef struct {
@@ -156,14 +157,16 @@ static tdm_status solve(cpl_loop *loop, const double *c, double *excess, tdm_err
 }
 
 /* The windows that did not converge are told, and that there are too many of them. */
-static void tell_not_converged(cpl_loop *loop, double excess) {
+static void tell_not_converged(cpl_loop *loop) {
   const settings *s = loop->scheme_settings;
   statistics *t = statistics_of(loop);
+  if (t->excess <= 1)
+    return;
   t->not_converged++;
   tdm_remark(TDM_NOTICE, "not_converged", "coupling.iterative", loop->t0,
              "the %d iterations of the window from %.6g s on did not converge; the smallest residual, %.3g of the "
              "tolerance, was taken: take a smaller coupling.n, or a larger coupling.iterative.max or tolerance",
-             s->most, loop->t0, excess);
+             s->most, loop->t0, t->excess);
   if (t->not_converged >= 10 && 10 * t->not_converged > t->windows)
     tdm_remark(
         TDM_WARNING, "not_converging", "coupling.iterative", loop->t0,
@@ -212,8 +215,7 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   t->windows++;
   t->all += (uint64_t)count;
   t->largest = count > t->largest ? count : t->largest;
-  if (!converged)
-    tell_not_converged(loop, least);
+  t->excess = least;
   return TDM_OK;
 }
 
@@ -229,6 +231,7 @@ const cpl_scheme cpl_scheme_iterative = {
     .open = begin,
     .close = end,
     .advance = advance,
+    .keep = tell_not_converged,
     .enter = enter,
     .tell = tell,
 };

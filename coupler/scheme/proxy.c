@@ -55,10 +55,7 @@ static void look_for_change(cpl_loop *loop) {
 static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   if (cpl_solve_dem_proxy(loop, NULL, err) != TDM_OK)
     return err->status;
-  if (cpl_solve_mbd(loop, loop->nload, err) != TDM_OK)
-    return err->status;
-  look_for_change(loop);
-  return TDM_OK;
+  return cpl_solve_mbd(loop, loop->nload, err);
 }
 
 static void enter(const cpl_loop *loop, json_t *summary) {
@@ -76,5 +73,6 @@ const cpl_scheme cpl_scheme_proxy = {
     .mismatch_order = 4,
     .memory = memory_size,
     .advance = advance,
+    .keep = look_for_change,
     .enter = enter,
 };

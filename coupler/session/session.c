@@ -309,7 +309,7 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   if (cpl_session_asks(s, (cpl_role)role, "ahead"))
     json_object_set_new(message, "ahead", json_real(cpl_first_window(set)));
   const unsigned needs = cpl_session_needs(s, (cpl_role)role);
-  if (needs & CPL_RESTORE)
+  if (cpl_session_restores(s))
     json_object_set_new(message, "restores", json_true());
   if (needs & CPL_PROXY)
     json_object_set_new(message, "proxy", json_true());

@@ -95,6 +95,9 @@ unsigned cpl_session_needs(const cpl_session *session, cpl_role role);
 /* Whether a role's solver has announced a capability. */
 bool cpl_session_has(const cpl_session *session, cpl_role role, const char *capability);
 
+/* Whether SAVE and RESTORE come in this run: the scheme needs them, or windows that are too long are taken back. */
+bool cpl_session_restores(const cpl_session *session);
+
 /* Path of a position that DEM is sent along without nodes: the scene's, or the scheme's. */
 tdm_interpolation cpl_session_interpolation(const cpl_session *session);
 

@@ -86,6 +86,11 @@ bool cpl_session_sees(const cpl_session *s, cpl_role role, double t) {
   return (s->seen_next || t >= s->seen_from - 1e-6 * s->settings->dt) && cpl_session_has(s, role, "view");
 }
 
+bool cpl_session_restores(const cpl_session *s) {
+  return cpl_session_needs(s, CPL_MBD) & CPL_RESTORE ||
+         (s->settings->adapt.on && cpl_session_has(s, CPL_MBD, "restore") && cpl_session_has(s, CPL_DEM, "restore"));
+}
+
 tdm_interpolation cpl_session_interpolation(const cpl_session *s) {
   return s->settings->interpolates ? s->settings->interpolation : s->scheme->interpolation;
 }

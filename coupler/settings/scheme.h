@@ -55,6 +55,9 @@ typedef struct cpl_scheme {
   void (*close)(struct cpl_loop *loop);
   /* Take the loop from the start of its window to the end: fills loop->state_end. */
   tdm_status (*advance)(struct cpl_loop *loop, tdm_error *err);
+  /* That window stays: with "n": "auto" it may also have been taken back, to be solved again, shorter. What is to be
+   * told of windows is told here. NULL: nothing. */
+  void (*keep)(struct cpl_loop *loop);
   /* What summary.json says of the windows, as keys of that object; and in one line for the terminal, "" for nothing to
    * say (size bytes). NULL: nothing. */
   void (*enter)(const struct cpl_loop *loop, json_t *summary);

@@ -6,6 +6,7 @@
 #include "protocol/scene/time_section.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,10 +88,10 @@ static void read_solvers(cpl_settings *s, tdm_object *coupling) {
   tdm_object_close(&o);
 }
 
-/* coupling.n: a number, or "auto" with what coupling.auto says. */
+/* coupling.n: a number, or "auto", the default, with what coupling.auto says. */
 static void read_n(cpl_settings *s, tdm_object *coupling) {
   const char *word = json_string_value(json_object_get(coupling->json, "n"));
-  s->adapt.on = word && strcmp(word, "auto") == 0;
+  s->adapt.on = !tdm_has(coupling, "n") || (word && strcmp(word, "auto") == 0);
   tdm_object o = tdm_get_object(coupling, "auto", false);
   s->adapt.tolerance = tdm_get_number(&o, "tolerance", 1e-3, TDM_POSITIVE);
   s->adapt.absolute = tdm_get_number(&o, "absolute", 1e-7, TDM_NOT_NEGATIVE);
@@ -104,7 +105,6 @@ static void read_n(cpl_settings *s, tdm_object *coupling) {
   if (word && !s->adapt.on)
     tdm_object_fail(coupling, "n", "\"%s\" is neither a whole number of DEM steps nor \"auto\"", word);
   s->n = s->adapt.on ? s->adapt.n_max : tdm_get_integer(coupling, "n", TDM_REQUIRED_INT, 1);
-  tdm_has(coupling, "n");
 }
 
 /* Every scheme's own object, coupling.<name>. */
@@ -160,8 +160,9 @@ static void check_adaptive(const cpl_settings *s, tdm_object *coupling) {
   for (int i = 0; s->adapt.on && i < 2; i++)
     if (schemes[i] && schemes[i]->mismatch_order == 0)
       tdm_object_fail(coupling, "n",
-                      "is \"auto\", for which the scheme %s has no estimate of its error; give a number, or take %s",
-                      schemes[i]->name, cpl_scheme_names(s, sees_mismatch, others, sizeof others));
+                      "is \"auto\"%s, for which the scheme %s has no estimate of its error; give a number, or take %s",
+                      tdm_has(coupling, "n") ? "" : " where it is not given", schemes[i]->name,
+                      cpl_scheme_names(s, sees_mismatch, others, sizeof others));
 }
 
 static void read_guard(cpl_settings *s, tdm_object *coupling) {
@@ -205,10 +206,20 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   tdm_object_close(&o);
 }
 
+/* Windows that choose their length leave no frame out: each shows the end of a window. */
+static void limit_to_frames(cpl_settings *s) {
+  const double most = floor(s->outputs.particles_interval / s->dt + 1e-6); /* steps; 0: no frames */
+  if (!s->adapt.on || !(most >= 1 && most < (double)s->adapt.n_max))
+    return;
+  s->adapt.n_max = fmax(most, (double)s->adapt.n_min);
+  s->n = s->adapt.n_max;
+}
+
 static void read_output(cpl_settings *s, tdm_object *root, const tdm_scene *scene) {
   tdm_object o = tdm_get_object(root, "output", false);
   s->output_interval = tdm_read_interval(&o, "interval", 1e-3, s->dt);
   tdm_outputs_settings_read(&s->outputs, &o, scene->root, s->dt, s->time_end);
+  limit_to_frames(s);
   tdm_object_close(&o);
 }
 

@@ -30,9 +30,11 @@ typedef tdm_result cpl_results[CPL_NROLE];
   V(CARRIED, double, t0) /* [s] */                                                                                     \
   V(CARRIED, double, t1)                                                                                               \
   V(CARRIED, long, n)               /* DEM steps of the next window, unless the run ends before */                     \
+  V(CARRIED, bool, grows)           /* the last window could have been longer: "n": "auto" */                          \
   V(CARRIED, long, n_least)         /* of the windows so far; the last of the run left out, if it is cut */            \
   V(CARRIED, long, n_most)          /* the same */                                                                     \
   V(CARRIED, uint64_t, next_sample) /* number of the next output time on the grid */                                   \
+  V(WITHIN, bool, too_far)          /* a body turned too far in it: an error, unless it is taken back */               \
   V(WITHIN, int, nsample)           /* output times in (t0, t1] */                                                     \
   A(WITHIN, double, sample_time, loop->samples_most)                                                                   \
   A(WITHIN, double, row_time, loop->samples_most) /* the same as records have them: k times the interval */            \
@@ -61,6 +63,16 @@ typedef tdm_result cpl_results[CPL_NROLE];
   V(WITHIN, cpl_results, result)              /* last results; their arrays live in the session's buffers */           \
   A(CARRIED, char, memory, loop->memory_size) /* the scheme's */
 
+/* Windows of "n": "auto" whose mismatch was far too large: taken back and solved again, shorter; or kept, since a
+ * solver cannot go back or no shorter window is allowed. */
+typedef struct {
+  uint64_t taken_back, kept;
+  double first; /* start of the first one [s] */
+} cpl_too_long;
+
+/* Slots of cpl_loop_save: the scheme's within a window; the start of the window. */
+enum { CPL_SLOT_SCHEME = 0, CPL_SLOT_WINDOW = 1 };
+
 typedef struct cpl_loop {
   const cpl_settings *settings;
   const void *scheme_settings; /* the scheme's own */
@@ -68,6 +80,8 @@ typedef struct cpl_loop {
   cpl_session *session;
   int nbody;
   bool takes_path; /* DEM has the capability "path" */
+  bool goes_back;  /* windows that are too long are taken back */
+  cpl_too_long too_long;
   size_t samples_most, proxy_size, memory_size;
   void *own;                  /* what the scheme holds beside its memory */
   void *saved[TDM_SLOTS_MAX]; /* copies of cpl_loop_save, NULL: none */
@@ -90,7 +104,7 @@ bool cpl_loop_done(const cpl_loop *loop);
 void cpl_loop_keep_mechanism(cpl_loop *loop, const double *acceleration, const tdm_mobility *mobility);
 
 /* Keep loop and solvers under a slot (0 ... TDM_SLOTS_MAX - 1), or go back to it: between windows, or to the start of
- * the window under way. The scheme must need CPL_RESTORE of both solvers. What it holds in loop->own stays as it is. */
+ * the window under way. cpl_session_restores must hold. What it holds in loop->own stays as it is. */
 tdm_status cpl_loop_save(cpl_loop *loop, int slot, tdm_error *err);
 tdm_status cpl_loop_restore(cpl_loop *loop, int slot, tdm_error *err);
 

@@ -48,6 +48,14 @@ long cpl_adapt_next(const cpl_auto *s, int order, long n, double excess) {
   return (long)fmax((double)s->n_min, fmin(next, (double)s->n_max));
 }
 
+/* Growth by 1.5 makes at most 1.5^4 = 5 of a mismatch that was allowed: ten times as much is no growth but a mechanism
+ * that has changed, and half a window would have kept it. */
+static const double far = 10;
+
+bool cpl_adapt_too_long(double excess) {
+  return excess > far;
+}
+
 long cpl_adapt_longest(const cpl_auto *s, long n) {
   return cpl_adapt_next(s, 1, n, 0);
 }

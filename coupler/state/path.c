@@ -31,10 +31,22 @@ void cpl_path_keep(cpl_loop *loop, const tdm_nodes *from) {
 
 /* ---- windows ---- */
 
+/* DEM steps of the longest window that may follow. Where windows choose their length and few nodes were told, or none,
+ * MBD is asked for more: in a short time a path that turns is near enough to a parabola for it to tell none, but not
+ * for windows to grow on it. */
+static uint64_t steps_ahead(const cpl_loop *loop) {
+  const cpl_settings *s = loop->settings;
+  enum { FEW = 4, FAR = 4 };
+  if (!s->adapt.on)
+    return (uint64_t)loop->n;
+  if (loop->coming.nnode <= FEW)
+    return FAR * (uint64_t)loop->n;
+  return (uint64_t)(loop->grows ? cpl_adapt_longest(&s->adapt, loop->n) : loop->n);
+}
+
 double cpl_path_ahead(const cpl_loop *loop) {
   const cpl_settings *s = loop->settings;
-  const uint64_t total = cpl_total_steps(s), left = total - loop->step1;
-  const uint64_t n = (uint64_t)(s->adapt.on ? cpl_adapt_longest(&s->adapt, loop->n) : loop->n);
+  const uint64_t total = cpl_total_steps(s), left = total - loop->step1, n = steps_ahead(loop);
   if (left == 0 || !cpl_session_asks(loop->session, CPL_MBD, "ahead"))
     return 0;
   return (double)(loop->step1 + (n < left ? n : left)) * s->dt;

@@ -206,7 +206,7 @@ static void tell_start(mbd_engine *s, double t) {
 }
 
 static tdm_status create(mbd_engine *s, const tdm_assignment *a, tdm_error *err) {
-  if (mbd_model_read(&s->model, a->scene, a->restores, err) ||
+  if (mbd_model_read(&s->model, a->scene, a->nbody > 0 || a->restores, err) ||
       mbd_model_check_times(s->model, a->time_start, a->time_end, err) ||
       mbd_model_couple(s->model, a->body, a->nbody, err))
     return err->status;

@@ -60,6 +60,11 @@ static tdm_status check_times(const mbd_force *f, double t0, double t1, const ch
   return tdm_motion_check(&((const wrench *)f->own)->factor, t0, t1, at, f->name, err);
 }
 
+static const tdm_motion *law(const mbd_force *f) {
+  const tdm_motion *factor = &((const wrench *)f->own)->factor;
+  return factor->ops ? factor : NULL;
+}
+
 static void clear(mbd_force *f) {
   tdm_motion_clear(&((wrench *)f->own)->factor);
 }
@@ -74,5 +79,6 @@ const mbd_force_ops mbd_force_wrench = {
     .read = read,
     .eval = eval,
     .check_times = check_times,
+    .law = law,
     .clear = clear,
 };

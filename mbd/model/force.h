@@ -54,6 +54,8 @@ typedef struct {
   double (*level)(const mbd_force *force, double rate, double *slope);
   /* Refuse a law over time that has no value at some time of [t0, t1] [s]; NULL: it has none. `path` is the force's. */
   tdm_status (*check_times)(const mbd_force *force, double t0, double t1, const char *path, tdm_error *err);
+  /* The law of time that scales it, borrowed; NULL, or returns NULL: it does not depend on time by itself. */
+  const tdm_motion *(*law)(const mbd_force *force);
   void (*clear)(mbd_force *force); /* free what its own parameters own; NULL: nothing */
 } mbd_force_ops;
 

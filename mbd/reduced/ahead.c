@@ -11,8 +11,10 @@
 #include <string.h>
 
 static const double parabola_is_enough = 1e-3, cubics_are_enough = 1e-5; /* shares of a law's range in the window */
-static const double little_turn = 0.1, node_turn = 0.3;                  /* [rad] */
-enum { LEAST_NODES = 4, FREE_STEPS = 4 }; /* steps from node to node where the load has a say */
+static const double still = 1e-3,
+                    force_is_followed = 1e-3;           /* of a force: its change by its size; as cubics_are_enough */
+static const double little_turn = 0.1, node_turn = 0.3; /* [rad] */
+enum { LEAST_NODES = 4, FREE_STEPS = 4 };               /* steps from node to node where the load has a say */
 
 /* Places in an interval at which laws are looked at: irrational, so that no oscillation hides between them. */
 static const double looks[] = {0.3183098861837907, 0.6180339887498949};
@@ -23,6 +25,7 @@ struct mbd_ahead {
   mbd_data *data;
   mbd_kkt *kkt;
   void *integration; /* one_step's */
+  bool free;         /* joints and drivers leave some freedom */
   int substeps;      /* from node to node */
   bool *prescribed;  /* (ncoupled) */
   bool *carries;     /* (nbody) it is coupled, or hangs on a coupled one by joints or forces */
@@ -105,7 +108,8 @@ tdm_status mbd_ahead_create(mbd_ahead **out, const mbd_model *model, const mbd_d
   if (!a)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the path ahead");
   a->model = model;
-  a->substeps = freedom > 0 ? FREE_STEPS : 1;
+  a->free = freedom > 0;
+  a->substeps = a->free ? FREE_STEPS : 1;
   a->data = mbd_data_create(model);
   a->kkt = mbd_kkt_create(model);
   a->prescribed = calloc((size_t)model->ncoupled + 1, sizeof *a->prescribed);
@@ -131,7 +135,7 @@ const bool *mbd_ahead_prescribed(const mbd_ahead *ahead) {
 /* Of a law from t1 to t2 in n intervals: the range of its values, and how far it is from the parabola of its start and
  * from Hermite's cubics. */
 typedef struct {
-  double range, parabola, cubics;
+  double range, size, parabola, cubics; /* size: largest value */
 } bend;
 
 static bend bend_of(const tdm_motion *law, double t1, double t2, int n) {
@@ -153,9 +157,10 @@ static bend bend_of(const tdm_motion *law, double t1, double t2, int n) {
     }
     from = to;
   }
-  /* what rounding of the value leaves is no bend */
-  const double rounding = 1e-14 * fmax(fabs(least), fabs(most));
   b.range = most - least;
+  b.size = fmax(fabs(least), fabs(most));
+  /* what rounding of the value leaves is no bend */
+  const double rounding = 1e-14 * b.size;
   b.parabola = fmax(0, b.parabola - rounding);
   b.cubics = fmax(0, b.cubics - rounding);
   return b;
@@ -167,6 +172,16 @@ static double fastest_turn(const mbd_ahead *a, const double *y) {
     if (a->carries[b])
       most = fmax(most, tdm_norm(mbd_get3(y + MBD_BODY_UNKNOWNS * b + MBD_W)));
   return most;
+}
+
+/* Nodes, `least` or more, that follow the law from t1 to t2 within the share `enough` of its range; b: with `least`. */
+static int follow(const tdm_motion *law, double t1, double t2, int least, bend b, double enough) {
+  int n = least;
+  while (n <= TDM_NODES_MAX && b.cubics > enough * b.range) {
+    n *= 2;
+    b = bend_of(law, t1, t2, n);
+  }
+  return n;
 }
 
 /* The number of nodes from t1 to t2; 0: the parabola is enough; more than TDM_NODES_MAX: that many are too few. */
@@ -183,10 +198,18 @@ static int nodes_for(const mbd_ahead *a, const double *y, double t1, double t2) 
     if (b.parabola <= parabola_is_enough * b.range)
       continue;
     bends = true;
-    while (n <= TDM_NODES_MAX && b.cubics > cubics_are_enough * b.range) {
-      n *= 2;
-      b = bend_of(law, t1, t2, n);
-    }
+    n = follow(law, t1, t2, n, b, cubics_are_enough);
+  }
+  for (int i = 0; a->free && i < m->nforce; i++) {
+    const mbd_force *f = &m->force[i];
+    const tdm_motion *law = f->ops->law && a->carries[f->body[1]] ? f->ops->law(f) : NULL;
+    if (!law)
+      continue;
+    const bend b = bend_of(law, t1, t2, n);
+    if (b.range <= still * b.size)
+      continue;
+    bends = true;
+    n = follow(law, t1, t2, n, b, force_is_followed);
   }
   return bends ? n : 0;
 }

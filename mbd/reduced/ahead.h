@@ -8,7 +8,9 @@
  * of its steps drivers and joints hold exactly. Nodes are even, 4 to TDM_NODES_MAX, their number doubled until
  * Hermite's cubics between them follow every law within 1e-5 of its range in the window, and no body turns by more than
  * 0.3 rad from one to the next. No nodes are needed, and none made, where every law stays within 1e-3 of its range of
- * the parabola of its start, and no body turns by more than 0.1 rad.
+ * the parabola of its start, and no body turns by more than 0.1 rad. A force that a law of time scales is no part of
+ * the reduced model: where it changes by more than 1e-3 of its size there are nodes, so many that cubics follow its law
+ * within 1e-3 of its range.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_REDUCED_AHEAD_H

@@ -135,7 +135,7 @@ static void list_parts(mbd_model *m) {
   }
 }
 
-tdm_status mbd_model_read(mbd_model **model, json_t *json, bool restores, tdm_error *err) {
+tdm_status mbd_model_read(mbd_model **model, json_t *json, bool coupled, tdm_error *err) {
   mbd_model *m = *model = calloc(1, sizeof *m);
   if (!m)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");
@@ -165,7 +165,7 @@ tdm_status mbd_model_read(mbd_model **model, json_t *json, bool restores, tdm_er
     list_parts(m);
     mbd_slim_settle(m, err);
   }
-  mbd_settings_read(&m->solver, &o, m, restores);
+  mbd_settings_read(&m->solver, &o, m, coupled);
   m->section = NULL;
   m->joint_types = NULL;
   tdm_object_close(&o);

@@ -9,9 +9,9 @@
 
 #include "mbd/model/model.h"
 
-/* Read the scene section `json` (borrowed, JSON path "mbd"). `restores`: the run saves and restores states, so that
- * one_step stands for a formulation and a corrector that the scene does not name. The model belongs to the caller, also
- * after an error: destroy it. */
-tdm_status mbd_model_read(mbd_model **model, json_t *json, bool restores, tdm_error *err);
+/* Read the scene section `json` (borrowed, JSON path "mbd"). `coupled`: bodies take loads from outside, or
+ * states are restored, so that one_step stands for a formulation that the scene does not choose. The model belongs to
+ * the caller, also after an error: destroy it. */
+tdm_status mbd_model_read(mbd_model **model, json_t *json, bool coupled, tdm_error *err);
 
 #endif

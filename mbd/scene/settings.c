@@ -12,12 +12,12 @@ static void read_guard(mbd_guard_settings *guard, tdm_object *section) {
   tdm_object_close(&o);
 }
 
-void mbd_settings_read(mbd_settings *s, tdm_object *section, const mbd_model *model, bool restores) {
+void mbd_settings_read(mbd_settings *s, tdm_object *section, const mbd_model *model, bool coupled) {
   const char *formulations[MBD_FORMULATIONS];
   static const char *const correctors[] = {"original", "modified"};
   for (int i = 0; i < MBD_FORMULATIONS; i++)
     formulations[i] = mbd_formulation_table[i].name;
-  const bool named = tdm_has(section, "formulation") || tdm_has(section, "corrector");
+  bool named = tdm_has(section, "formulation") || tdm_has(section, "corrector");
   s->formulation = (mbd_formulation_id)tdm_get_choice(section, "formulation", formulations, MBD_FORMULATIONS, MBD_GGL);
   s->modified = tdm_get_choice(section, "corrector", correctors, 2, s->formulation == MBD_INDEX3) == 1;
   s->restart_each_window = tdm_get_bool(section, "restart_each_window", false);
@@ -26,6 +26,7 @@ void mbd_settings_read(mbd_settings *s, tdm_object *section, const mbd_model *mo
   s->relative_tolerance = tdm_get_number(&o, "relative_tolerance", 1e-8, TDM_POSITIVE);
   s->absolute_tolerance = tdm_get_number(&o, "absolute_tolerance",
                                          fmax(0.01 * s->relative_tolerance, mbd_model_finest(model)), TDM_POSITIVE);
+  named = tdm_has(&o, "max_order") || named; /* as the corrector, it is of IDA alone */
   s->max_order = (int)tdm_get_integer(&o, "max_order", 5, 1);
   s->max_step = tdm_get_number(&o, "max_step", 0, TDM_NOT_NEGATIVE);
   s->spectral_radius = tdm_get_number(&o, "spectral_radius", 0.8, TDM_NOT_NEGATIVE);
@@ -40,6 +41,6 @@ void mbd_settings_read(mbd_settings *s, tdm_object *section, const mbd_model *mo
     tdm_object_fail(&o, "spectral_radius", "is %g; use 0 (most damping) to 1 (none)", s->spectral_radius);
   if (!o.err->status && (s->relative_tolerance < 1e-13 || s->relative_tolerance > 0.1))
     tdm_object_fail(&o, "relative_tolerance", "is %g; use 1e-13 to 0.1", s->relative_tolerance);
-  if (restores && !named)
+  if (coupled && !named)
     s->formulation = MBD_ONE_STEP;
 }

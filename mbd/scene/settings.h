@@ -5,7 +5,7 @@
 
 #include "mbd/model/model.h"
 
-/* Read them from the section, for a model whose bodies and joints are read; `restores` as in mbd_model_read. */
-void mbd_settings_read(mbd_settings *settings, tdm_object *section, const mbd_model *model, bool restores);
+/* Read them from the section, for a model whose bodies and joints are read; `coupled` as in mbd_model_read. */
+void mbd_settings_read(mbd_settings *settings, tdm_object *section, const mbd_model *model, bool coupled);
 
 #endif

@@ -188,7 +188,7 @@ END_TEST
 
 START_TEST(an_empty_box_is_an_oscillator) {
   setup();
-  run("out", "--set dem.particles=[]");
+  run("out", "--set dem.particles=[] --set mbd.formulation=ggl");
   cpl_table t;
   tdm_error err = {0};
   read_body(&t, "out");
