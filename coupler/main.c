@@ -8,6 +8,7 @@
 #include "coupler/session/session.h"
 #include "coupler/study/study.h"
 #include "coupler/sweep/sweep.h"
+#include "coupler/trial/repeat.h"
 #include "coupler/verify/verify.h"
 #include "dem/adapter/solver.h"
 #include "mbd/adapter/solver.h"
@@ -30,12 +31,16 @@ static const cpl_solver solvers[CPL_NROLE] = {
 static void usage(FILE *out) {
   fputs("tandem: co-simulation of discrete elements and multibody dynamics\n\n"
         "  tandem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--live [PORT]]\n"
+        "             [--estimate [SHARE]]\n"
         "      Run a scene: a JSON file, or the name of a scenario. Results go to DIR (default: run-out).\n"
         "      --force            replace the results of an earlier run in DIR\n"
         "      --set PATH=VALUE   override a value of the scene: --set coupling.n=25 --set dem.pairs[0].friction=0.3\n"
         "      --strict           refuse a run that a solver has doubts about\n"
         "      --live [PORT]      show the run in a browser while it goes, at an address of this machine that is "
-        "printed\n\n"
+        "printed\n"
+        "      --estimate [SHARE] repeat that share of the run (default: 0.1) with half the window and half the step, "
+        "for the\n"
+        "                         errors of exchange and DEM step apart\n\n"
         "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
         "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n"
         "      --out DIR          keep the logs there; results that it holds stay\n\n"
@@ -94,9 +99,9 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *budget, *json, *port, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds;
+  const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds;
   tdm_words measure, cell;
-  bool force, strict, resume, full, live;
+  bool force, strict, resume, full, live, estimate;
 } arguments;
 
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
@@ -116,6 +121,7 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
                                 {.name = "--live", .flag = &a->live, .value = &a->port},
+                                {.name = "--estimate", .flag = &a->estimate, .value = &a->share},
                                 {.name = "--full", .flag = &a->full},
                                 {.name = "--force", .flag = &a->force}};
   return tdm_arguments_read(&a->given, options, sizeof options / sizeof options[0], "tandem", argc, argv, err);
@@ -135,6 +141,7 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
                  {.name = "--budget", .given = a->budget != NULL, .known = view},
                  {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify},
                  {.name = "--live", .given = a->live, .known = run && !check},
+                 {.name = "--estimate", .given = a->estimate, .known = run && !check},
                  {.name = "--json", .given = a->json != NULL, .known = sweep || verify},
                  {.name = "--dt", .given = a->dt != NULL, .known = sweep},
                  {.name = "--n", .given = a->n != NULL, .known = sweep},
@@ -170,10 +177,24 @@ static tdm_status open_live(const arguments *a, cpl_live **live, tdm_error *err)
   return cpl_live_open(live, (int)port, err);
 }
 
+/* --estimate [SHARE]: what is to be repeated after the run, looked at before it */
+static tdm_status prepare_repeat(const arguments *a, const cpl_run_options *run, cpl_repeat_options *repeat,
+                                 tdm_error *err) {
+  char *end = NULL;
+  *repeat = (cpl_repeat_options){
+      .scene = run->scene, .set = run->set, .out = run->out, .share = a->share ? strtod(a->share, &end) : 0.1};
+  memcpy(repeat->solver, run->solver, sizeof repeat->solver);
+  if (!(repeat->share > 0 && repeat->share <= 1) || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                    "run: --estimate %s: give the share of the run that is repeated, above 0, at most 1", a->share);
+  return cpl_repeat_check(repeat, err);
+}
+
 /* run and check: one scene, up to its end or until both solvers are ready */
 static tdm_status one_scene(const arguments *a, const char *command, bool check, tdm_error *err) {
   char scene[4096];
   cpl_run_result result = {0};
+  cpl_repeat_options repeat = {0};
   cpl_live *live = NULL;
   const cpl_observer *observers[] = {NULL, NULL};
   if (refuse(a, command, true, false, false, err) != TDM_OK ||
@@ -183,6 +204,8 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
       .scene = scene, .set = a->given.set, .force = a->force, .strict = a->strict, .check = check};
   options.out = a->out ? a->out : check ? NULL : "run-out";
   memcpy(options.solver, solvers, sizeof solvers);
+  if (a->estimate && prepare_repeat(a, &options, &repeat, err) != TDM_OK)
+    return err->status;
   if (a->live && open_live(a, &live, err) == TDM_OK) {
     observers[0] = cpl_live_observer(live);
     options.observers = observers;
@@ -194,6 +217,8 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
   cpl_live_close(&live);
   if (result.windows > 0)
     cpl_run_print(&result, options.out);
+  if (a->estimate && err->status == TDM_OK)
+    cpl_repeat(&repeat, err);
   if (result.thread_hangs) { /* it cannot be ended, and its memory cannot be taken away */
     tdm_finish("tandem", err);
     fflush(NULL);

@@ -61,8 +61,9 @@ static json_t *coupled_row(const cpl_cell *cell, const cpl_scenario *scenario, c
     json_object_set_new(r2, scenario->load, json_null());
     json_object_set_new(r2, mean, json_null());
   }
-  return json_pack("{s:o, s:o, s:n, s:o, s:o, s:n}", "n", value_at(scene, "coupling.n"), "scheme",
-                   scheme_of(cell, scene), "window_s", "r2", r2, "nse", nse, "energy_residual");
+  return json_pack("{s:o, s:o, s:n, s:o, s:o, s:n, s:n, s:n}", "n", value_at(scene, "coupling.n"), "scheme",
+                   scheme_of(cell, scene), "window_s", "r2", r2, "nse", nse, "energy_residual", "estimate",
+                   "estimate_numeric");
 }
 
 json_t *cpl_cell_row(const cpl_cells *cells, const cpl_cell *cell, const char *status, const char *reason) {
@@ -133,6 +134,24 @@ static void add_numbers(json_t *row, const cpl_comparison *c) {
   }
 }
 
+/* The largest 1 - nse that the run expects of itself; `beside`: against a reference whose fill is rigid. NaN: unknown.
+ */
+static double expected(const json_t *summary, bool beside) {
+  const char *name, *key;
+  json_t *body, *of;
+  double worst = NAN;
+  json_object_foreach((json_t *)tdm_scene_value(summary, "error_estimate.bodies"), name, body)
+      json_object_foreach(body, key, of) {
+    const json_t *share = json_object_get(of, "share");
+    const double spread = json_number_value(json_object_get(of, "spread"));
+    const double fill = beside ? json_number_value(json_object_get(of, "fill")) / spread : 0;
+    const double error = json_number_value(share) * json_number_value(share) + fill * fill;
+    if (json_is_number(share) && !(error <= worst))
+      worst = error;
+  }
+  return worst;
+}
+
 json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell) {
   tdm_error err = {0};
   cpl_run_result result;
@@ -148,6 +167,8 @@ json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell) {
                                                          : "failed",
                              err.message);
   json_object_set_new(row, "ended", json_string(tdm_status_name(status)));
+  tdm_scene scene = {0};
+  const cpl_scenario *scenario = scene_of(cells, cell, &scene);
   json_object_set_new(row, "wall_s", json_real(result.wall)); /* also of a failed cell: it was tried */
   json_object_set_new(row, "simulated_s", json_real(result.simulated));
   if (result.windows > 0 && (status == TDM_OK || status == TDM_ERR_NUMERIC)) {
@@ -156,10 +177,10 @@ json_t *cpl_cell_run(const cpl_cells *cells, const cpl_cell *cell) {
     cpl_cell_doubt(cell, row, summary);
     json_object_set_new(row, "energy_residual", residual ? json_copy((json_t *)residual) : json_null());
     json_object_set_new(row, "window_s", json_real((result.loop - result.step[CPL_DEM]) / (double)result.windows));
+    json_object_set_new(row, "estimate", tdm_number_to_json(expected(summary, scenario && scenario->rigid_fill)));
+    json_object_set_new(row, "estimate_numeric", tdm_number_to_json(expected(summary, false)));
     json_decref(summary);
   }
-  tdm_scene scene = {0};
-  const cpl_scenario *scenario = scene_of(cells, cell, &scene);
   cpl_comparison c = {0};
   tdm_error compared = {0};
   if (scenario && scenario->compare && result.windows > 0 && scenario->compare(cell->dir, &c, &compared) == TDM_OK) {

@@ -7,7 +7,9 @@
  *   view       frames.tdv, particles_N.vtp, walls_N.vtp, mechanism_N.vtp, scene.pvd: what there is to see, if the scene
  *              asks for it (protocol/output/outputs.h)
  *   screening  on the terminal at the end, and in summary.json: what DEM's channels of screening and of containers come
- * to progress   on the terminal: how far the run is
+ *              to
+ *   estimate   what the motion of the bodies is off: in summary.json (coupler/estimate/error.h)
+ *   progress   on the terminal: how far the run is
  *
  * run.c writes scene.json (the scene with all overrides), summary.json and the logs.
  */
@@ -22,6 +24,7 @@
   X(ledger)                  \
   X(view)                    \
   X(screening)               \
+  X(estimate)                \
   X(progress)
 
 #define X(name) extern const cpl_observer cpl_observer_##name;

@@ -97,7 +97,8 @@ static void copy_key(json_t *to, const json_t *from, const char *key) {
 }
 
 static json_t *meta(const view *v) {
-  static const char *const keys[] = {"scene", "status", "error", "warnings", "notices", "simulated_s", "windows"};
+  static const char *const keys[] = {"scene",       "status",  "error",          "warnings", "notices",
+                                     "simulated_s", "windows", "error_estimate", "wall_s"};
   json_t *m = cpl_page_scenery(&v->frames.scenery), *times = json_array();
   for (int k = 0; k < v->frames.count; k++)
     if (shown(v, k))

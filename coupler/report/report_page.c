@@ -181,6 +181,82 @@ static void write_times(FILE *page, const json_t *wall) {
   fprintf(page, "<tr><td class=\"text\">all</td><td>%.3f</td></tr>\n</table>\n", all);
 }
 
+/* ---- how far the result can be trusted ---- */
+
+/* A number of the estimate, or that it is not known. */
+static void write_estimated(FILE *page, const json_t *of, const char *key, double factor, const char *unit) {
+  const json_t *x = json_object_get(of, key);
+  if (json_is_number(x))
+    fprintf(page, "<td>%.2g%s</td>", factor * json_number_value(x), unit);
+  else
+    fputs("<td class=\"quiet\">unknown</td>", page);
+}
+
+/* A row a body and quantity of an object of bodies, with these of its numbers; those that do not move are left out. */
+static void write_errors(FILE *page, const json_t *bodies, const char *const *keys, int nkey) {
+  static const char *const units[][2] = {
+      {"position", "m"}, {"velocity", "m/s"}, {"angle", "rad"}, {"angular_velocity", "rad/s"}};
+  const char *name;
+  json_t *body;
+  json_object_foreach((json_t *)bodies, name, body) for (size_t q = 0; q < sizeof units / sizeof units[0]; q++) {
+    const json_t *of = json_object_get(body, units[q][0]);
+    if (!(json_number_value(json_object_get(of, "spread")) > 0))
+      continue;
+    fputs("<tr>", page);
+    cpl_html_cell(page, name);
+    fprintf(page, "<td class=\"text\">%s [%s]</td>", units[q][0], units[q][1]);
+    for (int k = 0; k < nkey; k++)
+      write_estimated(page, of, keys[k], strcmp(keys[k], "share") == 0 ? 100 : 1,
+                      strcmp(keys[k], "share") == 0 ? " %" : "");
+    fputs("</tr>\n", page);
+  }
+}
+
+static void write_repetition(FILE *page, const json_t *repetition) {
+  static const char *const keys[] = {"coupling", "dem_step", "round_off", "spread"};
+  const char *key;
+  json_t *why;
+  if (!repetition)
+    return;
+  fprintf(page,
+          "<p>Repeated until %.4g s (%.3g %% of the run) with half the window, half the DEM step, and a change of the "
+          "size of round-off:</p>\n<table>\n<tr><th class=\"text\">body</th><th class=\"text\">quantity</th>"
+          "<th>error of the exchange</th><th>of the DEM step</th><th>two runs that round-off sets apart</th>"
+          "<th>spread</th></tr>\n",
+          json_number_value(json_object_get(repetition, "until_s")),
+          100 * json_number_value(json_object_get(repetition, "share")));
+  write_errors(page, json_object_get(repetition, "bodies"), keys, 4);
+  fputs("</table>\n", page);
+  json_object_foreach(json_object_get(repetition, "unknown"), key, why) {
+    fputs("<p class=\"quiet\">", page);
+    cpl_html_text(page, key);
+    fputs(": unknown: ", page);
+    cpl_html_text(page, json_string_value(why) ? json_string_value(why) : "");
+    fputs("</p>\n", page);
+  }
+}
+
+static void write_error(FILE *page, const cpl_report_data *r) {
+  static const char *const keys[] = {"rms", "share", "coupling", "rattle", "spread"};
+  const json_t *estimate = json_object_get(r->summary, "error_estimate");
+  const char *unknown = text_of(estimate, "unknown");
+  if (!estimate)
+    return;
+  fputs("<h3 id=\"error\">The error, estimated</h3>\n", page);
+  if (unknown) {
+    fputs("<p>unknown: ", page);
+    cpl_html_text(page, unknown);
+    fputs("</p>\n", page);
+  } else {
+    fputs("<table>\n<tr><th class=\"text\">body</th><th class=\"text\">quantity</th><th>error, rms</th>"
+          "<th>beside the spread</th><th>of the exchange</th><th>rattle of the particles</th><th>spread</th></tr>\n",
+          page);
+    write_errors(page, json_object_get(estimate, "bodies"), keys, 5);
+    fputs("</table>\n", page);
+  }
+  write_repetition(page, json_object_get(estimate, "repetition"));
+}
+
 /* The scene's parameters: name, value, expression. */
 static void write_parameters(FILE *page, const cpl_report_data *r) {
   const json_t *values = json_object_get(r->summary, "parameters");
@@ -222,6 +298,7 @@ static void write_run(FILE *page, const cpl_report_data *r) {
   write_parameters(page, r);
   if (json_object_get(r->summary, "wall_s"))
     write_times(page, json_object_get(r->summary, "wall_s"));
+  write_error(page, r);
 }
 
 /* ---- agreement with the reference ---- */

@@ -16,6 +16,8 @@ typedef struct {
   tdm_status (*compare)(const char *dir, cpl_comparison *c, tdm_error *err);
   const char *state[3]; /* names of the comparison's states and of its load, for rows without numbers */
   const char *load;
+  bool rigid_fill; /* its reference takes the particles for a mass fixed to the body: what they do beside that is an
+                    * error by this measure */
 } cpl_scenario;
 
 /* The scenario that a scene names as its own in the key "scenario"; NULL when it names none, or (an error) none that is

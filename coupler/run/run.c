@@ -258,6 +258,8 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
     print_lengths(r);
   if (r->scheme_line[0])
     printf("  %s\n", r->scheme_line);
+  if (r->error_line[0])
+    printf("  %s\n", r->error_line);
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
   for (int role = 0; role < CPL_NROLE; role++) {
     printf("  %-8s %10.3f %10.3f %12.3f\n", cpl_role_names[role], r->step[role],
@@ -317,6 +319,37 @@ static json_t *summary(run_state *run, const cpl_run_result *r, const json_t *re
   return json;
 }
 
+/* The estimate of the error, from the summary, for who started the run. */
+static void take_error(const json_t *estimate, cpl_run_result *r) {
+  const json_t *worst = json_object_get(estimate, "worst");
+  const char *name = json_string_value(json_object_get(estimate, "worst_body"));
+  const json_t *body = name ? json_object_get(json_object_get(estimate, "bodies"), name) : NULL;
+  const char *comma = "";
+  int n = 0;
+  const json_t *coupling = json_object_get(estimate, "worst_coupling");
+  r->error = json_is_number(worst) ? json_number_value(worst) : NAN;
+  r->error_coupling = json_is_number(coupling) ? json_number_value(coupling) : NAN;
+  if (r->windows == 0 || !estimate)
+    return;
+  if (!body) {
+    snprintf(r->error_line, sizeof r->error_line, "error, estimated: unknown (%s)",
+             json_string_value(json_object_get(estimate, "unknown")));
+    return;
+  }
+  n = snprintf(r->error_line, sizeof r->error_line, "error, estimated, of body \"%.60s\":", name);
+  for (int q = 0; q < CPL_QUANTITIES; q++) {
+    const json_t *of = json_object_get(body, cpl_quantity_names[q]), *share = json_object_get(of, "share");
+    if (!json_is_number(share) || n >= (int)sizeof r->error_line)
+      continue;
+    n += snprintf(r->error_line + n, sizeof r->error_line - (size_t)n, "%s %.2g %s (%.2g %%)", comma,
+                  json_number_value(json_object_get(of, "rms")), cpl_quantity_units[q], 100 * json_number_value(share));
+    comma = ",";
+  }
+  if (r->error_coupling < 0.5 * r->error && n < (int)sizeof r->error_line)
+    snprintf(r->error_line + n, sizeof r->error_line - (size_t)n,
+             "; most of it is the rattle of the particles, of the exchange are %.2g %%", 100 * r->error_coupling);
+}
+
 /* End the solvers: a word to each, then time to end, then force. */
 static void stop(run_state *run, const tdm_error *err) {
   cpl_child *child[CPL_NROLE];
@@ -341,6 +374,7 @@ static void finish(run_state *run, cpl_run_result *result, double begin, tdm_err
   if (run->results.log) {
     result->wall = tdm_clock() - begin;
     json_t *json = summary(run, result, remarks, err);
+    take_error(json_object_get(json, "error_estimate"), result);
     tdm_results_summary(&run->results, json, err);
     json_decref(json);
     if (err->status != TDM_OK)
@@ -373,7 +407,7 @@ tdm_status cpl_run(const cpl_run_options *options, cpl_run_result *result, tdm_e
   run.teller.scene = &run.scene;
   run.remarks_row = (cpl_observer){.name = "remarks", .context = &run, .open = remarks_open, .window = remarks_window};
   tdm_remarks_open(&run.remarks);
-  *result = (cpl_run_result){0};
+  *result = (cpl_run_result){.error = NAN, .error_coupling = NAN};
   if (load(&run, err) == TDM_OK && start(&run, err) == TDM_OK && heed_warnings(&run, result, err) == TDM_OK) {
     result->setup = tdm_clock() - begin;
     if (!options->check)

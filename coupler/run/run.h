@@ -3,6 +3,7 @@
 #ifndef CPL_RUN_RUN_H
 #define CPL_RUN_RUN_H
 
+#include "coupler/estimate/error.h"
 #include "coupler/loop/observer.h"
 #include "coupler/session/launch.h"
 
@@ -22,6 +23,11 @@ typedef struct {
 } cpl_run_options;
 
 typedef struct {
+  double error; /* estimated: the largest of the bodies' motions, rms beside their spread over the run (the root
+                 * of 1 - nse); NaN: unknown */
+  double error_coupling; /* the part of it that the exchange makes, without the rattle of the particles */
+  char error_line[320];  /* the same in words, "" where no window was solved */
+
   uint64_t windows;           /* solved */
   double simulated;           /* [s] */
   double wall;                /* all, from reading the scene to the last file [s] */

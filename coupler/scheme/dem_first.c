@@ -84,6 +84,7 @@ const cpl_scheme cpl_scheme_dem_first = {
     .needs = {[CPL_MBD] = CPL_ACCELERATION},
     .interpolation = TDM_HERMITE, /* exactly the parabola of the prediction */
     .mismatch_order = 3,
+    .order = 2,
     .memory = memory_size,
     .open = cpl_history_begin,
     .advance = advance,

@@ -12,6 +12,7 @@ const cpl_scheme cpl_scheme_hold = {
     .name = "hold",
     .summary = "MBD first, on the last window mean held",
     .better = "proxy",
+    .order = 1,
     .memory = cpl_history_memory,
     .open = cpl_history_begin,
     .advance = advance,

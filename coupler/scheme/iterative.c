@@ -225,6 +225,7 @@ const cpl_scheme cpl_scheme_iterative = {
     .needs = {[CPL_MBD] = CPL_ACCELERATION | CPL_MOBILITY | CPL_RESTORE,
               [CPL_DEM] = CPL_INTERFACE | CPL_PROXY | CPL_RESTORE},
     .mismatch_order = 4,
+    .order = 5,
     .settings_size = sizeof(settings),
     .read = read_settings,
     .memory = memory_size,

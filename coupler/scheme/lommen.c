@@ -66,6 +66,7 @@ const cpl_scheme cpl_scheme_lommen = {
     .in_paper = true, /* [L18] */
     .summary = "MBD first, on the parabola through the last three window means",
     .better = "proxy",
+    .order = 1,
     .settings_size = sizeof(settings),
     .read = read_settings,
     .needs_too = needs_too,

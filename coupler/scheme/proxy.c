@@ -71,6 +71,7 @@ const cpl_scheme cpl_scheme_proxy = {
     .better = "iterative",
     .needs = {[CPL_MBD] = CPL_ACCELERATION | CPL_MOBILITY, [CPL_DEM] = CPL_INTERFACE | CPL_PROXY},
     .mismatch_order = 4,
+    .order = 5,
     .memory = memory_size,
     .advance = advance,
     .keep = look_for_change,

@@ -41,6 +41,9 @@ typedef struct cpl_scheme {
   /* Order in H of the mismatch between the two solvers' ends of a window, loop->dem_end and loop->state_end, by which
    * "n": "auto" chooses H; 0: there is none. */
   int mismatch_order;
+  /* Order in H of the error of the bodies' motion, by which two runs tell it (trial/repeat.h); 0: not known, taken for
+   * 1. */
+  int order;
   /* The scheme's settings: `read` takes the object coupling.<name> of the scene, which may be absent, into a block of
    * this size that begins as zeros, loop->scheme_settings later; strings are borrowed. It is read whether or not the
    * scheme is chosen, as scenes may hold the settings of several. Errors go to own->err. NULL: the scheme has none, and

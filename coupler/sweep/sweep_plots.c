@@ -13,7 +13,7 @@
  * scheme's name. Returns how many. */
 typedef struct {
   char using[CPL_SCHEMES_MAX][256], style[CPL_SCHEMES_MAX][48];
-  tdm_curve curve[CPL_SCHEMES_MAX + 2];
+  tdm_curve curve[CPL_SCHEMES_MAX + 4];
 } scheme_curves;
 
 static int curves_by_scheme(scheme_curves *out, const cpl_cell *cell, int ncell, const char *key, const char *x,
@@ -28,10 +28,17 @@ static int curves_by_scheme(scheme_curves *out, const cpl_cell *cell, int ncell,
   return n;
 }
 
-static void plot_cost(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, tdm_error *err) {
+/* the estimate of a cell's error is in this column of sweep.csv: drawn beside the true one, joined with it by a line */
+static void plot_cost(const cpl_sweep_options *o, const cpl_cell *cell, int ncell, int estimate, tdm_error *err) {
   static const char error[] = "$6 > 10 ? 10 : $6";
+  char hollow[64], line[128];
   scheme_curves c;
   int n = curves_by_scheme(&c, cell, ncell, "wall_s", "$5", error);
+  snprintf(hollow, sizeof hollow, "5:($%d > 10 ? 10 : $%d)", estimate, estimate);
+  snprintf(line, sizeof line, "5:($6 > 10 ? 10 : $6):(0):(($%d > 10 ? 10 : $%d) - ($6 > 10 ? 10 : $6))", estimate,
+           estimate);
+  c.curve[n++] = (tdm_curve){"sweep.csv", line, "", "vectors nohead lw 0.6 lc 'grey'"};
+  c.curve[n++] = (tdm_curve){"sweep.csv", hollow, "estimate of the run", "points pt 2 ps 1.3 lw 1.5 lc 'black'"};
   c.curve[n++] = (tdm_curve){"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6)", "Pareto front",
                              "points pt 6 ps 2.4 lw 2 lc 'black'"};
   c.curve[n++] = (tdm_curve){"sweep.csv", "($7 == 1 ? $5 : NaN):($6 > 10 ? 10 : $6):(sprintf('%.0e n=%g', $1, $2))", "",
@@ -189,9 +196,9 @@ tdm_status cpl_sweep_plots(const cpl_sweep_options *o, const cpl_cell *cell, int
                            tdm_error *err) {
   bool numbers = false;
   for (int k = 0; k < ncell; k++)
-    numbers = numbers || !isnan(cpl_row_error(cell[k].row, c));
+    numbers = numbers || !isnan(cpl_row_error(cell[k].row, c)) || !isnan(cpl_row_number(cell[k].row, NULL, "estimate"));
   if (numbers) {
-    plot_cost(o, cell, ncell, err);
+    plot_cost(o, cell, ncell, 10 + c->nstate + c->nname, err);
     for (int i = 0; i < c->nstate && err->status == TDM_OK; i++)
       plot_heat_of_state(o, cell, ncell, c->state[i], err);
   }

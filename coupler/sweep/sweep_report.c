@@ -80,7 +80,7 @@ static void print_small(double x, const char *format) {
 
 static void print_table(const cpl_cell *cell, int ncell, const cpl_columns *c, const cpl_table *paper) {
   bool colour = isatty(1);
-  printf("%-44s %-8s %8s %10s %10s", "cell", "status", "wall", "window", "energy");
+  printf("%-44s %-8s %8s %10s %10s %10s", "cell", "status", "wall", "window", "energy", "estimate");
   for (int i = 0; i < c->nstate; i++)
     printf(" %6s%-4s", "nse_", c->state[i]);
   for (int i = 0; i < c->nname; i++)
@@ -97,6 +97,7 @@ static void print_table(const cpl_cell *cell, int ncell, const cpl_columns *c, c
            fmax(0, cpl_row_number(row, NULL, "wall_s")));
     print_small(1e6 * cpl_row_number(row, NULL, "window_s"), "%.1f us");
     print_small(cpl_row_number(row, NULL, "energy_residual"), "%.1e");
+    print_small(cpl_row_number(row, NULL, "estimate"), "%.1e");
     for (int i = 0; i < c->nstate; i++)
       print_number(cpl_row_number(row, "nse", c->state[i]), colour, true);
     for (int i = 0; i < c->nname; i++)
@@ -162,7 +163,7 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
     return err->status;
   cpl_html_head(f, "tandem sweep");
   fputs("<p>Marked: above 0.99.</p>\n<table>\n<tr><th>cell</th><th>status</th><th>wall [s]</th>"
-        "<th>window [µs]</th><th>energy residual</th>",
+        "<th>window [µs]</th><th>energy residual</th><th>1 − nse, estimated</th>",
         f);
   for (int i = 0; i < c->nstate; i++)
     fprintf(f, "<th>nse %s</th>", c->state[i]);
@@ -189,6 +190,7 @@ static tdm_status write_html(const cpl_sweep_options *o, const cpl_cell *cell, i
             fmax(0, cpl_row_number(row, NULL, "wall_s")));
     html_small(f, 1e6 * cpl_row_number(row, NULL, "window_s"), "%.1f");
     html_small(f, cpl_row_number(row, NULL, "energy_residual"), "%.1e");
+    html_small(f, cpl_row_number(row, NULL, "estimate"), "%.1e");
     for (int i = 0; i < c->nstate; i++)
       html_number(f, cpl_row_number(row, "nse", c->state[i]));
     for (int i = 0; i < c->nname; i++)
@@ -240,7 +242,7 @@ static tdm_status write_csv(const cpl_sweep_options *o, const cpl_cell *cell, in
     fprintf(f, ",nse_%s [1]", c->state[i]);
   for (int i = 0; i < c->nname; i++)
     fprintf(f, ",r2_%s [1]", c->name[i]);
-  fputs(",energy_residual [1],window [s]\n", f);
+  fputs(",energy_residual [1],window [s],estimate [1]\n", f);
   for (int k = 0; k < ncell; k++) {
     const json_t *row = cell[k].row;
     if (!row)
@@ -253,7 +255,8 @@ static tdm_status write_csv(const cpl_sweep_options *o, const cpl_cell *cell, in
       fprintf(f, ",%.8g", cpl_row_number(row, "nse", c->state[i]));
     for (int i = 0; i < c->nname; i++)
       fprintf(f, ",%.8g", cpl_row_number(row, "r2", c->name[i]));
-    fprintf(f, ",%.6g,%.6g\n", cpl_row_number(row, NULL, "energy_residual"), cpl_row_number(row, NULL, "window_s"));
+    fprintf(f, ",%.6g,%.6g,%.6g\n", cpl_row_number(row, NULL, "energy_residual"), cpl_row_number(row, NULL, "window_s"),
+            cpl_row_number(row, NULL, "estimate"));
   }
   fclose(f);
   return TDM_OK;

@@ -40,7 +40,7 @@ tdm_status tdm_arguments_read(tdm_arguments *a, const tdm_option *options, int n
       return unknown_option(options, noption, program, argv[i], err);
     if (options[k].flag) {
       *options[k].flag = true;
-      if (options[k].value && i + 1 < argc && strspn(argv[i + 1], "0123456789") == strlen(argv[i + 1]))
+      if (options[k].value && i + 1 < argc && strspn(argv[i + 1], "0123456789.") == strlen(argv[i + 1]))
         *options[k].value = argv[++i];
       continue;
     }

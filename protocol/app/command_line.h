@@ -16,7 +16,7 @@ typedef struct {
   int n;
 } tdm_words;
 
-/* An option "--name": with a value, a flag, a flag that a whole number may follow (both), with a value each time it
+/* An option "--name": with a value, a flag, a flag that a number may follow (both), with a value each time it
  * comes (words), or (none of these) one of --set, which may come more than once. */
 typedef struct {
   const char *name, **value;

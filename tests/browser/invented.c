@@ -139,9 +139,11 @@ tdm_status invented_run(const char *dir, int nparticle, int nframe, tdm_error *e
     if (invented_snapshot(&snapshot, interval * k, nparticle, err) == TDM_OK)
       tdm_frames_write(frames, path, &snapshot, &bytes, err);
   if (summary)
-    fputs(
-        "{\"scene\": \"invented.json\", \"status\": \"TDM_ERR_NUMERIC\", \"error\": \"the bucket </script> burst\"}\n",
-        summary);
+    fputs("{\"scene\": \"invented.json\", \"status\": \"TDM_ERR_NUMERIC\", \"error\": \"the bucket </script> burst\",\n"
+          " \"wall_s\": {\"all\": 2.5}, \"error_estimate\": {\"worst\": 0.012, \"worst_body\": \"bucket\", "
+          "\"unknown\": null,\n"
+          "  \"bodies\": {\"bucket\": {\"position\": {\"rms\": 0.003, \"share\": 0.012, \"spread\": 0.25}}}}}\n",
+          summary);
   if (frames)
     fclose(frames);
   if (summary)

@@ -105,6 +105,9 @@ START_TEST(failed_runs_say_why) {
   open_page(10, 5);
   chrome_wait(&browser, "notes.textContent.includes('the bucket </script> burst')");
   chrome_wait(&browser, "document.getElementById('status').textContent === 'failed'");
+  /* how far it can be trusted */
+  chrome_wait(&browser, "trust.textContent === 'error, estimated: 1.2 %, 2.50 s wall'");
+  chrome_wait(&browser, "trust.title.includes('bucket: position 0.003 m')");
   /* names of anybody's stay text */
   json_decref(chrome_value(&browser, "colour.value = 'material', colour.dispatchEvent(new Event('change'))"));
   chrome_wait(&browser, "legend.textContent.includes('<b>sand</b></script>')");

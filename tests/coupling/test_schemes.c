@@ -238,6 +238,33 @@ START_TEST(orders_of_a_slider) {
 }
 END_TEST
 
+/* What a run expects of itself, beside what it is off. */
+static void expect_estimate(const char *scheme, int n) {
+  char options[128];
+  double size = 0;
+  snprintf(options, sizeof options, "--set coupling.scheme=%s" EXACT, scheme);
+  const double is = error(n, options), estimated = summary("\"error_estimate\"", "\"rms\"");
+  for (int k = 0; k < NTIME; k++)
+    size += reference[k] * reference[k] / NTIME;
+  const double ratio = estimated / (is * sqrt(size));
+  ck_assert_msg(ratio > 1. / 3 && ratio < 3, "%s, n = %d: %g of the error", scheme, n, ratio);
+}
+
+START_TEST(estimates_are_near_the_error) {
+  static const char *const schemes[] = {"hold", "lommen", "dem-first"};
+  setup(slide);
+  solve_sliders(1);
+  for (int i = 0; i < 3; i++)
+    for (int n = 100; n <= 800; n *= 2)
+      expect_estimate(schemes[i], n);
+  /* of the proxy, which is exact here, it is no more than what a parabola leaves of the load, as jitter */
+  error(100, "--set coupling.scheme=proxy" EXACT);
+  const double proxy = summary("\"error_estimate\"", "\"share\"");
+  ck_assert_msg(proxy < 1e-4, "%g", proxy);
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(orders_of_two_sliders) {
   setup(train);
   solve_sliders(2);
@@ -553,8 +580,8 @@ START_TEST(multi_step_cannot_carry_a_mechanism) {
 }
 END_TEST
 
-TEST_MAIN("schemes", orders_of_a_slider, orders_of_two_sliders, orders_of_a_swing, proxy_at_long_windows,
-          stiff_supports, half_the_run_in_a_window, two_bodies_in_one_piece,
+TEST_MAIN("schemes", orders_of_a_slider, estimates_are_near_the_error, orders_of_two_sliders, orders_of_a_swing,
+          proxy_at_long_windows, stiff_supports, half_the_run_in_a_window, two_bodies_in_one_piece,
           iterations_make_up_for_a_proxy_of_masses_alone, a_window_that_does_not_converge_is_told,
           iterations_at_long_windows, windows_find_their_length, a_fast_turn_shortens_windows, nothing_coupled,
           a_mechanism_that_changes_is_told, what_cannot_adapt_is_refused, multi_step_cannot_carry_a_mechanism)

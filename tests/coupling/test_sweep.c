@@ -63,9 +63,10 @@ START_TEST(a_grid_and_its_rows) {
   json_t *row;
   int good = 0;
   json_array_foreach(rows, i, row) {
-    static const char *const keys[] = {"dt",     "n",           "scheme", "settings", "status",          "reason",
-                                       "wall_s", "simulated_s", "r2",     "nse",      "energy_residual", "window_s"};
-    for (int k = 0; k < 12; k++)
+    static const char *const keys[] = {
+        "dt",          "n",  "scheme", "settings",        "status",   "reason",   "wall_s",
+        "simulated_s", "r2", "nse",    "energy_residual", "window_s", "estimate", "estimate_numeric"};
+    for (int k = 0; k < 14; k++)
       ck_assert_msg(json_object_get(row, keys[k]) != NULL, "no %s", keys[k]);
     double residual = json_number_value(json_object_get(row, "energy_residual"));
     ck_assert(json_number_value(json_object_get(row, "window_s")) > 0);
@@ -79,6 +80,12 @@ START_TEST(a_grid_and_its_rows) {
       ck_assert_msg(strcmp(text(row, "status"), "ok") == 0, "%s: %s", text(row, "status"), text(row, "reason"));
       ck_assert_double_gt(json_number_value(json_object_get(nse, "x")), 0.99);
       ck_assert(residual > 0 && residual < 0.01);
+      const double estimate = json_number_value(json_object_get(row, "estimate"));
+      const double numeric = json_number_value(json_object_get(row, "estimate_numeric"));
+      const double error =
+          1 - fmin(json_number_value(json_object_get(nse, "x")), json_number_value(json_object_get(nse, "v")));
+      ck_assert_msg(estimate > error / 9 && estimate < 9 * error, "%g expected, it is %g", estimate, error);
+      ck_assert(numeric > 0 && numeric < estimate); /* the reference's fill is rigid, that of the run is not */
       good++;
     } else { /* windows of 0.1 s with a fill twice as heavy as the box */
       ck_assert_str_eq(text(row, "status"), "unstable");

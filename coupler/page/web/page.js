@@ -43,6 +43,23 @@
           (w.count > 1 ? ` (${w.count} times, first at t = ${tandem.number(w.first_s)} s)` : ''), false);
   }
 
+  /* What the run says of its own error, beside what it took. */
+  function tellTrust() {
+    const e = meta.error_estimate, wall = meta.wall_s && meta.wall_s.all;
+    $('trust').hidden = !e;
+    if (!e)
+      return;
+    const units = {position: 'm', velocity: 'm/s', angle: 'rad', angular_velocity: 'rad/s'}, lines = [];
+    for (const [name, body] of Object.entries(e.bodies || {}))
+      for (const [quantity, unit] of Object.entries(units))
+        if (body[quantity] && body[quantity].spread > 0 && typeof body[quantity].rms === 'number')
+          lines.push(`${name}: ${quantity.replace('_', ' ')} ${tandem.number(body[quantity].rms)} ${unit}`);
+    const known = typeof e.worst === 'number';
+    $('trust').textContent = 'error, estimated: ' + (known ? (100 * e.worst).toPrecision(2) + ' %' : 'unknown') +
+        (wall ? `, ${wall.toPrecision(3)} s wall` : '');
+    $('trust').title = known ? 'rms, beside how far each quantity goes\n' + lines.join('\n') : e.unknown || '';
+  }
+
   /* ---- frames ---- */
 
   const up = () => space.up.toArray();
@@ -526,6 +543,7 @@
   tandem.place = (i) => space.grains.place(i);
 
   tellStatus();
+  tellTrust();
   wire();
   offerSpeeds();
   curves = new tandem.Curves(run, $('list'), $('filter'), $('stack'), (time) => {

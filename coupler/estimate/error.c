@@ -1,0 +1,273 @@
+/* The error of a run, estimated: see error.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/estimate/error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const cpl_quantity_names[CPL_QUANTITIES] = {"position", "velocity", "angle", "angular_velocity"};
+const char *const cpl_quantity_units[CPL_QUANTITIES] = {"m", "m/s", "rad", "rad/s"};
+
+enum { LEAST_ROWS = 8, TERMS = 3 };
+static const double good_fit = 0.95;  /* share of the variance that a linear motion must explain to be gone by */
+static const double pace_share = 0.2; /* of the motion's own time, spread of the way over that of the rate: faster than
+                                       * that is jitter */
+static const double least_spans = 0.05; /* ... and of the run */
+
+/* ---- least squares ---- */
+
+/* y = sum_j c[j] x[j] over rows: what is left of the sum of squares. */
+typedef struct {
+  int n; /* terms, at most TERMS */
+  double xx[TERMS][TERMS], xy[TERMS], yy;
+} fit;
+
+static void fit_add(fit *f, const double *x, double y) {
+  for (int i = 0; i < f->n; i++) {
+    for (int j = 0; j < f->n; j++)
+      f->xx[i][j] += x[i] * x[j];
+    f->xy[i] += x[i] * y;
+  }
+  f->yy += y * y;
+}
+
+/* By Cholesky's factors of the scaled normal equations; a term that the ones before it tell is left out (0). Returns
+ * the share of y's sum of squares that is explained. */
+static double fit_solve(const fit *f, double *c) {
+  double L[TERMS][TERMS] = {{0}}, z[TERMS] = {0}, scale[TERMS], explained = 0;
+  for (int i = 0; i < f->n; i++) {
+    scale[i] = f->xx[i][i] > 0 ? 1 / sqrt(f->xx[i][i]) : 0;
+    double diagonal = scale[i] > 0 ? 1 : 0, right = scale[i] * f->xy[i];
+    for (int j = 0; j < i; j++) {
+      double sum = scale[i] * scale[j] * f->xx[i][j];
+      for (int k = 0; k < j; k++)
+        sum -= L[i][k] * L[j][k];
+      L[i][j] = L[j][j] > 0 ? sum / L[j][j] : 0;
+      diagonal -= L[i][j] * L[i][j];
+      right -= L[i][j] * z[j];
+    }
+    L[i][i] = diagonal > 1e-9 ? sqrt(diagonal) : 0;
+    z[i] = L[i][i] > 0 ? right / L[i][i] : 0;
+    explained += z[i] * z[i];
+  }
+  for (int i = f->n - 1; i >= 0; i--) {
+    double sum = z[i];
+    for (int k = i + 1; k < f->n; k++)
+      sum -= L[k][i] * c[k];
+    c[i] = L[i][i] > 0 ? sum / L[i][i] : 0;
+  }
+  for (int i = 0; i < f->n; i++)
+    c[i] *= scale[i];
+  return f->yy > 0 ? explained / f->yy : 1;
+}
+
+/* ---- one part of the motion ---- */
+
+/* Way along an axis or turn about it, at the rows of a trace. */
+typedef struct {
+  const cpl_trace *trace;
+  int k, n;
+} part;
+
+static const cpl_trace_row *row_of(const part *p, int i) {
+  return i < p->trace->nrow ? &p->trace->row[i] : &p->trace->last;
+}
+
+static part part_of(const cpl_trace *t, int k) {
+  return (part){t, k, t->nrow + (t->last.t > t->row[t->nrow - 1].t)};
+}
+
+/* What the motion is like, by least squares over its integrals, in which noise counts less:
+ *
+ *   x'' = p + q x + s x'       the swing of body and particles; q = s = 0 where it is no such motion
+ *   F = c - m (x'' - p0)       what the particles add to the inertia; their load */
+typedef struct {
+  double q, s, added, load;
+} linear;
+
+static linear motion_of(const part *p) {
+  linear l = {0};
+  fit swing = {.n = 3}, weight = {.n = 2};
+  double once = 0, twice = 0, c[TERMS];
+  const cpl_trace_row *first = row_of(p, 0), *before = first;
+  for (int i = 1; i < p->n; i++) {
+    const cpl_trace_row *r = row_of(p, i);
+    const double h = r->t - before->t, way = before->way[p->k], gained = r->rate[p->k] - first->rate[p->k];
+    twice += h * once + h * h * (way / 3 + r->way[p->k] / 6);
+    once += 0.5 * h * (way + r->way[p->k]);
+    fit_add(&swing, (double[]){0.5 * r->t * r->t, twice, once}, r->way[p->k] - first->rate[p->k] * r->t);
+    fit_add(&weight, (double[]){r->t, gained}, r->given[p->k]);
+    before = r;
+  }
+  if (fit_solve(&swing, c) > good_fit) {
+    l.q = fmin(c[1], 0);
+    l.s = fmin(c[2], 0);
+  }
+  fit_solve(&weight, c);
+  l.load = c[0];
+  l.added = fmax(0, -c[1]);
+  return l;
+}
+
+/* e'' = q e + s e' over h, from (e, e'). */
+static void swing_on(const linear *l, double h, double e[2]) {
+  const double half = 0.5 * l->s, square = half * half + l->q, w = sqrt(fabs(square)), decay = exp(half * h);
+  const double c = square > 0 ? cosh(w * h) : cos(w * h);
+  const double s = w * h < 1e-9 ? h : (square > 0 ? sinh(w * h) : sin(w * h)) / w;
+  const double place = decay * ((c - half * s) * e[0] + s * e[1]);
+  const double rate = decay * (l->q * s * e[0] + (c + half * s) * e[1]);
+  e[0] = place;
+  e[1] = rate;
+}
+
+/* Means over time of squares, of way [0] and rate [1]. */
+typedef struct {
+  double spread[2], coupling[2], fill[2];
+  double local; /* of the rate: of the windows' own defects, a part of the coupling's */
+} squares;
+
+/* The error of the exchange and the motion of the fill, carried on by the swing: impulses too much, over the inertia of
+ * body and particles. To the first comes what a window's own defect does to the body alone, before the particles
+ * answer. */
+static squares carry(const part *p, const linear *l) {
+  squares s = {0};
+  const int k = p->k;
+  const cpl_trace *t = p->trace;
+  const double inertia = t->mass[k] + l->added, half_window = 0.5 * t->end.t / (double)t->windows;
+  const cpl_trace_row *first = row_of(p, 0), *before = first;
+  double coupling[2] = {0}, fill[2] = {0}, owed = 0, own = 0, mean[2] = {0}, square[2] = {0}, local[2] = {0};
+  for (int i = 1; i < p->n; i++) {
+    const cpl_trace_row *r = row_of(p, i);
+    const double h = r->t - before->t, late = (r->late[k] - before->late[k]) / h;
+    const double now_owed = (r->owed[k] + 0.5 * l->added * late) / inertia;
+    const double now_own = (r->given[k] - l->load * r->t + l->added * (r->rate[k] - first->rate[k])) / inertia;
+    const double value[2] = {r->way[k], r->rate[k]};
+    swing_on(l, h, coupling);
+    swing_on(l, h, fill);
+    coupling[1] += now_owed - owed;
+    fill[1] += now_own - own;
+    owed = now_owed;
+    own = now_own;
+    for (int j = 0; j < 2; j++) {
+      mean[j] += h * value[j];
+      square[j] += h * value[j] * value[j];
+      s.coupling[j] += h * coupling[j] * coupling[j];
+      s.fill[j] += h * fill[j] * fill[j];
+    }
+    local[1] += r->jolt[k] - before->jolt[k];
+    local[0] += r->slip[k] - before->slip[k] + half_window * half_window * (r->jolt[k] - before->jolt[k]);
+    before = r;
+  }
+  const double time = before->t - first->t;
+  for (int j = 0; j < 2; j++) {
+    s.spread[j] = fmax(0, square[j] / time - mean[j] * mean[j] / (time * time));
+    s.coupling[j] = (s.coupling[j] + local[j]) / time;
+    s.fill[j] /= time;
+  }
+  s.local = local[1] / time;
+  return s;
+}
+
+/* ---- rattle ---- */
+
+static int by_size(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* The square of the jitter of the rate that the load makes [unit of the rate, squared]: what is left of the impulse
+ * beside the parabola through 2 m + 1 rows around. Blocks of so many rows are looked at; the upper quartile of them
+ * counts, so that single blows do not. `block` has room for n numbers. */
+static double jitter(const part *p, int m, double *block) {
+  const int rows = 2 * m + 1;
+  double n = rows, s2 = 0, s4 = 0, sum = 0;
+  int nblock = 0, inside = 0;
+  for (int j = -m; j <= m; j++) {
+    s2 += (double)j * j;
+    s4 += (double)j * j * j * j;
+  }
+  for (int i = m; i + m < p->n; i++) {
+    double smooth = 0;
+    for (int j = -m; j <= m; j++)
+      smooth += (s4 - s2 * j * j) / (n * s4 - s2 * s2) * row_of(p, i + j)->given[p->k];
+    const double rest = (row_of(p, i)->given[p->k] - smooth) / p->trace->mass[p->k];
+    sum += rest * rest;
+    if (++inside == rows) {
+      block[nblock++] = sum / rows;
+      sum = 0;
+      inside = 0;
+    }
+  }
+  qsort(block, (size_t)nblock, sizeof *block, by_size);
+  return nblock > 0 ? block[3 * nblock / 4] : NAN;
+}
+
+/* ---- all of them ---- */
+
+/* Does the body move in this part? Else joints hold it there, and no error of a load matters. */
+static bool moves(const cpl_trace *t, int k) {
+  double energy = 0, all = 0;
+  for (int i = 0; i < t->nrow; i++)
+    for (int j = 0; j < CPL_PARTS; j++) {
+      const double e = t->mass[j] * t->row[i].rate[j] * t->row[i].rate[j];
+      energy += j == k ? e : 0;
+      all += e;
+    }
+  return energy > 1e-12 * all;
+}
+
+/* The ways [0] or the turns [1] of the body: positions and velocities of them. */
+static void estimate_half(const cpl_trace *t, int half, double *block, cpl_error *error) {
+  squares all = {0};
+  double rattle = 0;
+  bool moving[CPL_PARTS] = {false};
+  for (int k = 3 * half; k < 3 * half + 3; k++) {
+    const part p = part_of(t, k);
+    moving[k] = moves(t, k);
+    if (!moving[k])
+      continue;
+    const linear l = motion_of(&p);
+    const squares s = carry(&p, &l);
+    error->added[k] = l.added;
+    for (int j = 0; j < 2; j++) {
+      all.coupling[j] += s.coupling[j];
+      all.fill[j] += s.fill[j];
+      all.spread[j] += s.spread[j];
+    }
+    all.local += s.local;
+  }
+  /* jitter is what is faster than the motion itself */
+  const double time = t->last.t, pace = sqrt(all.spread[0] / all.spread[1]);
+  const double span = fmin(pace_share * (isfinite(pace) ? pace : time), least_spans * time);
+  const int m = (int)fmax(2, round(0.5 * span * (t->nrow - 1) / time));
+  for (int k = 3 * half; k < 3 * half + 3; k++) {
+    const part p = part_of(t, k);
+    if (moving[k])
+      rattle += jitter(&p, m, block);
+  }
+  rattle = fmax(0, 2 * rattle - 4 * all.local); /* two runs; without what the exchange itself makes jitter */
+  for (int j = 0; j < 2; j++) {
+    cpl_error_of *of = &error->of[2 * half + j];
+    const double jittered = j == 1 ? rattle : rattle * span * span;
+    of->coupling = sqrt(all.coupling[j]);
+    of->rattle = sqrt(jittered);
+    of->rms = sqrt(all.coupling[j] + jittered);
+    of->spread = sqrt(all.spread[j]);
+    of->share = of->spread > 0 ? of->rms / of->spread : NAN;
+    of->fill = sqrt(all.fill[j]);
+  }
+}
+
+bool cpl_error_estimate(const cpl_trace *t, cpl_error *error) {
+  *error = (cpl_error){0};
+  for (int q = 0; q < CPL_QUANTITIES; q++)
+    error->of[q] = (cpl_error_of){NAN, NAN, NAN, NAN, NAN, NAN};
+  if (t->nrow < LEAST_ROWS)
+    return true;
+  double *block = malloc((size_t)t->nrow * sizeof *block);
+  for (int half = 0; block && half < 2; half++)
+    estimate_half(t, half, block, error);
+  free(block);
+  return block != NULL;
+}

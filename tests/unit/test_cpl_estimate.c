@@ -1,0 +1,161 @@
+/* The estimate of a run's error, from traces of motions that are known. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/estimate/error.h"
+#include "tests/test_main.h"
+
+#include <math.h>
+
+static const double mass[CPL_PARTS] = {2, 2, 2, 0.5, 0.5, 0.5};
+
+static tdm_state at(double z, double vz) {
+  return (tdm_state){.pose = {.position = {0, 0, z}, .orientation.w = 1}, .twist.velocity.z = vz};
+}
+
+/* A body of 2 kg with a fill of 4 kg fixed to it, on a spring of 600 N/m, let go at z = 0.1 m: w = 10 rad/s. */
+static const double fill = 4, w = 10, start = 0.1;
+
+static double place(double t) {
+  return start * cos(w * t);
+}
+
+static double rate(double t) {
+  return -start * w * sin(w * t);
+}
+
+/* mean load of the fill on the body over [a, b]: -fill z'' */
+static double load(double a, double b) {
+  return -fill * (rate(b) - rate(a)) / (b - a);
+}
+
+typedef struct {
+  double delay;       /* of the load that the body was given [s] */
+  double noise;       /* of the rate: a step of that either way in each window [m/s] */
+  double other_speed; /* what DEM's body has less at the windows' ends [m/s] */
+} faults;
+
+static void follow(cpl_trace *trace, int n, double h, const faults *f) {
+  tdm_state from = at(place(0), rate(0));
+  double last = 0;
+  ck_assert(cpl_trace_init(trace, mass, &from));
+  for (int i = 0; i < n; i++) {
+    const double t0 = i * h, t1 = (i + 1) * h;
+    const double jump = f->noise * ((i * 7 + i * i * 3) % 11 < 5 ? 1 : -1); /* the impulse's own, bounded */
+    const tdm_state to = at(place(t1), rate(t1)), other = at(place(t1), rate(t1) - f->other_speed);
+    cpl_trace_window window = {.t0 = t0, .t1 = t1, .start = &from, .end = &to};
+    window.found.force.z = load(t0, t1) + mass[2] * (jump - last) / h;
+    window.given.force.z = load(t0 - f->delay, t1 - f->delay) + mass[2] * (jump - last) / h;
+    window.other_end = f->other_speed != 0 ? &other : NULL;
+    cpl_trace_add(trace, &window);
+    last = jump;
+    from = to;
+  }
+}
+
+static cpl_error estimate(int n, double h, faults f) {
+  cpl_trace trace;
+  cpl_error error;
+  follow(&trace, n, h, &f);
+  ck_assert(cpl_error_estimate(&trace, &error));
+  cpl_trace_free(&trace);
+  return error;
+}
+
+START_TEST(a_run_without_faults) {
+  const cpl_error e = estimate(5000, 1e-3, (faults){0});
+  ck_assert_double_eq_tol(e.added[2], fill, 0.01 * fill);
+  ck_assert_double_eq_tol(e.of[CPL_POSITION].spread, start / sqrt(2), 0.01 * start);
+  ck_assert_double_eq_tol(e.of[CPL_VELOCITY].spread, start * w / sqrt(2), 0.01 * start * w);
+  ck_assert_double_eq(e.of[CPL_VELOCITY].coupling, 0);
+  ck_assert_double_lt(e.of[CPL_VELOCITY].fill, 0.01 * start * w);
+  ck_assert_double_lt(e.of[CPL_VELOCITY].share, 1e-3);
+  ck_assert(isnan(e.of[CPL_ANGLE].share)); /* it does not turn */
+}
+END_TEST
+
+START_TEST(a_load_that_is_late) {
+  /* 6 z'' + 600 z = owed': the body was given fill * w^2 z(t - d) instead of ... z(t): the swing answers in resonance,
+   * e = fill w d / (2 * 6) * start * w t ... in amplitude, over T seconds its rms is that of T / sqrt(6) */
+  const double d = 1e-3, T = 5, grows = fill * w * w * d / (2 * 6);
+  const cpl_error e = estimate(5000, T / 5000, (faults){.delay = d});
+  const double expected = start * grows * T / sqrt(6);
+  ck_assert_msg(fabs(e.of[CPL_POSITION].coupling / expected - 1) < 0.2, "%g, expected %g", e.of[CPL_POSITION].coupling,
+                expected);
+  ck_assert_msg(fabs(e.of[CPL_VELOCITY].coupling / (w * expected) - 1) < 0.2, "%g, expected %g",
+                e.of[CPL_VELOCITY].coupling, w * expected);
+}
+END_TEST
+
+START_TEST(jitter_of_the_load) {
+  const double noise = 1e-3;
+  const cpl_error e = estimate(4000, 1e-3, (faults){.noise = noise});
+  ck_assert_msg(fabs(e.of[CPL_VELOCITY].rattle / (noise * sqrt(2)) - 1) < 0.3, "%g", e.of[CPL_VELOCITY].rattle);
+  ck_assert_double_eq(e.of[CPL_VELOCITY].coupling, 0);
+  ck_assert_double_gt(e.of[CPL_POSITION].rattle, 0);
+}
+END_TEST
+
+START_TEST(ends_that_are_apart) {
+  const double apart = 0.01;
+  const cpl_error e = estimate(4000, 1e-3, (faults){.other_speed = apart});
+  ck_assert_double_gt(e.of[CPL_VELOCITY].coupling, 0.1 * apart);
+  ck_assert_double_lt(e.of[CPL_VELOCITY].coupling, 2 * apart);
+}
+END_TEST
+
+START_TEST(rows_are_left_out_without_a_change) {
+  /* the same run in 4000 windows and in 64000, of which every 16th is kept */
+  const faults late = {.delay = 1e-3};
+  const cpl_error few = estimate(4000, 1e-3, late), many = estimate(64000, 1e-3 / 16, late);
+  for (int q = CPL_POSITION; q <= CPL_VELOCITY; q++)
+    ck_assert_double_eq_tol(many.of[q].coupling, few.of[q].coupling, 0.02 * few.of[q].coupling);
+}
+END_TEST
+
+START_TEST(rows_at_output_times) {
+  /* one window with ten output times in it, then another */
+  cpl_trace trace;
+  tdm_state from = at(0, 1), to, inside[10];
+  tdm_wrench mean[10];
+  double time[10];
+  ck_assert(cpl_trace_init(&trace, mass, &from));
+  for (int window = 0; window < 2; window++) {
+    to = at(0.5 * (window + 1), 1);
+    for (int k = 0; k < 10; k++) {
+      time[k] = 0.5 * window + 0.05 * (k + 1);
+      inside[k] = at(time[k], 1);
+      mean[k] = (tdm_wrench){.force = {0, 0, 3}};
+    }
+    const tdm_wrench given = {.force = {0, 0, 4}}, found = {.force = {0, 0, 3}};
+    cpl_trace_add(&trace, &(cpl_trace_window){.t0 = 0.5 * window,
+                                              .t1 = 0.5 * (window + 1),
+                                              .start = &from,
+                                              .end = &to,
+                                              .given = given,
+                                              .found = found,
+                                              .nsample = 10,
+                                              .sample_time = time,
+                                              .sample = inside,
+                                              .sample_load = mean,
+                                              .stride = 1});
+    from = to;
+  }
+  ck_assert_int_eq(trace.nrow, 21);
+  for (int i = 0; i < 21; i++) {
+    ck_assert_double_eq_tol(trace.row[i].t, 0.05 * i, 1e-12);
+    ck_assert_double_eq_tol(trace.row[i].way[2], 0.05 * i, 1e-12);
+    ck_assert_double_eq_tol(trace.row[i].given[2], 3 * 0.05 * i, 1e-12);
+    ck_assert_double_eq_tol(trace.row[i].owed[2], 0.05 * i, 1e-12);
+  }
+  cpl_trace_free(&trace);
+}
+END_TEST
+
+START_TEST(too_little_to_say) {
+  const cpl_error e = estimate(5, 1e-3, (faults){0});
+  for (int q = 0; q < CPL_QUANTITIES; q++)
+    ck_assert(isnan(e.of[q].rms) && isnan(e.of[q].share));
+}
+END_TEST
+
+TEST_MAIN("estimate", a_run_without_faults, a_load_that_is_late, jitter_of_the_load, ends_that_are_apart,
+          rows_are_left_out_without_a_change, rows_at_output_times, too_little_to_say)
