@@ -141,7 +141,7 @@ static tdm_status check_samples(const cpl_session *session, double samples, doub
 static void begin(cpl_loop *loop) {
   const cpl_session *session = loop->session;
   loop->next_sample = 1; /* output time 0 is the start, recorded from READY */
-  loop->grows = loop->settings->adapt.on;
+  loop->growth = 1;
   loop->n = loop->settings->adapt.on ? loop->settings->adapt.n_min : loop->settings->n;
   if (loop->proxy_size > 0)
     cpl_loop_keep_mechanism(loop, session->acceleration, &session->mobility);

@@ -100,7 +100,7 @@ static tdm_status solve_adaptive(cpl_loop *loop, tdm_error *err) {
       if (cpl_adapt_too_long(excess))
         count_too_long(loop, &loop->too_long.kept);
       const long next = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, excess);
-      loop->grows = next > loop->n;
+      loop->growth = (double)next / (double)loop->n;
       loop->n = next;
       return status;
     }

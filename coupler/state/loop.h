@@ -30,7 +30,7 @@ typedef tdm_result cpl_results[CPL_NROLE];
   V(CARRIED, double, t0) /* [s] */                                                                                     \
   V(CARRIED, double, t1)                                                                                               \
   V(CARRIED, long, n)               /* DEM steps of the next window, unless the run ends before */                     \
-  V(CARRIED, bool, grows)           /* the last window could have been longer: "n": "auto" */                          \
+  V(CARRIED, double, growth)        /* by the last window's mismatch, of "n": "auto"; 1 where n is given */            \
   V(CARRIED, long, n_least)         /* of the windows so far; the last of the run left out, if it is cut */            \
   V(CARRIED, long, n_most)          /* the same */                                                                     \
   V(CARRIED, uint64_t, next_sample) /* number of the next output time on the grid */                                   \

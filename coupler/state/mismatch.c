@@ -55,7 +55,3 @@ static const double far = 10;
 bool cpl_adapt_too_long(double excess) {
   return excess > far;
 }
-
-long cpl_adapt_longest(const cpl_auto *s, long n) {
-  return cpl_adapt_next(s, 1, n, 0);
-}

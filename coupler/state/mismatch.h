@@ -32,7 +32,4 @@ long cpl_adapt_next(const cpl_auto *settings, int order, long n, double excess);
 /* Whether a window with this mismatch, beside what is allowed, is to be taken back. */
 bool cpl_adapt_too_long(double excess);
 
-/* The most that cpl_adapt_next can make of a window of n steps. */
-long cpl_adapt_longest(const cpl_auto *settings, long n);
-
 #endif

@@ -39,9 +39,8 @@ static uint64_t steps_ahead(const cpl_loop *loop) {
   enum { FEW = 4, FAR = 4 };
   if (!s->adapt.on)
     return (uint64_t)loop->n;
-  if (loop->coming.nnode <= FEW)
-    return FAR * (uint64_t)loop->n;
-  return (uint64_t)(loop->grows ? cpl_adapt_longest(&s->adapt, loop->n) : loop->n);
+  const double growth = loop->coming.nnode <= FEW ? FAR : fmax(1, loop->growth);
+  return (uint64_t)fmin(ceil(growth * (double)loop->n), (double)s->adapt.n_max);
 }
 
 double cpl_path_ahead(const cpl_loop *loop) {
