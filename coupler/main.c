@@ -1,5 +1,6 @@
 /* tandem: the command line. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/advise/advise.h"
 #include "coupler/cells/jobs.h"
 #include "coupler/live/live.h"
 #include "coupler/page/view.h"
@@ -44,6 +45,12 @@ static void usage(FILE *out) {
         "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
         "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n"
         "      --out DIR          keep the logs there; results that it holds stay\n\n"
+        "  tandem advise SCENE [--error E] [--write FILE] [--json FILE] [--out DIR] [--force] [--set PATH=VALUE ...]\n"
+        "      Choose DEM step, windows, scheme and formulation by limits and short trials, and say what the run will "
+        "cost.\n"
+        "      --error E          wanted error of position and velocity beside their spread (default: 0.01)\n"
+        "      --write FILE       write the scene with these settings\n"
+        "      --out DIR          trials and advice.json (default: advise-out)\n\n"
         "  tandem report DIR\n"
         "      Make a page of a result directory, also of tandem-dem and tandem-mbd: warnings, where the time went, "
         "every\n"
@@ -99,7 +106,7 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds;
+  const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds, *error, *write;
   tdm_words measure, cell;
   bool force, strict, resume, full, live, estimate;
 } arguments;
@@ -107,6 +114,8 @@ typedef struct {
 static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
   const tdm_option options[] = {{.name = "--out", .value = &a->out},
                                 {.name = "--json", .value = &a->json},
+                                {.name = "--error", .value = &a->error},
+                                {.name = "--write", .value = &a->write},
                                 {.name = "--scenarios", .value = &a->scenarios},
                                 {.name = "--set"},
                                 {.name = "--dt", .value = &a->dt},
@@ -132,17 +141,20 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 /* options that a command does not know */
 static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
   const bool view = strcmp(command, "view") == 0, check = strcmp(command, "check") == 0;
+  const bool advise = strcmp(command, "advise") == 0;
   const struct {
     bool given, known;
     const char *name;
-  } options[] = {{.name = "--set", .given = a->given.nset > 0, .known = run || sweep},
+  } options[] = {{.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise},
                  {.name = "--strict", .given = a->strict, .known = run},
-                 {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view},
+                 {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view || advise},
                  {.name = "--budget", .given = a->budget != NULL, .known = view},
-                 {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify},
+                 {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify || advise},
                  {.name = "--live", .given = a->live, .known = run && !check},
                  {.name = "--estimate", .given = a->estimate, .known = run && !check},
-                 {.name = "--json", .given = a->json != NULL, .known = sweep || verify},
+                 {.name = "--json", .given = a->json != NULL, .known = sweep || verify || advise},
+                 {.name = "--error", .given = a->error != NULL, .known = advise},
+                 {.name = "--write", .given = a->write != NULL, .known = advise},
                  {.name = "--dt", .given = a->dt != NULL, .known = sweep},
                  {.name = "--n", .given = a->n != NULL, .known = sweep},
                  {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
@@ -233,6 +245,25 @@ static tdm_status command_run(const arguments *a, tdm_error *err) {
 
 static tdm_status command_check(const arguments *a, tdm_error *err) {
   return one_scene(a, "check", true, err);
+}
+
+static tdm_status command_advise(const arguments *a, tdm_error *err) {
+  char scene[4096], *end = NULL;
+  const double error = a->error ? strtod(a->error, &end) : 0.01;
+  if (refuse(a, "advise", false, false, false, err) != TDM_OK ||
+      find_scene(a, "advise", scene, sizeof scene, err) != TDM_OK)
+    return err->status;
+  if (!(error > 0 && error < 1) || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "advise: --error %s: give a share above 0 and below 1", a->error);
+  cpl_advise_options options = {.scene = scene,
+                                .set = a->given.set,
+                                .out = a->out ? a->out : "advise-out",
+                                .force = a->force,
+                                .json = a->json,
+                                .write = a->write,
+                                .error = error};
+  memcpy(options.solver, solvers, sizeof solvers);
+  return cpl_advise(&options, err);
 }
 
 static tdm_status command_report(const arguments *a, tdm_error *err) {
@@ -394,6 +425,7 @@ int main(int argc, char **argv) {
   } commands[] = {
       {.name = "run", .run = command_run},
       {.name = "check", .run = command_check},
+      {.name = "advise", .run = command_advise},
       {.name = "report", .run = command_report},
       {.name = "view", .run = command_view},
       {.name = "draw"},

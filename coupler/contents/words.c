@@ -39,6 +39,7 @@ static const struct {
     {"drift", "m", "drift of the states", NULL},
     {"drift_angle", NULL, "drift of the states", NULL},
     {"count", NULL, "number of particles", NULL},
+    {"impact_speed", NULL, "highest speed of impacts", NULL},
     {"lost", NULL, "particles lost", NULL},
     {"left", NULL, "particles that left the domain", NULL},
     {"mass", "kg", "mass", NULL},

@@ -15,6 +15,7 @@
 #include "dem/geometry/screen/screen.h"
 #include "dem/particles/container.h"
 #include "dem/particles/field.h"
+#include "dem/watch/limits.h"
 #include "protocol/math/hermite.h"
 
 #include <stdio.h>
@@ -197,6 +198,11 @@ VALUE(kinetic_energy) {
 VALUE(contacts) {
   UNUSED;
   return (double)o->data->state.ncontact;
+}
+
+VALUE(impact_speed) {
+  UNUSED;
+  return dem_impact_speed(o->data);
 }
 
 VALUE(lost) {
@@ -408,6 +414,7 @@ static const row rows[] = {
     {.name = "particles.contacts", .unit = "1", .next = always, .value = contacts, .course = HELD},
     {.name = "particles.lost", .unit = "1", .next = always, .value = lost, .course = HELD},
     {.name = "particles.mass", .unit = "kg", .next = always, .value = mass, .course = HELD},
+    {.name = "particles.impact_speed", .unit = "m/s", .next = always, .value = impact_speed, .course = LINEAR},
 
     {.name = "energy.potential", .unit = "J", .next = with_energy, .value = potential_energy, .course = LINEAR},
     {.name = "energy.elastic", .unit = "J", .next = with_energy, .value = elastic_energy, .course = LINEAR},

@@ -254,6 +254,7 @@ static void report_limits(dem_report *r, const dem_model *m, const dem_limits *l
   json_object_set_new(r->json, "contact_time", tdm_number_to_json(limits->contact));
   json_object_set_new(r->json, "contact_speed", tdm_number_to_json(limits->speed));
   json_object_set_new(r->json, "steps_per_contact", tdm_number_to_json(limits->contact / m->dt));
+  json_object_set_new(r->json, "coordination", tdm_number_to_json(limits->coordination));
   json_object_set_new(r->json, "eigen_step", tdm_number_to_json(limits->eigen));
   json_object_set_new(r->json, "step_limit", tdm_number_to_json(limits->step));
   json_t *all = json_object();

@@ -39,8 +39,7 @@ static double poured_speed(const dem_data *d, const dem_pouring *p) {
   return sqrt(v * v + 2 * g * fall);
 }
 
-/* the speed at which the contact time is taken */
-static double impact_speed(const dem_data *d) {
+double dem_impact_speed(const dem_data *d) {
   const dem_model *m = d->model;
   double fastest = 0, largest = 0, body_speed = 0;
   for (int b = 0; b < m->nbody; b++)
@@ -138,7 +137,7 @@ double dem_expected_speed(const dem_data *d) {
   const dem_model *m = d->model;
   if (m->expected_speed > 0)
     return m->expected_speed;
-  double speed = fmax(impact_speed(d), driven_speed(d));
+  double speed = fmax(dem_impact_speed(d), driven_speed(d));
   for (int s = 0; s < m->nsource; s++) {
     const dem_source *source = &m->source[s];
     tdm_vec3 v = source->velocity;
@@ -178,8 +177,10 @@ static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at,
   return fmax(dem_normal_stiffness(m, pair, at, overlap), 3.5 * dem_tangential_stiffness(m, pair, at, overlap));
 }
 
-/* sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle) */
-static void add_stiffness(const dem_data *d, int i, double *sum) {
+/* Sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle). Returns how
+ * many pairs touch. */
+static int add_stiffness(const dem_data *d, int i, double *sum) {
+  int touching = 0;
   const dem_model *m = d->model;
   for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
     int j = d->lists.pairs.other[k];
@@ -187,6 +188,7 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
     double overlap = both - tdm_norm(dem_between(d, d->state.sphere[i].position, d->state.sphere[j].position));
     if (!(overlap > 0))
       continue;
+    touching++;
     const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + d->state.material[j]];
     dem_impact at = {.mass = 1 / (1 / d->state.mass[i] + 1 / d->state.mass[j]),
                      .radius = d->state.sphere[i].radius * d->state.sphere[j].radius / both};
@@ -194,32 +196,38 @@ static void add_stiffness(const dem_data *d, int i, double *sum) {
     sum[i] += s;
     sum[j] += s;
   }
+  return touching;
 }
 
-static void add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
+/* The same of a wall; returns whether it touches. */
+static bool add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
   const dem_model *m = d->model;
   int i = e->particle;
   double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
   const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + m->wall[e->wall].material];
-  if (dem_surface_cuts(gap, radius))
+  const bool touches = dem_surface_cuts(gap, radius);
+  if (touches)
     sum[i] += stiffness(m, pair, (dem_impact){.mass = d->state.mass[i], .radius = radius}, radius - gap);
+  return touches;
 }
 
-/* the smallest 2/omega [s], inf when nothing touches */
-static tdm_status find_eigen(const dem_data *d, double *smallest, tdm_error *err) {
+/* the smallest 2/omega [s], inf when nothing touches; and the coordination number */
+static tdm_status look_at_contacts(const dem_data *d, dem_limits *l, tdm_error *err) {
   double *sum = calloc((size_t)d->state.nparticle + 1, sizeof *sum);
   if (!sum)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the limits of the step of %d particles",
                     d->state.nparticle);
-  *smallest = INFINITY;
+  long touching = 0;
+  l->eigen = INFINITY;
   for (int i = 0; i < d->state.nparticle; i++)
-    add_stiffness(d, i, sum);
+    touching += 2 * add_stiffness(d, i, sum);
   for (size_t k = 0; k < d->lists.walls.count; k++)
-    add_wall_stiffness(d, &d->lists.walls.entry[k], sum);
+    touching += add_wall_stiffness(d, &d->lists.walls.entry[k], sum);
   for (int i = 0; i < d->state.nparticle; i++)
     if (sum[i] > 0)
-      *smallest =
-          fmin(*smallest, takes(d->model, d->state.mass[i]) * 2 / sqrt(2 * sum[i] * d->state.sphere[i].inverse_mass));
+      l->eigen =
+          fmin(l->eigen, takes(d->model, d->state.mass[i]) * 2 / sqrt(2 * sum[i] * d->state.sphere[i].inverse_mass));
+  l->coordination = d->state.nparticle > 0 ? (double)touching / d->state.nparticle : 0;
   free(sum);
   return TDM_OK;
 }
@@ -231,7 +239,7 @@ static tdm_status limits_at(const dem_data *d, double speed, dem_limits *l, tdm_
     add_particle(l, m, d->state.material[i], d->state.sphere[i].radius, d->state.mass[i]);
   for (uint64_t i = d->state.ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
     add_particle(l, m, m->particle_material[i], m->radius[i], m->mass[i]);
-  return find_eigen(d, &l->eigen, err);
+  return look_at_contacts(d, l, err);
 }
 
 static void choose_step(dem_limits *l) {
@@ -244,7 +252,7 @@ static void choose_step(dem_limits *l) {
 }
 
 tdm_status dem_limits_now(const dem_data *d, dem_limits *l, tdm_error *err) {
-  if (limits_at(d, impact_speed(d), l, err))
+  if (limits_at(d, dem_impact_speed(d), l, err))
     return err->status;
   choose_step(l);
   return TDM_OK;

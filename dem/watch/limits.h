@@ -24,17 +24,22 @@
 #define DEM_EIGEN_SHARE 0.8
 
 typedef struct {
-  double rayleigh; /* smallest dt_R [s]; inf without particles */
-  double speed;    /* at which the contact time is taken [m/s] */
-  double contact;  /* shortest t_c [s]; inf when nothing can move */
-  double eigen;    /* smallest 2/omega [s]; inf when nothing touches */
-  double step;     /* the step that keeps all limits, with the recommended share of the contact [s] */
-  double most;     /* the same with the largest share of the contact: a longer step is doubtful [s] */
-  const char *by;  /* which one decides `most`, in words */
+  double rayleigh;     /* smallest dt_R [s]; inf without particles */
+  double speed;        /* at which the contact time is taken [m/s] */
+  double contact;      /* shortest t_c [s]; inf when nothing can move */
+  double eigen;        /* smallest 2/omega [s]; inf when nothing touches */
+  double coordination; /* contacts of a particle with others and with walls, the mean over all; 0 without particles */
+  double step;         /* the step that keeps all limits, with the recommended share of the contact [s] */
+  double most;         /* the same with the largest share of the contact: a longer step is doubtful [s] */
+  const char *by;      /* which one decides `most`, in words */
 } dem_limits;
 
 /* Rayleigh step of a sphere [s]: radius [m], density [kg/m3], shear modulus [Pa]. */
 double dem_rayleigh(double radius, double density, double shear, double poisson);
+
+/* The highest speed at which a contact may begin now [m/s]: of the fastest particle and the fastest body against each
+ * other, but no less than after a fall by a diameter. */
+double dem_impact_speed(const dem_data *data);
 
 /* The limits of the present state, with the contact time at the speed of the fastest relative motion or of a fall by a
  * diameter, whichever is higher. Errors: TDM_ERR_MEMORY. */

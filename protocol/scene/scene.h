@@ -59,6 +59,10 @@ const json_t *tdm_scene_value(const json_t *root, const char *path);
  * not. Returns false when nothing of the path is found (line and column are 1 then). */
 bool tdm_scene_place(const char *text, const char *path, int *line, int *column);
 
+/* The text of a scene with another value (as JSON) at `path`; all else stays as it is written, and objects that lack
+ * keys of the path get them. The caller frees it. NULL: no memory, or the path leads to what cannot get a member. */
+char *tdm_scene_text_with(const char *text, const char *path, const char *value);
+
 /* Name places as the scene was written: in the path and the message of an error, indices of lists from which entries
  * were left out. Once for an error; tdm_scene_locate does it too. */
 void tdm_scene_as_written(const tdm_scene *scene, tdm_error *err);

@@ -350,6 +350,71 @@ bool tdm_scene_place(const char *text, const char *path, int *line, int *column)
   return found;
 }
 
+/* ---- the text with another value ---- */
+
+/* `text` with `middle` for what stands from `from` to `to`; NULL: no memory. */
+static char *replaced(const char *text, const char *from, const char *middle, const char *to) {
+  const size_t before = (size_t)(from - text), size = before + strlen(middle) + strlen(to) + 1;
+  char *out = malloc(size);
+  if (out)
+    snprintf(out, size, "%.*s%s%s", (int)before, text, middle, to);
+  return out;
+}
+
+/* A member more for the object at p, behind its last one and written as its first one is. */
+static char *added(const char *text, const char *p, const char *member) {
+  const char *begin = p + 1, *first = skip_space(begin), *last = begin;
+  for (const char *c = first; *c == '"';) {
+    last = skip_value(skip_space(skip_string(c)) + 1); /* behind the colon */
+    c = skip_space(last);
+    if (*c == ',')
+      c = skip_space(c + 1);
+  }
+  const size_t space = (size_t)(first - begin), size = space + strlen(member) + 4;
+  char *middle = malloc(size);
+  if (!middle)
+    return NULL;
+  snprintf(middle, size, "%s%.*s%s%s", last > begin ? "," : "", last > begin ? (int)space : 0, begin,
+           last > begin && space == 0 ? " " : "", member);
+  char *out = replaced(text, last, middle, last);
+  free(middle);
+  return out;
+}
+
+char *tdm_scene_text_with(const char *text, const char *path, const char *value) {
+  const char *at = skip_space(text), *rest = path, *name = NULL;
+  char key[TDM_PATH_MAX], *member = NULL;
+  long index;
+  while (rest && *rest) {
+    const char *behind = next_part(rest, key, sizeof key, &index), *next = NULL;
+    if (behind)
+      next = index < 0 ? find_key(at, key, &name) : find_index(at, index);
+    if (!next)
+      break;
+    at = next;
+    rest = behind;
+  }
+  if (rest && !*rest)
+    return replaced(text, at, value, skip_value(at));
+  if (!rest || strchr(rest, '[') || *at != '{')
+    return NULL;
+  const size_t size = 6 * strlen(rest) + strlen(value) + 16; /* "a": {"b": value} */
+  int objects = 0;
+  size_t n = 0;
+  if (!(member = malloc(size)))
+    return NULL;
+  for (; rest && *rest; objects++) {
+    rest = next_part(rest, key, sizeof key, &index);
+    n += (size_t)snprintf(member + n, size - n, "%s\"%s\": ", objects ? "{" : "", key);
+  }
+  n += (size_t)snprintf(member + n, size - n, "%s", value);
+  for (; objects > 1; objects--)
+    n += (size_t)snprintf(member + n, size - n, "}");
+  char *out = added(text, at, member);
+  free(member);
+  return out;
+}
+
 /* ---- places as the scene was written ---- */
 
 /* The index, as written, of entry i of the list at `path` (as written). */

@@ -162,7 +162,8 @@ START_TEST(channels_come_in_the_order_of_the_table) {
       "particles.count [1]",        "particles.com.x [m]",          "particles.com.y [m]",
       "particles.com.z [m]",        "particles.velocity.x [m/s]",   "particles.velocity.y [m/s]",
       "particles.velocity.z [m/s]", "particles.kinetic_energy [J]", "particles.contacts [1]",
-      "particles.lost [1]",         "particles.mass [kg]",          "energy.potential [J]"};
+      "particles.lost [1]",         "particles.mass [kg]",          "particles.impact_speed [m/s]",
+      "energy.potential [J]"};
   static const char *const last[] = {"source.tap.created [1]",
                                      "source.tap.waiting [1]",
                                      "sink.drain.removed [1]",

@@ -52,7 +52,7 @@ set(coupler
   "observe scheme"
   "run live results"
   "cells contents trial"
-  "study"
+  "advise study"
   "verify"
   "report"
   "sweep"

@@ -1,0 +1,66 @@
+/* What can be chosen before any trial: the first boxes of [L18] Fig. 12, from what the DEM engine reports of its limits
+ * and from what the scene says of its mechanism. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CPL_ADVISE_CHOICE_H
+#define CPL_ADVISE_CHOICE_H
+
+#include <stdbool.h>
+
+/* ---- the DEM step ---- */
+
+typedef enum { CPL_RAYLEIGH, CPL_EIGENFREQUENCY, CPL_CONTACT, CPL_LIMITS } cpl_limit;
+
+extern const char *const cpl_limit_names[CPL_LIMITS]; /* as reports have them, "limits.rayleigh" without "limits." */
+
+/* Of the settled bed. */
+typedef struct {
+  double time[CPL_LIMITS]; /* Rayleigh step, stable step of the stiffest particle, shortest contact [s]; inf: none */
+  double speed;            /* at which the contact was taken [m/s] */
+  double coordination;     /* contacts of a particle, the mean over all */
+} cpl_limits;
+
+typedef struct {
+  double share[CPL_LIMITS]; /* of each time that a step may take */
+  double exact;             /* the step that keeps all of them [s] */
+  double dt;                /* the next one below it with a round number [s]; 0: nothing limits it */
+  cpl_limit by;             /* the limit that decides */
+} cpl_step;
+
+/* [L18] Section 4.1: 0.2 of the Rayleigh step above a coordination number of 4, else 0.4; 0.8 of the stable step; a
+ * twentieth of the contact. */
+cpl_step cpl_choose_step(const cpl_limits *limits);
+
+/* The largest of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten that is not above x > 0. */
+double cpl_round_down(double x);
+
+/* ---- the mechanism ---- */
+
+/* Formulations in the order in which they are tried as remedies. */
+typedef enum {
+  CPL_ONE_STEP,  /* for loads that jump: what WSTIFF is for */
+  CPL_LOW_ORDER, /* "ggl" with orders up to 2, positions alone in the error test: what the modified corrector is for */
+  CPL_SMOOTH,    /* "ggl" as it is, for loads that hardly jump */
+  CPL_FORMULATIONS
+} cpl_formulation;
+
+extern const char *const cpl_formulation_words[CPL_FORMULATIONS]; /* as people read it */
+
+typedef struct {
+  const char *abrupt;  /* the first force that sets in at once, by its type ("stop", "cable" ...); NULL: none */
+  bool flows;          /* particles come or go */
+  double coordination; /* as above */
+  double body, heaviest, particles; /* masses of the lightest coupled body, the heaviest particle, all particles [kg] */
+} cpl_facts;
+
+/* The formulation for contacts that come and go, or stay. */
+cpl_formulation cpl_choose_formulation(const cpl_facts *facts);
+
+/* The n of the first trial: 5; more where the step is a small part of the Rayleigh step's share and the body is heavy
+ * beside a particle (100 times), so that the windows are no shorter than with a step of that share; at most 50. */
+long cpl_first_n(const cpl_facts *facts, double dt, double rayleigh_share);
+
+/* The n from which on longer windows save less than a twentieth of the run: a window costs `window`, a step `step` [s].
+ */
+long cpl_cheap_n(double window, double step);
+
+#endif

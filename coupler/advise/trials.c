@@ -1,0 +1,382 @@
+/* Trials of candidates: see trials.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/advise/trials.h"
+
+#include "coupler/advise/signs.h"
+#include "coupler/cells/cells.h"
+#include "coupler/observe/observers.h"
+#include "coupler/scheme/schemes.h"
+#include "coupler/trial/trial.h"
+#include "protocol/base/log.h"
+#include "protocol/parameters/load.h"
+#include "protocol/results/results.h"
+#include "protocol/scene/json.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SETTINGS = CPL_CANDIDATE_SETTINGS + 4 };
+
+/* ---- the scene ---- */
+
+/* Advice is about the exchange of two solvers that tandem starts. */
+static bool is_for_both(const cpl_trials *t, tdm_error *err) {
+  const json_t *root = t->loaded.root;
+  const bool dem = json_object_get(root, "dem"), mbd = json_object_get(root, "mbd");
+  if (dem && !mbd)
+    tdm_fail(
+        err, TDM_ERR_SCENE, "mbd",
+        "is missing: a scene of particles alone exchanges nothing. `tandem-dem check` prints the limits of its step "
+        "(time.dt), which is all there is to choose");
+  else if (!dem)
+    tdm_fail(
+        err, TDM_ERR_SCENE, "dem",
+        "is missing: a scene of bodies alone exchanges nothing, and its integrator chooses its steps itself; run it "
+        "with tandem-mbd");
+  return err->status == TDM_OK;
+}
+
+tdm_status cpl_trials_open(cpl_trials *t, tdm_error *err) {
+  t->rows = json_array();
+  snprintf(t->bed, sizeof t->bed, "%s/bed", t->dir);
+  if (tdm_scene_load(&t->loaded, t->scene, t->set, err) == TDM_OK && is_for_both(t, err))
+    cpl_settings_read(&t->settings, &t->loaded, cpl_schemes, err);
+  tdm_scene_locate(&t->loaded, err);
+  return err->status;
+}
+
+void cpl_trials_close(cpl_trials *t) {
+  cpl_settings_free(&t->settings);
+  tdm_scene_destroy(&t->loaded);
+  json_decref(t->rows);
+}
+
+/* ---- settings ---- */
+
+int cpl_candidate_settings(const cpl_candidate *of, const json_t *root,
+                           char out[CPL_CANDIDATE_SETTINGS + 1][CPL_SETTING_LENGTH]) {
+  const bool low = of->formulation == CPL_LOW_ORDER, one_step = of->formulation == CPL_ONE_STEP;
+  int n = 0;
+  snprintf(out[n++], CPL_SETTING_LENGTH, "time.dt=%.15g", of->dt);
+  snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.n=%ld", of->n);
+  snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.scheme=\"%s\"", of->scheme);
+  snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.formulation=\"%s\"", one_step ? "one_step" : "ggl");
+  if (low || tdm_scene_value(root, "mbd.corrector"))
+    snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.corrector=\"%s\"", low ? "modified" : "original");
+  if (low)
+    snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.solver.max_order=2");
+  out[n][0] = 0;
+  return n;
+}
+
+/* The mass of the first coupled body that has one, by some units in its last place; false: there is none. */
+static bool round_off_setting(const cpl_trials *t, char out[CPL_SETTING_LENGTH]) {
+  const json_t *bodies = tdm_scene_value(t->loaded.root, "mbd.bodies");
+  for (size_t i = 0; t->settings.nbody > 0 && i < json_array_size(bodies); i++) {
+    const json_t *body = json_array_get(bodies, i), *mass = json_object_get(body, "mass");
+    const char *name = json_string_value(json_object_get(body, "name"));
+    if (!name || strcmp(name, t->settings.body[0].name[CPL_MBD]) != 0 || !json_is_number(mass) || t->loaded.kept)
+      continue;
+    snprintf(out, CPL_SETTING_LENGTH, "mbd.bodies[%zu].mass=%.17g", i, json_number_value(mass) * (1 + 1e-13));
+    return true;
+  }
+  return false;
+}
+
+/* Settings of a run: the user's, a candidate's, and more. */
+typedef struct {
+  char candidate[CPL_CANDIDATE_SETTINGS + 1][CPL_SETTING_LENGTH], more[2][CPL_SETTING_LENGTH];
+  const char **set; /* NULL-terminated, owned */
+  int n;
+} run_settings;
+
+/* With room for some more; an error: no memory. */
+static tdm_status settings_make(const cpl_trials *t, const cpl_candidate *of, run_settings *s, tdm_error *err) {
+  const int ncandidate = cpl_candidate_settings(of, t->loaded.root, s->candidate);
+  int given = 0;
+  while (t->set && t->set[given])
+    given++;
+  s->n = 0;
+  s->set = calloc((size_t)(given + ncandidate + 4), sizeof *s->set);
+  if (!s->set)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  for (int k = 0; k < given; k++)
+    s->set[s->n++] = t->set[k];
+  for (int k = 0; k < ncandidate; k++)
+    s->set[s->n++] = s->candidate[k];
+  return TDM_OK;
+}
+
+/* ---- what the solvers report ---- */
+
+static double number(const json_t *root, const char *path, double otherwise) {
+  const json_t *value = tdm_scene_value(root, path);
+  return json_is_number(value) ? json_number_value(value) : otherwise;
+}
+
+static void take_limits(const json_t *report, cpl_limits *l) {
+  for (int k = 0; k < CPL_LIMITS; k++) {
+    char path[64];
+    snprintf(path, sizeof path, "limits.%s.time", cpl_limit_names[k]);
+    l->time[k] = number(report, path, INFINITY);
+  }
+  l->speed = number(report, "contact_speed", NAN);
+  l->coordination = number(report, "coordination", 0);
+}
+
+/* Forces that set in at once, and laws that jump. */
+static const char *abrupt_force(const json_t *root) {
+  static const char *const types[] = {"stop", "cable", "friction", "bump"};
+  const json_t *forces = tdm_scene_value(root, "mbd.forces");
+  for (size_t i = 0; i < json_array_size(forces); i++) {
+    const char *type = json_string_value(json_object_get(json_array_get(forces, i), "type"));
+    for (int k = 0; type && k < 4; k++)
+      if (strcmp(type, types[k]) == 0)
+        return types[k];
+  }
+  return NULL;
+}
+
+static void take_facts(const json_t *root, const json_t *report, cpl_facts *f) {
+  const json_t *ratios = json_object_get(report, "mass_ratios");
+  *f = (cpl_facts){.abrupt = abrupt_force(root), .body = INFINITY, .coordination = number(report, "coordination", 0)};
+  f->flows = number(report, "sources", 0) + number(report, "sinks", 0) > 0;
+  f->particles = number(report, "particle_mass", 0);
+  for (size_t i = 0; i < json_array_size(ratios); i++) {
+    const json_t *one = json_array_get(ratios, i);
+    const double mass = number(one, "mass", INFINITY);
+    f->body = fmin(f->body, mass);
+    f->heaviest = fmax(f->heaviest, mass * number(one, "heaviest_particle", 0));
+  }
+}
+
+/* Whether trials can share a bed: tandem's own DEM settles it, and the scene does not keep it itself. */
+static bool shares_bed(const cpl_trials *t) {
+  return tdm_scene_value(t->loaded.root, "dem.settle") && !tdm_scene_value(t->loaded.root, "dem.settle.store") &&
+         !tdm_scene_value(t->loaded.root, "coupling.solvers.dem");
+}
+
+tdm_status cpl_trials_check(cpl_trials *t, const cpl_candidate *of, double speed, cpl_limits *limits, cpl_facts *facts,
+                            tdm_error *err) {
+  run_settings s;
+  char dir[4300], bed[4400];
+  cpl_run_result result;
+  if (settings_make(t, of, &s, err) != TDM_OK)
+    return err->status;
+  snprintf(dir, sizeof dir, "%s/check", t->dir);
+  snprintf(bed, sizeof bed, "dem.settle.store=%s", t->bed);
+  snprintf(s.more[0], CPL_SETTING_LENGTH, "dem.expected_speed=%.6g", speed);
+  if (shares_bed(t))
+    s.set[s.n++] = bed;
+  if (speed > 0)
+    s.set[s.n++] = s.more[0];
+  cpl_run_options run = {.scene = t->scene, .set = s.set, .out = dir, .force = true, .quiet = true, .check = true};
+  memcpy(run.solver, t->solver, sizeof run.solver);
+  if (cpl_run(&run, &result, err) == TDM_OK) {
+    json_t *summary = tdm_results_read(dir, "summary.json", err);
+    const json_t *report = tdm_scene_value(summary, "solvers.dem.report");
+    take_limits(report, limits);
+    take_facts(t->loaded.root, report, facts);
+    json_decref(summary);
+  }
+  t->setup = fmax(t->setup, result.wall);
+  free(s.set);
+  return err->status;
+}
+
+/* ---- a trial ---- */
+
+/* A history of a result directory; false: there is none. */
+static bool read_table(const cpl_tried *tried, const char *name, cpl_table *table) {
+  char file[4608];
+  snprintf(file, sizeof file, "%s/%s", tried->dir, name);
+  *table = (cpl_table){0};
+  return cpl_table_read(table, file, &(tdm_error){0}) == TDM_OK && table->nrow > 0;
+}
+
+static bool read_body(const cpl_trials *t, const cpl_tried *tried, int body, cpl_table *table) {
+  char name[256];
+  return read_table(tried, cpl_record_body_file(t->settings.body[body].name[CPL_MBD], name, sizeof name), table);
+}
+
+/* What the particles say: speeds at which contacts began, how many there were. */
+static void look_at_particles(cpl_tried *tried) {
+  cpl_table dem;
+  if (read_table(tried, "dem.csv", &dem)) {
+    const double *speed = cpl_table_column(&dem, "particles.impact_speed", NULL);
+    const double *count = cpl_table_column(&dem, "particles.count", NULL);
+    for (int i = 0; speed && i < dem.nrow; i++)
+      tried->speed = fmax(tried->speed, speed[i]);
+    if (count) {
+      tried->half = count[dem.nrow / 2];
+      tried->last = count[dem.nrow - 1];
+    }
+  }
+  cpl_table_free(&dem);
+}
+
+/* Velocity against the derivative of position, of all bodies along all axes that carry a tenth of the motion. */
+static double gap_of(const cpl_table *table, double interval) {
+  static const char *const place[] = {"x", "y", "z"}, *const rate[] = {"vx", "vy", "vz"};
+  double worst = NAN, spread[3] = {0}, most = 0;
+  for (int a = 0; a < 3; a++) {
+    const double *v = cpl_table_column(table, rate[a], NULL);
+    double mean = 0;
+    for (int i = 0; v && i < table->nrow; i++)
+      mean += v[i] / table->nrow;
+    for (int i = 0; v && i < table->nrow; i++)
+      spread[a] += (v[i] - mean) * (v[i] - mean);
+    most = fmax(most, spread[a]);
+  }
+  for (int a = 0; a < 3; a++)
+    if (most > 0 && spread[a] > 0.01 * most)
+      worst = fmax(worst, cpl_velocity_gap(cpl_table_column(table, place[a], NULL),
+                                           cpl_table_column(table, rate[a], NULL), table->nrow - 1, interval));
+  return worst; /* without the last row, which may be off the grid */
+}
+
+static void look_at_bodies(const cpl_trials *t, cpl_tried *tried) {
+  tried->gap = NAN;
+  for (int b = 0; b < t->settings.nbody; b++) {
+    cpl_table table;
+    if (read_body(t, tried, b, &table))
+      tried->gap = fmax(tried->gap, gap_of(&table, tried->interval));
+    cpl_table_free(&table);
+  }
+}
+
+/* Whether a run that came to its end is one to count: particles that leave make runs cheap. */
+static void doubt(cpl_tried *tried, const json_t *summary) {
+  cpl_cell cell = {.name = ""};
+  json_t *row = json_pack("{s:s, s:s}", "status", "ok", "reason", "");
+  snprintf(cell.dir, sizeof cell.dir, "%.4000s", tried->dir);
+  cpl_cell_doubt(&cell, row, summary);
+  const char *status = json_string_value(json_object_get(row, "status"));
+  tried->good = status && strcmp(status, "ok") == 0;
+  snprintf(tried->reason, sizeof tried->reason, "%s", json_string_value(json_object_get(row, "reason")));
+  json_decref(row);
+}
+
+static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
+  const cpl_run_result *r = &trial->run;
+  const double steps = r->simulated / tried->of.dt;
+  tried->simulated = r->simulated;
+  tried->loop = r->loop;
+  tried->mbd = r->step[CPL_MBD];
+  tried->step = steps > 0 ? r->step[CPL_DEM] / steps : NAN;
+  tried->window = r->windows > 0 ? fmax(0, r->loop - r->step[CPL_DEM]) / (double)r->windows : NAN;
+  tried->estimate = number(trial->summary, "error_estimate.worst", NAN);
+}
+
+static void add_row(cpl_trials *t, const cpl_tried *tried) {
+  const cpl_candidate *c = &tried->of;
+  json_array_append_new(t->rows, json_pack("{s:f, s:I, s:s, s:s, s:f, s:s, s:s, s:f, s:o, s:o}", "dt", c->dt, "n",
+                                           (json_int_t)c->n, "scheme", c->scheme, "formulation",
+                                           cpl_formulation_words[c->formulation], "simulated_s", tried->simulated,
+                                           "status", tried->good ? "ok" : "bad", "reason", tried->reason, "loop_s",
+                                           tried->loop, "velocity_gap", tdm_number_to_json(tried->gap), "estimate",
+                                           tdm_number_to_json(tried->estimate)));
+}
+
+static tdm_status run_in(cpl_trials *t, run_settings *s, double end, cpl_tried *tried, tdm_error *err) {
+  cpl_trial trial;
+  const double begin = tdm_clock();
+  cpl_trial_options o = {
+      .scene = t->scene, .set = s->set, .dir = tried->dir, .bed = shares_bed(t) ? t->bed : NULL, .end = end};
+  memcpy(o.solver, t->solver, sizeof o.solver);
+  if (cpl_trial_run(&o, &trial, err) == TDM_OK) {
+    take_cost(&trial, tried);
+    look_at_particles(tried);
+    look_at_bodies(t, tried);
+    if (trial.status == TDM_OK)
+      doubt(tried, trial.summary);
+    else
+      snprintf(tried->reason, sizeof tried->reason, "%s", trial.reason);
+    add_row(t, tried);
+  }
+  cpl_trial_free(&trial);
+  t->spent += tdm_clock() - begin;
+  return err->status;
+}
+
+tdm_status cpl_trials_run(cpl_trials *t, const cpl_candidate *of, double end, double interval, bool round_off,
+                          cpl_tried *tried, tdm_error *err) {
+  run_settings s;
+  *tried = (cpl_tried){.of = *of, .interval = interval > 0 ? interval : t->settings.output_interval};
+  snprintf(tried->dir, sizeof tried->dir, "%s/trial_%02d", t->dir, t->ntrial);
+  if (settings_make(t, of, &s, err) != TDM_OK)
+    return err->status;
+  snprintf(s.more[0], CPL_SETTING_LENGTH, "output.interval=%.15g", tried->interval);
+  s.set[s.n++] = s.more[0];
+  if (round_off && round_off_setting(t, s.more[1]))
+    s.set[s.n++] = s.more[1];
+  t->ntrial++;
+  run_in(t, &s, end, tried, err);
+  free(s.set);
+  return err->status;
+}
+
+/* ---- trials against each other ---- */
+
+/* The largest share of one body. */
+static double apart_of(const cpl_apart_runs *d, const cpl_apart_runs *c) {
+  double worst = 0;
+  for (int q = 0; q < CPL_QUANTITIES; q++) {
+    const int other = (q + 2) % CPL_QUANTITIES; /* turns beside ways, at a lever of 1 m */
+    const bool moves = d->spread[q] > 1e-9 && d->spread[q] > 1e-6 * d->spread[other];
+    if (moves && d->rms[q] > (c ? 2 * c->rms[q] : 0))
+      worst = fmax(worst, d->rms[q] / d->spread[q]);
+  }
+  return worst;
+}
+
+double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried *b, const cpl_tried *ceiling) {
+  double worst = NAN;
+  const double end = fmin(a->simulated, b->simulated) * (1 + 1e-9);
+  for (int i = 0; i < t->settings.nbody; i++) {
+    const char *body = t->settings.body[i].name[CPL_MBD];
+    cpl_apart_runs d, c;
+    tdm_error err = {0};
+    if (cpl_trial_compare(a->dir, b->dir, body, end, &d, &err) != TDM_OK || d.nrow < 5)
+      continue;
+    const bool known = ceiling && cpl_trial_compare(a->dir, ceiling->dir, body, end, &c, &err) == TDM_OK && c.nrow >= 5;
+    worst = fmax(worst, apart_of(&d, known ? &c : NULL));
+  }
+  return worst;
+}
+
+static double variance(const double *f, int n) {
+  double mean = 0, square = 0;
+  for (int i = 0; i < n; i++)
+    mean += f[i] / n;
+  for (int i = 0; i < n; i++)
+    square += (f[i] - mean) * (f[i] - mean) / n;
+  return square;
+}
+
+/* Of the axis along which the load of a body varies most. Rows are means since the row before: the first is none. */
+static double erratic_of(const cpl_table *table, int width) {
+  static const char *const load[] = {"fx", "fy", "fz"};
+  double most = -1, ratio = NAN;
+  for (int a = 0; a < 3 && table->nrow > 2; a++) {
+    const double *f = cpl_table_column(table, load[a], NULL), v = f ? variance(f + 1, table->nrow - 2) : -1;
+    if (v > most) {
+      most = v;
+      ratio = cpl_variance_ratio(f + 1, table->nrow - 2, width);
+    }
+  }
+  return ratio;
+}
+
+double cpl_trials_erratic(const cpl_trials *t, const cpl_tried *tried, double window) {
+  const int width = (int)lround(fmax(window, 4 * tried->interval) / tried->interval);
+  double worst = NAN;
+  for (int b = 0; b < t->settings.nbody; b++) {
+    cpl_table table;
+    if (read_body(t, tried, b, &table))
+      worst = fmax(worst, erratic_of(&table, width));
+    cpl_table_free(&table);
+  }
+  return worst;
+}
