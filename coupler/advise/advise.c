@@ -19,9 +19,10 @@ typedef struct {
   cpl_trials t;
   cpl_advice a;
   cpl_facts facts;
-  double span, interval;           /* of the trials [s] */
-  cpl_tried best, single, ceiling; /* the best so far; n = 1; round-off beside the first good one */
-  bool has_single, has_ceiling;
+  double span, interval;  /* of the trials [s] */
+  cpl_tried best, single; /* the best so far; n = 1 at its step */
+  cpl_tried twin[2];      /* the first good one, and the same with a change of the size of round-off */
+  bool has_single, has_twins;
 } advisor;
 
 /* ---- before the trials ---- */
@@ -43,9 +44,10 @@ static void tell_step(advisor *v) {
               l->time[CPL_CONTACT], l->speed, s->share[CPL_CONTACT] * l->time[CPL_CONTACT]);
 }
 
+/* The step by the limits, which is no longer than the rows of the time histories are apart. */
 static double choose_step(advisor *v, double otherwise) {
   v->a.step = cpl_choose_step(&v->a.limits);
-  return v->a.step.dt > 0 ? v->a.step.dt : otherwise;
+  return fmin(v->a.step.dt > 0 ? v->a.step.dt : otherwise, v->t.settings.output_interval);
 }
 
 static void tell_method(advisor *v, cpl_formulation f) {
@@ -140,8 +142,7 @@ static bool look_at_speed(advisor *v, const cpl_tried *tried, tdm_error *err) {
 /* Why a trial is not to be taken; "": it is. `error` (may be NULL): against n = 1. */
 static void judge(advisor *v, const cpl_tried *tried, char *why, size_t size, double *error) {
   const double window = (double)tried->of.n * tried->of.dt;
-  const double apart =
-      v->has_single ? cpl_trials_apart(&v->t, tried, &v->single, v->has_ceiling ? &v->ceiling : NULL) : NAN;
+  const double apart = v->has_single ? cpl_trials_apart(&v->t, tried, &v->single, v->has_twins ? v->twin : NULL) : NAN;
   const double here = cpl_trials_erratic(&v->t, tried, window);
   const double there = v->has_single ? cpl_trials_erratic(&v->t, &v->single, window) : NAN;
   why[0] = 0;
@@ -181,23 +182,27 @@ static tdm_status consider(advisor *v, const cpl_candidate *c, bool *taken, tdm_
 
 /* ---- what others are measured by ---- */
 
-/* The run with n = 1, and one that differs from the best by round-off. */
-static tdm_status measure_by(advisor *v, tdm_error *err) {
-  cpl_candidate c = v->a.best;
-  if (v->a.found && attempt(v, &c, true, &v->ceiling, err) != TDM_OK)
+/* The best beside itself with a change of the size of round-off. */
+static tdm_status make_twins(advisor *v, tdm_error *err) {
+  v->twin[0] = v->best;
+  if (attempt(v, &v->a.best, true, &v->twin[1], err) != TDM_OK || !v->twin[1].good)
     return err->status;
-  v->has_ceiling = v->a.found && v->ceiling.good;
+  v->a.round_off = cpl_trials_apart(&v->t, &v->twin[0], &v->twin[1], NULL);
+  v->has_twins = true;
+  cpl_because(&v->a, "two runs that differ by round-off differ by %.2g %%: what is nearer cannot be told apart",
+              100 * v->a.round_off);
+  return TDM_OK;
+}
+
+/* The run with n = 1 at the step of the best. */
+static tdm_status make_single(advisor *v, tdm_error *err) {
+  cpl_candidate c = v->a.best;
   c.n = 1;
   if (attempt(v, &c, false, &v->single, err) != TDM_OK)
     return err->status;
   v->has_single = v->single.good;
   if (!v->has_single)
     cpl_because(&v->a, "the run with n = 1 is no measure: %.300s", v->single.reason);
-  if (v->has_ceiling) {
-    v->a.round_off = cpl_trials_apart(&v->t, &v->best, &v->ceiling, NULL);
-    cpl_because(&v->a, "two runs that differ by round-off differ by %.2g %%: what is nearer cannot be told apart",
-                100 * v->a.round_off);
-  }
   return TDM_OK;
 }
 
@@ -232,7 +237,7 @@ static tdm_status shorter_steps(advisor *v, cpl_candidate c, tdm_error *err) {
   bool taken = false;
   for (int k = 0; k < 3 && !taken && may_go_on(v) && err->status == TDM_OK; k++) {
     c.dt = cpl_round_down(c.dt / 2);
-    v->has_single = v->has_ceiling = false;
+    v->has_single = false;
     consider(v, &c, &taken, err);
     if (taken)
       cpl_because(&v->a, "remedy, the last as it costs most: a DEM step of %g s", c.dt);
@@ -310,8 +315,7 @@ static tdm_status check_step(advisor *v, tdm_error *err) {
     half.n *= 2;
     if (attempt(v, &half, false, &tried, err) != TDM_OK)
       return err->status;
-    const double apart =
-        tried.good ? cpl_trials_apart(&v->t, &v->best, &tried, v->has_ceiling ? &v->ceiling : NULL) : NAN;
+    const double apart = tried.good ? cpl_trials_apart(&v->t, &v->best, &tried, v->has_twins ? v->twin : NULL) : NAN;
     v->a.dem_step = 2 * apart;
     if (!(v->a.dem_step > v->a.wanted)) {
       cpl_because(&v->a, "half the DEM step changes the motion by %.2g %%: the step stays", 100 * apart);
@@ -322,7 +326,6 @@ static tdm_status check_step(advisor *v, tdm_error *err) {
                 100 * apart, half.dt);
     v->best = tried;
     v->a.best = half;
-    v->has_ceiling = false;
   }
   return TDM_OK;
 }
@@ -361,6 +364,14 @@ static tdm_status predict(advisor *v, tdm_error *err) {
 
 /* ---- the flow chart ---- */
 
+/* Where the first trial took longer than was expected the others are shorter. */
+static void shorten(advisor *v) {
+  const double took = v->best.loop / (trial_part * v->t.budget);
+  const double least = LEAST_WINDOWS * (double)v->best.of.n * v->best.of.dt;
+  if (took > 1.5)
+    v->span = fmin(v->span, fmax(least, v->span / took));
+}
+
 static tdm_status first_trial(advisor *v, tdm_error *err) {
   bool taken;
   if (probe(v, err) != TDM_OK)
@@ -388,7 +399,8 @@ static tdm_status walk(advisor *v, tdm_error *err) {
   if (!v->a.found)
     return tdm_fail(err, TDM_ERR_NUMERIC, NULL,
                     "no settings were found with which the trials run well; the reasons above say why");
-  if (measure_by(v, err) != TDM_OK)
+  shorten(v);
+  if (make_twins(v, err) != TDM_OK || make_single(v, err) != TDM_OK)
     return err->status;
   char why[512];
   judge(v, &v->best, why, sizeof why, &v->a.coupling);
@@ -398,12 +410,17 @@ static tdm_status walk(advisor *v, tdm_error *err) {
     const cpl_candidate bad = v->a.best;
     if (remedies(v, &bad, err) != TDM_OK)
       return err->status;
+    if (!v->a.found)
+      cpl_because(&v->a, "no remedy brought the error down to what is wanted: n = %ld is what there is", bad.n);
     v->a.best = v->a.found ? v->a.best : bad;
+    v->a.found = true;
   } else if (longer_windows(v, err) != TDM_OK) {
     return err->status;
   }
   if (cheaper_formulation(v, err) != TDM_OK || check_step(v, err) != TDM_OK)
     return err->status;
+  if (!may_go_on(v))
+    cpl_because(&v->a, "the trials took %.3g s, all that they may; more may be found by a longer look", v->t.spent);
   return predict(v, err);
 }
 

@@ -3,6 +3,8 @@
 #include "coupler/advise/choice.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* ---- the DEM step ---- */
 
@@ -18,7 +20,9 @@ double cpl_round_down(double x) {
   for (unsigned k = 0; k < sizeof round / sizeof round[0]; k++)
     if (round[k] <= mantissa)
       best = round[k];
-  return power < 0 ? best / pow(10, -power) : best * pow(10, power); /* the double nearest to what people write */
+  char text[32]; /* for the double nearest to what people write */
+  snprintf(text, sizeof text, "%ge%d", best, power);
+  return strtod(text, NULL);
 }
 
 cpl_step cpl_choose_step(const cpl_limits *l) {

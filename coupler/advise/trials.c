@@ -331,16 +331,20 @@ static double apart_of(const cpl_apart_runs *d, const cpl_apart_runs *c) {
   return worst;
 }
 
-double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried *b, const cpl_tried *ceiling) {
-  double worst = NAN;
+/* Of one body, over the time that both have; false: too few rows. */
+static bool compare(const cpl_tried *a, const cpl_tried *b, const char *body, cpl_apart_runs *out) {
   const double end = fmin(a->simulated, b->simulated) * (1 + 1e-9);
+  return cpl_trial_compare(a->dir, b->dir, body, end, out, &(tdm_error){0}) == TDM_OK && out->nrow >= 5;
+}
+
+double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]) {
+  double worst = NAN;
   for (int i = 0; i < t->settings.nbody; i++) {
     const char *body = t->settings.body[i].name[CPL_MBD];
     cpl_apart_runs d, c;
-    tdm_error err = {0};
-    if (cpl_trial_compare(a->dir, b->dir, body, end, &d, &err) != TDM_OK || d.nrow < 5)
+    if (!compare(a, b, body, &d))
       continue;
-    const bool known = ceiling && cpl_trial_compare(a->dir, ceiling->dir, body, end, &c, &err) == TDM_OK && c.nrow >= 5;
+    const bool known = twins && compare(&twins[0], &twins[1], body, &c);
     worst = fmax(worst, apart_of(&d, known ? &c : NULL));
   }
   return worst;

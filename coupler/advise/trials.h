@@ -65,8 +65,8 @@ tdm_status cpl_trials_run(cpl_trials *trials, const cpl_candidate *of, double en
                           cpl_tried *tried, tdm_error *err);
 
 /* How far two trials are apart, the largest over bodies and quantities, as a share of its spread; differences that are
- * at most twice those of `a` and `ceiling` (may be NULL), which differ by round-off, do not count. */
-double cpl_trials_apart(const cpl_trials *trials, const cpl_tried *a, const cpl_tried *b, const cpl_tried *ceiling);
+ * at most twice those of the twins (may be NULL), which differ by round-off, do not count. NaN: nothing to compare. */
+double cpl_trials_apart(const cpl_trials *trials, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]);
 
 /* The variance ratio of the loads on the bodies, the largest of all; NaN: unknown. */
 double cpl_trials_erratic(const cpl_trials *trials, const cpl_tried *tried, double window);

@@ -25,7 +25,7 @@ static const char scene[] =
     "   'region': {'min': [-0.15, -0.15, -0.4], 'max': [0.15, 0.15, 0.4]}}],\n"
     "  'settle': {'speed': 5e-3}}}\n";
 
-static json_t *read(const char *dir, const char *name) {
+static json_t *read_json(const char *dir, const char *name) {
   char file[256];
   snprintf(file, sizeof file, "%s/%s", dir, name);
   json_t *json = json_load_file(file, 0, NULL);
@@ -50,7 +50,7 @@ START_TEST(settings_with_reasons_and_a_scene) {
   int status =
       command("tandem advise %s/scene.json --out %s/a --json %s/advice.json --write %s/new.json", dir, dir, dir, dir);
   ck_assert_msg(status == 0, "%s", command_output);
-  json_t *advice = read(dir, "advice.json"), *written = read(dir, "new.json");
+  json_t *advice = read_json(dir, "advice.json"), *written = read_json(dir, "new.json");
   ck_assert(json_is_true(json_object_get(advice, "found")));
   static const char *const words[] = {"Rayleigh", "eigenfrequency", "contact time", "coordination number", "WSTIFF"};
   for (int k = 0; k < 5; k++)
@@ -72,7 +72,7 @@ START_TEST(settings_with_reasons_and_a_scene) {
   ck_assert_str_eq(json_string_value(json_object_get(json_object_get(written, "time"), "end")), "=end");
   ck_assert_double_eq(number(written, "time", "dt"), dt);
   ck_assert_double_eq(number(written, "coupling", "n"), n);
-  ck_assert(json_equal(json_object_get(written, "dem"), json_object_get(read(dir, "scene.json"), "dem")));
+  ck_assert(json_equal(json_object_get(written, "dem"), json_object_get(read_json(dir, "scene.json"), "dem")));
   ck_assert_msg(command("tandem check %s/new.json", dir) == 0, "%s", command_output);
   expect_output("0 warnings");
   json_decref(advice);
