@@ -101,6 +101,7 @@ static bool may_go_on(const advisor *v) {
 }
 
 static tdm_status attempt(advisor *v, const cpl_candidate *c, bool round_off, cpl_tried *tried, tdm_error *err) {
+  v->interval = v->interval > 0 ? fmax(v->interval, c->dt) : 0;
   return cpl_trials_run(&v->t, c, v->span, v->interval, round_off, tried, err);
 }
 
@@ -259,23 +260,36 @@ static long round_n(double n) {
   return n < 10 ? lround(n) : lround(cpl_round_down(n));
 }
 
+/* A candidate that was taken for its longer windows: back to the one before if it saves nothing. */
+static void keep_if_cheaper(advisor *v, const cpl_tried *before_it, double error) {
+  const long n = v->best.of.n;
+  const double took = v->best.loop;
+  if (took < before_it->loop) {
+    cpl_because(&v->a, "n = %ld: a window costs as much as %.2g steps; the trial took %.3g s, with n = %ld %.3g s", n,
+                before_it->window / before_it->step, took, before_it->of.n, before_it->loop);
+    return;
+  }
+  cpl_because(&v->a, "n = %ld is not cheaper: the trial took %.3g s, with n = %ld %.3g s", n, took, before_it->of.n,
+              before_it->loop);
+  v->best = *before_it;
+  v->a.best = before_it->of;
+  v->a.coupling = error;
+}
+
 /* Longer windows, as long as they save something and bear it. */
 static tdm_status longer_windows(advisor *v, tdm_error *err) {
   cpl_candidate c = v->a.best;
   const cpl_tried before_it = v->best;
-  const double most = v->t.settings.time_end / (20 * c.dt);
+  const double most = v->t.settings.time_end / (20 * c.dt), error = v->a.coupling;
   double n = fmin((double)cpl_cheap_n(v->best.window, v->best.step), most);
   bool taken = false;
-  for (int k = 0; k < 3 && !taken && n > 1.3 * (double)v->a.best.n && may_go_on(v) && err->status == TDM_OK; k++) {
+  for (int k = 0; k < 3 && !taken && n > 1.3 * (double)before_it.of.n && may_go_on(v); k++) {
     c.n = round_n(n);
-    consider(v, &c, &taken, err);
+    if (consider(v, &c, &taken, err) != TDM_OK)
+      return err->status;
     if (taken)
-      cpl_because(
-          &v->a,
-          "n = %ld: a window costs %.3g ms and a step %.3g ms, so longer windows save less than a twentieth; the "
-          "loop of the trial took %.3g s instead of %.3g s with n = %ld",
-          c.n, 1e3 * before_it.window, 1e3 * before_it.step, v->best.loop, before_it.loop, before_it.of.n);
-    n = sqrt(n * (double)v->a.best.n);
+      keep_if_cheaper(v, &before_it, error);
+    n = sqrt(n * (double)before_it.of.n);
   }
   return err->status;
 }
@@ -450,6 +464,7 @@ tdm_status cpl_advise(const cpl_advise_options *o, tdm_error *err) {
   const tdm_results_def def = {.dir = o->out, .scene = o->scene, .force = o->force};
   if (cpl_trials_open(&v.t, err) == TDM_OK && tdm_check_writable(o->json, err) == TDM_OK &&
       tdm_check_writable(o->write, err) == TDM_OK && tdm_results_open(&results, &def, err) == TDM_OK) {
+    remove(v.t.bed); /* of an earlier advice: what settling takes is to be known */
     if (tdm_results_start(&results, err) == TDM_OK && walk(&v, err) != TDM_ERR_INTERRUPTED)
       deliver(&v, o, &results, err);
     tdm_results_close(&results);
