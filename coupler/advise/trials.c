@@ -266,7 +266,7 @@ static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
   tried->mbd = r->step[CPL_MBD];
   tried->step = steps > 0 ? r->step[CPL_DEM] / steps : NAN;
   tried->window = r->windows > 0 ? fmax(0, r->loop - r->step[CPL_DEM]) / (double)r->windows : NAN;
-  tried->estimate = number(trial->summary, "error_estimate.worst", NAN);
+  tried->estimate = r->error_coupling;
 }
 
 static void add_row(cpl_trials *t, const cpl_tried *tried) {
