@@ -21,7 +21,8 @@ typedef struct {
   cpl_facts facts;
   double span, interval;  /* of the trials [s] */
   cpl_tried best, single; /* the best so far; n = 1 at its step */
-  cpl_tried twin[2];      /* the first good one, and the same with a change of the size of round-off */
+  cpl_tried twin[2];      /* the first good one, and the same with a change of the
+                             size of round-off */
   bool has_single, has_twins;
 } advisor;
 
@@ -31,20 +32,25 @@ static void tell_step(advisor *v) {
   const cpl_limits *l = &v->a.limits;
   const cpl_step *s = &v->a.step;
   cpl_because(&v->a,
-              "DEM step: the settled bed has a coordination number of %.2g (%s 4), so %.1f of the Rayleigh step %.3g s "
+              "DEM step: the settled bed has a coordination number of %.2g (%s "
+              "4), so %.1f of the Rayleigh step %.3g s "
               "is taken: %.3g s",
               l->coordination, l->coordination > 4 ? "above" : "not above", s->share[CPL_RAYLEIGH],
               l->time[CPL_RAYLEIGH], s->share[CPL_RAYLEIGH] * l->time[CPL_RAYLEIGH]);
   if (isfinite(l->time[CPL_EIGENFREQUENCY]))
     cpl_because(&v->a,
-                "DEM step: %.1f of the stable step %.3g s by the eigenfrequency of the stiffest particle: %.3g s",
+                "DEM step: %.1f of the stable step %.3g s by the "
+                "eigenfrequency of the stiffest particle: %.3g s",
                 s->share[CPL_EIGENFREQUENCY], l->time[CPL_EIGENFREQUENCY],
                 s->share[CPL_EIGENFREQUENCY] * l->time[CPL_EIGENFREQUENCY]);
-  cpl_because(&v->a, "DEM step: a twentieth of the shortest contact time %.3g s at %.3g m/s: %.3g s",
+  cpl_because(&v->a,
+              "DEM step: a twentieth of the shortest contact time %.3g s at "
+              "%.3g m/s: %.3g s",
               l->time[CPL_CONTACT], l->speed, s->share[CPL_CONTACT] * l->time[CPL_CONTACT]);
 }
 
-/* The step by the limits, which is no longer than the rows of the time histories are apart. */
+/* The step by the limits, which is no longer than the rows of the time
+ * histories are apart. */
 static double choose_step(advisor *v, double otherwise) {
   v->a.step = cpl_choose_step(&v->a.limits);
   return fmin(v->a.step.dt > 0 ? v->a.step.dt : otherwise, v->t.settings.output_interval);
@@ -53,21 +59,26 @@ static double choose_step(advisor *v, double otherwise) {
 static void tell_method(advisor *v, cpl_formulation f) {
   const cpl_facts *c = &v->facts;
   cpl_because(&v->a,
-              "scheme \"%s\": the particles weigh %.3g times the lightest coupled body; the mechanism acts within the "
+              "scheme \"%s\": the particles weigh %.3g times the lightest "
+              "coupled body; the mechanism acts within the "
               "window, so stiff supports and heavy fills bear long windows",
               v->a.best.scheme, c->particles / c->body);
   if (f == CPL_ONE_STEP && c->abrupt)
-    cpl_because(&v->a, "formulation one_step, which stands for WSTIFF: a \"%s\" sets in at once", c->abrupt);
-  else if (f == CPL_ONE_STEP)
-    cpl_because(
-        &v->a,
-        "formulation one_step, which stands for WSTIFF: contacts come and go (%s), so loads jump from window to "
-        "window, and an integrator that keeps no history bears that",
-        c->flows ? "particles flow" : "a coordination number not above 4");
-  else
     cpl_because(&v->a,
-                "formulation ggl with max_order 2, which bears steps that change as WSTIFF does, and the modified "
-                "corrector, which judges positions alone: the bed is dense and stays together");
+                "formulation one_step, which stands for WSTIFF: a \"%s\" sets "
+                "in at once",
+                c->abrupt);
+  else if (f == CPL_ONE_STEP)
+    cpl_because(&v->a,
+                "formulation one_step, which stands for WSTIFF: contacts come "
+                "and go (%s), so loads jump from window to "
+                "window, and an integrator that keeps no history bears that",
+                c->flows ? "particles flow" : "a coordination number not above 4");
+  else
+    cpl_because(&v->a, "formulation ggl with max_order 2, which bears steps "
+                       "that change as WSTIFF does, and the modified "
+                       "corrector, which judges positions alone: the bed is "
+                       "dense and stays together");
 }
 
 /* The schemes that a solver may be able to take part in, the best first. */
@@ -96,16 +107,30 @@ static tdm_status before(advisor *v, tdm_error *err) {
 
 /* ---- trials ---- */
 
+/* What is kept for the last trials, which tell the cost, and the most that one
+ * takes: parts of the budget. */
+static const double kept = 0.25, one_part = 0.2;
+
 static bool may_go_on(const advisor *v) {
-  return v->t.spent < v->t.budget;
+  return v->t.spent < (1 - kept) * v->t.budget;
+}
+
+/* How long to try: shorter where windows are so many that a trial would take
+ * too much of the budget. */
+static double length_of(const advisor *v, const cpl_candidate *c) {
+  const double window = (double)c->n * c->dt;
+  const double takes = v->span * (v->best.step / c->dt + v->best.window / window); /* [s] */
+  const double allowed = one_part * v->t.budget;
+  return takes > allowed ? fmin(v->span, fmax(v->span * allowed / takes, LEAST_WINDOWS * window)) : v->span;
 }
 
 static tdm_status attempt(advisor *v, const cpl_candidate *c, bool round_off, cpl_tried *tried, tdm_error *err) {
   v->interval = v->interval > 0 ? fmax(v->interval, c->dt) : 0;
-  return cpl_trials_run(&v->t, c, v->span, v->interval, round_off, tried, err);
+  return cpl_trials_run(&v->t, c, length_of(v, c), v->interval, round_off, tried, err);
 }
 
-/* How long trials are: so that the first takes a part of the budget, and has windows enough. */
+/* How long trials are: so that the first takes a part of the budget, and has
+ * windows enough. */
 static void choose_span(advisor *v, const cpl_tried *probe) {
   const double rate = probe->step / probe->of.dt + probe->window / ((double)probe->of.n * probe->of.dt); /* [s/s] */
   const double end = v->t.settings.time_end, whole = v->t.setup + rate * end;
@@ -128,19 +153,29 @@ static tdm_status probe(advisor *v, tdm_error *err) {
   return TDM_OK;
 }
 
-/* The contact time at the speed that a trial met, and the step from that. True: it has changed. */
+/* The contact time at the speed that a trial met, and the step from that. True:
+ * it has changed. */
 static bool look_at_speed(advisor *v, const cpl_tried *tried, tdm_error *err) {
   const double before_dt = v->a.best.dt;
+  cpl_limits limits;
   cpl_facts ignored;
-  if (!(tried->speed > 0) || cpl_trials_check(&v->t, &v->a.best, tried->speed, &v->a.limits, &ignored, err) != TDM_OK)
+  tdm_error check = {0};
+  if (!(tried->speed > 0))
     return false;
+  if (cpl_trials_check(&v->t, &v->a.best, tried->speed, &limits, &ignored, &check) != TDM_OK) {
+    if (check.status == TDM_ERR_INTERRUPTED || check.status == TDM_ERR_MEMORY)
+      *err = check;
+    return false;
+  }
+  v->a.limits = limits;
   v->a.best.dt = choose_step(v, before_dt);
   return v->a.best.dt != before_dt;
 }
 
 /* ---- judging ---- */
 
-/* Why a trial is not to be taken; "": it is. `error` (may be NULL): against n = 1. */
+/* Why a trial is not to be taken; "": it is. `error` (may be NULL): against n
+ * = 1. */
 static void judge(advisor *v, const cpl_tried *tried, char *why, size_t size, double *error) {
   const double window = (double)tried->of.n * tried->of.dt;
   const double apart = v->has_single ? cpl_trials_apart(&v->t, tried, &v->single, v->has_twins ? v->twin : NULL) : NAN;
@@ -152,9 +187,14 @@ static void judge(advisor *v, const cpl_tried *tried, char *why, size_t size, do
   if (!tried->good)
     snprintf(why, size, "%.300s", tried->reason);
   else if (tried->gap > gap_limit)
-    snprintf(why, size, "the velocity is %.2g off the derivative of the position: the window is too long", tried->gap);
+    snprintf(why, size,
+             "the velocity is %.2g off the derivative of the position: the "
+             "window is too long",
+             tried->gap);
   else if (here > erratic_limit * there)
-    snprintf(why, size, "the load is erratic: %.2g of its variance above the window's frequency, against %.2g at n = 1",
+    snprintf(why, size,
+             "the load is erratic: %.2g of its variance above the window's "
+             "frequency, against %.2g at n = 1",
              here, there);
   else if (apart > v->a.wanted)
     snprintf(why, size, "it is %.2g %% off the run with n = 1", 100 * apart);
@@ -190,7 +230,9 @@ static tdm_status make_twins(advisor *v, tdm_error *err) {
     return err->status;
   v->a.round_off = cpl_trials_apart(&v->t, &v->twin[0], &v->twin[1], NULL);
   v->has_twins = true;
-  cpl_because(&v->a, "two runs that differ by round-off differ by %.2g %%: what is nearer cannot be told apart",
+  cpl_because(&v->a,
+              "two runs that differ by round-off differ by %.2g %%: what is "
+              "nearer cannot be told apart",
               100 * v->a.round_off);
   return TDM_OK;
 }
@@ -260,17 +302,23 @@ static long round_n(double n) {
   return n < 10 ? lround(n) : lround(cpl_round_down(n));
 }
 
-/* A candidate that was taken for its longer windows: back to the one before if it saves nothing. */
+/* What a simulated second costs [s/s]. */
+static double rate_of(const cpl_tried *tried) {
+  return tried->simulated > 0 ? tried->loop / tried->simulated : INFINITY;
+}
+
+/* A candidate that was taken for its longer windows: back to the one before if
+ * it saves nothing. */
 static void keep_if_cheaper(advisor *v, const cpl_tried *before_it, double error) {
   const long n = v->best.of.n;
-  const double took = v->best.loop;
-  if (took < before_it->loop) {
-    cpl_because(&v->a, "n = %ld: a window costs as much as %.2g steps; the trial took %.3g s, with n = %ld %.3g s", n,
-                before_it->window / before_it->step, took, before_it->of.n, before_it->loop);
+  const double now = rate_of(&v->best), then = rate_of(before_it);
+  if (now < then) {
+    cpl_because(&v->a, "n = %ld: a window costs as much as %.2g steps; a second now takes %.3g s, with n = %ld %.3g s",
+                n, before_it->window / before_it->step, now, before_it->of.n, then);
     return;
   }
-  cpl_because(&v->a, "n = %ld is not cheaper: the trial took %.3g s, with n = %ld %.3g s", n, took, before_it->of.n,
-              before_it->loop);
+  cpl_because(&v->a, "n = %ld is not cheaper: a second takes %.3g s, with n = %ld %.3g s", n, now, before_it->of.n,
+              then);
   v->best = *before_it;
   v->a.best = before_it->of;
   v->a.coupling = error;
@@ -306,12 +354,13 @@ static tdm_status cheaper_formulation(advisor *v, tdm_error *err) {
     if (attempt(v, &c, false, &tried, err) != TDM_OK)
       return err->status;
     judge(v, &tried, why, sizeof why, NULL);
-    if (why[0] || tried.loop > 0.9 * v->best.loop) {
-      cpl_because(&v->a, "%s is not cheaper: %.3g s instead of %.3g s%s%s", cpl_formulation_words[f], tried.loop,
-                  v->best.loop, why[0] ? ", and " : "", why);
+    if (why[0] || rate_of(&tried) > 0.9 * rate_of(&v->best)) {
+      cpl_because(&v->a, "%s is not cheaper: a second takes %.3g s instead of %.3g s%s%s", cpl_formulation_words[f],
+                  rate_of(&tried), rate_of(&v->best), why[0] ? ", and " : "", why);
       continue;
     }
-    cpl_because(&v->a, "%s is cheaper: %.3g s instead of %.3g s", cpl_formulation_words[f], tried.loop, v->best.loop);
+    cpl_because(&v->a, "%s is cheaper: a second takes %.3g s instead of %.3g s", cpl_formulation_words[f],
+                rate_of(&tried), rate_of(&v->best));
     v->best = tried;
     v->a.best = c;
   }
@@ -320,7 +369,8 @@ static tdm_status cheaper_formulation(advisor *v, tdm_error *err) {
 
 /* ---- the step ---- */
 
-/* Half the step at the same window: the step's error, to first order, is twice the difference. */
+/* Half the step at the same window: the step's error, to first order, is twice
+ * the difference. */
 static tdm_status check_step(advisor *v, tdm_error *err) {
   for (int k = 0; k < 3 && may_go_on(v); k++) {
     cpl_candidate half = v->a.best;
@@ -336,7 +386,8 @@ static tdm_status check_step(advisor *v, tdm_error *err) {
       return TDM_OK;
     }
     cpl_because(&v->a,
-                "half the DEM step changes the motion by %.2g %%, more than half of what is wanted: %g s is taken",
+                "half the DEM step changes the motion by %.2g %%, more than "
+                "half of what is wanted: %g s is taken",
                 100 * apart, half.dt);
     v->best = tried;
     v->a.best = half;
@@ -346,12 +397,12 @@ static tdm_status check_step(advisor *v, tdm_error *err) {
 
 /* ---- cost ---- */
 
-/* Two runs with the scene's own rows, one longer than the other: what a second costs after the start, where the number
- * of particles goes on as it went. */
+/* Two runs with the scene's own rows, one longer than the other: what a second
+ * costs after the start, where the number of particles goes on as it went. */
 static tdm_status predict(advisor *v, tdm_error *err) {
   const double end = v->t.settings.time_end, rate = v->best.loop / v->best.simulated;
-  const double left = fmax(v->t.budget - v->t.spent, 0.15 * v->t.budget);
-  const double all = fmin(end, fmax(v->span, 0.7 * left / rate));
+  const double left = fmax(v->t.budget - v->t.spent, 0.1 * v->t.budget);
+  const double all = fmin(end, fmax(0.5 * v->span, 0.7 * left / rate)); /* both together 1.3 times that */
   cpl_tried shorter = {.loop = 0}, longer;
   if (all < end && cpl_trials_run(&v->t, &v->a.best, 0.3 * all, 0, false, &shorter, err) != TDM_OK)
     return err->status;
@@ -368,7 +419,8 @@ static tdm_status predict(advisor *v, tdm_error *err) {
     v->a.loop += rest * (steps * grown + others);
     if (fabs(grown - 1) > 0.05)
       cpl_because(&v->a,
-                  "the number of particles changes; the expected time takes it to go on so, to %.2g times that of "
+                  "the number of particles changes; the expected time takes it "
+                  "to go on so, to %.2g times that of "
                   "the trial",
                   grown);
   }
@@ -378,7 +430,8 @@ static tdm_status predict(advisor *v, tdm_error *err) {
 
 /* ---- the flow chart ---- */
 
-/* Where the first trial took longer than was expected the others are shorter. */
+/* Where the first trial took longer than was expected the others are shorter.
+ */
 static void shorten(advisor *v) {
   const double took = v->best.loop / (trial_part * v->t.budget);
   const double least = LEAST_WINDOWS * (double)v->best.of.n * v->best.of.dt;
@@ -412,7 +465,8 @@ static tdm_status walk(advisor *v, tdm_error *err) {
     return err->status;
   if (!v->a.found)
     return tdm_fail(err, TDM_ERR_NUMERIC, NULL,
-                    "no settings were found with which the trials run well; the reasons above say why");
+                    "no settings were found with which the trials run well; "
+                    "the reasons above say why");
   shorten(v);
   if (make_twins(v, err) != TDM_OK || make_single(v, err) != TDM_OK)
     return err->status;
@@ -425,7 +479,10 @@ static tdm_status walk(advisor *v, tdm_error *err) {
     if (remedies(v, &bad, err) != TDM_OK)
       return err->status;
     if (!v->a.found)
-      cpl_because(&v->a, "no remedy brought the error down to what is wanted: n = %ld is what there is", bad.n);
+      cpl_because(&v->a,
+                  "no remedy brought the error down to what is wanted: n = %ld "
+                  "is what there is",
+                  bad.n);
     v->a.best = v->a.found ? v->a.best : bad;
     v->a.found = true;
   } else if (longer_windows(v, err) != TDM_OK) {
@@ -434,7 +491,10 @@ static tdm_status walk(advisor *v, tdm_error *err) {
   if (cheaper_formulation(v, err) != TDM_OK || check_step(v, err) != TDM_OK)
     return err->status;
   if (!may_go_on(v))
-    cpl_because(&v->a, "the trials took %.3g s, all that they may; more may be found by a longer look", v->t.spent);
+    cpl_because(&v->a,
+                "the trials took %.3g s, all that they may; more may be found "
+                "by a longer look",
+                v->t.spent);
   return predict(v, err);
 }
 

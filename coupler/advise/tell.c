@@ -40,7 +40,9 @@ void cpl_advice_print(const cpl_advice *a, const json_t *root) {
   print_error("of the DEM step", a->dem_step);
   print_error("of round-off", a->round_off);
   print_error("estimated by the run", a->estimate);
-  printf("expected time of the run\n  %-24s %.3g s, %.3g s of it until the solvers are ready\n", "", a->wall, a->setup);
+  printf("expected time of the run\n  %-24s %.3g s, %.3g s of it until the "
+         "solvers are ready\n",
+         "", a->wall, a->setup);
   printf("  %-24s %.3g s\n", "trials took", a->trials);
 }
 
@@ -69,13 +71,17 @@ static json_t *limits_json(const cpl_advice *a) {
 }
 
 json_t *cpl_advice_to_json(const cpl_advice *a, const cpl_trials *t) {
-  return json_pack("{s:s, s:s, s:b, s:o, s:o, s:{s:f, s:o, s:o, s:o, s:o}, s:{s:o, s:o, s:o, s:f}, s:O, s:O}", "tandem",
-                   TDM_VERSION, "scene", t->scene, "found", (int)a->found, "settings", settings_json(a, t->loaded.root),
-                   "limits", limits_json(a), "error", "wanted", a->wanted, "coupling", tdm_number_to_json(a->coupling),
-                   "dem_step", tdm_number_to_json(a->dem_step), "round_off", tdm_number_to_json(a->round_off),
-                   "estimate", tdm_number_to_json(a->estimate), "cost", "wall_s", tdm_number_to_json(a->wall),
-                   "setup_s", tdm_number_to_json(a->setup), "loop_s", tdm_number_to_json(a->loop), "trials_s",
-                   a->trials, "reasons", a->reasons, "trials", t->rows);
+  char scene[4096];
+  snprintf(scene, sizeof scene, "%s", t->scene);
+  tdm_utf8_clean(scene);
+  return json_pack("{s:s, s:s, s:b, s:o, s:o, s:{s:f, s:o, s:o, s:o, s:o}, s:{s:o, s:o, "
+                   "s:o, s:f}, s:O, s:O}",
+                   "tandem", TDM_VERSION, "scene", scene, "found", (int)a->found, "settings",
+                   settings_json(a, t->loaded.root), "limits", limits_json(a), "error", "wanted", a->wanted, "coupling",
+                   tdm_number_to_json(a->coupling), "dem_step", tdm_number_to_json(a->dem_step), "round_off",
+                   tdm_number_to_json(a->round_off), "estimate", tdm_number_to_json(a->estimate), "cost", "wall_s",
+                   tdm_number_to_json(a->wall), "setup_s", tdm_number_to_json(a->setup), "loop_s",
+                   tdm_number_to_json(a->loop), "trials_s", a->trials, "reasons", a->reasons, "trials", t->rows);
 }
 
 /* ---- the scene ---- */
@@ -104,7 +110,8 @@ static tdm_status put_setting(char **text, const char *setting, tdm_error *err) 
   return err->status;
 }
 
-/* Names of files that `read` has from the root, where the text has them from the folder of the scene. */
+/* Names of files that `read` has from the root, where the text has them from
+ * the folder of the scene. */
 static void put_files(char **text, const json_t *written, const json_t *read, const char *path, tdm_error *err) {
   char at[TDM_PATH_MAX];
   const char *key;

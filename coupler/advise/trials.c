@@ -25,15 +25,15 @@ static bool is_for_both(const cpl_trials *t, tdm_error *err) {
   const json_t *root = t->loaded.root;
   const bool dem = json_object_get(root, "dem"), mbd = json_object_get(root, "mbd");
   if (dem && !mbd)
-    tdm_fail(
-        err, TDM_ERR_SCENE, "mbd",
-        "is missing: a scene of particles alone exchanges nothing. `tandem-dem check` prints the limits of its step "
-        "(time.dt), which is all there is to choose");
+    tdm_fail(err, TDM_ERR_SCENE, "mbd",
+             "is missing: a scene of particles alone exchanges nothing. "
+             "`tandem-dem check` prints the limits of its step "
+             "(time.dt), which is all there is to choose");
   else if (!dem)
-    tdm_fail(
-        err, TDM_ERR_SCENE, "dem",
-        "is missing: a scene of bodies alone exchanges nothing, and its integrator chooses its steps itself; run it "
-        "with tandem-mbd");
+    tdm_fail(err, TDM_ERR_SCENE, "dem",
+             "is missing: a scene of bodies alone exchanges nothing, and its "
+             "integrator chooses its steps itself; run it "
+             "with tandem-mbd");
   return err->status == TDM_OK;
 }
 
@@ -70,7 +70,8 @@ int cpl_candidate_settings(const cpl_candidate *of, const json_t *root,
   return n;
 }
 
-/* The mass of the first coupled body that has one, by some units in its last place; false: there is none. */
+/* The mass of the first coupled body that has one, by some units in its last
+ * place; false: there is none. */
 static bool round_off_setting(const cpl_trials *t, char out[CPL_SETTING_LENGTH]) {
   const json_t *bodies = tdm_scene_value(t->loaded.root, "mbd.bodies");
   for (size_t i = 0; t->settings.nbody > 0 && i < json_array_size(bodies); i++) {
@@ -151,7 +152,8 @@ static void take_facts(const json_t *root, const json_t *report, cpl_facts *f) {
   }
 }
 
-/* Whether trials can share a bed: tandem's own DEM settles it, and the scene does not keep it itself. */
+/* Whether trials can share a bed: tandem's own DEM settles it, and the scene
+ * does not keep it itself. */
 static bool shares_bed(const cpl_trials *t) {
   return tdm_scene_value(t->loaded.root, "dem.settle") && !tdm_scene_value(t->loaded.root, "dem.settle.store") &&
          !tdm_scene_value(t->loaded.root, "coupling.solvers.dem");
@@ -200,7 +202,8 @@ static bool read_body(const cpl_trials *t, const cpl_tried *tried, int body, cpl
   return read_table(tried, cpl_record_body_file(t->settings.body[body].name[CPL_MBD], name, sizeof name), table);
 }
 
-/* What the particles say: speeds at which contacts began, how many there were. */
+/* What the particles say: speeds at which contacts began, how many there were.
+ */
 static void look_at_particles(cpl_tried *tried) {
   cpl_table dem;
   if (read_table(tried, "dem.csv", &dem)) {
@@ -216,7 +219,8 @@ static void look_at_particles(cpl_tried *tried) {
   cpl_table_free(&dem);
 }
 
-/* Velocity against the derivative of position, of all bodies along all axes that carry a tenth of the motion. */
+/* Velocity against the derivative of position, of all bodies along all axes
+ * that carry a tenth of the motion. */
 static double gap_of(const cpl_table *table, double interval) {
   static const char *const place[] = {"x", "y", "z"}, *const rate[] = {"vx", "vy", "vz"};
   double worst = NAN, spread[3] = {0}, most = 0;
@@ -246,7 +250,8 @@ static void look_at_bodies(const cpl_trials *t, cpl_tried *tried) {
   }
 }
 
-/* Whether a run that came to its end is one to count: particles that leave make runs cheap. */
+/* Whether a run that came to its end is one to count: particles that leave make
+ * runs cheap. */
 static void doubt(cpl_tried *tried, const json_t *summary) {
   cpl_cell cell = {.name = ""};
   json_t *row = json_pack("{s:s, s:s}", "status", "ok", "reason", "");
@@ -258,6 +263,15 @@ static void doubt(cpl_tried *tried, const json_t *summary) {
   json_decref(row);
 }
 
+static bool all_prescribed(const json_t *summary) {
+  const char *name;
+  json_t *body;
+  bool all = true;
+  json_object_foreach((json_t *)tdm_scene_value(summary, "error_estimate.bodies"), name, body) all =
+      all && json_is_true(json_object_get(body, "prescribed"));
+  return all;
+}
+
 static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
   const cpl_run_result *r = &trial->run;
   const double steps = r->simulated / tried->of.dt;
@@ -267,6 +281,7 @@ static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
   tried->step = steps > 0 ? r->step[CPL_DEM] / steps : NAN;
   tried->window = r->windows > 0 ? fmax(0, r->loop - r->step[CPL_DEM]) / (double)r->windows : NAN;
   tried->estimate = r->error_coupling;
+  tried->prescribed = all_prescribed(trial->summary);
 }
 
 static void add_row(cpl_trials *t, const cpl_tried *tried) {
@@ -274,7 +289,7 @@ static void add_row(cpl_trials *t, const cpl_tried *tried) {
   json_array_append_new(t->rows, json_pack("{s:f, s:I, s:s, s:s, s:f, s:s, s:s, s:f, s:o, s:o}", "dt", c->dt, "n",
                                            (json_int_t)c->n, "scheme", c->scheme, "formulation",
                                            cpl_formulation_words[c->formulation], "simulated_s", tried->simulated,
-                                           "status", tried->good ? "ok" : "bad", "reason", tried->reason, "loop_s",
+                                           "status", tried->good ? "ok" : "failed", "reason", tried->reason, "loop_s",
                                            tried->loop, "velocity_gap", tdm_number_to_json(tried->gap), "estimate",
                                            tdm_number_to_json(tried->estimate)));
 }
@@ -337,11 +352,58 @@ static bool compare(const cpl_tried *a, const cpl_tried *b, const char *body, cp
   return cpl_trial_compare(a->dir, b->dir, body, end, out, &(tdm_error){0}) == TDM_OK && out->nrow >= 5;
 }
 
+/* Means over parts of the rows that both tables have: rms of the difference of
+ * the loads, and the spread of a's. */
+static void compare_loads(const cpl_table *a, const cpl_table *b, double *apart, double *spread) {
+  static const char *const load[] = {"fx", "fy", "fz"};
+  const int n = (a->nrow < b->nrow ? a->nrow : b->nrow) - 2, width = n / 100 > 1 ? n / 100 : 1;
+  *apart = *spread = 0;
+  for (int k = 0; k < 3; k++) {
+    const double *f = cpl_table_column(a, load[k], NULL), *g = cpl_table_column(b, load[k], NULL);
+    double mean = 0, square = 0;
+    const int blocks = n / width;
+    for (int block = 0; f && g && block < blocks; block++) {
+      double x = 0, y = 0;
+      for (int i = 1 + block * width; i < 1 + (block + 1) * width; i++) {
+        x += f[i] / width;
+        y += g[i] / width;
+      }
+      *apart += (x - y) * (x - y) / blocks;
+      mean += x / blocks;
+      square += x * x / blocks;
+    }
+    *spread += fmax(0, square - mean * mean);
+  }
+  *apart = sqrt(*apart);
+  *spread = sqrt(*spread);
+}
+
+/* The same as a share; 0 where it is at most `above` [N]. */
+static double loads_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried *b, int body, double above,
+                          double *difference) {
+  cpl_table x, y = {0};
+  double apart = NAN, spread = 0;
+  if (read_body(t, a, body, &x) && read_body(t, b, body, &y))
+    compare_loads(&x, &y, &apart, &spread);
+  cpl_table_free(&x);
+  cpl_table_free(&y);
+  if (difference)
+    *difference = apart;
+  return !(spread > 0) ? NAN : apart > above ? apart / spread : 0;
+}
+
 double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]) {
   double worst = NAN;
   for (int i = 0; i < t->settings.nbody; i++) {
     const char *body = t->settings.body[i].name[CPL_MBD];
     cpl_apart_runs d, c;
+    double noise = 0;
+    if (a->prescribed) {
+      if (twins)
+        loads_apart(t, &twins[0], &twins[1], i, 0, &noise);
+      worst = fmax(worst, loads_apart(t, a, b, i, 2 * fmax(0, noise), NULL));
+      continue;
+    }
     if (!compare(a, b, body, &d))
       continue;
     const bool known = twins && compare(&twins[0], &twins[1], body, &c);
@@ -359,7 +421,8 @@ static double variance(const double *f, int n) {
   return square;
 }
 
-/* Of the axis along which the load of a body varies most. Rows are means since the row before: the first is none. */
+/* Of the axis along which the load of a body varies most. Rows are means since
+ * the row before: the first is none. */
 static double erratic_of(const cpl_table *table, int width) {
   static const char *const load[] = {"fx", "fy", "fz"};
   double most = -1, ratio = NAN;
