@@ -369,9 +369,13 @@ static tdm_status cheaper_formulation(advisor *v, tdm_error *err) {
 
 /* ---- the step ---- */
 
-/* Half the step at the same window: the step's error, to first order, is twice
- * the difference. */
+static const double shrinks = 0.7; /* an error of the step would come down to a half */
+
+/* Half the step at the same window: the step's error, to first order, is twice the difference. Where halving it again
+ * changes as much it is no such error: a change of any size sets grains that collide apart. */
 static tdm_status check_step(advisor *v, tdm_error *err) {
+  const cpl_tried first = v->best;
+  double before_it = NAN;
   for (int k = 0; k < 3 && may_go_on(v); k++) {
     cpl_candidate half = v->a.best;
     cpl_tried tried;
@@ -381,14 +385,29 @@ static tdm_status check_step(advisor *v, tdm_error *err) {
       return err->status;
     const double apart = tried.good ? cpl_trials_apart(&v->t, &v->best, &tried, v->has_twins ? v->twin : NULL) : NAN;
     v->a.dem_step = 2 * apart;
-    if (!(v->a.dem_step > v->a.wanted)) {
-      cpl_because(&v->a, "half the DEM step changes the motion by %.2g %%: the step stays", 100 * apart);
+    if (isnan(apart)) {
+      cpl_because(&v->a, "the run with half the DEM step is no measure: %.300s", tried.reason);
+      return TDM_OK;
+    }
+    if (v->a.dem_step <= v->a.wanted) {
+      cpl_because(&v->a, "half the DEM step changes the motion by %.2g %%: %g s stays", 100 * apart, v->a.best.dt);
+      return TDM_OK;
+    }
+    if (apart > shrinks * before_it) {
+      cpl_because(&v->a,
+                  "halving it again changes the motion by %.2g %%, as much as before: that is how far grains that "
+                  "collide come apart after any change, no error of the step; %g s stays",
+                  100 * apart, first.of.dt);
+      v->best = first;
+      v->a.best = first.of;
+      v->a.round_off = fmax(v->a.round_off, apart);
+      v->a.dem_step = NAN;
       return TDM_OK;
     }
     cpl_because(&v->a,
-                "half the DEM step changes the motion by %.2g %%, more than "
-                "half of what is wanted: %g s is taken",
+                "half the DEM step changes the motion by %.2g %%, more than half of what is wanted: %g s is tried",
                 100 * apart, half.dt);
+    before_it = apart;
     v->best = tried;
     v->a.best = half;
   }
