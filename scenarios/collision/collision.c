@@ -157,11 +157,13 @@ static void plot(cpl_verify *v) {
   static const tdm_curve particle[] = {
       {"table.csv", "1:(abs($2))", "true effective mass", "linespoints pt 7"},
       {"table.csv", "1:(abs($4))", "wall mass 1e8 kg", "linespoints pt 5"},
+      {"table.csv", "1:(abs($8))", "exchange to the letter", "points pt 6 ps 1.5"},
       {"table.csv", "1:(abs($6))", "[L18] Table I (opposite sign)", "points pt 2 ps 1.5"},
   };
   static const tdm_curve body[] = {
       {"table.csv", "1:(abs($3))", "true effective mass", "linespoints pt 7"},
       {"table.csv", "1:(abs($5))", "wall mass 1e8 kg", "linespoints pt 5"},
+      {"table.csv", "1:(abs($9))", "exchange to the letter", "points pt 6 ps 1.5"},
       {"table.csv", "1:(abs($7))", "[L18] Table I", "points pt 2 ps 1.5"},
   };
   static const tdm_curve velocity[] = {
@@ -176,7 +178,7 @@ static void plot(cpl_verify *v) {
           .xlabel = "m_c/m_p",
           .ylabel = "|error| [%]",
           .setup = setup,
-          .ncurve = 3,
+          .ncurve = 4,
           .curve = particle,
       },
       {
@@ -184,7 +186,7 @@ static void plot(cpl_verify *v) {
           .xlabel = "m_c/m_p",
           .ylabel = "|error| [%]",
           .setup = setup,
-          .ncurve = 3,
+          .ncurve = 4,
           .curve = body,
       },
       {

@@ -5,7 +5,7 @@
 
 #include "scenarios/support.h"
 
-enum { SCN_STEPS = 7, SCN_CELLS_MAX = 80 };
+enum { SCN_STEPS = 7, SCN_CELLS_MAX = 96 };
 
 extern const int scn_steps[SCN_STEPS]; /* n of [L18] Table II */
 

@@ -25,17 +25,23 @@ static const scn_cell few[] = {
     {.scheme = "proxy", .dt = "1e-4", .n = 1000, .more = "e=0.5"},
     {.scheme = "lommen", .dt = "1e-4", .n = 5},
     {.scheme = "lommen", .dt = "1e-4", .n = 50},
+    {.scheme = "lommen", .dt = "1e-4", .n = 5, .more = "literal"},
+    {.scheme = "lommen", .dt = "1e-4", .n = 50, .more = "literal"},
 };
 enum { NFEW = sizeof few / sizeof few[0] };
 
 /* All cells; the shorter step, which takes longer, first. */
 static int all_cells(scn_cell *cell) {
-  static const scn_cell kinds[] = {
-      {.scheme = "proxy"}, {.scheme = "proxy", .more = "e=0.5"}, {.scheme = "lommen"}, {.scheme = "iterative"}};
+  static const scn_cell kinds[] = {{.scheme = "proxy"},
+                                   {.scheme = "proxy", .more = "e=0.5"},
+                                   {.scheme = "lommen"},
+                                   {.scheme = "lommen", .more = "literal"},
+                                   {.scheme = "iterative"}};
+  enum { KINDS = sizeof kinds / sizeof *kinds };
   static const char *const dts[] = {"1e-5", "1e-4"};
   int count = 0;
   for (int d = 0; d < 2; d++)
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < KINDS; k++)
       for (int i = 0; i < SCN_STEPS; i++) {
         cell[count] = kinds[k];
         cell[count].dt = dts[d];
@@ -56,12 +62,18 @@ static void set_limits(scn_cell *cell) {
 
 /* ---- pinging ---- */
 
-/* Windows of one and five of the short steps, with an integrator that keeps its history and one that does not. */
+/* Windows of one and five of the short steps, with an integrator that keeps its history and one that does not;
+ * literal: with the exchange of [L18] to the letter; loose: and with index3 at the tolerance that Adams has by default.
+ */
 static const scn_cell pinging[] = {
     {.scheme = "lommen", .dt = "1e-5", .n = 1, .more = "t=0.5 restart"},
     {.scheme = "lommen", .dt = "1e-5", .n = 1, .more = "t=0.5"},
+    {.scheme = "lommen", .dt = "1e-5", .n = 1, .more = "t=0.5 literal restart"},
+    {.scheme = "lommen", .dt = "1e-5", .n = 1, .more = "t=0.5 literal"},
+    {.scheme = "lommen", .dt = "1e-5", .n = 1, .more = "t=0.5 literal loose restart"},
     {.scheme = "lommen", .dt = "1e-5", .n = 5, .more = "t=0.5 restart"},
     {.scheme = "lommen", .dt = "1e-5", .n = 5, .more = "t=0.5"},
+    {.scheme = "lommen", .dt = "1e-5", .n = 5, .more = "t=0.5 literal loose restart"},
 };
 enum { NPINGING = sizeof pinging / sizeof pinging[0] };
 
@@ -74,6 +86,14 @@ static void prepare(const scn_cell *cell, cpl_verify_case *run) {
     cpl_verify_case_set(run, "time.end=%g", strtod(more + 2, NULL));
   if (strstr(more, "restart"))
     cpl_verify_case_set(run, "mbd.restart_each_window=true");
+  if (strstr(more, "literal")) {
+    cpl_verify_case_set(run, "coupling.lommen={\"load\": \"end-held\", \"wall_velocity\": \"sent\"}");
+    cpl_verify_case_set(run, "dem.contact.wall_mass=edem");
+  }
+  if (strstr(more, "loose")) {
+    cpl_verify_case_set(run, "mbd.formulation=index3");
+    cpl_verify_case_set(run, "mbd.solver={\"relative_tolerance\": 1e-3, \"absolute_tolerance\": 1e-3}");
+  }
 }
 
 /* ---- the price ---- */
@@ -144,6 +164,7 @@ static void plot_grid(cpl_verify *v, const char *published) {
                            {"proxy_1e-4.csv", "1:3", "proxy, dt = 1e-4 s", "linespoints pt 6 lc rgb '#0077bb'"},
                            {"lommen_1e-5.csv", "1:3", "lommen, dt = 1e-5 s", "linespoints pt 9 lc rgb '#cc3311'"},
                            {"lommen_1e-4.csv", "1:3", "lommen, dt = 1e-4 s", "linespoints pt 8 lc rgb '#cc3311'"},
+                           {"literal_1e-4.csv", "1:3", "the same, literal", "linespoints pt 4 lc rgb '#ee7733'"},
                            {published, "($1*$2):(1-$5)", "[L18] Table II (1 - r2)", "points pt 2 lc rgb 'black'"}};
   const tdm_curve r2[] = {{"proxy_1e-5.csv", "1:5", "proxy, dt = 1e-5 s, 20 ms", "linespoints pt 7 lc rgb '#0077bb'"},
                           {"proxy_1e-4.csv", "1:5", "proxy, dt = 1e-4 s, 20 ms", "linespoints pt 6 lc rgb '#0077bb'"},
@@ -157,7 +178,7 @@ static void plot_grid(cpl_verify *v, const char *published) {
           .xlabel = "H = n dt [s]",
           .ylabel = "1 - nse",
           .setup = small,
-          .ncurve = 5,
+          .ncurve = 6,
           .curve = nse,
       },
       {
@@ -210,6 +231,8 @@ static void plot_all(cpl_verify *v, int n, const scn_cell *cell) {
     scn_cell_write(v, n, cell, "proxy", dt, NULL, name);
     snprintf(name, sizeof name, "lommen_%s", dt);
     scn_cell_write(v, n, cell, "lommen", dt, NULL, name);
+    snprintf(name, sizeof name, "literal_%s", dt);
+    scn_cell_write(v, n, cell, "lommen", dt, "literal", name);
     snprintf(name, sizeof name, "soft_%s", dt);
     scn_cell_write(v, n, cell, "proxy", dt, "e=0.5", name);
   }
