@@ -12,7 +12,7 @@ static const char hit[] =
   "{'time': {'end': 0.012, 'dt': 1e-5},\n"
   " 'coupling': {'n': 1, 'scheme': 'lommen', 'transport': 'inproc', 'bodies': [{'mbd': 'cube', 'dem': 'cube'}]},\n"
   " 'output': {'interval': 1e-5},\n"
-  " 'mbd': {'gravity': [0, 0, 0], 'solver': {'relative_tolerance': 1e-11},\n"
+  " 'mbd': {'gravity': [0, 0, 0], 'formulation': 'ggl', 'solver': {'relative_tolerance': 1e-11},\n"
   "  'bodies': [{'name': 'cube', 'mass': 10, 'inertia': [1, 1, 1], 'position': [0.1, 0, 0]}],\n"
   "  'joints': [{'name': 'guide', 'type': 'prismatic', 'bodies': ['ground', 'cube'], 'point': [0, 0, 0],\n"
   "   'axis': [1, 0, 0]}]},\n"
