@@ -175,6 +175,19 @@ static void tell_not_converged(cpl_loop *loop) {
         (unsigned long long)t->not_converged, (unsigned long long)t->windows);
 }
 
+/* Without a correction both ends were apart by more than a tenth of the motion: more than curvature makes. */
+static void look_for_change(const cpl_loop *loop, double excess) {
+  const settings *s = loop->scheme_settings;
+  const double change = 0.1;
+  if (excess * s->tolerance > change)
+    tdm_remark(
+        TDM_NOTICE, "mechanism_changed", "coupling.n", loop->t0,
+        "the mechanism changed inside the window from %.6g s on (a stop, a slack cable, friction that turns, the "
+        "kink of a table): iterations follow it, but for what a load polynomial cannot show of it; take a "
+        "smaller coupling.n",
+        loop->t0);
+}
+
 /* The last iteration, with a residual that is too large: go on with the best one. */
 static tdm_status settle_for_best(cpl_loop *loop, tdm_error *err) {
   iteration *it = loop->own;
@@ -198,7 +211,8 @@ static tdm_status advance(cpl_loop *loop, tdm_error *err) {
   while (true) {
     if (solve(loop, it->guess, &excess, err) != TDM_OK)
       return err->status;
-    count++;
+    if (count++ == 0)
+      look_for_change(loop, excess);
     if (excess < least) {
       least = excess;
       memcpy(it->best, it->guess, size);

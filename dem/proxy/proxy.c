@@ -401,7 +401,14 @@ static void push(dem_proxy *x, double h) {
   }
 }
 
-/* Half a kick, and the works that it does: load times the mean of the twists before and after. */
+/* What W_0 does over a step, along the flow that it is part of. Along a path it is not. */
+static void work_along_flow(dem_proxy *x) {
+  for (int c = 0; x->path.nnode == 0 && 6 * c < x->k6; c++)
+    x->body[c].work += x->dt * power(x->W0 + 6 * c, x->body[c].mid);
+}
+
+/* Half a kick, and the works that it does: load times the mean of the twists before and after. What moves the bodies
+ * is W - W_0, and the rest of its work is along the flow. */
 static void half_kick(dem_proxy *x) {
   const tdm_quat turn = turn_so_far(x);
   const double h = 0.5 * x->dt;
@@ -418,6 +425,8 @@ static void half_kick(dem_proxy *x) {
       b->now.twist = twist_of(x->V + 6 * c);
       cubic_at(&b->correct, x->H, x->tau, &value, &rate);
       b->work += 0.5 * h * power(x->W + 6 * c, add_twists(b->now.twist, rate));
+      if (x->path.nnode == 0)
+        b->work -= 0.5 * h * power(x->W0 + 6 * c, b->now.twist);
       cubic_at(&b->drift, x->blend_time, x->tau, &value, &rate);
       b->blending += 0.5 * h * power(x->W + 6 * c, rate);
     }
@@ -493,6 +502,7 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
     x->body[c].mid = twist_of(x->V + 6 * c);
     move(x, &x->body[c], c);
   }
+  work_along_flow(x);
   memcpy(x->z, next, (size_t)n * sizeof *next);
   if (x->matched)
     dem_matched_flow(x->matched);

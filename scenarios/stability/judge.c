@@ -122,6 +122,31 @@ static size_t first_warning(const json_t *summary, char *text, size_t size) {
   return json_array_size(warnings);
 }
 
+/* Of an inaccurate run: a notice that the mechanism changed inside a window, or vibrates too fast for it. */
+static bool tells_of_windows(const json_t *summary, double error, char *text, size_t size) {
+  size_t i;
+  json_t *notice;
+  json_array_foreach(json_object_get(summary, "notices"), i, notice) {
+    const char *path = json_string_value(json_object_get(notice, "path"));
+    const char *message = json_string_value(json_object_get(notice, "message"));
+    if (error > accurate && path && message && strncmp(path, "coupling", 8) == 0) {
+      snprintf(text, size, "%s", message);
+      return true;
+    }
+  }
+  return false;
+}
+
+/* The run's own estimate of its error, as a share of the motion, where it is so large that a user is warned by it;
+ * false: it says nothing of the kind. */
+static bool estimates_more(const json_t *summary, double error, char *text, size_t size) {
+  const double estimate = scn_number_or(summary, "error_estimate.worst_coupling", NAN);
+  if (!(estimate > 0.5 * accurate) || !(error > accurate))
+    return false;
+  snprintf(text, size, "its own estimate of its error is %.2g of the motion", estimate);
+  return true;
+}
+
 static scn_outcome outcome_of(const char *ended, double error, double allowed, size_t nwarning) {
   if (strcmp(ended, "TDM_OK") == 0) {
     const bool good = error <= allowed; /* NaN is not */
@@ -158,14 +183,18 @@ json_t *scn_judge(const scn_family *f, const scn_stability_case *c, const char *
   const double allowed = chaotic ? fmax(accurate, spread * reach) : accurate;
   char said[TDM_MESSAGE_MAX];
   snprintf(said, sizeof said, "%s", json_string_value(json_object_get(cell->row, "reason")));
-  const size_t nwarning = ended && strcmp(ended, "TDM_OK") == 0 ? first_warning(summary, said, sizeof said) : 0;
-  json_t *row = json_pack(
-      "{s:s, s:s, s:s, s:o, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:s, s:o}", "case", c->name, "scheme", scheme,
-      "outcome", scn_outcome_name[outcome_of(ended ? ended : "", error, allowed, nwarning)], "error",
-      tdm_number_to_json(error), "ceiling", tdm_number_to_json(ceiling), "growth", tdm_number_to_json(growth),
-      "chaotic", (int)chaotic, "beyond", (int)c->beyond, "residual_share", number_at(summary, "ledger.residual_share"),
-      "energy_residual", number_at(summary, "ledger.energy_residual"), "ratio", number_at(summary, "parameters.ratio"),
-      "H", tdm_number_to_json(window), "said", said, "wall_s", number_at(cell->row, "wall_s"));
+  size_t nwarning = ended && strcmp(ended, "TDM_OK") == 0 ? first_warning(summary, said, sizeof said) : 0;
+  if (nwarning == 0)
+    nwarning = estimates_more(summary, error, said, sizeof said) || tells_of_windows(summary, error, said, sizeof said);
+  json_t *row =
+      json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "case", c->name,
+                "scheme", scheme, "outcome", scn_outcome_name[outcome_of(ended ? ended : "", error, allowed, nwarning)],
+                "error", tdm_number_to_json(error), "ceiling", tdm_number_to_json(ceiling), "growth",
+                tdm_number_to_json(growth), "chaotic", (int)chaotic, "beyond", (int)c->beyond, "estimate",
+                number_at(summary, "error_estimate.worst_coupling"), "residual_share",
+                number_at(summary, "ledger.residual_share"), "energy_residual",
+                number_at(summary, "ledger.energy_residual"), "ratio", number_at(summary, "parameters.ratio"), "H",
+                tdm_number_to_json(window), "said", said, "wall_s", number_at(cell->row, "wall_s"));
   json_decref(fine);
   json_decref(summary);
   return row;

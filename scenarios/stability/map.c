@@ -14,7 +14,7 @@
 
 static const char group[] = "stability", own_name[] = "stability_map";
 
-enum { SCHEMES_MAX = 12, ROW_HEIGHT = 17, COLUMN_WIDTH = 84, LEFT = 300, TOP = 70, BOTTOM = 26 }; /* pixels */
+enum { SCHEMES_MAX = 12, ROW_HEIGHT = 13, COLUMN_WIDTH = 66, LEFT = 230, TOP = 56, BOTTOM = 20 }; /* pixels */
 
 /* colours of the outcomes, 0xRRGGBB */
 static const unsigned colour[SCN_OUTCOMES] = {0x9fd89f, 0xdff0a0, 0xffd27f, 0xa9c4e8, 0xd8d8d8, 0xf04040, 0xc040c0};
@@ -65,14 +65,15 @@ static void add_family(map *m, const json_t *family) {
   size_t i;
   json_t *row;
   m->nrow++;
-  label(m, text(family, "title"), ",10", 1);
+  label(m, text(family, "title"), ",9", 1);
   json_array_foreach(rows, i, row) {
     if (strcmp(text(row, "case"), now) != 0) {
       char name[128];
       now = text(row, "case");
-      snprintf(name, sizeof name, "%s%s", now, json_is_true(json_object_get(row, "chaotic")) ? " *" : "");
+      snprintf(name, sizeof name, "%s%s%s", now, json_is_true(json_object_get(row, "chaotic")) ? " *" : "",
+               json_is_true(json_object_get(row, "beyond")) ? " +" : "");
       m->nrow++;
-      label(m, name, ",9", 4);
+      label(m, name, ",8", 3);
     }
     add_cell(m, row);
   }
@@ -80,8 +81,8 @@ static void add_family(map *m, const json_t *family) {
 
 static void write_script(const map *m, FILE *f) {
   const int height = TOP + BOTTOM + ROW_HEIGHT * (m->nrow + 1), width = LEFT + COLUMN_WIDTH * m->nscheme + 20;
-  fprintf(f, "set terminal pngcairo noenhanced size %d,%d font ',9'\nset output 'map.png'\nload 'map.labels'\n", width,
-          height);
+  fprintf(f, "set terminal png notruecolor noenhanced size %d,%d font ',8'\nset output 'map.png'\nload 'map.labels'\n",
+          width, height);
   fprintf(f, "set lmargin at screen %g\nset rmargin at screen %g\nset tmargin at screen %g\nset bmargin at screen %g\n",
           (double)LEFT / width, 1 - 20.0 / width, 1 - (double)TOP / height, (double)BOTTOM / height);
   fprintf(f,
@@ -91,13 +92,13 @@ static void write_script(const map *m, FILE *f) {
   for (int i = 0; i < m->nscheme; i++)
     fprintf(f, "%s'%.20s' %d", i ? ", " : "", m->scheme[i], i);
   fputs(")\n", f);
-  for (int i = 0, x = 10; i < SCN_OUTCOMES; i++, x += 92) {
+  for (int i = 0, x = 10; i < SCN_OUTCOMES; i++, x += 82) {
     fprintf(f, "set object rectangle from screen %g,%g to screen %g,%g fillstyle solid fillcolor rgb 0x%06x\n",
-            (double)x / width, 1 - 14.0 / height, (x + 16.0) / width, 1 - 28.0 / height, colour[i]);
-    fprintf(f, "set label '%s %d' at screen %g,%g\n", scn_outcome_name[i], m->n[i], (x + 21.0) / width,
-            1 - 21.0 / height);
+            (double)x / width, 1 - 10.0 / height, (x + 14.0) / width, 1 - 22.0 / height, colour[i]);
+    fprintf(f, "set label '%s %d' at screen %g,%g\n", scn_outcome_name[i], m->n[i], (x + 18.0) / width,
+            1 - 16.0 / height);
   }
-  fputs("set label '* chaotic: mean and rms' at screen 0.01,", f);
+  fputs("set label '* chaotic: mean and rms; + beyond' at screen 0.01,", f);
   fprintf(f, "%g\n", (double)BOTTOM / 2 / height);
   fputs(
       "plot 'map.data' using 1:2:(0.47):(0.44):3 with boxxyerror fillstyle solid noborder linecolor rgb variable, \\\n"
@@ -133,7 +134,6 @@ static json_t *read_families(const cpl_verify *v) {
 static tdm_status draw(const cpl_verify *v, const json_t *families, map *m, tdm_error *err) {
   size_t i;
   json_t *family;
-  tdm_make_directory(cpl_verify_dir(v), err);
   m->data = open_file(v, "map.data", err);
   m->labels = m->data ? open_file(v, "map.labels", err) : NULL;
   FILE *script = m->labels ? open_file(v, "map.gp", err) : NULL;
@@ -150,6 +150,8 @@ static tdm_status draw(const cpl_verify *v, const json_t *families, map *m, tdm_
 
 tdm_status scn_stability_map(cpl_verify *v, tdm_error *err) {
   map m = {0};
+  if (tdm_make_directory(cpl_verify_dir(v), err) != TDM_OK)
+    return err->status;
   json_t *families = read_families(v);
   if (draw(v, families, &m, err) == TDM_OK && m.nrow > 0) {
     tdm_error plot = {0};

@@ -32,11 +32,29 @@ static void set_case(cpl_cell *cell, const scn_family *f, const scn_stability_ca
       set_parameter(cell, key, value, err);
 }
 
-static int schemes(void) {
+/* What a case is run with: the schemes, and with --full [L18]'s exchange to the letter (docs/theory/coupling.md). */
+static const char literal_name[] = "lommen-literal";
+static const char literal[] = "{\"load\": \"end-held\", \"wall_velocity\": \"sent\"}";
+
+static int columns(const cpl_verify *v) {
   int n = 0;
   while (cpl_schemes[n])
     n++;
-  return n;
+  return n + cpl_verify_full(v);
+}
+
+static const char *column_name(int k) {
+  for (int i = 0; i <= k; i++)
+    if (!cpl_schemes[i])
+      return literal_name;
+  return cpl_schemes[k]->name;
+}
+
+static void set_column(cpl_cell *cell, int k, tdm_error *err) {
+  const char *name = column_name(k);
+  cpl_cell_set(cell, "coupling.scheme", name == literal_name ? "lommen" : name, err);
+  if (name == literal_name)
+    cpl_cell_set(cell, "coupling.lommen", literal, err);
 }
 
 /* Of a physics: the reference and those that start beside it. */
@@ -55,8 +73,7 @@ static void make_trio(const cpl_cells *cells, const scn_family *f, const scn_sta
 }
 
 /* Of each physics the trio, then of each case the schemes. */
-static tdm_status make_cells(cpl_cells *cells, const scn_family *f, tdm_error *err) {
-  const int nscheme = schemes();
+static tdm_status make_cells(cpl_cells *cells, const scn_family *f, int nscheme, tdm_error *err) {
   if (cpl_cells_make(cells, SCN_TRIO * f->nphysics + nscheme * f->ncase, err) != TDM_OK)
     return err->status;
   for (int i = 0; i < f->ncase; i++) {
@@ -67,20 +84,19 @@ static tdm_status make_cells(cpl_cells *cells, const scn_family *f, tdm_error *e
       cpl_cell *cell = &cells->cell[SCN_TRIO * f->nphysics + nscheme * i + k];
       char name[160];
       set_case(cell, f, c, true, err);
-      cpl_cell_set(cell, "coupling.scheme", cpl_schemes[k]->name, err);
-      snprintf(name, sizeof name, "%s %s", c->name, cpl_schemes[k]->name);
+      set_column(cell, k, err);
+      snprintf(name, sizeof name, "%s %s", c->name, column_name(k));
       cpl_cell_place(cells, cell, name, (int)json_object_size(c->set) + 1);
     }
   }
   return err->status;
 }
 
-static json_t *judge(const cpl_cells *cells, const scn_family *f) {
+static json_t *judge(const cpl_cells *cells, const scn_family *f, int nscheme) {
   json_t *rows = json_array();
-  const int nscheme = schemes();
   for (int i = 0; i < f->ncase; i++)
     for (int k = 0; k < nscheme; k++)
-      json_array_append_new(rows, scn_judge(f, &f->at[i], cpl_schemes[k]->name,
+      json_array_append_new(rows, scn_judge(f, &f->at[i], column_name(k),
                                             &cells->cell[SCN_TRIO * f->nphysics + nscheme * i + k],
                                             &cells->cell[SCN_TRIO * f->at[i].physics]));
   return rows;
@@ -90,9 +106,9 @@ tdm_status scn_stability(cpl_verify *v, tdm_error *err) {
   scn_family f = {0};
   cpl_cells cells = {.out = cpl_verify_dir(v)};
   const char *name = cpl_verify_name(v) + strlen("stability_");
-  if (scn_family_read(&f, v, name, cpl_verify_full(v), err) == TDM_OK && make_cells(&cells, &f, err) == TDM_OK &&
-      cpl_verify_cells(v, &cells, err) == TDM_OK) {
-    json_t *rows = judge(&cells, &f);
+  if (scn_family_read(&f, v, name, cpl_verify_full(v), err) == TDM_OK &&
+      make_cells(&cells, &f, columns(v), err) == TDM_OK && cpl_verify_cells(v, &cells, err) == TDM_OK) {
+    json_t *rows = judge(&cells, &f, columns(v));
     scn_stability_print(f.title, rows);
     scn_stability_measure(v, rows);
     scn_stability_write(v, f.title, rows, err);
