@@ -180,12 +180,10 @@ static void look_for_change(const cpl_loop *loop, double excess) {
   const settings *s = loop->scheme_settings;
   const double change = 0.1;
   if (excess * s->tolerance > change)
-    tdm_remark(
-        TDM_NOTICE, "mechanism_changed", "coupling.n", loop->t0,
-        "the mechanism changed inside the window from %.6g s on (a stop, a slack cable, friction that turns, the "
-        "kink of a table): iterations follow it, but for what a load polynomial cannot show of it; take a "
-        "smaller coupling.n",
-        loop->t0);
+    tdm_remark(TDM_NOTICE, "acted_inside", "coupling.n", loop->t0,
+               "a stop, a slack cable, friction that turns or the kink of a table acted inside the window from %.6g s "
+               "on: iterations follow it, but for what a load polynomial cannot show; a smaller coupling.n tells more",
+               loop->t0);
 }
 
 /* The last iteration, with a residual that is too large: go on with the best one. */

@@ -524,6 +524,7 @@ START_TEST(a_mechanism_that_changes_is_told) {
   snprintf(line, sizeof line, "%s --set coupling.scheme=iterative", stop);
   run(line);
   ck_assert_ptr_null(strstr(command_output, "mechanism changed"));
+  expect_output("acted inside the window");
   run("--set coupling.n=1000"); /* the spring is in it */
   ck_assert_ptr_null(strstr(command_output, "mechanism changed"));
   /* a spring that gets 100 times as stiff; a motion that sets in and ends inside a window, which DEM is told of */
