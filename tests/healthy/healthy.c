@@ -65,7 +65,7 @@ START_TEST(in_order) {
   dir = directory_make();
   int status = run(c, NULL);
   ck_assert_msg(status == 0, "%s: exit status %d\n%s", text(c, "name"), status, command_output);
-  static const char *const alarms[] = {"warning", "notice", "error"};
+  static const char *const alarms[] = {"warning", "notice", "error:"};
   for (int k = 0; k < 3; k++)
     ck_assert_msg(!strstr(command_output, alarms[k]), "%s:\n%s", text(c, "name"), command_output);
   json_t *said = summary();
