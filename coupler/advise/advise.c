@@ -31,12 +31,15 @@ typedef struct {
 static void tell_step(advisor *v) {
   const cpl_limits *l = &v->a.limits;
   const cpl_step *s = &v->a.step;
-  cpl_because(&v->a,
-              "DEM step: the settled bed has a coordination number of %.2g (%s "
-              "4), so %.1f of the Rayleigh step %.3g s "
-              "is taken: %.3g s",
-              l->coordination, l->coordination > 4 ? "above" : "not above", s->share[CPL_RAYLEIGH],
-              l->time[CPL_RAYLEIGH], s->share[CPL_RAYLEIGH] * l->time[CPL_RAYLEIGH]);
+  if (isfinite(l->time[CPL_RAYLEIGH]))
+    cpl_because(
+        &v->a,
+        "DEM step: the settled bed has a coordination number of %.2g (%s 4), so %.1f of the Rayleigh step %.3g s "
+        "is taken: %.3g s",
+        l->coordination, l->coordination > 4 ? "above" : "not above", s->share[CPL_RAYLEIGH], l->time[CPL_RAYLEIGH],
+        s->share[CPL_RAYLEIGH] * l->time[CPL_RAYLEIGH]);
+  else
+    cpl_because(&v->a, "DEM step: there is no Rayleigh step: no particles yet, or contacts without a modulus");
   if (isfinite(l->time[CPL_EIGENFREQUENCY]))
     cpl_because(&v->a,
                 "DEM step: %.1f of the stable step %.3g s by the "
@@ -225,6 +228,8 @@ static tdm_status consider(advisor *v, const cpl_candidate *c, bool *taken, tdm_
 
 /* The best beside itself with a change of the size of round-off. */
 static tdm_status make_twins(advisor *v, tdm_error *err) {
+  if (v->best.prescribed) /* which its mass does not change */
+    return TDM_OK;
   v->twin[0] = v->best;
   if (attempt(v, &v->a.best, true, &v->twin[1], err) != TDM_OK || !v->twin[1].good)
     return err->status;

@@ -13,7 +13,7 @@ const char *const cpl_limit_names[CPL_LIMITS] = {"rayleigh", "eigenfrequency", "
 static const double dense = 4; /* coordination number above which a bed is stiff */
 
 double cpl_round_down(double x) {
-  static const double round[] = {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8};
+  static const double round[] = {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9};
   const int power = (int)floor(log10(x * (1 + 1e-9)));
   const double mantissa = x / pow(10, power) * (1 + 1e-9);
   double best = 1;

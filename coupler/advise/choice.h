@@ -30,7 +30,7 @@ typedef struct {
  * twentieth of the contact. */
 cpl_step cpl_choose_step(const cpl_limits *limits);
 
-/* The largest of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten that is not above x > 0. */
+/* The largest of 1, 1.2, 1.5, 2, 2.5, 3, 4 to 9 times a power of ten that is not above x > 0. */
 double cpl_round_down(double x);
 
 /* ---- the mechanism ---- */

@@ -40,9 +40,9 @@ END_TEST
 
 START_TEST(steps_are_round) {
   ck_assert_double_eq(cpl_round_down(1e-5), 1e-5);
-  ck_assert_double_eq(cpl_round_down(9.99e-5), 8e-5);
+  ck_assert_double_eq(cpl_round_down(9.99e-5), 9e-5);
   ck_assert_double_eq(cpl_round_down(1.49e-4), 1.2e-4);
-  ck_assert_double_eq(cpl_round_down(7), 6);
+  ck_assert_double_eq(cpl_round_down(7.9), 7);
   ck_assert_double_eq(cpl_round_down(340), 300);
 }
 END_TEST
