@@ -50,6 +50,7 @@ void cpl_trials_close(cpl_trials *t) {
   cpl_settings_free(&t->settings);
   tdm_scene_destroy(&t->loaded);
   json_decref(t->rows);
+  free(t->radius);
 }
 
 /* ---- settings ---- */
@@ -159,6 +160,21 @@ static bool shares_bed(const cpl_trials *t) {
          !tdm_scene_value(t->loaded.root, "coupling.solvers.dem");
 }
 
+/* Of the mean moment of inertia; 1 where a solver does not tell. Without memory all are. */
+static void take_radii(cpl_trials *t, const json_t *bodies) {
+  if (!t->radius)
+    t->radius = calloc((size_t)t->settings.nbody + 1, sizeof *t->radius);
+  for (int b = 0; t->radius && b < t->settings.nbody; b++) {
+    const json_t *body = json_object_get(bodies, t->settings.body[b].name[CPL_MBD]);
+    const double mass = number(body, "mass", 0);
+    const json_t *inertia = json_object_get(body, "inertia");
+    double mean = 0;
+    for (size_t k = 0; k < 3; k++)
+      mean += json_number_value(json_array_get(inertia, k)) / 3;
+    t->radius[b] = mass > 0 && mean > 0 ? sqrt(mean / mass) : 1;
+  }
+}
+
 tdm_status cpl_trials_check(cpl_trials *t, const cpl_candidate *of, double speed, cpl_limits *limits, cpl_facts *facts,
                             tdm_error *err) {
   run_settings s;
@@ -180,6 +196,7 @@ tdm_status cpl_trials_check(cpl_trials *t, const cpl_candidate *of, double speed
     const json_t *report = tdm_scene_value(summary, "solvers.dem.report");
     take_limits(report, limits);
     take_facts(t->loaded.root, report, facts);
+    take_radii(t, tdm_scene_value(summary, "solvers.mbd.report.bodies"));
     json_decref(summary);
   }
   t->setup = fmax(t->setup, result.wall);
@@ -334,14 +351,16 @@ tdm_status cpl_trials_run(cpl_trials *t, const cpl_candidate *of, double end, do
 
 /* ---- trials against each other ---- */
 
-/* The largest share of one body. */
-static double apart_of(const cpl_apart_runs *d, const cpl_apart_runs *c) {
+/* The larger share of one body's position and velocity, in which turns count by the way at radius r [m]. */
+static double apart_of(const cpl_apart_runs *d, const cpl_apart_runs *c, double r) {
+  static const int way[] = {CPL_POSITION, CPL_VELOCITY}, turn[] = {CPL_ANGLE, CPL_ANGULAR_VELOCITY};
   double worst = 0;
-  for (int q = 0; q < CPL_QUANTITIES; q++) {
-    const int other = (q + 2) % CPL_QUANTITIES; /* turns beside ways, at a lever of 1 m */
-    const bool moves = d->spread[q] > 1e-9 && d->spread[q] > 1e-6 * d->spread[other];
-    if (moves && d->rms[q] > (c ? 2 * c->rms[q] : 0))
-      worst = fmax(worst, d->rms[q] / d->spread[q]);
+  for (int k = 0; k < 2; k++) {
+    const double apart = hypot(d->rms[way[k]], r * d->rms[turn[k]]);
+    const double spread = hypot(d->spread[way[k]], r * d->spread[turn[k]]);
+    const double above = c ? 2 * hypot(c->rms[way[k]], r * c->rms[turn[k]]) : 0;
+    if (spread > 1e-9 && apart > above)
+      worst = fmax(worst, apart / spread);
   }
   return worst;
 }
@@ -407,7 +426,7 @@ double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried
     if (!compare(a, b, body, &d))
       continue;
     const bool known = twins && compare(&twins[0], &twins[1], body, &c);
-    worst = fmax(worst, apart_of(&d, known ? &c : NULL));
+    worst = fmax(worst, apart_of(&d, known ? &c : NULL, t->radius ? t->radius[i] : 1));
   }
   return worst;
 }

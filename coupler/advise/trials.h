@@ -27,6 +27,7 @@ typedef struct {
   char bed[4300];
   double setup;         /* until both solvers are ready, with settling [s] */
   double budget, spent; /* wall time of trials, without settling [s] */
+  double *radius;       /* (bodies) of gyration, at which turns count beside ways [m] */
   int ntrial;
   json_t *rows; /* a row a trial */
 } cpl_trials;
@@ -65,9 +66,10 @@ tdm_status cpl_trials_check(cpl_trials *trials, const cpl_candidate *of, double 
 tdm_status cpl_trials_run(cpl_trials *trials, const cpl_candidate *of, double end, double interval, bool round_off,
                           cpl_tried *tried, tdm_error *err);
 
-/* How far two trials are apart, the largest over bodies and quantities, as a share of its spread (of bodies that loads
- * do not move: the loads themselves, as means over a hundredth of the time); differences that are at most twice those
- * of the twins (may be NULL), which differ by round-off, do not count. NaN: nothing to compare. */
+/* How far two trials are apart, the largest over bodies, of position and of velocity (with turns at the radius of
+ * gyration), as a share of its spread (of bodies that loads do not move: the loads themselves, as means over a
+ * hundredth of the time); differences that are at most twice those of the twins (may be NULL), which differ by
+ * round-off, do not count. NaN: nothing to compare. */
 double cpl_trials_apart(const cpl_trials *trials, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]);
 
 /* The variance ratio of the loads on the bodies, the largest of all; NaN: unknown. */
