@@ -114,15 +114,16 @@ END_TEST
 
 /* Every byte of every time history is the same with and without, whatever the scheme. */
 START_TEST(looking_changes_nothing) {
-  static const char *const options[] = {"",
-                                        "--set coupling.scheme=iterative",
-                                        "--set coupling.scheme=lommen --set coupling.n=2",
-                                        "--set coupling.scheme=dem-first --set coupling.n=3",
-                                        "--set coupling.n=auto",
-                                        "--set coupling.transport=inproc",
-                                        "--set dem.threads=2 --set dem.integrator=multi-step --set "
-                                        "dem.multi_step.substeps=2 --set dem.multi_step.mass=0.01 --set "
-                                        "coupling.scheme=dem-first --set coupling.n=3"};
+  static const char *const options[] = {
+      "",
+      "--set coupling.scheme=iterative",
+      "--set coupling.scheme=lommen --set coupling.n=2",
+      "--set coupling.scheme=dem-first --set coupling.n=3",
+      "--set coupling.n=auto --set coupling.auto.n_max=20", /* below the interval, which limits it */
+      "--set coupling.transport=inproc",
+      "--set dem.threads=2 --set dem.integrator=multi-step --set "
+      "dem.multi_step.substeps=2 --set dem.multi_step.mass=0.01 --set "
+      "coupling.scheme=dem-first --set coupling.n=3"};
   setup();
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++) {
     char with[256];

@@ -36,6 +36,8 @@ static inline void run_open(run *r, const char *scene, const char *names) {
   static char buffer[RUN_BODIES][64];
   memset(r, 0, sizeof *r);
   r->scene = scene_json("%s", scene);
+  if (!json_object_get(r->scene, "formulation")) /* that of bodies alone; "names" couples them to push them */
+    json_object_set_new(r->scene, "formulation", json_string("ggl"));
   for (int used; sscanf(names, "%63s%n", buffer[r->nbody], &used) == 1; names += used) {
     r->body[r->nbody].name = buffer[r->nbody];
     r->nbody++;
