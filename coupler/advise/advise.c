@@ -329,12 +329,24 @@ static void keep_if_cheaper(advisor *v, const cpl_tried *before_it, double error
   v->a.coupling = error;
 }
 
+/* Particles go along the straight path of a body that is driven: its n at most. */
+static double most_n_of_path(advisor *v) {
+  const double most =
+      v->best.prescribed ? cpl_path_n(v->best.acceleration, cpl_trials_smallest(&v->t), v->best.of.dt) : INFINITY;
+  if (isfinite(most))
+    cpl_because(&v->a,
+                "n = %.0f at most: particles meet a driven body on a straight path within the window, at %.3g m/s2 a "
+                "hundredth of the smallest radius beside the true one then",
+                floor(most), v->best.acceleration);
+  return most;
+}
+
 /* Longer windows, as long as they save something and bear it. */
 static tdm_status longer_windows(advisor *v, tdm_error *err) {
   cpl_candidate c = v->a.best;
   const cpl_tried before_it = v->best;
   const double most = v->t.settings.time_end / (20 * c.dt), error = v->a.coupling;
-  double n = fmin((double)cpl_cheap_n(v->best.window, v->best.step), most);
+  double n = fmin(fmin((double)cpl_cheap_n(v->best.window, v->best.step), most), most_n_of_path(v));
   bool taken = false;
   for (int k = 0; k < 3 && !taken && n > 1.3 * (double)before_it.of.n && may_go_on(v); k++) {
     c.n = round_n(n);

@@ -55,6 +55,10 @@ long cpl_first_n(const cpl_facts *f, double dt, double rayleigh_share) {
   return lround(5 * ratio);
 }
 
+double cpl_path_n(double acceleration, double radius, double dt) {
+  return acceleration > 0 ? fmax(1, sqrt(8 * 0.01 * radius / acceleration) / dt) : INFINITY;
+}
+
 long cpl_cheap_n(double window, double step) {
   const double n = step > 0 && window > 0 ? ceil(window / (0.05 * step)) : 1;
   return (long)fmin(fmax(n, 1), 1e5);

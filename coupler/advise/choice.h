@@ -59,6 +59,10 @@ cpl_formulation cpl_choose_formulation(const cpl_facts *facts);
  * beside a particle (100 times), so that the windows are no shorter than with a step of that share; at most 50. */
 long cpl_first_n(const cpl_facts *facts, double dt, double rayleigh_share);
 
+/* The largest n with which the straight path within a window of a body that is driven leaves its true path by less than
+ * a hundredth of the smallest radius [m]: a H^2 / 8 with the acceleration a [m/s2]. */
+double cpl_path_n(double acceleration, double radius, double dt);
+
 /* The n from which on longer windows save less than a twentieth of the run: a window costs `window`, a step `step` [s].
  */
 long cpl_cheap_n(double window, double step);

@@ -257,12 +257,30 @@ static double gap_of(const cpl_table *table, double interval) {
   return worst; /* without the last row, which may be off the grid */
 }
 
+/* The largest change of the velocity over its time. */
+static double acceleration_of(const cpl_table *table, double interval) {
+  static const char *const rate[] = {"vx", "vy", "vz"};
+  const double *v[3];
+  double most = 0;
+  for (int a = 0; a < 3; a++)
+    v[a] = cpl_table_column(table, rate[a], NULL);
+  for (int i = 1; i + 1 < table->nrow; i++) {
+    double square = 0;
+    for (int a = 0; a < 3; a++)
+      square += v[a] ? (v[a][i] - v[a][i - 1]) * (v[a][i] - v[a][i - 1]) : 0;
+    most = fmax(most, sqrt(square) / interval);
+  }
+  return most;
+}
+
 static void look_at_bodies(const cpl_trials *t, cpl_tried *tried) {
   tried->gap = NAN;
   for (int b = 0; b < t->settings.nbody; b++) {
     cpl_table table;
-    if (read_body(t, tried, b, &table))
+    if (read_body(t, tried, b, &table)) {
       tried->gap = fmax(tried->gap, gap_of(&table, tried->interval));
+      tried->acceleration = fmax(tried->acceleration, acceleration_of(&table, tried->interval));
+    }
     cpl_table_free(&table);
   }
 }
@@ -350,6 +368,29 @@ tdm_status cpl_trials_run(cpl_trials *t, const cpl_candidate *of, double end, do
 }
 
 /* ---- trials against each other ---- */
+
+/* The smallest radius of sizes: a number, a range, or a distribution by its list, its least or its mean. */
+static double least_of(const json_t *radius) {
+  static const char *const keys[] = {"radii", "min", "mean"};
+  double least = json_is_number(radius) ? json_number_value(radius) : INFINITY;
+  for (size_t i = 0; i < json_array_size(radius); i++)
+    least = fmin(least, least_of(json_array_get(radius, i)));
+  for (int k = 0; k < 3 && isinf(least); k++)
+    if (json_object_get(radius, keys[k]))
+      least = least_of(json_object_get(radius, keys[k]));
+  return least;
+}
+
+double cpl_trials_smallest(const cpl_trials *t) {
+  static const char *const lists[] = {"dem.particles", "dem.sources"};
+  double least = INFINITY;
+  for (int k = 0; k < 2; k++) {
+    const json_t *list = tdm_scene_value(t->loaded.root, lists[k]);
+    for (size_t i = 0; i < json_array_size(list); i++)
+      least = fmin(least, least_of(json_object_get(json_array_get(list, i), "radius")));
+  }
+  return least;
+}
 
 /* The larger share of one body's position and velocity, in which turns count by the way at radius r [m]. */
 static double apart_of(const cpl_apart_runs *d, const cpl_apart_runs *c, double r) {

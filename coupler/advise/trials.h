@@ -43,6 +43,7 @@ typedef struct {
   double speed;               /* highest at which contacts began [m/s] */
   double half, last;          /* particles at the half and at the end */
   bool prescribed;            /* no load moves any coupled body: the loads are what there is to compare */
+  double acceleration;        /* largest of a coupled body [m/s2] */
   double gap;                 /* velocity against the derivative of position: the largest of all bodies; NaN */
   double estimate;            /* of its own error (error_estimate.worst); NaN */
 } cpl_tried;
@@ -71,6 +72,9 @@ tdm_status cpl_trials_run(cpl_trials *trials, const cpl_candidate *of, double en
  * hundredth of the time); differences that are at most twice those of the twins (may be NULL), which differ by
  * round-off, do not count. NaN: nothing to compare. */
 double cpl_trials_apart(const cpl_trials *trials, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]);
+
+/* The smallest radius of particles that the scene names [m]; inf: it names none. */
+double cpl_trials_smallest(const cpl_trials *trials);
 
 /* The variance ratio of the loads on the bodies, the largest of all; NaN: unknown. */
 double cpl_trials_erratic(const cpl_trials *trials, const cpl_tried *tried, double window);

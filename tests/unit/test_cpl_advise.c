@@ -78,6 +78,15 @@ START_TEST(windows_are_long_enough_when_they_cost_a_twentieth) {
 }
 END_TEST
 
+/* half of the way that an acceleration of 8 m/s2 has in a quarter of the time, at the middle: 8 H^2/8 */
+START_TEST(the_path_of_a_driven_body_stays_near_the_straight_one) {
+  ck_assert_double_eq_tol(cpl_path_n(8, 0.01, 1e-4), 100, 1e-9);
+  ck_assert_double_eq_tol(cpl_path_n(8, 0.04, 1e-4), 200, 1e-9);
+  ck_assert_double_eq(cpl_path_n(1e9, 0.01, 1e-4), 1);
+  ck_assert(isinf(cpl_path_n(0, 0.01, 1e-4)));
+}
+END_TEST
+
 /* a slow sine of amplitude 2 over blocks that it hardly changes in, and in every block + - + - of size 1 */
 START_TEST(variance_above_and_below_a_frequency) {
   enum { N = 40000, WIDTH = 20 };
@@ -137,5 +146,6 @@ END_TEST
 
 TEST_MAIN("advise", the_step_keeps_all_limits, without_particles_nothing_limits_the_step, steps_are_round,
           the_formulation_follows_the_contacts, a_small_step_and_a_heavy_body_begin_with_a_larger_n,
-          windows_are_long_enough_when_they_cost_a_twentieth, variance_above_and_below_a_frequency,
-          a_velocity_that_is_the_derivative_has_no_gap, a_value_changes_and_the_rest_of_the_text_stays)
+          windows_are_long_enough_when_they_cost_a_twentieth, the_path_of_a_driven_body_stays_near_the_straight_one,
+          variance_above_and_below_a_frequency, a_velocity_that_is_the_derivative_has_no_gap,
+          a_value_changes_and_the_rest_of_the_text_stays)
