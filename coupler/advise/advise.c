@@ -194,7 +194,7 @@ static void judge(advisor *v, const cpl_tried *tried, char *why, size_t size, do
              "the velocity is %.2g off the derivative of the position: the "
              "window is too long",
              tried->gap);
-  else if (here > erratic_limit * there)
+  else if (!tried->prescribed && here > erratic_limit * there)
     snprintf(why, size,
              "the load is erratic: %.2g of its variance above the window's "
              "frequency, against %.2g at n = 1",
@@ -393,6 +393,10 @@ static const double shrinks = 0.7; /* an error of the step would come down to a 
 static tdm_status check_step(advisor *v, tdm_error *err) {
   const cpl_tried first = v->best;
   double before_it = NAN;
+  if (first.prescribed) {
+    cpl_because(&v->a, "no load moves the coupled bodies: their motion says nothing of the DEM step, its limits stand");
+    return TDM_OK;
+  }
   for (int k = 0; k < 3 && may_go_on(v); k++) {
     cpl_candidate half = v->a.best;
     cpl_tried tried;

@@ -42,7 +42,7 @@ typedef struct {
   double loop, mbd;           /* the loop, the MBD solver's part of it [s] */
   double speed;               /* highest at which contacts began [m/s] */
   double half, last;          /* particles at the half and at the end */
-  bool prescribed;            /* no load moves any coupled body: the loads are what there is to compare */
+  bool prescribed;            /* no load moves any coupled body */
   double acceleration;        /* largest of a coupled body [m/s2] */
   double gap;                 /* velocity against the derivative of position: the largest of all bodies; NaN */
   double estimate;            /* of its own error (error_estimate.worst); NaN */
@@ -68,9 +68,8 @@ tdm_status cpl_trials_run(cpl_trials *trials, const cpl_candidate *of, double en
                           cpl_tried *tried, tdm_error *err);
 
 /* How far two trials are apart, the largest over bodies, of position and of velocity (with turns at the radius of
- * gyration), as a share of its spread (of bodies that loads do not move: the loads themselves, as means over a
- * hundredth of the time); differences that are at most twice those of the twins (may be NULL), which differ by
- * round-off, do not count. NaN: nothing to compare. */
+ * gyration), as a share of its spread; differences that are at most twice those of the twins (may be NULL), which
+ * differ by round-off, do not count. NaN: nothing to compare, or no load moves the bodies. */
 double cpl_trials_apart(const cpl_trials *trials, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]);
 
 /* The smallest radius of particles that the scene names [m]; inf: it names none. */
