@@ -201,6 +201,9 @@ static void judge(advisor *v, const cpl_tried *tried, char *why, size_t size, do
              here, there);
   else if (apart > v->a.wanted)
     snprintf(why, size, "it is %.2g %% off the run with n = 1", 100 * apart);
+  else if (v->has_single && cpl_estimate_too_large(tried->estimate, v->single.estimate, v->a.wanted))
+    snprintf(why, size, "its own estimate of what the exchange is off is %.2g %%, that of n = 1 %.2g %%",
+             100 * tried->estimate, 100 * v->single.estimate);
 }
 
 /* Try a candidate; if it is good it becomes the best. */

@@ -59,6 +59,10 @@ double cpl_path_n(double acceleration, double radius, double dt) {
   return acceleration > 0 ? fmax(1, sqrt(8 * 0.01 * radius / acceleration) / dt) : INFINITY;
 }
 
+bool cpl_estimate_too_large(double estimate, double single, double wanted) {
+  return estimate > fmax(wanted, 2 * single);
+}
+
 long cpl_cheap_n(double window, double step) {
   const double n = step > 0 && window > 0 ? ceil(window / (0.05 * step)) : 1;
   return (long)fmin(fmax(n, 1), 1e5);

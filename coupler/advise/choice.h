@@ -63,6 +63,10 @@ long cpl_first_n(const cpl_facts *facts, double dt, double rayleigh_share);
  * a hundredth of the smallest radius [m]: a H^2 / 8 with the acceleration a [m/s2]. */
 double cpl_path_n(double acceleration, double radius, double dt);
 
+/* Whether a run's own estimate of the exchange's error is more than what is wanted, and more than twice that of the run
+ * with n = 1, which no n can better. NaN: unknown, not too large. */
+bool cpl_estimate_too_large(double estimate, double single, double wanted);
+
 /* The n from which on longer windows save less than a twentieth of the run: a window costs `window`, a step `step` [s].
  */
 long cpl_cheap_n(double window, double step);

@@ -45,7 +45,7 @@ typedef struct {
   bool prescribed;            /* no load moves any coupled body */
   double acceleration;        /* largest of a coupled body [m/s2] */
   double gap;                 /* velocity against the derivative of position: the largest of all bodies; NaN */
-  double estimate;            /* of its own error (error_estimate.worst); NaN */
+  double estimate;            /* of the exchange's part of its own error (error_estimate.worst_coupling); NaN */
 } cpl_tried;
 
 /* Load the scene and look at what trials need. The caller closes also after an error. */

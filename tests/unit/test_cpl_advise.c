@@ -88,6 +88,16 @@ START_TEST(the_path_of_a_driven_body_stays_near_the_straight_one) {
 END_TEST
 
 /* a slow sine of amplitude 2 over blocks that it hardly changes in, and in every block + - + - of size 1 */
+START_TEST(an_estimate_counts_beside_that_of_single_steps) {
+  ck_assert(cpl_estimate_too_large(0.011, 0, 0.01));
+  ck_assert(!cpl_estimate_too_large(0.009, 0, 0.01));
+  ck_assert(!cpl_estimate_too_large(0.05, 0.03, 0.01));
+  ck_assert(cpl_estimate_too_large(0.07, 0.03, 0.01));
+  ck_assert(cpl_estimate_too_large(0.07, NAN, 0.01));
+  ck_assert(!cpl_estimate_too_large(NAN, 0, 0.01));
+}
+END_TEST
+
 START_TEST(variance_above_and_below_a_frequency) {
   enum { N = 40000, WIDTH = 20 };
   double *f = malloc(N * sizeof *f);
@@ -147,5 +157,5 @@ END_TEST
 TEST_MAIN("advise", the_step_keeps_all_limits, without_particles_nothing_limits_the_step, steps_are_round,
           the_formulation_follows_the_contacts, a_small_step_and_a_heavy_body_begin_with_a_larger_n,
           windows_are_long_enough_when_they_cost_a_twentieth, the_path_of_a_driven_body_stays_near_the_straight_one,
-          variance_above_and_below_a_frequency, a_velocity_that_is_the_derivative_has_no_gap,
-          a_value_changes_and_the_rest_of_the_text_stays)
+          an_estimate_counts_beside_that_of_single_steps, variance_above_and_below_a_frequency,
+          a_velocity_that_is_the_derivative_has_no_gap, a_value_changes_and_the_rest_of_the_text_stays)
