@@ -118,6 +118,9 @@ typedef struct {
   const char *const *seeds; /* values of the seeds that are wanted ("1"); NULL-terminated, NULL: all */
 } cpl_study_options;
 
+/* Refuse cells and seeds that the study does not have. */
+tdm_status cpl_study_check(const cpl_study *study, const cpl_study_options *options, tdm_error *err);
+
 /* Run the wanted cells and measure them. TDM_OK when each was tried, whatever became of it. */
 tdm_status cpl_study_run(cpl_study *study, const cpl_study_options *options, tdm_error *err);
 

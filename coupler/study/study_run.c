@@ -152,8 +152,7 @@ static int choose_runs(cpl_study *study, const cpl_study_options *o) {
   return n;
 }
 
-/* Refuse what the study does not have. */
-static tdm_status check_wanted(const cpl_study *study, const cpl_study_options *o, tdm_error *err) {
+tdm_status cpl_study_check(const cpl_study *study, const cpl_study_options *o, tdm_error *err) {
   const cpl_factor *seeds = &study->seeds;
   char has[256] = "";
   for (const char *const *only = o->only; only && *only; only++)
@@ -172,7 +171,7 @@ static tdm_status check_wanted(const cpl_study *study, const cpl_study_options *
 }
 
 static tdm_status fill_runs(cpl_study *study, const cpl_study_options *o, tdm_error *err) {
-  if (check_wanted(study, o, err) != TDM_OK)
+  if (cpl_study_check(study, o, err) != TDM_OK)
     return err->status;
   cpl_cells_free(&study->cells);
   free(study->run);

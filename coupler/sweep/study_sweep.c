@@ -55,19 +55,9 @@ static json_t *options_to_json(const cpl_sweep_options *o) {
 /* ---- running it ---- */
 
 /* Into a directory that is open. */
-static tdm_status run_study(const cpl_sweep_options *o, cpl_study *study, tdm_error *err) {
-  const char *seeds[CPL_VALUES_MAX + 1] = {NULL};
-  for (int s = 0; s < o->seeds.nvalue; s++)
-    seeds[s] = o->seeds.value[s];
-  cpl_study_options options = {.out = o->out,
-                               .jobs = o->jobs,
-                               .resume = o->resume,
-                               .scenarios = o->scenarios,
-                               .set = o->set,
-                               .only = o->only,
-                               .seeds = o->seeds.nvalue > 0 ? seeds : NULL};
-  memcpy(options.solver, o->solver, sizeof options.solver);
-  cpl_study_run(study, &options, err);
+static tdm_status run_study(const cpl_sweep_options *o, const cpl_study_options *options, cpl_study *study,
+                            tdm_error *err) {
+  cpl_study_run(study, options, err);
   if (err->status != TDM_OK && err->status != TDM_ERR_INTERRUPTED)
     return err->status;
   tdm_error late = {0};
@@ -83,14 +73,26 @@ tdm_status cpl_sweep_study(const cpl_sweep_options *o, tdm_error *err) {
   tdm_results results;
   const tdm_results_def def = {
       .dir = o->out, .force = o->force, .beside = o->resume, .instead = "go on with it with --resume, "};
+  const char *seeds[CPL_VALUES_MAX + 1] = {NULL};
+  cpl_study_options options = {.out = o->out,
+                               .jobs = o->jobs,
+                               .resume = o->resume,
+                               .scenarios = o->scenarios,
+                               .set = o->set,
+                               .only = o->only,
+                               .seeds = o->seeds.nvalue > 0 ? seeds : NULL};
+  memcpy(options.solver, o->solver, sizeof options.solver);
+  for (int s = 0; s < o->seeds.nvalue; s++)
+    seeds[s] = o->seeds.value[s];
   json_t *json = o->study ? NULL : options_to_json(o);
   if (o->study)
     cpl_study_read(&study, o->study, err);
   else
     cpl_study_read_json(&study, json, err);
-  if (err->status == TDM_OK && tdm_results_open(&results, &def, err) == TDM_OK) {
+  if (err->status == TDM_OK && cpl_study_check(&study, &options, err) == TDM_OK &&
+      tdm_results_open(&results, &def, err) == TDM_OK) {
     if (tdm_check_writable(o->json, err) == TDM_OK && tdm_results_start(&results, err) == TDM_OK)
-      run_study(o, &study, err);
+      run_study(o, &options, &study, err);
     tdm_results_close(&results);
   }
   cpl_study_free(&study);

@@ -20,7 +20,7 @@ enum { ORDERS_MAX = 6, CELLS_MAX = 6 };
 typedef struct {
   const char *file;                /* studies/FILE.json */
   const char *only[CELLS_MAX + 1]; /* cells without --full; none: a study of --full alone */
-  const char *seeds[2];            /* of these; none: all */
+  const char *seeds[3];            /* of these without --full; none: all */
   const char *measure;             /* its main measure */
   order orders[ORDERS_MAX + 1];    /* ended by a NULL measure */
   const char *least[2];            /* cell with the smallest `none`, which is at most `most` */
@@ -37,6 +37,7 @@ static const study_row studies[] = {
                 {"screening.efficiency", "rpm=250", "rpm=10"}}},
     {.file = "friction",
      .only = {"friction_deck=0", "friction_deck=0.06", "friction_deck=0.3"},
+     .seeds = {"1", "2"}, /* without a third, as at 0.3 runs are five times as long */
      .measure = "screening.efficiency_mass",
      .orders = {{"screening.efficiency_mass", "friction_deck=0.06", "friction_deck=0"},
                 {"share", "friction_deck=0", "friction_deck=0.06"},
@@ -56,6 +57,8 @@ static const study_row studies[] = {
     {.file = "size", .measure = "screening.efficiency_mass"},
     {.file = "spring", .measure = "screening.efficiency"},
     {.file = "hole", .measure = "screening.efficiency"},
+    {.file = "nozzle", .measure = "feed"},
+    {.file = "number", .measure = "run_time"},
 };
 
 /* All that a study's cells gave for one measure. */

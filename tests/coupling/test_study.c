@@ -237,6 +237,7 @@ START_TEST(cases_with_labels_and_one_that_fails) {
   json_decref(study);
   ck_assert_int_eq(command("tandem sweep %s/study.json --out %s/u --cell lihgt", dir, dir), 2);
   expect_output("did you mean light");
+  ck_assert(!has("u"));
   directory_remove(dir);
 }
 END_TEST
