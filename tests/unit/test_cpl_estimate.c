@@ -39,7 +39,7 @@ static void follow(cpl_trace *trace, int n, double h, const faults *f) {
   ck_assert(cpl_trace_init(trace, mass, &from));
   for (int i = 0; i < n; i++) {
     const double t0 = i * h, t1 = (i + 1) * h;
-    const double jump = f->noise * ((i * 7 + i * i * 3) % 11 < 5 ? 1 : -1); /* the impulse's own, bounded */
+    const double jump = f->noise * ((i * 7L + (long)i * i * 3) % 11 < 5 ? 1 : -1); /* the impulse's own, bounded */
     const tdm_state to = at(place(t1), rate(t1)), other = at(place(t1), rate(t1) - f->other_speed);
     cpl_trace_window window = {.t0 = t0, .t1 = t1, .start = &from, .end = &to};
     window.found.force.z = load(t0, t1) + mass[2] * (jump - last) / h;
