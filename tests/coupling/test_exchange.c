@@ -130,7 +130,7 @@ START_TEST(what_contacts_feel) {
   const double *x = column(&path, "x"), *fx = column(&path, "fx"), *gx = column(&sent, "fx");
   ck_assert_int_eq(path.nrow, 11);
   for (int k = 1; k < path.nrow; k++) {
-    const double overlap = 5e-4 - 0.5 * (x[k - 1] + x[k] - 0.2); /* in the mean over the window, but for half a step */
+    const double overlap = 5e-4 - 0.5 * (x[k - 1] + x[k] - 0.2); /* window average, but for half a step */
     ck_assert_double_eq_tol(fx[k], 2e5 * overlap + damping * acceleration * (k - 0.5) * h, 0.02);
     ck_assert_double_eq_tol(gx[k] - fx[k], damping * acceleration * 0.5 * h, 1e-6);
   }
