@@ -63,8 +63,7 @@ static bool in_sector(const dem_sink *s, tdm_vec3 x) {
 
 bool dem_zone_inside(const dem_zone *z, tdm_vec3 x) {
   const dem_sink *s = z->sink;
-  const tdm_vec3 away = tdm_sub(x, z->middle);
-  if (s->type == DEM_SINK_AFTER_CONTACT || !(tdm_dot(away, away) <= z->radius2))
+  if (s->type == DEM_SINK_AFTER_CONTACT || !dem_zone_near(z, x))
     return false;
   if (s->frame >= 0)
     x = tdm_m3_tmul(z->axes, tdm_sub(x, z->origin));

@@ -18,6 +18,12 @@ typedef struct {
 /* The place of sink s now. */
 dem_zone dem_zone_now(const dem_data *data, int s);
 
+/* Is a point [m], world, in the sphere around the zone? Quick: most points are not. */
+static inline bool dem_zone_near(const dem_zone *zone, tdm_vec3 x) {
+  const tdm_vec3 away = tdm_sub(x, zone->middle);
+  return tdm_dot(away, away) <= zone->radius2;
+}
+
 /* Is a point [m], world, inside? Never for a sink that takes after a contact. */
 bool dem_zone_inside(const dem_zone *zone, tdm_vec3 x);
 

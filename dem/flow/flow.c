@@ -191,10 +191,11 @@ static bool rebounded(dem_data *d, int s, int i) {
 /* the sink that takes particle i, -1: none */
 static int taker(dem_data *d, const dem_zone *zone, int i) {
   const dem_model *m = d->model;
+  const tdm_vec3 x = d->state.sphere[i].position;
   int first = -1;
   for (int s = 0; s < m->nsink; s++) { /* all of them, so that each notes its contacts */
     bool takes = m->sink[s].type == DEM_SINK_AFTER_CONTACT ? rebounded(d, s, i)
-                                                           : dem_zone_inside(&zone[s], d->state.sphere[i].position);
+                                                           : dem_zone_near(&zone[s], x) && dem_zone_inside(&zone[s], x);
     if (takes && first < 0)
       first = s;
   }
@@ -214,7 +215,7 @@ static void count_out(dem_data *d, int s, int i) {
   dem_screening_count(d, s, i);
 }
 
-static void run_sinks(dem_data *d) {
+static tdm_status run_sinks(dem_data *d) {
   int *gone = d->work.number; /* scratch */
   dem_zone zone[DEM_SINKS_MAX];
   long many = 0;
@@ -227,16 +228,15 @@ static void run_sinks(dem_data *d) {
     count_out(d, gone[i], i);
     many++;
   }
-  if (many > 0)
-    dem_data_remove(d, gone);
+  return many > 0 ? dem_data_remove(d, gone) : TDM_OK;
 }
 
 tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
   const dem_model *m = d->model;
   dem_screening_step(d, t);
   dem_blocking_look(d, t);
-  if (m->nsink > 0)
-    run_sinks(d);
+  if (m->nsink > 0 && run_sinks(d))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the contacts of the particles that stay");
   for (int s = 0; s < m->nsource; s++)
     if (run_source(d, &m->source[s], &d->state.source[s], t, dt))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for particles of a source");
@@ -247,7 +247,7 @@ tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
 
 /* ---- the open box ---- */
 
-void dem_flow_leave(dem_data *d) {
+tdm_status dem_flow_leave(dem_data *d) {
   int *gone = d->work.number; /* scratch */
   uint64_t many = 0;
   for (int i = 0; i < d->state.nparticle; i++) {
@@ -259,10 +259,8 @@ void dem_flow_leave(dem_data *d) {
     gone[i] = out ? 0 : -1;
     many += out;
   }
-  if (many == 0)
-    return;
   d->state.ledger.left += many;
-  dem_data_remove(d, gone);
+  return many > 0 ? dem_data_remove(d, gone) : TDM_OK;
 }
 
 /* ---- balances ---- */

@@ -20,8 +20,9 @@
  * Errors: TDM_ERR_MEMORY. */
 tdm_status dem_flow(dem_data *data, double t, double dt, tdm_error *err);
 
-/* Between two steps: take out what has left the open box dem.domain, and count it (ledger.left). */
-void dem_flow_leave(dem_data *data);
+/* Between two steps: take out what has left the open box dem.domain, and count it (ledger.left). Errors:
+ * TDM_ERR_MEMORY. */
+tdm_status dem_flow_leave(dem_data *data);
 
 /* At the end of the run, t [s]: remarks on sources whose particles still wait. */
 void dem_flow_end(const dem_data *data, double t);

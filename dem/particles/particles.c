@@ -7,6 +7,7 @@
 #include "dem/state/crossings.h"
 #include "dem/state/wall_gap.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* the energy of particle i, which came (1) or goes (-1) */
@@ -53,9 +54,20 @@ tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   return TDM_OK;
 }
 
-/* Drop the rows of particles that go and the entries that name one. The rest is renumbered; the entries of one chunk
- * are filled up again. */
-static void remove_pairs(dem_pairs *list, int before, int after, const int *number, int ncolumn) {
+/* ---- particles go ---- */
+
+/* The entry of a pair moves to an earlier or later place, with its history. */
+static void move_entries(dem_pairs *list, size_t to, size_t from, size_t count, int ncolumn) {
+  if (to == from || count == 0)
+    return;
+  memmove(list->one + to, list->one + from, count * sizeof *list->one);
+  memmove(list->other + to, list->other + from, count * sizeof *list->other);
+  for (size_t q = 0; q < (size_t)ncolumn; q++)
+    memmove(list->history + q * list->capacity + to, list->history + q * list->capacity + from, count * sizeof(double));
+}
+
+/* Drop the rows of particles that go and the entries that name one; renumber the rest, without gaps. */
+static void drop_pairs(dem_pairs *list, int before, int after, const int *number, int ncolumn) {
   size_t out = 0;
   for (int i = 0; i < before; i++) {
     int begin = list->first[i], end = list->first[i + 1];
@@ -67,19 +79,47 @@ static void remove_pairs(dem_pairs *list, int before, int after, const int *numb
       if (other >= before || number[other] < 0) /* none, or gone */
         continue;
       list->one[out] = number[i];
-      list->other[out] = list->reaction_slot[out] = number[other];
-      for (size_t q = 0; q < (size_t)ncolumn; q++)
+      list->other[out] = number[other];
+      for (size_t q = 0; q < (size_t)ncolumn && out < (size_t)k; q++)
         list->history[q * list->capacity + out] = list->history[q * list->capacity + (size_t)k];
       out++;
     }
   }
-  for (; out % DEM_LANES_MAX != 0; out++)
-    list->one[out] = list->other[out] = list->reaction_slot[out] = after;
   list->first[after] = (int)out;
   list->count = out;
 }
 
-static void remove_walls(dem_wall_contacts *list, const int *number, int ncolumn) {
+/* Part a list of pairs without gaps into chunks again, each filled up to whole lanes with the dummy particle's. */
+static tdm_status part_pairs(dem_data *d) {
+  dem_pairs *list = &d->lists.pairs;
+  int none = d->state.nparticle, nchunk = d->lists.nchunk, ncolumn = d->model->columns.ncolumn;
+  size_t at = 0, end = list->count;
+  for (int c = 0; c < nchunk; c++) {
+    list->chunk[c] = at;
+    at += (size_t)(list->first[dem_chunk_end(d, c)] - list->first[c * DEM_CHUNK]);
+    at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
+  }
+  list->chunk[nchunk] = at;
+  if (dem_pairs_reserve(list, at, ncolumn))
+    return TDM_ERR_MEMORY;
+  for (int c = nchunk - 1; c >= 0; c--) { /* entries move to later places: the last first */
+    size_t from = (size_t)list->first[c * DEM_CHUNK], filled = list->chunk[c] + (end - from);
+    move_entries(list, list->chunk[c], from, end - from, ncolumn);
+    for (int i = c * DEM_CHUNK; i < dem_chunk_end(d, c); i++)
+      list->first[i] += (int)(list->chunk[c] - from);
+    for (size_t k = filled; k < list->chunk[c + 1]; k++)
+      list->one[k] = list->other[k] = none;
+    end = from;
+  }
+  list->first[none] = (int)at;
+  list->count = at;
+  if (at > 0)
+    memcpy(list->reaction_slot, list->other, at * sizeof *list->other);
+  return TDM_OK;
+}
+
+/* Drop the entries of particles that go; renumber the rest. */
+static void drop_walls(dem_wall_contacts *list, const int *number, int ncolumn) {
   size_t out = 0;
   for (size_t k = 0; k < list->count; k++) {
     dem_wall_entry e = list->entry[k];
@@ -87,37 +127,89 @@ static void remove_walls(dem_wall_contacts *list, const int *number, int ncolumn
       continue;
     e.particle = number[e.particle];
     list->entry[out] = e;
-    for (size_t q = 0; q < (size_t)ncolumn; q++)
+    for (size_t q = 0; q < (size_t)ncolumn && out < k; q++)
       list->history[q * list->capacity + out] = list->history[q * list->capacity + k];
     out++;
   }
   list->count = out;
 }
 
-void dem_data_remove(dem_data *d, const int *gone) {
+/* The entries of walls in the order of the particles' chunks now, in each by wall: particles went from chunk to chunk,
+ * in order. Into the spare list, which takes the place of the other. */
+static tdm_status part_walls(dem_data *d) {
+  dem_wall_contacts *from = &d->lists.walls, *to = &d->work.spare_walls;
+  size_t nwall = (size_t)d->model->nwall, nbin = (size_t)d->lists.nchunk * nwall;
+  int ncolumn = d->model->columns.ncolumn;
+  size_t *bin = calloc(nbin + 1, sizeof *bin); /* where the entries of a chunk and a wall begin */
+  if (!bin || dem_walls_reserve(to, from->count, ncolumn)) {
+    free(bin);
+    return TDM_ERR_MEMORY;
+  }
+  for (size_t k = 0; k < from->count; k++)
+    bin[(size_t)(from->entry[k].particle / DEM_CHUNK) * nwall + (size_t)from->entry[k].wall + 1]++;
+  for (size_t b = 0; b < nbin; b++)
+    bin[b + 1] += bin[b];
+  for (int c = 0; c <= d->lists.nchunk; c++)
+    to->chunk[c] = bin[(size_t)c * nwall];
+  for (size_t k = 0; k < from->count; k++) {
+    size_t place = bin[(size_t)(from->entry[k].particle / DEM_CHUNK) * nwall + (size_t)from->entry[k].wall]++;
+    to->entry[place] = from->entry[k];
+    for (size_t q = 0; q < (size_t)ncolumn; q++)
+      to->history[q * to->capacity + place] = from->history[q * from->capacity + k];
+  }
+  to->count = from->count;
+  free(bin);
+  const dem_wall_contacts walls = *from;
+  *from = *to;
+  *to = walls;
+  return TDM_OK;
+}
+
+/* Particles first to end - 1 take the places from `to` on. */
+static void move_particles(dem_data *d, int to, int first, int end) {
+  size_t count = (size_t)(end - first);
+  memmove(&d->state.push[to], &d->state.push[first], count * sizeof *d->state.push);
+  if (d->state.spare_push)
+    memmove(&d->state.spare_push[to], &d->state.spare_push[first], count * sizeof *d->state.spare_push);
+#define X(field, n, name)                                                              \
+  memmove(&d->field[(size_t)to * (size_t)(n)], &d->field[(size_t)first * (size_t)(n)], \
+          count *(size_t)(n) * sizeof *d->field);
+  DEM_PARTICLE_STATE(X)
+#undef X
+}
+
+/* The lists when particles have gone: the entries that are left, parted into chunks as a new list would be. */
+static tdm_status part_lists(dem_data *d) {
+  bool several = d->lists.nchunk > 1;
+  d->lists.nchunk = dem_chunks(d->state.nparticle);
+  if (part_pairs(d))
+    return TDM_ERR_MEMORY;
+  if (several)
+    return part_walls(d) ? TDM_ERR_MEMORY : dem_crossings_place(d);
+  d->lists.walls.chunk[1] = d->lists.walls.count;
+  return TDM_OK;
+}
+
+tdm_status dem_data_remove(dem_data *d, const int *gone) {
   int before = d->state.nparticle, after = 0, *number = d->work.number;
   for (int i = 0; i < before; i++)
     number[i] = gone[i] >= 0 ? -1 : after++;
   if (after == before)
-    return;
+    return TDM_OK;
   int ncolumn = d->model->columns.ncolumn;
-  remove_pairs(&d->lists.pairs, before, after, number, ncolumn);
-  remove_walls(&d->lists.walls, number, ncolumn);
-  for (int i = 0; i < before; i++) {
+  drop_pairs(&d->lists.pairs, before, after, number, ncolumn);
+  drop_walls(&d->lists.walls, number, ncolumn);
+  for (int i = 0; i < before; i++)
     if (number[i] < 0) {
       d->state.ledger.removed++;
       dem_exact_sum_add(&d->state.ledger.mass, -d->state.mass[i]);
       note_flow(d, i, -1);
-      continue;
     }
-    d->state.push[number[i]] = d->state.push[i];
-    if (d->state.spare_push)
-      d->state.spare_push[number[i]] = d->state.spare_push[i];
-#define X(field, n, name)                                                                 \
-  memmove(&d->field[(size_t)number[i] * (size_t)(n)], &d->field[(size_t)i * (size_t)(n)], \
-          (size_t)(n) * sizeof *d->field);
-    DEM_PARTICLE_STATE(X)
-#undef X
+  for (int i = 0, end; i < before; i = end) { /* in runs that stay together */
+    for (end = i + 1; number[i] >= 0 && end < before && number[end] >= 0;)
+      end++;
+    if (number[i] >= 0 && number[i] < i)
+      move_particles(d, number[i], i, end);
   }
   d->state.nparticle = after;
   dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
@@ -125,12 +217,7 @@ void dem_data_remove(dem_data *d, const int *gone) {
   d->state.push[after] = (dem_push){0};
   if (d->state.spare_push)
     d->state.spare_push[after] = (dem_push){0};
-  if (d->lists.nchunk > 1) {
-    d->lists.stale = true; /* chunks have other particles now */
-    return;
-  }
-  d->lists.pairs.chunk[1] = d->lists.pairs.count;
-  d->lists.walls.chunk[1] = d->lists.walls.count;
+  return d->lists.valid && !d->lists.stale ? part_lists(d) : TDM_OK;
 }
 
 /* ---- order ---- */

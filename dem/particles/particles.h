@@ -16,8 +16,9 @@ typedef struct {
 tdm_status dem_data_add(dem_data *data, const dem_newcomer *newcomer);
 
 /* Remove the particles with gone[i] >= 0 (nparticle) between two steps. The others keep their order, contacts and
- * histories. */
-void dem_data_remove(dem_data *data, const int *gone);
+ * histories, and the lists become those that would be built of them, but for pairs that are too far. Errors:
+ * TDM_ERR_MEMORY. */
+tdm_status dem_data_remove(dem_data *data, const int *gone);
 
 /* Put the particles in a new order: place p gets what was at from[p]. The lists keep the old numbers, and push loses
  * what it has: they are to be built next. Errors: TDM_ERR_MEMORY. */

@@ -2,7 +2,7 @@
  * will meet here.
  *
  * A contact belongs to the chunk of its first particle, i; its second, j > i, may belong to a later chunk: then the
- * contact crosses. Between two builds of the lists (search/pairs.c) the crossings are the same.
+ * contact crosses. Between two builds of the lists (search/pairs.c) the crossings are the same, unless particles go.
  *
  *   a chunk reads of others, before the forces    sphere[j], rotor[j], material[j] of its crossings' partners (those of
  *                                                 pairs.other in later chunks); the walls' places, which all have
@@ -12,7 +12,7 @@
  *   it gives to all                               chunk_load, chunk_flux and the largest way, added up in the order of
  *                                                 the chunks, so that the bits do not depend on who worked when
  *
- * Who does it: search/pairs.c numbers the crossings; the pair loops write by pairs.reaction_slot; step/integrate.c
+ * Who does it: crossings.c numbers the crossings; the pair loops write by pairs.reaction_slot; step/integrate.c
  * takes reactions at the end of each chunk's step, step/forces.c takes sums of laws. Each of a chunk's takings is in
  * the order of crossings.order, ascending, so it may come from anywhere.
  */
@@ -33,6 +33,10 @@ static inline int dem_crossing_slot(const dem_data *d, int k) {
 static inline size_t dem_push_count(const dem_data *d) {
   return (size_t)dem_crossing_slot(d, d->lists.crossings.count);
 }
+
+/* Give each reaction on a particle of a later chunk a place of its own, behind the particles, and empty it. After a
+ * change of the pairs, of their chunks or of the number of particles. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_crossings_place(dem_data *d);
 
 /* There are no crossings until the lists are built next. */
 static inline void dem_crossings_forget(dem_data *d) {

@@ -159,8 +159,8 @@ tdm_status dem_step(dem_data *d, const dem_step_task *s, tdm_error *err) {
   /* the bodies that the step carries feel the new loads, the box loses what left it */
   if (s->proxy)
     dem_proxy_kick(s->proxy, d);
-  if (d->model->domain.open)
-    dem_flow_leave(d);
+  if (d->model->domain.open && dem_flow_leave(d))
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the contacts of the particles that stay");
   if (d->model->ndriven > 0 && !s->settling)
     dem_energy_balance_step(d, s->dt);
   count_step(d, s);
