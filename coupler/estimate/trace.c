@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/estimate/trace.h"
 
+#include <gsl/gsl_eigen.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,26 +11,66 @@
  * it foresaw 3 a where -a came. */
 static const double of_jump = 0.5, of_foresight = 0.25;
 
-static void parts(tdm_vec3 linear, tdm_vec3 angular, double out[CPL_PARTS]) {
-  const tdm_vec3 both[2] = {linear, angular};
+/* ---- parts ---- */
+
+/* Turns principal axes of the body into world axes. */
+static tdm_quat frame_at(const cpl_trace *t, tdm_quat orientation) {
+  return tdm_quat_mul(orientation, t->axes);
+}
+
+static void parts(tdm_quat frame, tdm_vec3 linear, tdm_vec3 angular, double out[CPL_PARTS]) {
+  const tdm_vec3 both[2] = {linear, tdm_quat_rotate(tdm_quat_conj(frame), angular)};
   memcpy(out, both, sizeof both);
 }
 
-/* From one state to another. */
-static void way_between(const tdm_state *from, const tdm_state *to, double out[CPL_PARTS]) {
-  parts(tdm_sub(to->pose.position, from->pose.position), tdm_quat_turn(from->pose.orientation, to->pose.orientation),
-        out);
+/* From one state to another; the axis of the turn between them is the same in both frames. */
+static void way_between(const cpl_trace *t, const tdm_state *from, const tdm_state *to, double out[CPL_PARTS]) {
+  parts(frame_at(t, to->pose.orientation), tdm_sub(to->pose.position, from->pose.position),
+        tdm_quat_turn(from->pose.orientation, to->pose.orientation), out);
 }
 
-bool cpl_trace_init(cpl_trace *t, const double mass[CPL_PARTS], const tdm_state *start) {
+/* ---- its life ---- */
+
+/* Principal moments and their axes; an inertia that is diagonal keeps its axes. False: no memory. */
+static bool principal(const tdm_mat3 *inertia, double moment[3], tdm_quat *axes) {
+  tdm_mat3 a = *inertia, columns = tdm_m3_identity();
+  gsl_matrix_view matrix = gsl_matrix_view_array(a.m[0], 3, 3), vectors = gsl_matrix_view_array(columns.m[0], 3, 3);
+  gsl_vector_view values = gsl_vector_view_array(moment, 3);
+  gsl_eigen_symmv_workspace *work = gsl_eigen_symmv_alloc(3);
+  if (!work)
+    return false;
+  gsl_eigen_symmv(&matrix.matrix, &values.vector, &vectors.matrix, work);
+  gsl_eigen_symmv_free(work);
+  const tdm_vec3 x = {columns.m[0][0], columns.m[1][0], columns.m[2][0]};
+  const tdm_vec3 y = {columns.m[0][1], columns.m[1][1], columns.m[2][1]}, z = tdm_cross(x, y);
+  *axes = tdm_quat_from_matrix((tdm_mat3){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}});
+  return true;
+}
+
+/* What a load has to move. */
+static bool inertia_of(cpl_trace *t, double mass, const tdm_mat3 *inertia) {
+  double *moment = t->mass + 3, sum = 0;
+  t->axes = tdm_quat_identity();
+  if (tdm_is_inertia(inertia) && !principal(inertia, moment, &t->axes))
+    return false;
+  for (int k = 0; k < 3; k++) {
+    t->mass[k] = isfinite(mass) && mass > 0 ? mass : 1;
+    sum += moment[k];
+  }
+  for (int k = 0; k < 3; k++)
+    if (!(moment[k] > 1e-14 * sum))
+      moment[k] = sum > 0 ? sum / 2 : 1;
+  return true;
+}
+
+bool cpl_trace_init(cpl_trace *t, double mass, const tdm_mat3 *inertia, const tdm_state *start) {
   *t = (cpl_trace){.stride = 1};
-  memcpy(t->mass, mass, sizeof t->mass);
   t->row = malloc(CPL_TRACE_ROWS * sizeof *t->row);
-  if (!t->row)
+  if (!t->row || !inertia_of(t, mass, inertia))
     return false;
   for (int i = 0; i < CPL_TRACE_ROWS; i++) /* a run takes its memory at the start, whatever its length */
     t->row[i].t = -1;
-  parts(start->twist.velocity, start->twist.angular, t->last.rate);
+  parts(frame_at(t, start->pose.orientation), start->twist.velocity, start->twist.angular, t->last.rate);
   t->end = t->row[t->nrow++] = t->last;
   return true;
 }
@@ -38,6 +79,8 @@ void cpl_trace_free(cpl_trace *t) {
   free(t->row);
   *t = (cpl_trace){0};
 }
+
+/* ---- rows ---- */
 
 /* Every second row is left out; the first stays. */
 static void thin(cpl_trace *t) {
@@ -61,16 +104,18 @@ static void keep(cpl_trace *t, const cpl_trace_row *row) {
 static cpl_trace_row sum_up(cpl_trace *t, const cpl_trace_window *w) {
   const double h = w->t1 - w->t0;
   double way[CPL_PARTS], found[CPL_PARTS], given[CPL_PARTS], apart[CPL_PARTS] = {0}, late[CPL_PARTS] = {0};
+  const tdm_quat middle = tdm_quat_slerp(w->start->pose.orientation, w->end->pose.orientation, 0.5);
+  const tdm_quat during = frame_at(t, middle), then = frame_at(t, w->end->pose.orientation);
   cpl_trace_row end = t->end;
-  way_between(w->start, w->end, way);
-  parts(w->found.force, w->found.moment, found);
-  parts(w->given.force, w->given.moment, given);
+  way_between(t, w->start, w->end, way);
+  parts(during, w->found.force, w->found.moment, found);
+  parts(during, w->given.force, w->given.moment, given);
   if (w->other_end) {
-    way_between(w->other_end, w->end, apart);
-    parts(tdm_sub(w->end->twist.velocity, w->other_end->twist.velocity),
+    way_between(t, w->other_end, w->end, apart);
+    parts(then, tdm_sub(w->end->twist.velocity, w->other_end->twist.velocity),
           tdm_sub(w->end->twist.angular, w->other_end->twist.angular), late);
   }
-  parts(w->end->twist.velocity, w->end->twist.angular, end.rate);
+  parts(then, w->end->twist.velocity, w->end->twist.angular, end.rate);
   for (int k = 0; k < CPL_PARTS; k++) {
     const double owed = h * (given[k] - found[k]);
     const double off = of_jump * owed / t->mass[k] + of_foresight * late[k];
@@ -86,10 +131,10 @@ static cpl_trace_row sum_up(cpl_trace *t, const cpl_trace_window *w) {
   return end;
 }
 
-/* The impulse until an output time. */
-static void sample(cpl_trace *t, double time, const tdm_wrench *load) {
+/* The impulse until an output time; the body's frame then. */
+static void sample(cpl_trace *t, double time, tdm_quat frame, const tdm_wrench *load) {
   double mean[CPL_PARTS];
-  parts(load->force, load->moment, mean);
+  parts(frame, load->force, load->moment, mean);
   for (int k = 0; k < CPL_PARTS; k++)
     t->sampled[k] += (time - t->sample_time) * mean[k];
   t->sample_time = time;
@@ -101,8 +146,8 @@ static cpl_trace_row row_inside(const cpl_trace *t, const cpl_trace_window *w, c
   const double s = (w->sample_time[i] - w->t0) / (w->t1 - w->t0);
   double way[CPL_PARTS];
   cpl_trace_row row = t->end;
-  way_between(w->start, state, way);
-  parts(state->twist.velocity, state->twist.angular, row.rate);
+  way_between(t, w->start, state, way);
+  parts(frame_at(t, state->pose.orientation), state->twist.velocity, state->twist.angular, row.rate);
   for (int k = 0; k < CPL_PARTS; k++) {
     row.way[k] += way[k];
     row.given[k] = t->sampled[k];
@@ -118,7 +163,8 @@ static cpl_trace_row row_inside(const cpl_trace *t, const cpl_trace_window *w, c
 void cpl_trace_add(cpl_trace *t, const cpl_trace_window *w) {
   const cpl_trace_row end = sum_up(t, w);
   for (int i = 0; i < w->nsample; i++) {
-    sample(t, w->sample_time[i], &w->sample_load[i * w->stride]);
+    sample(t, w->sample_time[i], frame_at(t, w->sample[i * w->stride].pose.orientation),
+           &w->sample_load[i * w->stride]);
     if (w->nsample > 1) {
       const cpl_trace_row row = row_inside(t, w, &end, i);
       keep(t, &row);

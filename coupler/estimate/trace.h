@@ -2,7 +2,8 @@
  * impulse the particles gave it, and what the two solvers differed by. A few thousand rows at most, however long the
  * run: all of it is summed up from the start, so that rows can be left out.
  *
- * Six parts each, world axes: way or velocity along x, y, z, then turn or angular velocity about x, y, z.
+ * Six parts each: way or velocity along x, y, z of the world, then turn or angular velocity about the body's own
+ * principal axes, whose moments of inertia are what a moment about each of them has to overcome.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPL_ESTIMATE_TRACE_H
@@ -29,6 +30,7 @@ typedef struct {
 
 typedef struct {
   double mass[CPL_PARTS]; /* inertia against each part [kg, kg m2], > 0 */
+  tdm_quat axes;          /* turns principal axes into body axes */
   uint64_t windows;       /* so far */
   uint64_t seen, stride;  /* rows that there were, and how many of them for each that is kept */
   int nrow;
@@ -53,8 +55,10 @@ typedef struct {
   int stride;
 } cpl_trace_window;
 
-/* Zeros but for mass and the first row; false: no memory. cpl_trace_free lets go of it in any case. */
-bool cpl_trace_init(cpl_trace *trace, const double mass[CPL_PARTS], const tdm_state *start);
+/* A body of this mass and inertia (about the centre of mass, body axes [kg m2]) at its start: zeros but for these and
+ * the first row; false: no memory. Where either says nothing (not finite, or zero) it counts as 1; about an axis
+ * without inertia, a rod's own, the mean of the others counts. cpl_trace_free lets go of it in any case. */
+bool cpl_trace_init(cpl_trace *trace, double mass, const tdm_mat3 *inertia, const tdm_state *start);
 void cpl_trace_free(cpl_trace *trace);
 
 void cpl_trace_add(cpl_trace *trace, const cpl_trace_window *window);

@@ -16,14 +16,6 @@ typedef struct {
   bool *prescribed; /* (nbody) no load moves it */
 } estimate;
 
-/* What a load has to move: the body's mass, its mean moment of inertia. */
-static void inertia_of(const tdm_assigned_body *body, double out[CPL_PARTS]) {
-  const double radius = cpl_body_radius(body);
-  const double mass = isfinite(body->mass) && body->mass > 0 ? body->mass : 1;
-  for (int k = 0; k < CPL_PARTS; k++)
-    out[k] = k < 3 ? mass : mass * radius * radius;
-}
-
 static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cpl_outlet *outlet, void **own,
                         tdm_error *err) {
   (void)self, (void)outlet;
@@ -36,9 +28,8 @@ static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cp
   if (!e->trace || !e->prescribed)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < loop->nbody; i++) {
-    double inertia[CPL_PARTS];
-    inertia_of(&loop->session->body[i], inertia);
-    if (!cpl_trace_init(&e->trace[i], inertia, &loop->state_start[i]))
+    const tdm_assigned_body *body = &loop->session->body[i];
+    if (!cpl_trace_init(&e->trace[i], body->mass, &body->inertia, &loop->state_start[i]))
       return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
     e->prescribed[i] = loop->prescribed[i];
     e->nbody++;
