@@ -10,7 +10,8 @@ const char *const cpl_quantity_names[CPL_QUANTITIES] = {"position", "velocity", 
 const char *const cpl_quantity_units[CPL_QUANTITIES] = {"m", "m/s", "rad", "rad/s"};
 
 enum { LEAST_ROWS = 8, TERMS = 3 };
-static const double good_fit = 0.95;  /* share of the variance that a linear motion must explain to be gone by */
+static const double good_fit = 0.95;  /* share of the variance that a linear motion must explain to be gone by, of the
+                                       * way and of the rate */
 static const double pace_share = 0.2; /* of the motion's own time, spread of the way over that of the rate: faster than
                                        * that is jitter */
 static const double least_spans = 0.05; /* ... and of the run */
@@ -84,7 +85,26 @@ static part part_of(const cpl_trace *t, int k) {
  *   F = c - m (x'' - p0)       what the particles add to the inertia; their load */
 typedef struct {
   double q, s, added, load;
+  bool holds; /* it is such a motion; else stops, cables and blows make it what it is */
 } linear;
+
+/* Does the swing tell the rate, too, but for what the exchange itself shakes it by? Integrals alone hide blows. */
+static bool tells_rate(const part *p, const double c[TERMS]) {
+  const cpl_trace_row *first = row_of(p, 0), *before = first;
+  double once = 0, rest = 0, sum = 0, square = 0;
+  for (int i = 1; i < p->n; i++) {
+    const cpl_trace_row *r = row_of(p, i);
+    const double h = r->t - before->t, rate = r->rate[p->k];
+    once += 0.5 * h * (before->way[p->k] + r->way[p->k]);
+    const double off = rate - first->rate[p->k] - c[0] * r->t - c[1] * once - c[2] * r->way[p->k];
+    rest += h * off * off;
+    sum += h * rate;
+    square += h * rate * rate;
+    before = r;
+  }
+  const double time = before->t - first->t, shaken = before->jolt[p->k] - first->jolt[p->k];
+  return rest <= (1 - good_fit) * (square - sum * sum / time) + 4 * shaken;
+}
 
 static linear motion_of(const part *p) {
   linear l = {0};
@@ -100,7 +120,8 @@ static linear motion_of(const part *p) {
     fit_add(&weight, (double[]){r->t, gained}, r->given[p->k]);
     before = r;
   }
-  if (fit_solve(&swing, c) > good_fit) {
+  l.holds = fit_solve(&swing, c) > good_fit && tells_rate(p, c);
+  if (l.holds) {
     l.q = fmin(c[1], 0);
     l.s = fmin(c[2], 0);
   }
@@ -126,6 +147,45 @@ typedef struct {
   double spread[2], coupling[2], fill[2];
   double local; /* of the rate: of the windows' own defects, a part of the coupling's */
 } squares;
+
+/* Way [0] and rate [1] at a time, on a straight line between rows; *at: the row before, found from where it was. */
+static void motion_at(const part *p, double t, int *at, double out[2]) {
+  while (*at > 0 && row_of(p, *at)->t > t)
+    --*at;
+  while (*at < p->n - 2 && row_of(p, *at + 1)->t < t)
+    ++*at;
+  const cpl_trace_row *a = row_of(p, *at), *b = row_of(p, *at + 1);
+  const double s = fmax(0, fmin(1, (t - a->t) / (b->t - a->t)));
+  out[0] = a->way[p->k] + s * (b->way[p->k] - a->way[p->k]);
+  out[1] = a->rate[p->k] + s * (b->rate[p->k] - a->rate[p->k]);
+}
+
+/* Where the motion is no linear swing, its pace depends on its energy, and blows come too early or too late. With the
+ * share w of energy that the exchange has made of what the motion has, a body that flies between blows (between walls,
+ * or up and down by its weight) goes faster by w/2 and needs so much more or less time for its way: it is ahead by the
+ * integral of w/2 over time, and what it makes in that time is its error. Adds means times time of the squares to
+ * `sum`, of way and rate. */
+static void add_shift(const part *p, double inertia, double sum[2]) {
+  const int k = p->k;
+  const cpl_trace_row *first = row_of(p, 0), *before = first;
+  double square = 0, shift = 0, share = 0;
+  int at = 0;
+  for (int i = 1; i < p->n; i++) {
+    square += (row_of(p, i)->t - row_of(p, i - 1)->t) * pow(row_of(p, i)->rate[k], 2);
+  }
+  const double energy = inertia * square / (row_of(p, p->n - 1)->t - first->t); /* twice the mean of the kinetic one */
+  for (int i = 1; energy > 0 && i < p->n; i++) {
+    const cpl_trace_row *r = row_of(p, i);
+    const double h = r->t - before->t, now = r->made[k] / energy;
+    double there[2];
+    shift += 0.25 * h * (share + now);
+    share = now;
+    motion_at(p, r->t + shift, &at, there);
+    sum[0] += h * (pow(there[0] - r->way[k], 2) + pow(share * r->way[k], 2));
+    sum[1] += h * (pow(there[1] - r->rate[k], 2) + pow(0.5 * share * r->rate[k], 2));
+    before = r;
+  }
+}
 
 /* The error of the exchange and the motion of the fill, carried on by the swing: impulses too much, over the inertia of
  * body and particles. To the first comes what a window's own defect does to the body alone, before the particles
@@ -159,6 +219,8 @@ static squares carry(const part *p, const linear *l) {
     local[0] += r->slip[k] - before->slip[k] + half_window * half_window * (r->jolt[k] - before->jolt[k]);
     before = r;
   }
+  if (!l->holds)
+    add_shift(p, inertia, s.coupling);
   const double time = before->t - first->t;
   for (int j = 0; j < 2; j++) {
     s.spread[j] = fmax(0, square[j] / time - mean[j] * mean[j] / (time * time));
