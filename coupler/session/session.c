@@ -191,8 +191,8 @@ static tdm_status take_remarks(cpl_session *s, int from, const tdm_header *heade
   return TDM_OK;
 }
 
-/* A frame of a partner: HEARTBEAT and REMARKS are taken (*got stays false), ERROR and what was not expected become err.
- */
+/* A frame of a partner: HEARTBEAT, REMARKS and the answer to a SAVE that nobody waits for are taken (*got stays false),
+ * ERROR and what was not expected become err. */
 static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type, const void *data, size_t size,
                        tdm_header *header, bool *got, tdm_error *err) {
   char message[160];
@@ -202,6 +202,10 @@ static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type
     return TDM_OK;
   if (header->type == TDM_REMARKS)
     return take_remarks(s, from, header, err);
+  if (header->type == TDM_SAVE && s->partner[from].saving > 0) {
+    s->partner[from].saving--;
+    return TDM_OK;
+  }
   if (header->type == TDM_ERROR) {
     json_t *json = NULL;
     if (tdm_control_read(header, &json, err) == TDM_OK)
@@ -368,19 +372,18 @@ tdm_status cpl_session_step(cpl_session *s, cpl_role role, const tdm_step *step,
   return TDM_OK;
 }
 
+/* Send a question (owned). */
+static tdm_status put(cpl_session *s, cpl_role role, tdm_message_type type, json_t *question, tdm_error *err) {
+  tdm_status status = tdm_control_write(&s->out, type, 0, question, err);
+  json_decref(question);
+  return status == TDM_OK ? send_to(s, role, err) : status;
+}
+
 /* Send a question (owned), and wait for the answer of the same type. */
 static tdm_status ask(cpl_session *s, cpl_role role, tdm_message_type type, json_t *question, tdm_header *answer,
                       tdm_error *err) {
-  tdm_status status = tdm_control_write(&s->out, type, 0, question, err);
-  json_decref(question);
-  if (status == TDM_OK)
-    status = send_to(s, role, err);
+  tdm_status status = put(s, role, type, question, err);
   return status == TDM_OK ? wait_for(s, role, type, answer, err) : status;
-}
-
-static tdm_status ask_state(cpl_session *s, cpl_role role, tdm_message_type type, int slot, tdm_error *err) {
-  tdm_header answer;
-  return ask(s, role, type, json_pack("{s:i}", "slot", slot), &answer, err);
 }
 
 tdm_status cpl_session_view(cpl_session *s, cpl_role role, const char *what, tdm_header *header, tdm_error *err) {
@@ -388,11 +391,14 @@ tdm_status cpl_session_view(cpl_session *s, cpl_role role, const char *what, tdm
 }
 
 tdm_status cpl_session_save(cpl_session *s, cpl_role role, int slot, tdm_error *err) {
-  return ask_state(s, role, TDM_SAVE, slot, err);
+  tdm_status status = put(s, role, TDM_SAVE, json_pack("{s:i}", "slot", slot), err);
+  s->partner[role].saving += status == TDM_OK;
+  return status;
 }
 
 tdm_status cpl_session_restore(cpl_session *s, cpl_role role, int slot, tdm_error *err) {
-  return ask_state(s, role, TDM_RESTORE, slot, err);
+  tdm_header answer;
+  return ask(s, role, TDM_RESTORE, json_pack("{s:i}", "slot", slot), &answer, err);
 }
 
 /* ---- end ---- */

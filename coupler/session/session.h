@@ -26,6 +26,7 @@ typedef struct {
   json_t *remarks;      /* from its last REMARKS, as tdm_remarks_from_json makes them; NULL: none */
   bool has_gravity;
   tdm_vec3 gravity;  /* from READY, if it tells [m/s2] */
+  int saving;        /* SAVEs that it has not answered yet */
   double rest;       /* from READY: energy below which all is at rest for it [J]; 0: it does not say */
   tdm_energy energy; /* from READY: at the start; NaN when not known */
   tdm_frame store;   /* arrays of its last RESULT */
@@ -110,7 +111,7 @@ tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step 
                             tdm_error *err);
 
 /* Ask a solver with the capability "restore" to keep its state under a slot (0 ... TDM_SLOTS_MAX - 1), or to go back to
- * it; between windows only. */
+ * it; between windows only. SAVE is not waited for: that it failed is told when the solver is listened to next. */
 tdm_status cpl_session_save(cpl_session *session, cpl_role role, int slot, tdm_error *err);
 tdm_status cpl_session_restore(cpl_session *session, cpl_role role, int slot, tdm_error *err);
 
