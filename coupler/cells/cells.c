@@ -274,7 +274,7 @@ tdm_status cpl_cells_run(cpl_cells *cells, tdm_error *err) {
   cell_work work = {.cells = cells};
   for (int i = 0; i < cells->ncell; i++)
     work.done += cells->cell[i].row != NULL;
-  if (work.done > 0)
+  if (work.done > 0 && !cells->quiet)
     fprintf(stderr, "tandem: %d of %d cells are there already\n", work.done, cells->ncell);
   cpl_jobs_run(&(cpl_jobs){cells->ncell, cells->jobs, &work, begin_cell, run_cell, end_cell});
   return tdm_interrupted ? tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted; --resume continues the sweep")

@@ -111,6 +111,7 @@ typedef struct {
   const char *out;               /* directory, which is there */
   int jobs;                      /* runs at a time */
   bool resume;                   /* keep the runs that are there */
+  bool quiet;                    /* no line for each run on standard error */
   const cpl_scenario *scenarios; /* table ended by a NULL name */
   cpl_solver solver[CPL_NROLE];
   const char *const *set;   /* further "path=value" for all cells, over the study's own; NULL-terminated, may be NULL */

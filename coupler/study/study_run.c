@@ -178,7 +178,8 @@ static tdm_status fill_runs(cpl_study *study, const cpl_study_options *o, tdm_er
   study->run = calloc((size_t)(study->ncell * study->nseed) + 1, sizeof *study->run);
   if (!study->run)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  study->cells = (cpl_cells){.out = o->out, .jobs = o->jobs, .resume = o->resume, .scenarios = o->scenarios};
+  study->cells =
+      (cpl_cells){.out = o->out, .jobs = o->jobs, .resume = o->resume, .quiet = o->quiet, .scenarios = o->scenarios};
   memcpy(study->cells.solver, o->solver, sizeof o->solver);
   if (cpl_cells_make(&study->cells, choose_runs(study, o), err) != TDM_OK)
     return err->status;

@@ -10,43 +10,18 @@
 
 /* ---- a study from options ---- */
 
-/* A value as --set takes it: JSON, or a text. */
-static json_t *value_of(const char *text) {
-  json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
-  return value ? value : json_string(text);
-}
-
-static json_t *axis_to_json(const cpl_axis *axis) {
-  json_t *values = json_array();
-  for (int i = 0; i < axis->nvalue; i++)
-    json_array_append_new(values, value_of(axis->value[i]));
-  return json_pack("{s:s, s:o}", "path", axis->path, "values", values);
-}
-
-/* A channel has a colon in it, and may say when: "dem:particles.count@mean". All else is a path of summary.json. */
-static json_t *measure_to_json(const char *text) {
-  static const char summary[] = "summary.";
-  const char *at = strchr(text, '@');
-  if (!strchr(text, ':'))
-    return json_pack("{s:s+}", "path", strncmp(text, summary, strlen(summary)) == 0 ? "" : summary, text);
-  json_t *measure = json_pack("{s:s#}", "channel", text, (int)strcspn(text, "@"));
-  if (at)
-    json_object_set_new(measure, "at", value_of(at + 1));
-  return measure;
-}
-
 static json_t *options_to_json(const cpl_sweep_options *o) {
   json_t *axes = json_array(), *measures = json_array(), *study = json_pack("{s:s}", "scene", o->scene);
   for (int a = 0; a < o->naxis; a++)
-    json_array_append_new(axes, axis_to_json(&o->axis[a]));
+    json_array_append_new(axes, cpl_axis_to_json(&o->axis[a]));
   for (int m = 0; m < o->nmeasure; m++)
-    json_array_append_new(measures, measure_to_json(o->measure[m]));
+    json_array_append_new(measures, cpl_measure_to_json(o->measure[m]));
   if (o->naxis > 0)
     json_object_set(study, "axes", axes);
   if (o->nmeasure > 0)
     json_object_set(study, "measures", measures);
   if (o->repeat.nvalue > 0)
-    json_object_set_new(study, "seeds", axis_to_json(&o->repeat));
+    json_object_set_new(study, "seeds", cpl_axis_to_json(&o->repeat));
   json_decref(axes);
   json_decref(measures);
   return study;

@@ -3,63 +3,10 @@
 #define _GNU_SOURCE /* asprintf */
 #include "coupler/sweep/sweep.h"
 
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- the grid ---- */
-
-/* A copy of the text from `start` to before `end`, without blanks at its ends. */
-static char *trimmed(const char *start, const char *end) {
-  while (start < end && isspace((unsigned char)*start))
-    start++;
-  while (end > start && isspace((unsigned char)end[-1]))
-    end--;
-  return strndup(start, (size_t)(end - start));
-}
-
-/* The same text, or JSON that means the same. */
-static bool same_value(const char *a, const char *b) {
-  json_t *one = json_loads(a, JSON_DECODE_ANY, NULL), *other = json_loads(b, JSON_DECODE_ANY, NULL);
-  bool same = strcmp(a, b) == 0 || (one && other && json_equal(one, other));
-  json_decref(one);
-  json_decref(other);
-  return same;
-}
-
-static tdm_status cut_list(cpl_axis *axis, const char *path, const char *list, tdm_error *err) {
-  snprintf(axis->path, sizeof axis->path, "%s", path);
-  const char *start = list;
-  int depth = 0;
-  bool quoted = false;
-  for (const char *c = list;; c++) {
-    if (quoted && *c == '\\' && c[1]) {
-      c++;
-      continue;
-    }
-    quoted = *c == '"' ? !quoted : quoted;
-    depth += !quoted && (*c == '[' || *c == '{' || *c == '(');
-    depth -= !quoted && (*c == ']' || *c == '}' || *c == ')');
-    if (*c && (*c != ',' || depth > 0 || quoted))
-      continue;
-    if (c == start || axis->nvalue == CPL_VALUES_MAX)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s=%s: %s", path, list,
-                      c == start ? "an empty value" : "too many values");
-    char *value = trimmed(start, c);
-    for (int i = 0; value && i < axis->nvalue; i++)
-      if (same_value(axis->value[i], value))
-        tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s has the value %.100s twice", path, value);
-    axis->value[axis->nvalue] = value;
-    if (!value)
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-    axis->nvalue++;
-    if (err->status != TDM_OK)
-      return err->status;
-    start = c + 1;
-    if (!*c)
-      return TDM_OK;
-  }
-}
 
 tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
   if (o->naxis == CPL_AXES_MAX - 1 || strlen(path) >= TDM_PATH_MAX)
@@ -67,28 +14,22 @@ tdm_status cpl_sweep_axis(cpl_sweep_options *o, const char *path, const char *li
   for (int a = 0; a < o->naxis; a++)
     if (strcmp(o->axis[a].path, path) == 0)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s is given twice", path);
-  return cut_list(&o->axis[o->naxis++], path, list, err);
+  return cpl_axis_read(&o->axis[o->naxis++], "sweep", path, list, err);
 }
 
 tdm_status cpl_sweep_repeat(cpl_sweep_options *o, const char *path, const char *list, tdm_error *err) {
-  return cut_list(&o->repeat, path, list, err);
+  return cpl_axis_read(&o->repeat, "sweep", path, list, err);
 }
 
 tdm_status cpl_sweep_seeds(cpl_sweep_options *o, const char *list, tdm_error *err) {
-  return cut_list(&o->seeds, "--seeds", list, err);
-}
-
-static void free_axis(cpl_axis *axis) {
-  for (int i = 0; i < axis->nvalue; i++)
-    free(axis->value[i]);
-  axis->nvalue = 0;
+  return cpl_axis_read(&o->seeds, "sweep", "--seeds", list, err);
 }
 
 void cpl_sweep_free(cpl_sweep_options *o) {
   for (int a = 0; a < o->naxis; a++)
-    free_axis(&o->axis[a]);
-  free_axis(&o->repeat);
-  free_axis(&o->seeds);
+    cpl_axis_free(&o->axis[a]);
+  cpl_axis_free(&o->repeat);
+  cpl_axis_free(&o->seeds);
   o->naxis = 0;
 }
 

@@ -11,16 +11,10 @@
 #ifndef CPL_SWEEP_SWEEP_H
 #define CPL_SWEEP_SWEEP_H
 
+#include "coupler/study/words.h"
 #include "coupler/sweep/sweep_rows.h"
 
-enum { CPL_AXES_MAX = 16, CPL_VALUES_MAX = 64 };
-
-/* One axis of the grid: a path of the scene and the values that it takes. */
-typedef struct {
-  char path[TDM_PATH_MAX];
-  int nvalue;
-  char *value[CPL_VALUES_MAX]; /* owned, as --set takes them */
-} cpl_axis;
+enum { CPL_AXES_MAX = 16 };
 
 typedef struct {
   const char *scene; /* file */
@@ -44,8 +38,7 @@ typedef struct {
   cpl_solver solver[CPL_NROLE];
 } cpl_sweep_options;
 
-/* Cut "1e-5,1e-4" (commas inside brackets, braces, parentheses and quotes do not count) into an axis, added to the
- * options. */
+/* Add an axis to the options: a list as cpl_axis_read cuts it. */
 tdm_status cpl_sweep_axis(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);
 /* The same as the seeds. */
 tdm_status cpl_sweep_repeat(cpl_sweep_options *options, const char *path, const char *list, tdm_error *err);

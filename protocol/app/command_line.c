@@ -44,14 +44,19 @@ tdm_status tdm_arguments_read(tdm_arguments *a, const tdm_option *options, int n
         *options[k].value = argv[++i];
       continue;
     }
-    if (i + 1 == argc)
+    const int each = options[k].each > 1 ? options[k].each : 1;
+    if (each == 1 && i + 1 == argc)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s needs a value", argv[i]);
-    if (options[k].words && options[k].words->n == TDM_WORDS_MAX)
-      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s comes more than %d times", argv[i], TDM_WORDS_MAX);
+    for (int v = 1; each > 1 && v <= each; v++)
+      if (i + v >= argc || strncmp(argv[i + v], "--", 2) == 0)
+        return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s needs %d values", argv[i], each);
+    if (options[k].words && options[k].words->n + each > TDM_WORDS_MAX)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s comes more than %d times", argv[i], TDM_WORDS_MAX / each);
     if (options[k].value)
       *options[k].value = argv[++i];
     else if (options[k].words)
-      options[k].words->word[options[k].words->n++] = argv[++i];
+      for (int v = 0; v < each; v++)
+        options[k].words->word[options[k].words->n++] = argv[++i];
     else
       a->set[a->nset++] = argv[++i];
   }

@@ -17,11 +17,12 @@ typedef struct {
 } tdm_words;
 
 /* An option "--name": with a value, a flag, a flag that a number may follow (both), with a value each time it
- * comes (words), or (none of these) one of --set, which may come more than once. */
+ * comes (words; `each` of them, 0 is 1), or (none of these) one of --set, which may come more than once. */
 typedef struct {
   const char *name, **value;
   bool *flag;
   tdm_words *words;
+  int each;
 } tdm_option;
 
 /* Words that are no options, and the values of --set; both NULL-terminated. Free with tdm_arguments_free. */
