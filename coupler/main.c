@@ -1,6 +1,7 @@
 /* tandem: the command line. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/advise/advise.h"
+#include "coupler/calibrate/calibrate.h"
 #include "coupler/cells/jobs.h"
 #include "coupler/live/live.h"
 #include "coupler/page/view.h"
@@ -85,6 +86,20 @@ static void usage(FILE *out) {
         "      --repeat PATH=LIST     seeds: each cell runs with each, for mean and spread\n"
         "      --cell NAME            only this cell of the study: --cell 'rpm=50'\n"
         "      --seeds LIST           only these of its seeds: --seeds 1,2 (with --resume the others later)\n\n"
+        "  tandem calibrate SCENE --parameter PATH --range FROM TO [...] --target FILE|VALUE [--measure PATH|CHANNEL] "
+        "[...]\n"
+        "               [--log PATH ...] [--repeat PATH=LIST] [--set PATH=VALUE ...] [--tolerance SHARE] [--tries N]\n"
+        "               [--jobs J] [--resume] [--out DIR] [--force] [--write FILE] [--json FILE]\n"
+        "      Find one to four values of a scene with which its runs meet what was measured (docs/calibrate.md).\n"
+        "      --parameter PATH   a number of the scene, between FROM and TO of its --range; the search begins at the "
+        "scene's\n"
+        "                         value; --log PATH: sought in its logarithm\n"
+        "      --target FILE      a curve: CSV, two columns named \"time\" or as channels (dem:body.piston.fz)\n"
+        "      --target VALUE     a number for a --measure, which is as of a sweep: --measure repose.mean_deg\n"
+        "      --repeat PATH=LIST seeds: each try runs with each, and the mean counts\n"
+        "      --tolerance SHARE  of the ranges at which the search ends (default: 0.005)\n"
+        "      --tries N          at most (default: 100)\n"
+        "      --write FILE       write the scene with the values found\n\n"
         "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--force] [--json FILE]\n"
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
@@ -106,8 +121,9 @@ static void usage(FILE *out) {
 
 typedef struct {
   tdm_arguments given;
-  const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds, *error, *write;
-  tdm_words measure, cell;
+  const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds, *error, *write,
+      *tolerance, *tries;
+  tdm_words measure, cell, parameter, range, log, target;
   bool force, strict, resume, full, live, estimate;
 } arguments;
 
@@ -126,6 +142,12 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--repeat", .value = &a->repeat},
                                 {.name = "--cell", .words = &a->cell},
                                 {.name = "--seeds", .value = &a->seeds},
+                                {.name = "--parameter", .words = &a->parameter},
+                                {.name = "--range", .words = &a->range, .each = 2},
+                                {.name = "--log", .words = &a->log},
+                                {.name = "--target", .words = &a->target},
+                                {.name = "--tolerance", .value = &a->tolerance},
+                                {.name = "--tries", .value = &a->tries},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
@@ -141,30 +163,37 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 /* options that a command does not know */
 static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
   const bool view = strcmp(command, "view") == 0, check = strcmp(command, "check") == 0;
-  const bool advise = strcmp(command, "advise") == 0;
+  const bool advise = strcmp(command, "advise") == 0, calibrate = strcmp(command, "calibrate") == 0;
   const struct {
     bool given, known;
     const char *name;
-  } options[] = {{.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise},
-                 {.name = "--strict", .given = a->strict, .known = run},
-                 {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view || advise},
-                 {.name = "--budget", .given = a->budget != NULL, .known = view},
-                 {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify || advise},
-                 {.name = "--live", .given = a->live, .known = run && !check},
-                 {.name = "--estimate", .given = a->estimate, .known = run && !check},
-                 {.name = "--json", .given = a->json != NULL, .known = sweep || verify || advise},
-                 {.name = "--error", .given = a->error != NULL, .known = advise},
-                 {.name = "--write", .given = a->write != NULL, .known = advise},
-                 {.name = "--dt", .given = a->dt != NULL, .known = sweep},
-                 {.name = "--n", .given = a->n != NULL, .known = sweep},
-                 {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
-                 {.name = "--jobs", .given = a->jobs != NULL, .known = sweep || verify},
-                 {.name = "--resume", .given = a->resume, .known = sweep},
-                 {.name = "--measure", .given = a->measure.n > 0, .known = sweep},
-                 {.name = "--repeat", .given = a->repeat != NULL, .known = sweep},
-                 {.name = "--cell", .given = a->cell.n > 0, .known = sweep},
-                 {.name = "--seeds", .given = a->seeds != NULL, .known = sweep},
-                 {.name = "--full", .given = a->full, .known = verify}};
+  } options[] = {
+      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise || calibrate},
+      {.name = "--strict", .given = a->strict, .known = run},
+      {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view || advise || calibrate},
+      {.name = "--budget", .given = a->budget != NULL, .known = view},
+      {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify || advise || calibrate},
+      {.name = "--live", .given = a->live, .known = run && !check},
+      {.name = "--estimate", .given = a->estimate, .known = run && !check},
+      {.name = "--json", .given = a->json != NULL, .known = sweep || verify || advise || calibrate},
+      {.name = "--error", .given = a->error != NULL, .known = advise},
+      {.name = "--write", .given = a->write != NULL, .known = advise || calibrate},
+      {.name = "--dt", .given = a->dt != NULL, .known = sweep},
+      {.name = "--n", .given = a->n != NULL, .known = sweep},
+      {.name = "--scheme", .given = a->scheme != NULL, .known = sweep},
+      {.name = "--jobs", .given = a->jobs != NULL, .known = sweep || verify || calibrate},
+      {.name = "--resume", .given = a->resume, .known = sweep || calibrate},
+      {.name = "--measure", .given = a->measure.n > 0, .known = sweep || calibrate},
+      {.name = "--repeat", .given = a->repeat != NULL, .known = sweep || calibrate},
+      {.name = "--cell", .given = a->cell.n > 0, .known = sweep},
+      {.name = "--seeds", .given = a->seeds != NULL, .known = sweep},
+      {.name = "--parameter", .given = a->parameter.n > 0, .known = calibrate},
+      {.name = "--range", .given = a->range.n > 0, .known = calibrate},
+      {.name = "--log", .given = a->log.n > 0, .known = calibrate},
+      {.name = "--target", .given = a->target.n > 0, .known = calibrate},
+      {.name = "--tolerance", .given = a->tolerance != NULL, .known = calibrate},
+      {.name = "--tries", .given = a->tries != NULL, .known = calibrate},
+      {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s does not go with this command; see tandem --help", command,
@@ -314,10 +343,10 @@ static tdm_status command_verify(const arguments *a, tdm_error *err) {
 }
 
 /* PATH=LIST of an option: the path (TDM_PATH_MAX bytes), and where the list begins; NULL after an error */
-static const char *read_list(const char *option, const char *text, char *path, tdm_error *err) {
+static const char *read_list(const char *command, const char *option, const char *text, char *path, tdm_error *err) {
   const char *equals = strchr(text, '=');
   if (!equals || equals == text || equals - text >= TDM_PATH_MAX) {
-    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "sweep: %s %s: write PATH=LIST", option, text);
+    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s: %s %s: write PATH=LIST", command, option, text);
     return NULL;
   }
   snprintf(path, TDM_PATH_MAX, "%.*s", (int)(equals - text), text);
@@ -332,11 +361,11 @@ static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error 
     if (lists[i] && cpl_sweep_axis(o, paths[i], lists[i], err) != TDM_OK)
       return err->status;
   for (int i = 0; i < a->given.nset; i++) {
-    const char *list = read_list("--set", a->given.set[i], path, err);
+    const char *list = read_list("sweep", "--set", a->given.set[i], path, err);
     if (!list || cpl_sweep_axis(o, path, list, err) != TDM_OK)
       return err->status;
   }
-  const char *seeds = a->repeat ? read_list("--repeat", a->repeat, path, err) : NULL;
+  const char *seeds = a->repeat ? read_list("sweep", "--repeat", a->repeat, path, err) : NULL;
   if (seeds)
     cpl_sweep_repeat(o, path, seeds, err);
   return err->status;
@@ -344,9 +373,9 @@ static tdm_status read_axes(const arguments *a, cpl_sweep_options *o, tdm_error 
 
 /* The scene or study of a sweep, as a file: scenarios of particles alone or of bodies alone too, and files of scenarios
  * ("tumbler/studies/speed.json"). */
-static tdm_status find_swept(const arguments *a, char *file, size_t size, tdm_error *err) {
+static tdm_status find_swept(const arguments *a, const char *command, char *file, size_t size, tdm_error *err) {
   static const char *const groups[] = {"dem", "mbd"};
-  if (find_scene(a, "sweep", file, size, err) == TDM_OK && access(file, F_OK) != 0) {
+  if (find_scene(a, command, file, size, err) == TDM_OK && access(file, F_OK) != 0) {
     char other[4096];
     if (tdm_find_scenario_file(other, sizeof other, file, a->scenarios, &(tdm_error){0}) == TDM_OK)
       snprintf(file, size, "%s", other);
@@ -386,8 +415,8 @@ static tdm_status command_sweep(const arguments *a, tdm_error *err) {
   bool study = false, alone = false;
   cpl_sweep_options options = {
       .out = a->out ? a->out : "sweep-out", .json = a->json, .force = a->force, .resume = a->resume};
-  if (refuse(a, "sweep", false, true, false, err) != TDM_OK || find_swept(a, scene, sizeof scene, err) != TDM_OK ||
-      read_jobs(a, "sweep", &options.jobs, err) != TDM_OK)
+  if (refuse(a, "sweep", false, true, false, err) != TDM_OK ||
+      find_swept(a, "sweep", scene, sizeof scene, err) != TDM_OK || read_jobs(a, "sweep", &options.jobs, err) != TDM_OK)
     return err->status;
   look_into(scene, &study, &alone);
   options.scene = scene;
@@ -405,6 +434,57 @@ static tdm_status command_sweep(const arguments *a, tdm_error *err) {
   else if (err->status == TDM_OK)
     cpl_sweep(&options, err);
   cpl_sweep_free(&options);
+  return err->status;
+}
+
+/* --tolerance and --tries, or their defaults */
+static tdm_status read_ends(const arguments *a, cpl_calibrate_options *o, tdm_error *err) {
+  char *end = NULL;
+  o->tolerance = a->tolerance ? strtod(a->tolerance, &end) : cpl_calibrate_tolerance;
+  if (!(o->tolerance > 0 && o->tolerance < 1) || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "calibrate: --tolerance %s: give a share above 0 and below 1",
+                    a->tolerance);
+  end = NULL;
+  const long tries = a->tries ? strtol(a->tries, &end, 10) : CPL_CALIBRATE_TRIES;
+  if (tries < 1 || tries > 100000 || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "calibrate: --tries %s: give a number from 1 to 100000", a->tries);
+  o->tries = (int)tries;
+  return TDM_OK;
+}
+
+static tdm_status command_calibrate(const arguments *a, tdm_error *err) {
+  char scene[4096], path[TDM_PATH_MAX];
+  bool study = false, alone = false;
+  cpl_calibrate_options options = {.scene = scene,
+                                   .set = a->given.set,
+                                   .parameter = a->parameter.word,
+                                   .nparameter = a->parameter.n,
+                                   .range = a->range.word,
+                                   .nrange = a->range.n / 2,
+                                   .log = a->log.word,
+                                   .nlog = a->log.n,
+                                   .target = a->target.word,
+                                   .ntarget = a->target.n,
+                                   .measure = a->measure.word,
+                                   .nmeasure = a->measure.n,
+                                   .force = a->force,
+                                   .resume = a->resume,
+                                   .out = a->out ? a->out : "calibrate-out",
+                                   .json = a->json,
+                                   .write = a->write,
+                                   .scenarios = scn_table};
+  memcpy(options.solver, solvers, sizeof solvers);
+  if (refuse(a, "calibrate", false, false, false, err) != TDM_OK ||
+      find_swept(a, "calibrate", scene, sizeof scene, err) != TDM_OK ||
+      read_jobs(a, "calibrate", &options.jobs, err) != TDM_OK || read_ends(a, &options, err) != TDM_OK)
+    return err->status;
+  look_into(scene, &study, &alone);
+  if (study)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "calibrate: %s is a study; name a scene", scene);
+  const char *seeds = a->repeat ? read_list("calibrate", "--repeat", a->repeat, path, err) : NULL;
+  if (err->status == TDM_OK && (!seeds || cpl_axis_read(&options.repeat, "calibrate", path, seeds, err) == TDM_OK))
+    cpl_calibrate(&options, err);
+  cpl_axis_free(&options.repeat);
   return err->status;
 }
 
@@ -431,6 +511,7 @@ int main(int argc, char **argv) {
       {.name = "draw"},
       {.name = "movie"},
       {.name = "sweep", .run = command_sweep},
+      {.name = "calibrate", .run = command_calibrate},
       {.name = "verify", .run = command_verify},
   };
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };

@@ -14,6 +14,9 @@ typedef struct {
 } cpl_table;
 
 tdm_status cpl_table_read(cpl_table *table, const char *file, tdm_error *err);
+/* The same of a file that people made: it has `ncolumn` columns and as many numbers in each row; a last row counts
+ * without its line break, empty lines do not. */
+tdm_status cpl_table_read_given(cpl_table *table, const char *file, int ncolumn, tdm_error *err);
 void cpl_table_free(cpl_table *table);
 
 /* (nrow) numbers of a column; NULL, and an error that names the nearest column, when there is none. */

@@ -164,6 +164,9 @@ cpl_difference cpl_study_difference(const cpl_study *study, int first, int secon
 /* Fill study->value from the runs' directories. */
 tdm_status cpl_study_collect(cpl_study *study, tdm_error *err);
 
+/* The file of a run that has the time history of a channel ("dem:particles.count"). */
+void cpl_study_history_file(const cpl_cell *run, const char *channel, char *out, size_t size);
+
 /* A run's time history of a channel, times the factor: room for the caller to free in *time and *value (n); 0 and an
  * error when there is none. */
 int cpl_study_history(const cpl_cell *run, const cpl_study_measure *m, double **time, double **value, tdm_error *err);

@@ -11,8 +11,8 @@
 
 /* ---- one run ---- */
 
-/* The file of a channel: the solver's time histories, which a solver alone calls otherwise. */
-static void history_file(const cpl_cell *run, const char *channel, char *out, size_t size) {
+/* The solver's own time histories, a solver alone calls otherwise. */
+void cpl_study_history_file(const cpl_cell *run, const char *channel, char *out, size_t size) {
   const int n = (int)strcspn(channel, ":");
   const bool solver = strncmp(channel, "dem:", 4) == 0 || strncmp(channel, "mbd:", 4) == 0;
   if (run->program && solver)
@@ -25,7 +25,7 @@ int cpl_study_history(const cpl_cell *run, const cpl_study_measure *m, double **
   char file[4400];
   cpl_table table = {0};
   *time = *value = NULL;
-  history_file(run, m->channel, file, sizeof file);
+  cpl_study_history_file(run, m->channel, file, sizeof file);
   if (cpl_table_read(&table, file, err) != TDM_OK)
     return 0;
   const double *t = cpl_table_column(&table, "time", err), *x = NULL;

@@ -53,7 +53,7 @@ set(coupler
   "run live results"
   "cells contents trial"
   "advise study"
-  "verify"
+  "calibrate verify"
   "report"
   "sweep"
   "main.c")
