@@ -135,6 +135,21 @@ static int loads(const dem_model *m, int item) {
   return -1;
 }
 
+/* Bodies that the scene moves from their place. */
+static bool has_way(const dem_body *b) {
+  const dem_drive *d = &b->drive;
+  const tdm_vec3 arm = tdm_sub(b->start.pose.position, d->center);
+  return d->given &&
+         (tdm_norm(d->velocity) > 0 || tdm_norm(d->amplitude) > 0 || tdm_norm(tdm_cross(d->angular, arm)) > 0);
+}
+
+static int movers(const dem_model *m, int item) {
+  for (int b = item + 1; b < m->nbody; b++)
+    if (has_way(&m->body[b]))
+      return b;
+  return -1;
+}
+
 /* ---- names of items ---- */
 
 static void source_name(const dem_model *m, int item, char out[64]) {
@@ -387,6 +402,12 @@ VALUE(balance_mass) {
   return dem_balance_mass(o->data);
 }
 
+/* from where the body was at the start, then its velocity */
+VALUE(way) {
+  const tdm_vec3 u = tdm_sub(o->data->state.pose[item].position, o->data->model->body[item].start.pose.position);
+  return part < 3 ? (&u.x)[part] : (&o->data->state.twist[item].velocity.x)[part - 3];
+}
+
 static double component(const tdm_wrench *w, int part) {
   return part < 3 ? (&w->force.x)[part] : (&w->moment.x)[part - 3];
 }
@@ -504,6 +525,19 @@ static const row rows[] = {
     LOAD("my", "N m", 4),
     LOAD("mz", "N m", 5),
 #undef LOAD
+
+#define WAY(component, of, k, goes)                                                                   \
+  {                                                                                                   \
+    .name = "body.*." component, .unit = of, .next = movers, .value = way, .part = k, .course = goes, \
+    .item_name = load_name                                                                            \
+  }
+    WAY("ux", "m", 0, CUBIC),
+    WAY("uy", "m", 1, CUBIC),
+    WAY("uz", "m", 2, CUBIC),
+    WAY("vx", "m/s", 3, LINEAR),
+    WAY("vy", "m/s", 4, LINEAR),
+    WAY("vz", "m/s", 5, LINEAR),
+#undef WAY
 
     {.name = "fixed.fx", .unit = "N", .next = with_fixed, .value = fixed_load, .course = MEAN},
     {.name = "fixed.fy", .unit = "N", .next = with_fixed, .value = fixed_load, .part = 1, .course = MEAN},

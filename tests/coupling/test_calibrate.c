@@ -400,6 +400,40 @@ START_TEST(both_solvers) {
 }
 END_TEST
 
+/* A plate that `motion` presses on a ball: its force over its way by Hertz, whose modulus is found, and half of the way
+ * back. Times far longer than the ball's oscillation, damped. */
+START_TEST(force_over_the_way_of_a_wall) {
+  char curve[2048] = "-dem:body.plate.uz [m],dem:body.plate.fz [N]\n";
+  dir = directory_with_scene(
+      "{'time': {'end': 0.4, 'dt': 2e-5}, 'output': {'interval': 2e-3},\n"
+      " 'dem': {'gravity': [0, 0, 0],\n"
+      "  'materials': [{'name': 'm', 'density': 10, 'young_modulus': 1e5, 'poisson_ratio': 0.2}],\n"
+      "  'pairs': [{'materials': ['m', 'm'], 'restitution': 0.1, 'friction': 0.3}],\n"
+      "  'bodies': [{'name': 'floor', 'material': 'm', 'shapes': [{'type': 'plane', 'normal': [0, 0, 1]}]},\n"
+      "   {'name': 'plate', 'material': 'm', 'position': [0, 0, 0.1], 'shapes': [{'type': 'plane', 'normal': [0, 0, "
+      "-1]}],\n"
+      "    'motion': {'oscillation': {'amplitude': [0, 0, -0.002], 'frequency': 1.25}}}],\n"
+      "  'particles': [{'type': 'list', 'material': 'm', 'radius': 0.05, 'positions': [[0, 0, 0.05]]}]}}\n");
+  /* both walls take half of the way; F = 4/3 E* sqrt(R) d^1.5, E* = E/(2(1 - nu^2)) */
+  for (int i = 0; i <= 12; i++) {
+    const double u = 0.002 * (i <= 8 ? i / 8.0 : 1 - (i - 8) / 8.0);
+    const double force = 4 / 3.0 * 4e5 / (2 * (1 - 0.04)) * sqrt(0.05) * pow(u / 2, 1.5);
+    snprintf(curve + strlen(curve), sizeof curve - strlen(curve), "%g,%.9g\n", u, force);
+  }
+  write_file(dir, "press.csv", curve);
+  int status = command("tandem calibrate %s/scene.json --parameter dem.materials[0].young_modulus --range 3e4 3e6 "
+                       "--log dem.materials[0].young_modulus --target %s/press.csv --tolerance 1e-3 --out %s/c",
+                       dir, dir, dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  json_t *c = load("c/calibration.json");
+  expect_status(c, "converged");
+  ck_assert_double_eq_tol(number(parameter(c, 0), "value"), 4e5, 0.02 * 4e5);
+  ck_assert_double_lt(number(c, "misfit"), 0.02);
+  json_decref(c);
+  directory_remove(dir);
+}
+END_TEST
+
 /* ---- curves ---- */
 
 /* The values of a run's CSV file at the rows of a target's; the share that is reached. */
@@ -454,4 +488,4 @@ START_TEST(out_and_back) {
 END_TEST
 
 TEST_MAIN("calibrate", one_parameter, two_parameters, runs_that_fail, numbers_and_seeds, killed_and_resumed, other_ends,
-          wrong_input, both_solvers, out_and_back)
+          wrong_input, both_solvers, force_over_the_way_of_a_wall, out_and_back)
