@@ -96,9 +96,13 @@ static tdm_status read_parameter(cpl_calibration *c, int k, const tdm_scene *sce
   return TDM_OK;
 }
 
-/* --log names parameters. */
-static tdm_status check_log(const cpl_calibration *c, tdm_error *err) {
+/* --log names parameters, --repeat does not. */
+static tdm_status check_others(const cpl_calibration *c, tdm_error *err) {
   const cpl_calibrate_options *o = c->o;
+  for (int k = 0; k < c->nparameter; k++)
+    if (strcmp(o->repeat.path, c->parameter[k].path) == 0)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "calibrate: --repeat %s is a --parameter, too; repeat with seeds",
+                      o->repeat.path);
   for (int i = 0; i < o->nlog; i++) {
     bool found = false;
     for (int k = 0; k < c->nparameter; k++)
@@ -127,7 +131,7 @@ static tdm_status read_parameters(cpl_calibration *c, tdm_error *err) {
     c->nparameter = k + 1;
   }
   tdm_scene_destroy(&scene);
-  return err->status == TDM_OK ? check_log(c, err) : err->status;
+  return err->status == TDM_OK ? check_others(c, err) : err->status;
 }
 
 /* ---- targets ---- */

@@ -63,7 +63,7 @@ static void plot_path(const cpl_calibration *c, tdm_error *err) {
   p->plot[0] = (tdm_plot){.title = "misfit of the tries",
                           .xlabel = "",
                           .ylabel = "misfit",
-                          .setup = best > 0 ? "set key below\nset logscale y\n" : "set key below\n",
+                          .setup = best > 0 ? "set key above\nset logscale y\n" : "set key above\n",
                           .ncurve = 2,
                           .curve = p->curve[0]};
   for (int k = 0; k < c->nparameter && err->status == TDM_OK; k++) {
@@ -107,19 +107,50 @@ static void add_fit(panels *p, const cpl_target *t, const double *x, const doubl
   p->plot[i] = (tdm_plot){.title = t->name,
                           .xlabel = t->column[0],
                           .ylabel = t->column[1],
-                          .setup = "set key below\n",
+                          .setup = "set key above\nunset logscale\n",
                           .ncurve = 2,
                           .curve = p->curve[i]};
 }
 
-/* Of the first seed. */
+/* A measure over the one parameter: a row a try, then the target as a line; columns: parameter, mean, its standard
+ * error, target. */
+static void add_number(panels *p, const cpl_calibration *c, int k, int first, tdm_error *err) {
+  const int i = p->n;
+  const cpl_parameter *of = &c->parameter[0];
+  double *row = add_panel(p, c->ntry + 2, 4, err);
+  if (!row)
+    return;
+  for (int t = 0; t < c->ntry; t++, row += 4) {
+    row[0] = c->tried[t].value[0];
+    row[1] = c->tried[t].row ? c->tried[t].row[first] : NAN;
+    row[2] = c->tried[t].variance ? sqrt(c->tried[t].variance[first]) : NAN;
+  }
+  for (int end = 0; end < 2; end++, row += 4) {
+    row[0] = end == 0 ? of->from : of->to;
+    row[3] = c->target[k].y[0];
+  }
+  const bool seeds = c->nseed > 1;
+  p->curve[i][0] = (tdm_curve){NULL, "1:4", "target", "lines lw 2 lc 7"};
+  p->curve[i][1] = (tdm_curve){NULL, seeds ? "1:2:3" : "1:2", seeds ? "tries, mean and its standard error" : "tries",
+                               seeds ? "yerrorbars pt 7 lc 1" : "points pt 7 lc 1"};
+  p->plot[i] = (tdm_plot){.title = "",
+                          .xlabel = of->path,
+                          .ylabel = c->target[k].name,
+                          .setup = of->log ? "set key above\nset logscale x\n" : "set key above\nunset logscale\n",
+                          .ncurve = 2,
+                          .curve = p->curve[i]};
+}
+
+/* Curves are those of the first seed. */
 static void plot_fit(cpl_calibration *c, tdm_error *err) {
   cpl_study study = {0};
   panels *p = calloc(1, sizeof *p);
   if (p && cpl_try_again(c, c->best, &study, err) == TDM_OK)
-    for (int k = 0; k < c->ntarget && err->status == TDM_OK; k++) {
+    for (int k = 0, first = 0; k < c->ntarget && err->status == TDM_OK; first += c->target[k++].n) {
       double *x, *y;
       int back = 0;
+      if (!c->target[k].file && c->nparameter == 1)
+        add_number(p, c, k, first, err);
       if (!c->target[k].file)
         continue;
       const int n = cpl_target_curve(&c->target[k], k, &study, cpl_study_run_of(&study, 0, 0), &x, &y, &back, err);
@@ -166,7 +197,7 @@ static void add_sensitivity(panels *p, const cpl_calibration *c, int k, tdm_erro
       (tdm_plot){.title = k == 0 ? "sensitivity" : "",
                  .xlabel = c->parameter[k].path,
                  .ylabel = "misfit",
-                 .setup = c->parameter[k].log ? "set key below\nset logscale x\n" : "set key below\nunset logscale\n",
+                 .setup = c->parameter[k].log ? "set key above\nset logscale x\n" : "set key above\nunset logscale\n",
                  .ncurve = 2,
                  .curve = p->curve[i]};
 }

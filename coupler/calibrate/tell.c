@@ -141,14 +141,15 @@ static void print_targets(const cpl_calibration *c, const cpl_try *best) {
 }
 
 void cpl_calibration_print(const cpl_calibration *c) {
-  char words[768];
+  char words[768], start[32];
   const cpl_try *best = c->best < 0 ? NULL : &c->tried[c->best];
   printf("%s: %s\n", cpl_ending_name(c->ending), cpl_ending_words(c, words, sizeof words));
   printf("%d tries, %d without a misfit; %d run%s each, %.3g s of run time\n", c->ntry, count_failed(c), c->nseed,
          c->nseed == 1 ? "" : "s", wall_of(c));
   if (!best)
     return;
-  printf("misfit %.4g, with the values at the start %.4g\n", best->misfit, c->tried[0].misfit);
+  printf("misfit %.4g, with the values at the start %s\n", best->misfit,
+         number(c->tried[0].misfit, start, sizeof start));
   if (isfinite(c->noise))
     printf("of the seeds' scatter %.4g\n", c->noise);
   print_parameters(c, best);

@@ -343,6 +343,7 @@ START_TEST(wrong_input) {
       {"--parameter parameters.g --range 2 9 --target 3", "a number needs its --measure", 2},
       {"--parameter parameters.g --range 2 9 --target z.csv --measure steps", "--measure steps has no number", 2},
       {"--parameter parameters.g --range 2 9 --target z.csv --tolerance 2", "give a share above 0", 2},
+      {"--parameter parameters.g --range 2 9 --target z.csv --repeat parameters.g=3,4", "is a --parameter, too", 2},
       {"--parameter parameters.g --range 2 9 --target z.csv --tries 0", "give a number from 1", 2},
       {"--parameter parameters.g --range 2 9 --target z.csv --n 10", "--n does not go with this command", 2},
   };

@@ -379,6 +379,7 @@ START_TEST(the_scenes_load) {
                 {"nozzle", "particles", "3483", "--set dem.settle.max_time=1e-3"},
                 {"zigzag", "sources", "1", "--strict"},
                 {"repose", "sources", "1", "--strict"},
+                {"lifted", "particles", "400", ""},
                 {"showers", "particles", "4336", "--strict"},
                 {"conveyor", "meshes[0].triangles", "40", "--strict"}};
   for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
