@@ -3,6 +3,7 @@
 #include "dem/bodies/wall_stiffness.h"
 
 #include "dem/contact/law/theory.h"
+#include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
 #include <gsl/gsl_eigen.h>
@@ -23,16 +24,19 @@ static void add_spring(matrix6 K, double k, tdm_vec3 lever, tdm_vec3 e) {
 }
 
 /* k_n n n^T + k_t (I - n n^T) at the contact of a particle and a wall */
-static void add_contact(const dem_data *d, matrix6 K, int particle, const dem_wall *wall, double gap, tdm_vec3 n) {
+static void add_contact(const dem_data *d, matrix6 K, size_t entry, double gap, tdm_vec3 n) {
   const dem_model *m = d->model;
+  const int particle = d->lists.walls.entry[entry].particle;
+  const dem_wall *wall = &m->wall[d->lists.walls.entry[entry].wall];
   const dem_sphere *s = &d->state.sphere[particle];
   const int body = wall->body;
   const dem_pair *pair = &m->pair[d->state.material[particle] * m->nmaterial + wall->material];
   tdm_vec3 lever = tdm_sub(tdm_axpy(-gap, n, s->position), d->state.pose[body].position);
   dem_impact at = {.mass = 1 / dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n),
                    .radius = s->radius};
-  double normal = dem_normal_stiffness(m, pair, at, s->radius - gap);
-  double tangential = dem_tangential_stiffness(m, pair, at, s->radius - gap);
+  dem_among among = {pair, at, s->radius - gap, particle, -1, dem_note_of_contact(d, entry)};
+  double normal = dem_stiffness_among(d, m, &among);
+  double tangential = dem_tangential_stiffness(m, pair, at, dem_overlap_among(d, m, &among));
   add_spring(K, normal - tangential, lever, n);
   add_spring(K, tangential, lever, tdm_v3(1, 0, 0));
   add_spring(K, tangential, lever, tdm_v3(0, 1, 0));
@@ -51,14 +55,14 @@ static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) 
     tdm_vec3 n;
     double gap = dem_gap(d, i, w, &n);
     if (dem_wall_touches(wall, gap, s->radius))
-      add_contact(d, K, i, wall, gap, n);
+      add_contact(d, K, begin, gap, n);
     return;
   }
   dem_touch found[DEM_TOUCHES_MAX];
   int many = wall->shape->touches(wall, &d->lists.walls.entry[begin].part, DEM_PART_STRIDE, (int)(end - begin),
                                   dem_wall_own(place, s->position), s->radius, found);
   for (int c = 0; c < many; c++)
-    add_contact(d, K, i, wall, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
+    add_contact(d, K, begin, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
 }
 
 static void add_walls(const dem_data *d, matrix6 *K) {

@@ -12,5 +12,6 @@
 #define DEM_ROLLINGS(X) X(none) X(constant_torque) X(spring_dashpot)
 #define DEM_TWISTINGS(X) X(none) X(constant_torque)
 #define DEM_COHESIONS(X) X(none) X(sjkr) X(jkr) X(dmt)
+#define DEM_MULTIS(X) X(none) X(mc_stress) X(mc_strain)
 
 #endif

@@ -35,6 +35,7 @@ static const dem_tangential_law dem_tangential_row_none = {.head = {.name = "non
 static const dem_rolling_law dem_rolling_row_none = {.head = {.name = "none", .none = true}};
 static const dem_twisting_law dem_twisting_row_none = {.head = {.name = "none", .none = true}};
 static const dem_cohesion_law dem_cohesion_row_none = {.head = {.name = "none", .none = true}};
+const dem_multi_law dem_multi_none = {.head = {.name = "none", .none = true}};
 #endif
 
 #endif

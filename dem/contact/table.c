@@ -12,6 +12,9 @@
 #define X(law) extern const dem_normal_law dem_normal_##law;
 DEM_NORMALS(X)
 #undef X
+#define X(law) extern const dem_multi_law dem_multi_##law;
+DEM_MULTIS(X)
+#undef X
 
 enum { LAWS_MAX = 16 };
 
@@ -20,15 +23,16 @@ enum { LAWS_MAX = 16 };
 #define R(law) &dem_rolling_row_##law.head,
 #define W(law) &dem_twisting_row_##law.head,
 #define C(law) &dem_cohesion_row_##law.head,
+#define M(law) &dem_multi_##law.head,
 static const dem_law_head *table[DEM_FAMILIES][LAWS_MAX + 1] = {
     [DEM_FAMILY_NORMAL] = {DEM_NORMALS(N)},     [DEM_FAMILY_TANGENTIAL] = {DEM_TANGENTIALS(T)},
     [DEM_FAMILY_ROLLING] = {DEM_ROLLINGS(R)},   [DEM_FAMILY_TWISTING] = {DEM_TWISTINGS(W)},
-    [DEM_FAMILY_COHESION] = {DEM_COHESIONS(C)},
+    [DEM_FAMILY_COHESION] = {DEM_COHESIONS(C)}, [DEM_FAMILY_MULTI] = {DEM_MULTIS(M)},
 };
 
 const char *const dem_family_names[DEM_FAMILIES] = {
     [DEM_FAMILY_NORMAL] = "normal",     [DEM_FAMILY_TANGENTIAL] = "tangential", [DEM_FAMILY_ROLLING] = "rolling",
-    [DEM_FAMILY_TWISTING] = "twisting", [DEM_FAMILY_COHESION] = "cohesion",
+    [DEM_FAMILY_TWISTING] = "twisting", [DEM_FAMILY_COHESION] = "cohesion",     [DEM_FAMILY_MULTI] = "multi_contact",
 };
 
 const dem_law_head *dem_law_at(dem_family family, int place) {
@@ -44,7 +48,7 @@ int dem_law_place(dem_family family, const char *name) {
 
 tdm_status dem_law_add(dem_family family, const dem_law_head *law, tdm_error *err) {
   int n = 0;
-  assert(law->name && (family == DEM_FAMILY_NORMAL) == !law->kernel);
+  assert(law->name && (family == DEM_FAMILY_NORMAL || family == DEM_FAMILY_MULTI) == !law->kernel);
   while (table[family][n])
     n++;
   if (dem_law_place(family, law->name) >= 0)
@@ -61,7 +65,7 @@ const dem_law_head *dem_law_of(const dem_model *m, dem_family family) {
   const dem_law_head *const of[] = {
       [DEM_FAMILY_NORMAL] = &m->normal->head,     [DEM_FAMILY_TANGENTIAL] = &m->tangential->head,
       [DEM_FAMILY_ROLLING] = &m->rolling->head,   [DEM_FAMILY_TWISTING] = &m->twisting->head,
-      [DEM_FAMILY_COHESION] = &m->cohesion->head,
+      [DEM_FAMILY_COHESION] = &m->cohesion->head, [DEM_FAMILY_MULTI] = &m->multi->head,
   };
   return of[family];
 }
@@ -78,10 +82,12 @@ static bool calls(const dem_model *m) {
   return any;
 }
 
-/* the set of a normal law for the scene's instruction set; laws from elsewhere are called in plain C */
+/* The set of a normal law, or of the law of many contacts that stands in its place, for the scene's instruction set;
+ * laws from elsewhere are called in plain C. */
 static const dem_loop_set *set_of(const dem_model *m, const dem_normal_law *law) {
-  const dem_loop_set *set = law->loops[dem_simd_find(m->simd)];
-  return set && !calls(m) ? set : law->loops[DEM_PLAIN];
+  const dem_loop_set *const *sets = m->multi->head.none ? law->loops : m->multi->loops;
+  const dem_loop_set *set = sets[dem_simd_find(m->simd)];
+  return set && !calls(m) ? set : sets[DEM_PLAIN];
 }
 
 static const dem_loops *loops_of(const dem_model *m, const dem_loop_set *set) {
@@ -98,6 +104,7 @@ bool dem_loops_choose(dem_model *m) {
   m->wall_loops = loops_of(m, set_of(m, m->wall_normal));
   m->nsum = set->nsum;
   m->sum_loops = set->nsum > 0 ? &set->sums : NULL;
+  m->noting = set->noting;
   return (m->normal->circle && m->wall_normal->circle) || !m->tangential->needs_circle;
 }
 
@@ -113,6 +120,8 @@ bool dem_columns_choose(dem_model *m, bool sliding) {
   dem_columns c = {0};
   append(&c, &m->tangential->head);
   const dem_law_head *of = &m->normal->head, *of_walls = &m->wall_normal->head;
+  if (!m->multi->head.none)
+    of = of_walls = &m->multi->head; /* in the place of both */
   c.normal = append(&c, of->ncolumn < of_walls->ncolumn ? of_walls : of);
   c.rolling = append(&c, &m->rolling->head);
   c.twisting = append(&c, &m->twisting->head);

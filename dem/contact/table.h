@@ -15,8 +15,8 @@ const dem_law_head *dem_law_at(dem_family family, int place);
 int dem_law_place(dem_family family, const char *name);
 
 /* Put a program's own law behind the table's, for the process; `law` is the head of its row, which stays the caller's
- * and must outlive it. Before any model is read. A normal law brings its loops, made in a file of its own; any other
- * its kernel. TDM_ERR_ARGUMENT: the table is full, or has a law of this name. */
+ * and must outlive it. Before any model is read. A normal law and one of many contacts bring their loops, made in a
+ * file of their own; any other its kernel. TDM_ERR_ARGUMENT: the table is full, or has a law of this name. */
 tdm_status dem_law_add(dem_family family, const dem_law_head *law, tdm_error *err);
 
 /* The law of a family that a model has. */

@@ -17,6 +17,8 @@
   H(rolling, LAW, LAWS)                                      \
   H(twisting, LAW, LAWS)                                     \
   H(cohesion, LAW, LAWS)                                     \
+  H(multi, OPTION_LAW, LAWS)                                 \
+  H(multi_setting, MULTI_SETTING, LAWS)                      \
   H(clip, TAIL, LAWS)                                        \
   H(normal_setting, BYTES, LAWS)                             \
   H(flat, FLAT, BOX)                                         \
@@ -74,6 +76,7 @@
   F(wall_loops, "follow from the laws")                      \
   F(sum_loops, "follow from the laws")                       \
   F(nsum, "follows from the laws")                           \
+  F(noting, "follows from the laws")                         \
   F(all_terms, "results have the same bits")                 \
   F(place, "follows from the laws")                          \
   F(couples, "follows from the laws")                        \
@@ -125,6 +128,7 @@
   H(rolling, BYTES, EACH)          \
   H(twisting, BYTES, EACH)         \
   H(cohesion, BYTES, EACH)         \
+  H(multi, OPTION_BYTES, EACH)     \
   F(law, "follows from the laws")  \
   F(given, "hashed of every pair")
 

@@ -44,6 +44,7 @@ typedef struct {
   /* each law's own, named in its file */
   double normal[DEM_COEFFICIENTS_MAX], tangential[DEM_COEFFICIENTS_MAX], rolling[DEM_COEFFICIENTS_MAX],
       twisting[DEM_COEFFICIENTS_MAX], cohesion[DEM_COEFFICIENTS_MAX];
+  double multi[DEM_COEFFICIENTS_MAX]; /* of a particle of the first material with one of the second */
 } dem_pair;
 
 /* The history of a contact: the tangential law's columns first, then the normal law's, then these where the scene has
@@ -224,7 +225,10 @@ typedef struct dem_model {
   double normal_setting[DEM_SETTINGS_MAX]; /* of dem.contact, named in the normal law's file */
   const struct dem_loops *loops;           /* over contacts with these laws */
   const struct dem_loops *wall_loops;      /* those of the law of walls */
+  const struct dem_multi_law *multi;       /* how the contacts of a particle act on each other */
+  double multi_setting[DEM_SETTINGS_MAX];  /* of dem.contact, named in that law's file */
   const struct dem_loops *sum_loops;       /* before these, the sums over the contacts of a particle; NULL: none */
+  const struct dem_noting *noting;         /* likewise the notes of contacts; NULL: none */
   int nsum;                                /* how many, of a law that has them */
   bool all_terms;                          /* of the loops: those with all families and energies */
   struct {

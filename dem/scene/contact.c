@@ -44,6 +44,20 @@ static void find_wall_law(dem_model *m, tdm_object *section) {
   }
 }
 
+/* likewise of laws of many contacts */
+static void read_multi_settings(dem_model *m, tdm_object *o) {
+  const dem_law_head *row;
+  for (int k = 0; (row = dem_law_at(DEM_FAMILY_MULTI, k)); k++) {
+    const dem_multi_law *other = (const dem_multi_law *)row;
+    for (int q = 0; other != m->multi && other->setting_keys[q]; q++)
+      if (tdm_has(o, other->setting_keys[q]))
+        tdm_object_fail(o, other->setting_keys[q], "is for \"multi_contact\": \"%s\" only, not for \"%s\"; remove it",
+                        row->name, m->multi->head.name);
+  }
+  if (m->multi->read_settings)
+    m->multi->read_settings(m, o);
+}
+
 /* settings of the normal laws; those of others are refused by name */
 static void read_settings(dem_model *m, tdm_object *o) {
   const dem_law_head *row;
@@ -75,8 +89,29 @@ static void check_wall_law(const dem_model *m, tdm_object *o) {
                     m->normal->head.name, m->wall_normal->head.name);
 }
 
+/* what stands in the place of Hertz's law goes with what goes with that alone */
+static void check_multi(const dem_model *m, tdm_object *o) {
+  const char *key = dem_family_names[DEM_FAMILY_MULTI], *name = m->multi->head.name;
+  if (m->multi->head.none)
+    return;
+  if (!m->normal->hertzian)
+    tdm_object_fail(o, key, "\"%s\" corrects Hertz's force, and normal \"%s\" has another; use \"hertz\"", name,
+                    m->normal->head.name);
+  else if (m->wall_normal != m->normal)
+    tdm_object_fail(o, key,
+                    "\"%s\" corrects Hertz's force, and dem.pairs name \"%s\" for walls; let walls have the law of the "
+                    "particles",
+                    name, m->wall_normal->head.name);
+  else if (!m->cohesion->head.none)
+    tdm_object_fail(o, key,
+                    "\"%s\" does not go with cohesion \"%s\": what pulls would count as pressure; use \"none\" for one "
+                    "of them",
+                    name, m->cohesion->head.name);
+}
+
 /* tail and cohesion that go with loops, but not with the other laws */
 static void check_laws(const dem_model *m, tdm_object *o) {
+  check_multi(m, o);
   if (m->cohesion->check)
     m->cohesion->check(m, o);
   if (m->clip && m->normal->why_not_clip && m->wall_normal->why_not_clip)
@@ -106,6 +141,7 @@ void dem_contact_read(dem_model *m, tdm_object *section) {
   m->rolling = (const dem_rolling_law *)choose_law(&o, DEM_FAMILY_ROLLING, "none");
   m->twisting = (const dem_twisting_law *)choose_law(&o, DEM_FAMILY_TWISTING, "none");
   m->cohesion = (const dem_cohesion_law *)choose_law(&o, DEM_FAMILY_COHESION, "none");
+  m->multi = (const dem_multi_law *)choose_law(&o, DEM_FAMILY_MULTI, "none");
   m->clip = tdm_get_choice(&o, "tail", tails, 2, 0) == 1;
   if (!dem_loops_choose(m))
     tdm_object_fail(&o, "tangential",
@@ -113,6 +149,7 @@ void dem_contact_read(dem_model *m, tdm_object *section) {
                     m->tangential->head.name, (m->normal->circle ? m->wall_normal : m->normal)->head.name);
   check_wall_law(m, &o);
   read_settings(m, &o);
+  read_multi_settings(m, &o);
   check_laws(m, &o);
   read_wall_mass(m, &o);
   tdm_object_close(&o);
@@ -141,8 +178,9 @@ static void read_material(dem_model *m, tdm_object *o) {
     return;
   material->young = tdm_get_number(o, "young_modulus", TDM_REQUIRED, TDM_POSITIVE);
   material->poisson = tdm_get_number(o, "poisson_ratio", TDM_REQUIRED, TDM_NOT_NEGATIVE);
-  if (material->poisson >= 0.5)
-    tdm_object_fail(o, "poisson_ratio", "is %g but must be less than 0.5", material->poisson);
+  if (material->poisson > 0.5)
+    tdm_object_fail(o, "poisson_ratio", "is %g but must be at most 0.5, that of what keeps its volume",
+                    material->poisson);
   material->shear = material->young / (2 * (1 + material->poisson));
 }
 
@@ -203,9 +241,9 @@ static void refuse_if_unused(const dem_model *m, tdm_object *o, const dem_pair *
   if (!asked && o->json && json_object_get(o->json, key))
     tdm_object_fail(o, key,
                     "is read by none of the scene's laws (normal \"%s\", tangential \"%s\", rolling \"%s\", twisting "
-                    "\"%s\", cohesion \"%s\"); remove it, or choose its law in dem.contact",
+                    "\"%s\", cohesion \"%s\", multi_contact \"%s\"); remove it, or choose its law in dem.contact",
                     dem_normal_of(m, p)->head.name, m->tangential->head.name, m->rolling->head.name,
-                    m->twisting->head.name, m->cohesion->head.name);
+                    m->twisting->head.name, m->cohesion->head.name, m->multi->head.name);
 }
 
 /* keys of laws that the scene has not chosen are no typing errors: say what they are */
@@ -267,9 +305,14 @@ static void read_pair(dem_model *m, tdm_object *o) {
   dem_normal_of(m, &pair)->read(m, o, &pair);
   read_tangential(m, o, &pair);
   read_others(m, o, &pair);
+  dem_pair back = pair;
+  if (m->multi->read) {
+    m->multi->read(m, o, a, b, &pair);
+    m->multi->read(m, o, b, a, &back);
+  }
   refuse_unused(m, o, &pair);
+  m->pair[(size_t)which[1] * n + (size_t)which[0]] = back;
   m->pair[(size_t)which[0] * n + (size_t)which[1]] = pair;
-  m->pair[(size_t)which[1] * n + (size_t)which[0]] = pair;
 }
 
 void dem_pairs_read(dem_model *m, json_t *array, tdm_error *err) {
@@ -365,9 +408,15 @@ void dem_contact_finish(dem_model *m, tdm_error *err) {
       sliding = sliding || (m->tangential->sticks && p->static_friction != p->friction);
       const dem_normal_law *law = dem_normal_of(m, p);
       needs = needs || (law->needs_all_terms && law->needs_all_terms(p));
+      needs = needs || (m->tangential->needs_all_terms && m->tangential->needs_all_terms(p));
     }
   m->couples = !m->rolling->head.none || !m->twisting->head.none;
   bool shared = m->multi_step.substeps > 0; /* an evaluation may leave contacts out */
+  if (shared && !m->multi->head.none)
+    tdm_fail(
+        err, TDM_ERR_SCENE, "dem.contact.multi_contact",
+        "\"%s\" does not go with dem.multi_step, which takes the contacts of a particle at different times; remove one",
+        m->multi->head.name);
   m->all_terms = m->couples || !m->cohesion->head.none || m->energy || sliding || needs || shared;
   dem_loops_choose(m);
   if (!dem_columns_choose(m, sliding))

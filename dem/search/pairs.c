@@ -414,6 +414,7 @@ tdm_status dem_lists_build(dem_data *d) {
   d->lists.stale = false;
   d->lists.since_list = 0;
   d->lists.nrebuild++;
+  d->work.notes.valid = d->work.among = false;
   return status;
 }
 

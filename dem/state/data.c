@@ -236,6 +236,7 @@ tdm_status dem_data_copy(dem_data *dst, const dem_data *src) {
   memcpy(dst->work.block, src->work.block, src->work.block_size);
   copy_particles(dst, src);
   dem_data_end(dst);
+  dst->work.notes.valid = dst->work.among = false;
   if (copy_lists(dst, src)) {
     dst->lists.valid = false;
     return TDM_ERR_MEMORY;
@@ -270,6 +271,10 @@ void dem_data_destroy(dem_data **data) {
                     d->state.push,
                     d->state.spare_push,
                     d->work.contact_sum,
+                    d->work.notes.column,
+                    d->work.notes.first,
+                    d->work.notes.place,
+                    d->work.notes.room,
                     d->work.particle_block,
                     d->work.block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

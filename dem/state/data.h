@@ -161,6 +161,36 @@ typedef struct {
   size_t capacity;
 } dem_traction;
 
+/* Columns of the notes of contacts (notes.h); a contact that is open has width 0. */
+enum {
+  DEM_NOTE_X,       /* normal, towards the first particle */
+  DEM_NOTE_Y,       /* likewise */
+  DEM_NOTE_Z,       /* likewise */
+  DEM_NOTE_SHARE,   /* distance of the contact from a particle's centre, in its radii */
+  DEM_NOTE_WIDTH,   /* square of the radius of the contact's circle [m2] */
+  DEM_NOTE_FORCE,   /* elastic normal force, as the others feel it [N] */
+  DEM_NOTE_OVERLAP, /* where laws go over their notes again: overlap [m], coefficient of Hertz's force [N/m^1.5] and */
+  DEM_NOTE_HERTZ,   /* how much of what the particles' sides give counts */
+  DEM_NOTE_WEIGHT,  /* likewise */
+  DEM_NOTE_SIDE,    /* what the first particle's contacts give this one */
+  DEM_NOTE_OTHER,   /* likewise of the second; 0 of a wall */
+  DEM_NOTES
+};
+
+enum { DEM_NOTE_ROWS = 9 }; /* of room, a chunk */
+
+typedef struct {
+  bool valid;     /* they are of the lists that there are */
+  double *column; /* (DEM_NOTES x stride) by place */
+  size_t stride;
+  int *first;   /* (nparticle + 2) first place of each particle, in place; then the end */
+  int *place;   /* 2 x place, and 1 more where the particle is the second one */
+  int most;     /* places of a particle at most */
+  double *room; /* (nchunk x DEM_NOTE_ROWS x row) scratch */
+  size_t row;   /* 2 most, and what lanes may go beyond */
+  size_t first_size, place_size, column_size, room_size; /* [bytes] */
+} dem_notes;
+
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
 enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
 
@@ -285,6 +315,8 @@ typedef struct {
   uint64_t *hole;       /* (nparticle) scratch, where holes are watched; else none */
   int *number;          /* (nparticle) scratch, where particles can leave; else none */
   int capacity;         /* room for so many particles */
+  dem_notes notes;      /* of contacts, for laws that take them */
+  bool among;           /* contact_sum or the notes are those of the last evaluation */
   double *contact_sum;  /* (places of push x model.nsum) over the contacts of a particle, for laws that have them */
   int push_capacity;    /* entries of push */
   void *particle_block; /* the arrays of particles */

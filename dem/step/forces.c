@@ -6,8 +6,10 @@
 #include "dem/bodies/walls.h"
 #include "dem/search/pairs.h"
 #include "dem/state/crossings.h"
+#include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
+#include <assert.h>
 #include <string.h>
 
 /* in the order of the chunks */
@@ -44,6 +46,15 @@ static void geometry_loads(dem_loop_task *task) {
   }
 }
 
+static dem_loop_task task_of(dem_data *d, int chunk, bool settling) {
+  return (dem_loop_task){.model = d->model,
+                         .data = d,
+                         .chunk = chunk,
+                         .settling = settling,
+                         .wall_first = d->lists.walls.chunk[chunk],
+                         .wall_end = d->lists.walls.chunk[chunk + 1]};
+}
+
 /* Sums over the contacts of each particle, of laws that have them: of all contacts, with the geometry that the forces
  * will see. Reactions from other chunks come after those of the particle's own, as forces do. */
 static void sum_contacts(dem_data *d, bool settling) {
@@ -53,9 +64,7 @@ static void sum_contacts(dem_data *d, bool settling) {
   memset(d->work.contact_sum, 0, dem_push_count(d) * nsum * sizeof *d->work.contact_sum);
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int c = 0; c < d->lists.nchunk; c++) {
-    dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling};
-    task.wall_first = d->lists.walls.chunk[c];
-    task.wall_end = d->lists.walls.chunk[c + 1];
+    dem_loop_task task = task_of(d, c, settling);
     m->sum_loops->pairs(&task);
     m->sum_loops->walls(&task);
   }
@@ -68,11 +77,52 @@ static void sum_contacts(dem_data *d, bool settling) {
     }
 }
 
+static void share_notes(dem_data *d, bool settling) {
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++) {
+    dem_loop_task task = task_of(d, c, settling);
+    d->model->noting->share(&task);
+  }
+}
+
+/* the notes anew from what came of them; true: no force changed by more than the law's tolerance */
+static bool notes_again(dem_data *d, bool settling) {
+  double change = 0, largest = 0;
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) \
+    reduction(max                                                                               \
+              : change, largest)
+  for (int c = 0; c < d->lists.nchunk; c++) {
+    dem_loop_task task = task_of(d, c, settling);
+    double most, changed = d->model->noting->again(&task, &most);
+    change = changed > change ? changed : change;
+    largest = most > largest ? most : largest;
+  }
+  return change <= d->model->noting->tolerance(d->model) * largest;
+}
+
+/* What contacts tell the others of their particles, and what these make of it, so often as the law wants. */
+static void take_notes(dem_data *d, bool settling) {
+  const dem_noting *noting = d->model->noting;
+  assert(d->work.notes.valid);
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = 0; c < d->lists.nchunk; c++) {
+    dem_loop_task task = task_of(d, c, settling);
+    noting->write.pairs(&task);
+    noting->write.walls(&task);
+  }
+  share_notes(d, settling);
+  for (long times = noting->iterations(d->model); times > 1 && !notes_again(d, settling); times--)
+    share_notes(d, settling);
+}
+
 /* One thread ends the step of each chunk at once, while it is in the cache: what other chunks add to it came before. */
 void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {
   const dem_model *m = d->model;
   if (m->sum_loops)
     sum_contacts(d, settling);
+  if (m->noting)
+    take_notes(d, settling);
+  d->work.among = true;
   tdm_vec3 *entry_force = dem_traction_entries(d);
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
@@ -174,7 +224,7 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
 
 tdm_status dem_forces_now(dem_data *d, bool settling, tdm_error *err) {
   dem_walls_put(d);
-  if (dem_lists_build(d) || dem_traction_reserve(d))
+  if (dem_lists_build(d) || dem_traction_reserve(d) || dem_notes_reserve(d))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_forces_again(d, settling, 0);
   return TDM_OK;

@@ -7,6 +7,7 @@
 #include "dem/flow/flow.h"
 #include "dem/particles/domain.h"
 #include "dem/search/pairs.h"
+#include "dem/state/notes.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
 
@@ -105,6 +106,8 @@ static tdm_status find_contacts(dem_data *d, double moved2, double h) {
   if (d->lists.nrebuild != before) /* a particle that moves far in a step makes new lists */
     dem_guard_note_leap(d, h);
   tdm_status status = dem_traction_reserve(d);
+  if (!status && d->model->noting)
+    status = dem_notes_reserve(d);
   dem_time_spent(d->work.timers, DEM_PHASE_LIST);
   return status;
 }

@@ -37,6 +37,13 @@ static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
   return tdm_hash_bytes(h, &data, sizeof data);
 }
 
+static bool is_zero(const double *x, size_t size) {
+  bool zero = true;
+  for (size_t k = 0; k < size / sizeof *x; k++)
+    zero = zero && x[k] == 0;
+  return zero;
+}
+
 #define AS_NUMBER(x) hash_number(h, (double)(x))
 #define AS_BYTES(x) tdm_hash_bytes(h, &(x), sizeof(x)) /* of doubles, or of one number */
 #define AS_NAME(x) hash_name(h, (x)->name)
@@ -51,6 +58,9 @@ static uint64_t hash_data(uint64_t h, const dem_wall *wall) {
 #define AS_SHAPE_DATA(x) hash_data(h, s)
 #define AS_MULTI_STEP(x) hash_number(hash_number(h, (double)(x).substeps), (x).mass)
 #define AS_OPTION(x) ((x) ? hash_name(h, "with " #x) : h) /* of a scene without it as if there were none */
+#define AS_OPTION_LAW(x) ((x)->head.none ? h : AS_LAW(x))
+#define AS_OPTION_BYTES(x) (is_zero(x, sizeof(x)) ? h : AS_BYTES(x))
+#define AS_MULTI_SETTING(x) (s->multi->head.none ? h : AS_BYTES(x))
 #define AS_OPTION_NUMBER(x) ((x) > 0 ? AS_NUMBER(x) : h)
 #define AS_OPTIONAL(x) ((x) ? AS_PARTICLES(x) : h)
 #define AS_PARTICLES(x) tdm_hash_bytes(h, x, (size_t)s->nparticle * sizeof *(x))

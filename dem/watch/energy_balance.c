@@ -6,6 +6,7 @@
 #include "dem/contact/law/theory.h"
 #include "dem/particles/domain.h"
 #include "dem/particles/field.h"
+#include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
 /* ---- stored ---- */
@@ -87,7 +88,9 @@ static double elastic_of_pair(const dem_data *d, int i, int k) {
   tdm_vec3 v = tdm_axpy(-r / sum, tdm_cross(surface, n), tdm_sub(a->velocity, b->velocity));
   c.slip = tangent(v, n);
   set_spin(&c, tdm_sub(spin_of(&d->state.rotor[i]), spin_of(&d->state.rotor[j])), n);
-  return dem_normal_elastic(m, c.pair, c.at, c.overlap) + springs_of(m, &c);
+  dem_among among = {c.pair, c.at, c.overlap, i, j, (size_t)k};
+  c.overlap = dem_overlap_among(d, m, &among);
+  return dem_elastic_among(d, m, &among) + springs_of(m, &c);
 }
 
 static bool same_contact(const dem_data *d, size_t k, size_t other) {
@@ -128,7 +131,9 @@ static double elastic_of_wall(const dem_data *d, size_t k) {
   rates_at_wall(d, e, gap, n, &c);
   for (size_t part = k; part < d->lists.walls.count && same_contact(d, k, part); part++)
     c.at.deepest = fmax(c.at.deepest, dem_wall_deepest_so_far(d, part));
-  return (first ? dem_normal_elastic(m, c.pair, c.at, overlap) : 0) + springs_of(m, &c);
+  dem_among among = {c.pair, c.at, overlap, e->particle, -1, dem_note_of_contact(d, k)};
+  c.overlap = dem_overlap_among(d, m, &among);
+  return (first ? dem_elastic_among(d, m, &among) : 0) + springs_of(m, &c);
 }
 
 double dem_rest_energy(const dem_data *d) {

@@ -3,6 +3,7 @@
 #include "dem/watch/limits.h"
 
 #include "dem/particles/domain.h"
+#include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
@@ -172,9 +173,11 @@ static void add_particle(dem_limits *l, const dem_model *m, int material, double
                                   m, &row[k], (dem_impact){.mass = mass / 2, .radius = radius / 2, .speed = l->speed}));
 }
 
-/* stiffness that a contact adds at a particle [N/m]; at: effective mass and radius */
-static double stiffness(const dem_model *m, const dem_pair *pair, dem_impact at, double overlap) {
-  return fmax(dem_normal_stiffness(m, pair, at, overlap), 3.5 * dem_tangential_stiffness(m, pair, at, overlap));
+/* stiffness that a contact adds at a particle [N/m] */
+static double stiffness(const dem_data *d, const dem_among *c) {
+  const dem_model *m = d->model;
+  return fmax(dem_stiffness_among(d, m, c),
+              3.5 * dem_tangential_stiffness(m, c->pair, c->at, dem_overlap_among(d, m, c)));
 }
 
 /* Sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle). Returns how
@@ -192,7 +195,7 @@ static int add_stiffness(const dem_data *d, int i, double *sum) {
     const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + d->state.material[j]];
     dem_impact at = {.mass = 1 / (1 / d->state.mass[i] + 1 / d->state.mass[j]),
                      .radius = d->state.sphere[i].radius * d->state.sphere[j].radius / both};
-    double s = stiffness(m, pair, at, overlap);
+    double s = stiffness(d, &(dem_among){pair, at, overlap, i, j, (size_t)k});
     sum[i] += s;
     sum[j] += s;
   }
@@ -200,14 +203,20 @@ static int add_stiffness(const dem_data *d, int i, double *sum) {
 }
 
 /* The same of a wall; returns whether it touches. */
-static bool add_wall_stiffness(const dem_data *d, const dem_wall_entry *e, double *sum) {
+static bool add_wall_stiffness(const dem_data *d, size_t k, double *sum) {
   const dem_model *m = d->model;
+  const dem_wall_entry *e = &d->lists.walls.entry[k];
   int i = e->particle;
   double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, e->wall, NULL);
   const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + m->wall[e->wall].material];
   const bool touches = dem_surface_cuts(gap, radius);
   if (touches)
-    sum[i] += stiffness(m, pair, (dem_impact){.mass = d->state.mass[i], .radius = radius}, radius - gap);
+    sum[i] += stiffness(d, &(dem_among){.pair = pair,
+                                        .at = {.mass = d->state.mass[i], .radius = radius},
+                                        .overlap = radius - gap,
+                                        .particle = i,
+                                        .other = -1,
+                                        .place = dem_note_of_contact(d, k)});
   return touches;
 }
 
@@ -222,7 +231,7 @@ static tdm_status look_at_contacts(const dem_data *d, dem_limits *l, tdm_error *
   for (int i = 0; i < d->state.nparticle; i++)
     touching += 2 * add_stiffness(d, i, sum);
   for (size_t k = 0; k < d->lists.walls.count; k++)
-    touching += add_wall_stiffness(d, &d->lists.walls.entry[k], sum);
+    touching += add_wall_stiffness(d, k, sum);
   for (int i = 0; i < d->state.nparticle; i++)
     if (sum[i] > 0)
       l->eigen =

@@ -364,7 +364,7 @@ START_TEST(test_again) {
   };
   const char *as_it_is[DEM_FAMILIES], *again[DEM_FAMILIES];
   char name[DEM_FAMILIES][40];
-  for (dem_family f = DEM_FAMILY_TANGENTIAL; f < DEM_FAMILIES; f++) {
+  for (dem_family f = DEM_FAMILY_TANGENTIAL; f <= DEM_FAMILY_COHESION; f++) { /* those that are called */
     as_it_is[f] = again[f] = cases[_i].law[f];
     if (!(cases[_i].again >> f & 1))
       continue;

@@ -25,7 +25,7 @@ set(dem
   "contact search proxy flow dem.h"
   "contact/loop scene store watch"
   "contact/normal step"
-  "settle"
+  "settle contact/multi"
   "adapter"
   "app"
   "main.c")
@@ -65,6 +65,7 @@ set(least 4)
 set(most 10)
 set(families
   dem/contact/normal dem/contact/tangential dem/contact/rolling dem/contact/twisting dem/contact/cohesion
+  dem/contact/multi
   mbd/joint mbd/force mbd/driver coupler/scheme coupler/observe protocol/motion)
 # two files that are a floor of their own: a participant, a command
 set(other_sizes mbd/adapter mbd/app)

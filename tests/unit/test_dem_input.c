@@ -21,8 +21,8 @@ typedef struct {
 static const bad bads[] = {
     {"{'materials':[{'name':'grain','density':-1,'young_modulus':1e7,'poisson_ratio':0.2}]}",
      "dem.materials[0].density", "greater than 0"},
-    {"{'materials':[{'name':'grain','density':1,'young_modulus':1e7,'poisson_ratio':0.5}]}",
-     "dem.materials[0].poisson_ratio", "less than 0.5"},
+    {"{'materials':[{'name':'grain','density':1,'young_modulus':1e7,'poisson_ratio':0.501}]}",
+     "dem.materials[0].poisson_ratio", "at most 0.5"},
     {"{'materials':[{'name':'grain','density':'NaN','young_modulus':1e7,'poisson_ratio':0.2}]}",
      "dem.materials[0].density", "number"},
     {"{'materials':[{'name':'a','density':1,'young_modulus':1,'poisson_ratio':0},"

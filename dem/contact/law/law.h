@@ -25,6 +25,7 @@ typedef enum {
   DEM_FAMILY_ROLLING,
   DEM_FAMILY_TWISTING,
   DEM_FAMILY_COHESION,
+  DEM_FAMILY_MULTI,
   DEM_FAMILIES
 } dem_family;
 
@@ -48,7 +49,8 @@ typedef struct {
   int ncolumn;      /* of history that a contact keeps for it */
   unsigned vectors; /* bit q: column q is one of a vector's, which changes sign when the two of a pair change places */
   dem_law_key keys[DEM_KEYS_MAX]; /* that it reads, besides restitution and friction; ended by a NULL */
-  dem_called_kernel *kernel;      /* of a law that the loops do not hold, in plain C; normal laws bring loops instead */
+  dem_called_kernel *kernel;      /* of a law that the loops do not hold, in plain C; normal laws, and those of many
+                                     contacts, bring loops instead */
 } dem_law_head;
 
 /* Two bodies that collide centrally. */
@@ -105,6 +107,9 @@ typedef struct dem_tangential_law {
   /* Optional: those that follow from pair.restitution. */
   void (*damp)(const dem_model *model, dem_pair *pair);
 
+  /* Optional: this pair has terms that only the loops with all terms have. */
+  bool (*needs_all_terms)(const dem_pair *pair);
+
   /* Of its spring, whose force is in its first three columns [N/m]; NULL: it has none. */
   dem_of_overlap *stiffness;
 } dem_tangential_law;
@@ -128,6 +133,36 @@ typedef struct dem_cohesion_law {
   void (*read)(const dem_model *model, tdm_object *pair_of_scene, dem_pair *pair); /* optional */
   double (*reach)(const dem_pair *pair, double radius); /* optional: gap over which a contact holds [m] */
 } dem_cohesion_law;
+
+/* A contact among the others of its particles, at the last evaluation. */
+typedef struct {
+  const dem_pair *pair; /* of the particle's material with the partner's */
+  dem_impact at;        /* effective mass and radius */
+  double overlap;       /* > 0 [m] */
+  int particle, other;  /* other: -1 for a wall */
+  size_t place;         /* of its notes */
+} dem_among;
+
+typedef double dem_of_among(const struct dem_data *data, const dem_among *contact);
+
+/* How the contacts of a particle act on each other: loops that stand in the place of the normal law's, which is
+ * Hertz's (`hertzian`). */
+typedef struct dem_multi_law {
+  dem_law_head head;
+  const char *setting_keys[DEM_KEYS_MAX]; /* of dem.contact that it reads into model.multi_setting */
+  void (*read_settings)(dem_model *model, tdm_object *contact); /* optional */
+
+  /* The coefficients of a contact of a particle of material a with material b. */
+  void (*read)(const dem_model *model, tdm_object *pair_of_scene, const dem_material *a, const dem_material *b,
+               dem_pair *pair);
+
+  /* Optional: the overlap that makes the contact's circle [m]; NULL: that of the spheres. */
+  dem_of_among *overlap;
+  dem_of_among *stiffness; /* slope of the elastic force when all contacts of the particles grow alike [N/m] */
+  dem_of_among *elastic;   /* stored in the normal direction [J] */
+
+  const dem_loop_set *loops[DEM_SIMD_SETS];
+} dem_multi_law;
 
 /* The normal law of a pair. */
 static inline const dem_normal_law *dem_normal_of(const dem_model *model, const dem_pair *pair) {

@@ -39,13 +39,24 @@ typedef struct dem_loops {
   dem_loop *pairs, *walls;
 } dem_loops;
 
+/* What contacts tell the others of their particles, before the forces (state/notes.h). */
+typedef struct dem_noting {
+  dem_loops write; /* the notes of a chunk's contacts */
+  dem_loop *share; /* from these, what the contacts of each of a chunk's particles give each other */
+  double (*again)(dem_loop_task *task, double *largest); /* the notes of a chunk anew, from what was given; returns
+                                                            the largest change of a force; largest: of a force [N] */
+  long (*iterations)(const struct dem_model *model);     /* how often they are shared, at most */
+  double (*tolerance)(const struct dem_model *model); /* share of the largest force; no change above it: it is enough */
+} dem_noting;
+
 /* The loops of a normal law for one instruction set. */
 typedef struct {
-  const dem_loops *with; /* with each tangential law, by its place in the table; NULLs: they do not go together */
-  dem_loops all_terms;   /* with the scene's laws of all families, and with energies */
-  dem_loops called;      /* likewise, with laws that a program adds, which are called; in plain C, else NULLs */
-  int nsum;              /* sums over the contacts of a particle, taken before the forces */
-  dem_loops sums;        /* these, added to data->work.contact_sum; NULLs without them */
+  const dem_loops *with;    /* with each tangential law, by its place in the table; NULLs: they do not go together */
+  dem_loops all_terms;      /* with the scene's laws of all families, and with energies */
+  dem_loops called;         /* likewise, with laws that a program adds, which are called; in plain C, else NULLs */
+  int nsum;                 /* sums over the contacts of a particle, taken before the forces */
+  dem_loops sums;           /* these, added to data->work.contact_sum; NULLs without them */
+  const dem_noting *noting; /* NULL: it takes no notes */
 } dem_loop_set;
 
 #endif

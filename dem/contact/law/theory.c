@@ -53,3 +53,17 @@ double dem_rolling_stiffness(const dem_model *m, const dem_pair *p, dem_impact i
 double dem_twisting_stiffness(const dem_model *m, const dem_pair *p, dem_impact i, double overlap) {
   return m->twisting->stiffness ? m->twisting->stiffness(m, p, i, overlap) : 0;
 }
+
+/* ---- among others ---- */
+
+double dem_stiffness_among(const struct dem_data *d, const dem_model *m, const dem_among *c) {
+  return m->multi->stiffness ? m->multi->stiffness(d, c) : dem_normal_stiffness(m, c->pair, c->at, c->overlap);
+}
+
+double dem_elastic_among(const struct dem_data *d, const dem_model *m, const dem_among *c) {
+  return m->multi->elastic ? m->multi->elastic(d, c) : dem_normal_elastic(m, c->pair, c->at, c->overlap);
+}
+
+double dem_overlap_among(const struct dem_data *d, const dem_model *m, const dem_among *c) {
+  return m->multi->overlap ? m->multi->overlap(d, c) : c->overlap;
+}

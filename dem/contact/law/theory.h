@@ -42,4 +42,15 @@ double dem_contact_time(double mass, double radius, double young, double speed);
 double dem_jkr_reach(double radius, double young, double adhesion);
 double dem_jkr_pull(double radius, double adhesion);
 
+/* ---- of a contact among the others of its particles, by the scene's laws ---- */
+
+/* Slope of the elastic force when all contacts of the particles grow alike [N/m]. */
+double dem_stiffness_among(const struct dem_data *data, const dem_model *model, const dem_among *contact);
+
+/* Stored in the normal direction [J]. */
+double dem_elastic_among(const struct dem_data *data, const dem_model *model, const dem_among *contact);
+
+/* The overlap that makes the contact's circle, and with it the tangential stiffness [m]. */
+double dem_overlap_among(const struct dem_data *data, const dem_model *model, const dem_among *contact);
+
 #endif

@@ -8,6 +8,7 @@
 #include "dem/contact/law/law.h"
 #include "dem/contact/law/task.h"
 #include "dem/state/data.h"
+#include "dem/state/notes.h"
 
 #define X(law) TANGENTIAL_##law,
 enum { DEM_TANGENTIALS(X) };
@@ -222,6 +223,10 @@ DEM_INLINE void load_sums(const dem_data *d, const int *particle, vd sum[]) {
       lane[l] = d->work.contact_sum[(size_t)particle[l] * DEM_LAW_SUMS + (size_t)q];
     sum[q] = vd_load(lane);
   }
+}
+
+DEM_INLINE double *note_column(const dem_data *d, int column) {
+  return d->work.notes.column + (size_t)column * d->work.notes.stride;
 }
 
 /* the row as it is: with all terms the columns are the scene's */

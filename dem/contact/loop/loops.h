@@ -7,6 +7,12 @@
  *   #define DEM_LAW_CIRCLE true      if the kernel fills contact.circle
  *   #define DEM_LAW_SUMS 3           sums over the contacts of a particle, unless none
  *   #define DEM_LAW_SUMS_KERNEL sum  void sum(const dem_contact *, vd of[]): what a contact adds to those of a particle
+ *   #define DEM_LAW_NOTES_KERNEL note   void note(const dem_contact *, const vd *history, dem_note *): what a contact
+ *                                       tells the others of its particles; with it, functions of a chunk's task
+ *   #define DEM_LAW_NOTES_SHARE share   void share(dem_loop_task *): what they give each other
+ *   #define DEM_LAW_NOTES_AGAIN again   double again(dem_loop_task *, double *largest): the notes from these (task.h)
+ *   #define DEM_LAW_NOTES_ITERATIONS(model) …   how often, and up to which change
+ *   #define DEM_LAW_NOTES_TOLERANCE(model) …
  *   #include "dem/contact/loop/loops.h"
  * It makes dem_loops_hooke_avx512, or what else the file is compiled for; DEM_LAW_LOOPS are those of all instruction
  * sets, for the law's row.
@@ -22,7 +28,9 @@
  * With sums there is a pass over all contacts before that of the forces: it adds up what the second kernel makes of the
  * geometry of each contact (the upper part of dem_contact, without rate, slip and spins), for both particles with the
  * normal that points to them. The first kernel then has the sums of both. This is the place of multi-contact laws
- * (Brodu, Dijksman & Behringer 2015). Laws without sums pay nothing.
+ * in which the particles' means count. With notes each contact is written down first (state/notes.h), and a pass over
+ * particles works out what each of their contacts gives each other, for laws in which places and directions count. Laws
+ * without either pay nothing.
  *
  * apply.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops.
  */
@@ -39,7 +47,13 @@
 #ifndef DEM_LAW_SUMS
 #define DEM_LAW_SUMS 0
 #endif
+#ifdef DEM_LAW_NOTES_KERNEL
+#define DEM_LAW_NOTES 1
+#else
+#define DEM_LAW_NOTES 0
+#endif
 
+#include "dem/contact/loop/notes.h"
 #include "dem/contact/loop/pair_loop.h"
 #include "dem/contact/loop/sums.h"
 #include "dem/contact/loop/wall_loop.h"
@@ -130,6 +144,44 @@ static void walls_sums(dem_loop_task *task) {
   { NULL, NULL }
 #endif
 
+/* ---- notes ---- */
+
+#if DEM_LAW_NOTES
+static __attribute__((noinline)) void batch_notes(dem_loop_task *task, batch *b) {
+  note_batch(task, b, DEM_LAW_NOTES_KERNEL);
+}
+
+static void pairs_notes(dem_loop_task *task) {
+  note_pairs(task, DEM_LAW_NOTES_KERNEL);
+}
+
+static void walls_notes(dem_loop_task *task) {
+  note_walls(task, (row){.flush = batch_notes});
+}
+
+static void share_notes(dem_loop_task *task) {
+  DEM_LAW_NOTES_SHARE(task);
+}
+
+static double again_notes(dem_loop_task *task, double *largest) {
+  return DEM_LAW_NOTES_AGAIN(task, largest);
+}
+
+static long iterations_of_notes(const dem_model *m) {
+  return DEM_LAW_NOTES_ITERATIONS(m);
+}
+
+static double tolerance_of_notes(const dem_model *m) {
+  return DEM_LAW_NOTES_TOLERANCE(m);
+}
+
+static const dem_noting noting = {
+    {pairs_notes, walls_notes}, share_notes, again_notes, iterations_of_notes, tolerance_of_notes};
+#define NOTING &noting
+#else
+#define NOTING NULL
+#endif
+
 /* ---- for the row ---- */
 
 #define DEM_LAW_LOOPS_FOR(set) JOIN(JOIN(dem_loops_, DEM_LAW), set)
@@ -146,6 +198,7 @@ const dem_loop_set DEM_ISA(JOIN(dem_loops_, DEM_LAW)) = {.with = with,
                                                          .all_terms = {pairs_all_terms, walls_all_terms},
                                                          .called = LOOPS_CALLED,
                                                          .nsum = DEM_LAW_SUMS,
-                                                         .sums = LOOPS_SUMS};
+                                                         .sums = LOOPS_SUMS,
+                                                         .noting = NOTING};
 
 #endif

@@ -177,6 +177,8 @@ DEM_KERNEL void pair_loop(dem_loop_task *task, const row constants) {
     load_sums(d, i, sums[0]);
     load_sums(d, j, sums[1]);
     c.own_sums = sums[0], c.other_sums = sums[1];
+    if (DEM_LAW_NOTES)
+      c.shift = vd_load(note_column(d, DEM_NOTE_SIDE) + k) + vd_load(note_column(d, DEM_NOTE_OTHER) + k);
     if (!constants.all_terms)
       touching += __builtin_popcount(vm_bits(c.touching));
     outcome out = law(task, &c, velocity, list->history + k, list->capacity, law_row, 0);

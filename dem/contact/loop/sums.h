@@ -11,13 +11,20 @@
 
 typedef void sum_kernel(const dem_contact *, vd sum[]);
 
-/* to the sums of each particle that touches, lane after lane */
-DEM_INLINE void add_sums(dem_data *d, const int *slot, const dem_contact *c, const vd sum[]) {
+/* To the sums of each particle that touches, lane after lane, in each first to `slot` and then, unless NULL, to
+ * `other`: the order of the list, whatever the number of lanes. */
+DEM_INLINE void add_sums(dem_data *d, const dem_contact *c, const int *slot, const vd sum[], const int *other,
+                         const vd to_other[]) {
   for (int q = 0; q < DEM_LAW_SUMS; q++) {
-    double lane[DEM_W];
-    vd_store(lane, vd_only(c->touching, sum[q]));
-    for (int l = 0; l < DEM_W; l++)
-      d->work.contact_sum[(size_t)slot[l] * DEM_LAW_SUMS + (size_t)q] += lane[l];
+    double lane[2][DEM_W], *of = d->work.contact_sum + q;
+    vd_store(lane[0], vd_only(c->touching, sum[q]));
+    if (other)
+      vd_store(lane[1], vd_only(c->touching, to_other[q]));
+    for (int l = 0; l < DEM_W; l++) {
+      of[(size_t)slot[l] * DEM_LAW_SUMS] += lane[0][l];
+      if (other)
+        of[(size_t)other[l] * DEM_LAW_SUMS] += lane[1][l];
+    }
   }
 }
 
@@ -38,13 +45,12 @@ DEM_KERNEL void sum_pairs(dem_loop_task *task, sum_kernel *contribution) {
     if (!vm_any(c.touching))
       continue;
     pair_geometry(d, i, j, s, x, r2, sum, &c);
-    vd of[DEM_LAW_SUMS];
-    contribution(&c, of);
-    add_sums(d, i, &c, of);
+    vd of[2][DEM_LAW_SUMS];
+    contribution(&c, of[0]);
     c.normal = vd3_scale(vd_set(-1), c.normal);
     c.radii[0] = vd_radii(d->state.sphere, j), c.radii[1] = vd_radii(d->state.sphere, i);
-    contribution(&c, of);
-    add_sums(d, list->reaction_slot + k, &c, of);
+    contribution(&c, of[1]);
+    add_sums(d, &c, i, of[0], list->reaction_slot + k, of[1]);
   }
 }
 
@@ -55,7 +61,7 @@ DEM_KERNEL void sum_batch(dem_loop_task *task, batch *b, sum_kernel *contributio
   for (int l = 0; l < DEM_W; l++) /* lanes without a contact add nothing to the particle of the first */
     slot[l] = task->data->lists.walls.entry[b->entry[l < b->count ? l : 0]].particle;
   contribution(&c, of);
-  add_sums(task->data, slot, &c, of);
+  add_sums(task->data, &c, slot, of, NULL, NULL);
   b->count = 0;
 }
 

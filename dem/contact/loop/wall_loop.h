@@ -6,7 +6,8 @@
 
 #include "dem/contact/loop/apply.h"
 
-enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM, SX, SY, SZ, PER_INERTIA, WALL_NUMBERS };
+enum { NX, NY, NZ, OVERLAP, VX, VY, VZ, TURN, RADIUS, PER_MASS, ARM, SX, SY, SZ, PER_INERTIA, SHIFT };
+enum { WALL_NUMBERS = SHIFT + DEM_LAW_NOTES };
 
 /* contacts of walls, gathered until there are DEM_W; columns */
 struct batch {
@@ -47,6 +48,9 @@ DEM_KERNEL dem_contact batch_contact(const dem_loop_task *task, batch *b, const 
   }
   if (DEM_LAW_SUMS > 0)
     c.radii[0] = c.radius, c.radii[1] = vd_set(INFINITY);
+#if DEM_LAW_NOTES
+  c.shift = vd_load(v[SHIFT]);
+#endif
   return c;
 }
 
@@ -143,6 +147,9 @@ DEM_KERNEL void add_to_batch(dem_loop_task *task, batch *b, size_t k, double gap
     b->velocity[l] = wall_v;
     b->angular[l] = wall_w;
   }
+#if DEM_LAW_NOTES
+  b->number[SHIFT][l] = note_column(d, DEM_NOTE_SIDE)[dem_note_of_wall(d, k)];
+#endif
   for (int q = 0; q < r.ncolumn; q++)
     b->history[q][l] = list->history[(size_t)q * list->capacity + k];
   b->entry[l] = (int)k;
@@ -383,7 +390,8 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     if (wall->shape->touches) {
       wall_with_parts(task, &b, k, next, r);
     } else {
-      bool whole = DEM_LAW_SUMS == 0 && !constants.all_terms && wall->shape->half_space && !wall->moves && !m->driven;
+      bool whole = DEM_LAW_SUMS + DEM_LAW_NOTES == 0 && !constants.all_terms && wall->shape->half_space &&
+                   !wall->moves && !m->driven;
       size_t rest = whole ? next - (next - k) % DEM_W : k;
       if (whole && rest > k)
         r.planes(task, k, rest);

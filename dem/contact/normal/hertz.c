@@ -5,24 +5,16 @@
  * The attractive end of a damped contact is kept, or cut at 0 (pair.floor is -inf or 0): see restitution.h.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/contact/law/contact.h"
+#include "dem/contact/normal/hertz.h"
+
 #include "dem/contact/law/law.h"
 #include "dem/contact/law/restitution.h"
 #include "dem/contact/law/theory.h"
 
-/* pair.viscosity is eta [Pa s], pair.normal_damping 2 sqrt(5/6) beta; cohesion jkr reads them, too */
-
 DEM_KERNEL void kernel(dem_contact *c, vd *history) {
   (void)history;
-  vd young = DEM_OF(c, effective_young);
-  c->circle = vd_sqrt(c->radius * c->overlap);
-  c->stiffness = (young + young) * c->circle; /* S_n */
-  c->damping = vd_sqrt(c->stiffness * c->mass);
-  vd elastic = vd_set(2.0 / 3.0) * c->stiffness * c->overlap;
-  vd damped = DEM_OF(c, normal_damping) * c->damping * c->rate;
-  if (c->all_terms)
-    damped = damped + DEM_OF(c, viscosity) * c->circle * c->rate;
-  c->force = vd_max(elastic + damped, DEM_OF(c, floor));
+  vd elastic = dem_hertz_elastic(c, c->overlap);
+  dem_hertz_damp(c, elastic);
   c->elastic = vd_set(0.4) * elastic * c->overlap;
 }
 

@@ -1,0 +1,24 @@
+/* What each contact tells the other contacts of its particles, for laws in which they act on each other
+ * (contact/multi/): written by a pass over all contacts before that of the forces, and read particle by particle.
+ *
+ * Places: those of the pairs' list, then those of the walls' list. For each particle there is a list of its places, in
+ * the order of these, made when the lists of what is near are; so nothing depends on threads or on who writes first.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_STATE_NOTES_H
+#define DEM_STATE_NOTES_H
+
+#include "dem/state/data.h"
+
+/* Room for the lists there are, when the model's laws take notes and they have none. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_notes_reserve(dem_data *data);
+
+/* Place of the contact of entry k's particle and wall, of whose parts k is the first: that of the part that touches. */
+size_t dem_note_of_contact(const dem_data *data, size_t k);
+
+/* Place of entry k of the walls' list. */
+static inline size_t dem_note_of_wall(const dem_data *d, size_t k) {
+  return d->lists.pairs.count + k;
+}
+
+#endif
