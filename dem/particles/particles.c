@@ -51,6 +51,7 @@ tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   d->lists.pairs.first[i + 1] = d->lists.pairs.first[i];
   dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
   d->lists.stale = true;
+  d->work.notes.valid = d->work.among = false;
   return TDM_OK;
 }
 
@@ -212,6 +213,7 @@ tdm_status dem_data_remove(dem_data *d, const int *gone) {
       move_particles(d, number[i], i, end);
   }
   d->state.nparticle = after;
+  d->work.notes.valid = d->work.among = false;
   dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
   dem_data_end(d);
   d->state.push[after] = (dem_push){0};

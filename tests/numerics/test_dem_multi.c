@@ -549,6 +549,37 @@ START_TEST(test_same_bits) {
 }
 END_TEST
 
+/* Particles that come and go: the same whatever the lists hold. */
+static rig *flowing(const char *more, const char *pair, const char *law) {
+  rig *r = rig_make(
+      scene_json("{%s'materials':[{'name':'a','density':1150,'young_modulus':23300,'poisson_ratio':0.5}],'pairs':["
+                 "{'materials':['a','a'],'restitution':0.5,'friction':0.3,%s}],'contact':{%s},'bodies':[{'name':"
+                 "'funnel','material':'a','shapes':[{'type':'cylinder','side':'inside','radius':0.03,'length':0.4,"
+                 "'point':[0,0,0.1],'axis':[0,0,1]}]}],'sources':[{'name':'s','material':'a','radius':0.01,"
+                 "'rate':200,'region':{'min':[-0.01,-0.01,0.2],'max':[0.01,0.01,0.22]},'velocity':[0,0,-3]}],"
+                 "'sinks':[{'name':'out','type':'plane','point':[0,0,0],'normal':[0,0,1]}],'particles':[]}",
+                 more, pair, law),
+      1e-4, 0, NULL);
+  for (int k = 0; k < 4000; k++) {
+    rig_steps(r, 1);
+    flow_now(r->data, (double)(k + 1) * 1e-4, 1e-4);
+  }
+  return r;
+}
+
+START_TEST(test_come_and_go) {
+  static const char *const laws[][2] = {{"'gamma':1.12", "'multi_contact':'mc-strain'"},
+                                        {"'beta':1.65", "'multi_contact':'mc-stress'"}};
+  rig *r = flowing("", laws[_i][0], laws[_i][1]), *other = flowing("'skin':0.004,", laws[_i][0], laws[_i][1]);
+  ck_assert_uint_gt(r->data->state.ledger.removed, 20);
+  ck_assert_int_eq(r->data->state.nparticle, other->data->state.nparticle);
+  ck_assert_mem_eq(r->data->state.sphere, other->data->state.sphere,
+                   (size_t)r->data->state.nparticle * sizeof *r->data->state.sphere);
+  rig_free(r);
+  rig_free(other);
+}
+END_TEST
+
 /* A copy goes on as the one it was taken from. */
 START_TEST(test_copy) {
   rig *r = heap("", _i ? "'multi_contact':'mc-stress'" : "'multi_contact':'mc-strain'", 1.12, 1e-5);
@@ -621,5 +652,5 @@ END_TEST
 TEST_MAIN_ROWS("contacts that act on each other", {test_own_force, 1}, {test_two_materials, 1}, {test_lattice, 4},
                {test_five_in_a_box, 3}, {test_opposite_contacts, 3}, {test_two_are_classical, 4},
                {test_many_are_classical, 3}, {test_against_brute_force, 4}, {test_momenta, 2}, {test_energy, 2},
-               {test_friction, 2}, {test_tangential_viscosity, 1}, {test_same_bits, 15}, {test_copy, 2},
-               {test_limits, 2}, {test_refused, 1})
+               {test_friction, 2}, {test_tangential_viscosity, 1}, {test_same_bits, 15}, {test_come_and_go, 2},
+               {test_copy, 2}, {test_limits, 2}, {test_refused, 1})
