@@ -96,10 +96,22 @@ static void add(filler *f, tdm_vec3 x, double radius) {
 
 /* ---- list ---- */
 
+/* radius of particle i of a list: its own where the entry has "radii" */
+static double radius_in_list(const filler *f, json_t *radii, size_t i) {
+  char path[TDM_PATH_MAX];
+  double r = radii ? json_number_value(json_array_get(radii, i)) : radius_of(f, i);
+  if (!(r > 0) || !isfinite(r))
+    tdm_fail(f->o->err, TDM_ERR_SCENE, tdm_path(path, f->o, "radii", (int)i), "must be a number greater than 0");
+  return r;
+}
+
 static void read_list(filler *f) {
   tdm_object *o = f->o;
-  json_t *positions = tdm_get_array(o, "positions", true);
+  json_t *positions = tdm_get_array(o, "positions", true), *radii = tdm_get_array(o, "radii", false);
   size_t n = json_array_size(positions);
+  if (radii && json_array_size(radii) != n)
+    tdm_object_fail(o, "radii", "has %zu entries but there are %zu positions; give each its radius",
+                    json_array_size(radii), n);
   if (o->err->status || make_room(f, (long)n))
     return;
   for (size_t i = 0; i < n; i++) {
@@ -116,7 +128,10 @@ static void read_list(filler *f) {
       tdm_fail(o->err, TDM_ERR_SCENE, tdm_path(path, o, "positions", (int)i), "must be three finite numbers [x, y, z]");
       return;
     }
-    add(f, tdm_v3(x[0], x[1], x[2]), radius_of(f, i));
+    double radius = radius_in_list(f, radii, i);
+    if (o->err->status)
+      return;
+    add(f, tdm_v3(x[0], x[1], x[2]), radius);
   }
 }
 
@@ -400,7 +415,11 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   const tdm_vec3 zero = {0, 0, 0};
   f.velocity = dem_read_vector(o, "velocity", &zero);
   f.spin = dem_read_vector(o, "spin", &zero);
-  if (read[type < 0 ? 0 : type] != read_moldyn)
+  void (*reader)(filler *) = read[type < 0 ? 0 : type];
+  bool own = reader == read_list && tdm_has(o, "radii");
+  if (own && tdm_has(o, "radius"))
+    tdm_object_fail(o, "radius", "excludes \"radii\"; give one radius for all, or each its own");
+  if (reader != read_moldyn && !own)
     dem_sizes_read(o, &f.sizes);
   f.seed = (uint64_t)tdm_get_integer(o, "seed", 1, 0);
   f.mass = tdm_get_number(o, "mass", 0, tdm_has(o, "mass") ? TDM_POSITIVE : TDM_ANY);

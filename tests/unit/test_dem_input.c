@@ -37,6 +37,13 @@ static const bad bads[] = {
      "dem.particles[0].mass", "greater than 0"},
     {"{" MATERIALS "," PAIRS "," ONE("[0,0]") "}", "dem.particles[0].positions[0]", "three"},
     {"{" MATERIALS "," ONE("[0,0,1],[1,0,1]") "}", "dem.pairs", "\"grain\" and \"grain\""},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'list','material':'grain','radii':[1,2],'positions':[[0,0,0]]}]}",
+     "dem.particles[0].radii", "1 positions"},
+    {"{" MATERIALS "," PAIRS ",'particles':[{'type':'list','material':'grain','radii':[-1],'positions':[[0,0,0]]}]}",
+     "dem.particles[0].radii[0]", "greater than 0"},
+    {"{" MATERIALS "," PAIRS
+     ",'particles':[{'type':'list','material':'grain','radius':1,'radii':[1],'positions':[[0,0,0]]}]}",
+     "dem.particles[0].radius", "excludes"},
     {"{" MATERIALS ",'pairs':[{'materials':['grain','steel'],'restitution':0.5,'friction':0}]}",
      "dem.pairs[0].materials[1]", "steel"},
     {"{" MATERIALS ",'pairs':[{'materials':['grain','grain'],'restitution':0,'friction':0}]}",
