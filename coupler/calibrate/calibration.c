@@ -84,7 +84,7 @@ static tdm_status read_parameter(cpl_calibration *c, int k, const tdm_scene *sce
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "calibrate: --parameter %.80s...: too long", o->parameter[k]);
   snprintf(p->path, sizeof p->path, "%s", o->parameter[k]);
   p->name = strrchr(p->path, '.') ? strrchr(p->path, '.') + 1 : p->path;
-  p->sensitivity = p->percent = p->error = NAN;
+  p->sensitivity = p->percent = p->scatter = p->error = NAN;
   for (int i = 0; i < k; i++)
     if (strcmp(c->parameter[i].path, p->path) == 0)
       return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "calibrate: --parameter %s is given twice", p->path);

@@ -31,6 +31,7 @@ typedef struct {
   /* of the sensitivity; NaN: unknown */
   double sensitivity; /* rms change of all rows [scales] for a way over the whole range, at the best try */
   double percent;     /* change of the value at which rows change by 0.01, the others fixed; may be infinite */
+  double scatter;     /* rms of what rows are off a straight line over three tries [scales] */
   double error;       /* standard error of the value */
   bool at_end;        /* the best value lies at an end of the range */
 } cpl_parameter;
@@ -63,6 +64,7 @@ typedef struct {
   cpl_ending ending;
   double correlation[CPL_PARAMETERS][CPL_PARAMETERS]; /* NaN: unknown */
   double noise;                                       /* rms standard error of the best try's rows [scales]; NaN */
+  int valleys;                                        /* of the misfit over a single parameter; 0: not known */
   bool better_nearby;                                 /* a try of the sensitivity has a smaller misfit */
 } cpl_calibration;
 

@@ -187,6 +187,28 @@ static void by_brent(search *s) {
   gsl_min_fminimizer_free(m);
 }
 
+/* Places that are lower than all up to a hill half as high again on both sides, or to an end. */
+static int count_valleys(const search *s) {
+  profile p = {0};
+  int n = 0, lowest = 0, highest = 0;
+  bool down = true; /* since the last hill */
+  if (make_profile(s, &p) == TDM_OK)
+    for (int i = 0; i < p.n; i++) {
+      lowest = p.f[i] < p.f[lowest] ? i : lowest;
+      highest = p.f[i] > p.f[highest] ? i : highest;
+      if (down && p.f[i] > 2.25 * p.f[lowest]) {
+        down = false;
+        highest = i;
+        n++;
+      } else if (!down && 2.25 * p.f[i] < p.f[highest]) {
+        down = true;
+        lowest = i;
+      }
+    }
+  free_profile(&p);
+  return n + (down && p.n > 0);
+}
+
 /* ---- more parameters ---- */
 
 static double square_of_several(const gsl_vector *u, void *context) {
@@ -274,6 +296,8 @@ tdm_status cpl_search(cpl_calibration *c, tdm_error *err) {
   else
     by_simplex(&s);
   const bool at_end = mark_ends(c);
+  if (c->nparameter == 1 && err->status == TDM_OK)
+    c->valleys = count_valleys(&s);
   c->ending = err->status == TDM_ERR_INTERRUPTED ? CPL_INTERRUPTED
               : err->status != TDM_OK            ? CPL_FAILED
               : c->best < 0                      ? CPL_FAILED

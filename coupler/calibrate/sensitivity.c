@@ -3,7 +3,9 @@
  * With the change of all rows by a parameter's place u, J = dr/du (central differences), where r are the weighted
  * differences whose squares add up to that of the misfit, the best place is off by inv(J'J) J' e for errors e of the
  * rows. Their variance is taken to be that of the differences that are left (with N - n degrees of freedom), or that of
- * the mean over the seeds, whichever is larger; rows are taken for independent.
+ * the mean over the seeds, whichever is larger; rows are taken for independent. Nor is it less than what comes of rows
+ * that are off a straight line over the three tries: where a little change makes another run of it, that is scatter (of
+ * variance 1/6 of the mean square of the second differences), which moves all rows of a run together.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/calibrate/calibration.h"
@@ -30,6 +32,18 @@ static bool derivative(const cpl_calibration *c, int low, int high, int k, doubl
     for (int row = 0; row < c->target[j].n; row++, i++)
       out[i] = weight_of(&c->target[j], c->ntarget) * (b->row[i] - a->row[i]) / way;
   return true;
+}
+
+/* What rows are off a straight line over low, best and high; 0: there is one of both only. */
+static double scatter_of(const cpl_calibration *c, int low, int high) {
+  if (low < 0 || high < 0 || !c->tried[low].row || !c->tried[high].row)
+    return 0;
+  const double *a = c->tried[low].row, *b = c->tried[c->best].row, *d = c->tried[high].row;
+  double sum = 0;
+  for (int j = 0, i = 0; j < c->ntarget; j++)
+    for (int row = 0; row < c->target[j].n; row++, i++)
+      sum += pow(weight_of(&c->target[j], c->ntarget) * (a[i] - 2 * b[i] + d[i]), 2) / 6;
+  return sqrt(sum);
 }
 
 /* The variance of row i of target j, weighted; NaN: unknown. */
@@ -78,7 +92,7 @@ static void take_errors(cpl_calibration *c, const double *J) {
 /* By place so far: to values. */
 static void to_values(cpl_parameter *p, double value) {
   const double slope = p->log ? value * log(p->to / p->from) : p->to - p->from;
-  p->error *= slope;
+  p->error = isnan(p->error) ? NAN : slope * fmax(p->error, p->scatter / p->sensitivity);
   p->percent = 0.01 / p->sensitivity * slope;
 }
 
@@ -111,11 +125,12 @@ tdm_status cpl_determine(cpl_calibration *c, tdm_error *err) {
   bool all = true;
   for (int k = 0; k < c->nparameter; k++) {
     double *row = J + (size_t)k * (size_t)c->nrow, sum = 0;
-    const bool there =
-        derivative(c, side[k][0] < 0 ? -1 : which[side[k][0]], side[k][1] < 0 ? -1 : which[side[k][1]], k, row);
+    const int low = side[k][0] < 0 ? -1 : which[side[k][0]], high = side[k][1] < 0 ? -1 : which[side[k][1]];
+    const bool there = derivative(c, low, high, k, row);
     for (int i = 0; i < c->nrow; i++)
       sum += row[i] * row[i];
     c->parameter[k].sensitivity = there ? sqrt(sum) : NAN;
+    c->parameter[k].scatter = scatter_of(c, low, high);
     all = all && there && sum > 0;
   }
   if (all)

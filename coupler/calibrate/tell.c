@@ -156,6 +156,11 @@ void cpl_calibration_print(const cpl_calibration *c) {
   print_targets(c, best);
   if (best->covered < 1)
     puts("the best run does not reach all rows of a target: beyond its end its last value counts");
+  if (c->valleys > 1)
+    printf(
+        "the misfit has %d valleys over the parameter: runs scatter more than it moves them (--repeat), or there are "
+        "several solutions (sensitivity.png)\n",
+        c->valleys);
   if (c->better_nearby)
     puts(
         "a try beside the best one is better: the misfit scatters (--repeat), or the search ended early (--tolerance)");
@@ -174,11 +179,11 @@ static json_t *parameter_json(const cpl_calibration *c, int k) {
   json_t *correlation = json_array();
   for (int i = 0; i < c->nparameter; i++)
     json_array_append_new(correlation, tdm_number_to_json(c->correlation[k][i]));
-  return json_pack("{s:s, s:f, s:f, s:b, s:f, s:o, s:o, s:o, s:o, s:s?, s:o, s:b}", "path", p->path, "from", p->from,
-                   "to", p->to, "log", (int)p->log, "start", p->start, "value", tdm_number_to_json(value),
+  return json_pack("{s:s, s:f, s:f, s:b, s:f, s:o, s:o, s:o, s:o, s:o, s:s?, s:o, s:b}", "path", p->path, "from",
+                   p->from, "to", p->to, "log", (int)p->log, "start", p->start, "value", tdm_number_to_json(value),
                    "sensitivity", tdm_number_to_json(p->sensitivity), "for_1_percent", tdm_number_to_json(p->percent),
-                   "standard_error", tdm_number_to_json(p->error), "determined", how, "correlation", correlation,
-                   "at_end", (int)p->at_end);
+                   "scatter", tdm_number_to_json(p->scatter), "standard_error", tdm_number_to_json(p->error),
+                   "determined", how, "correlation", correlation, "at_end", (int)p->at_end);
 }
 
 static json_t *target_json(const cpl_calibration *c, int k, int first) {
@@ -218,14 +223,14 @@ static json_t *calibration_json(const cpl_calibration *c) {
   tdm_utf8_clean(words);
   snprintf(scene, sizeof scene, "%s", c->o->scene);
   tdm_utf8_clean(scene);
-  return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:o, s:o, s:o, s:b, s:i, s:i, s:i, s:f, s:i, s:o, s:o, s:o}",
+  return json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:o, s:o, s:o, s:i, s:b, s:i, s:i, s:i, s:f, s:i, s:o, s:o, s:o}",
                    "tandem", TDM_VERSION, "scene", scene, "status", cpl_ending_name(c->ending), "reason", words,
                    "method", c->nparameter == 1 ? "brent" : "simplex", "tolerance", c->o->tolerance, "misfit",
                    tdm_number_to_json(misfit), "misfit_at_start",
                    tdm_number_to_json(c->ntry > 0 ? c->tried[0].misfit : NAN), "noise", tdm_number_to_json(c->noise),
-                   "better_nearby", (int)c->better_nearby, "ntries", c->ntry, "failed", count_failed(c), "runs",
-                   c->ntry * c->nseed, "wall_s", wall_of(c), "best", c->best, "parameters", parameters, "targets",
-                   targets, "tries", tries);
+                   "valleys", c->valleys, "better_nearby", (int)c->better_nearby, "ntries", c->ntry, "failed",
+                   count_failed(c), "runs", c->ntry * c->nseed, "wall_s", wall_of(c), "best", c->best, "parameters",
+                   parameters, "targets", targets, "tries", tries);
 }
 
 /* ---- files ---- */

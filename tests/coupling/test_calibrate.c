@@ -106,6 +106,7 @@ START_TEST(one_parameter) {
   ck_assert_double_eq_tol(number(parameter(c, 0), "for_1_percent"), 0.01 / sqrt(sum), 0.05 * 0.01 / sqrt(sum));
   ck_assert_double_eq(number(c, "ntries"), (double)json_array_size(json_object_get(c, "tries")));
   ck_assert_double_lt(number(c, "ntries"), 20);
+  ck_assert_double_eq(number(c, "valleys"), 1);
   ck_assert_double_eq(json_number_value(json_object_get(json_object_get(found, "parameters"), "g")),
                       number(parameter(c, 0), "value"));
   static const char *const files[] = {"c/path.png", "c/fit.png", "c/sensitivity.png", "c/calibration.csv"};
@@ -435,6 +436,29 @@ START_TEST(force_over_the_way_of_a_wall) {
 }
 END_TEST
 
+/* Two solutions: the way of a plate after half a period is -2 A sin(phase). */
+START_TEST(two_valleys) {
+  dir = directory_with_scene(
+      "{'time': {'end': 0.4, 'dt': 1e-3}, 'output': {'interval': 0.01},\n"
+      " 'dem': {'gravity': [0, 0, 0],\n"
+      "  'materials': [{'name': 'm', 'density': 10, 'young_modulus': 1e5, 'poisson_ratio': 0.2}],\n"
+      "  'pairs': [{'materials': ['m', 'm'], 'restitution': 0.1, 'friction': 0.3}],\n"
+      "  'bodies': [{'name': 'plate', 'material': 'm', 'shapes': [{'type': 'plane', 'normal': [0, 0, 1]}],\n"
+      "    'motion': {'oscillation': {'amplitude': [0, 0, 0.002], 'frequency': 1.25, 'phase': 1}}}],\n"
+      "  'particles': [{'type': 'list', 'material': 'm', 'radius': 0.05, 'positions': [[0, 0, 0.5]]}]}}\n");
+  int status = command("tandem calibrate %s/scene.json --parameter dem.bodies[0].motion.oscillation.phase --range 0 "
+                       "3.14159 --measure dem:body.plate.uz --target -0.002 --out %s/c",
+                       dir, dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  expect_output("the misfit has 2 valleys over the parameter");
+  json_t *c = load("c/calibration.json");
+  ck_assert_double_eq(number(c, "valleys"), 2);
+  ck_assert_double_eq_tol(sin(number(parameter(c, 0), "value")), 0.5, 0.02);
+  json_decref(c);
+  directory_remove(dir);
+}
+END_TEST
+
 /* ---- curves ---- */
 
 /* The values of a run's CSV file at the rows of a target's; the share that is reached. */
@@ -489,4 +513,4 @@ START_TEST(out_and_back) {
 END_TEST
 
 TEST_MAIN("calibrate", one_parameter, two_parameters, runs_that_fail, numbers_and_seeds, killed_and_resumed, other_ends,
-          wrong_input, both_solvers, force_over_the_way_of_a_wall, out_and_back)
+          wrong_input, both_solvers, force_over_the_way_of_a_wall, two_valleys, out_and_back)
