@@ -3,6 +3,7 @@
 #include "coupler/advise/advise.h"
 #include "coupler/calibrate/calibrate.h"
 #include "coupler/cells/jobs.h"
+#include "coupler/conform/conform.h"
 #include "coupler/live/live.h"
 #include "coupler/page/view.h"
 #include "coupler/report/report.h"
@@ -104,6 +105,12 @@ static void usage(FILE *out) {
         "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
         "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
         "      --full     the group \"coupling\": all cells of its grids, an hour instead of minutes\n\n"
+        "  tandem conform [SCENE] [--role dem|mbd] [--rule NAME ...] [--timeout S] [--json FILE]\n"
+        "               [--set PATH=VALUE ...] -- COMMAND ...\n"
+        "      Play the server against a solver, and tell which rules of PROTOCOL.md it keeps; exit status 1 when one\n"
+        "      is broken. SCENE has its section (default: an empty one, and one coupled body of 1 kg).\n"
+        "      --rule NAME        only this rule: --rule restore\n"
+        "      --timeout S        silence after which it counts as hanging (default: 10 s)\n\n"
         "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
         "  --help, --version\n\n"
         "Scenarios:\n",
@@ -122,8 +129,8 @@ static void usage(FILE *out) {
 typedef struct {
   tdm_arguments given;
   const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds, *error, *write,
-      *tolerance, *tries;
-  tdm_words measure, cell, parameter, range, log, target;
+      *tolerance, *tries, *role, *timeout;
+  tdm_words measure, cell, parameter, range, log, target, rule;
   bool force, strict, resume, full, live, estimate;
 } arguments;
 
@@ -148,6 +155,9 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--target", .words = &a->target},
                                 {.name = "--tolerance", .value = &a->tolerance},
                                 {.name = "--tries", .value = &a->tries},
+                                {.name = "--rule", .words = &a->rule},
+                                {.name = "--role", .value = &a->role},
+                                {.name = "--timeout", .value = &a->timeout},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
@@ -164,18 +174,19 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
   const bool view = strcmp(command, "view") == 0, check = strcmp(command, "check") == 0;
   const bool advise = strcmp(command, "advise") == 0, calibrate = strcmp(command, "calibrate") == 0;
+  const bool conform = strcmp(command, "conform") == 0;
   const struct {
     bool given, known;
     const char *name;
   } options[] = {
-      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise || calibrate},
+      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise || calibrate || conform},
       {.name = "--strict", .given = a->strict, .known = run},
       {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view || advise || calibrate},
       {.name = "--budget", .given = a->budget != NULL, .known = view},
       {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify || advise || calibrate},
       {.name = "--live", .given = a->live, .known = run && !check},
       {.name = "--estimate", .given = a->estimate, .known = run && !check},
-      {.name = "--json", .given = a->json != NULL, .known = sweep || verify || advise || calibrate},
+      {.name = "--json", .given = a->json != NULL, .known = sweep || verify || advise || calibrate || conform},
       {.name = "--error", .given = a->error != NULL, .known = advise},
       {.name = "--write", .given = a->write != NULL, .known = advise || calibrate},
       {.name = "--dt", .given = a->dt != NULL, .known = sweep},
@@ -193,6 +204,10 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
       {.name = "--target", .given = a->target.n > 0, .known = calibrate},
       {.name = "--tolerance", .given = a->tolerance != NULL, .known = calibrate},
       {.name = "--tries", .given = a->tries != NULL, .known = calibrate},
+      {.name = "--rule", .given = a->rule.n > 0, .known = conform},
+      {.name = "--role", .given = a->role != NULL, .known = conform},
+      {.name = "--timeout", .given = a->timeout != NULL, .known = conform},
+      {.name = "--", .given = a->given.rest != NULL, .known = conform},
       {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
     if (options[k].given && !options[k].known)
@@ -293,6 +308,42 @@ static tdm_status command_advise(const arguments *a, tdm_error *err) {
                                 .error = error};
   memcpy(options.solver, solvers, sizeof solvers);
   return cpl_advise(&options, err);
+}
+
+/* The words behind "--" as one command. */
+static tdm_status join_command(const arguments *a, char *out, size_t size, tdm_error *err) {
+  size_t used = 0;
+  if (!a->given.rest || !a->given.rest[0])
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "conform: give the solver's command behind --; see tandem --help");
+  for (char *const *word = a->given.rest; *word; word++) {
+    if (strchr(*word, ' '))
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                      "conform: \"%s\": a word of the command has a blank, which parts words; write a script", *word);
+    used += (size_t)snprintf(out + used, size - used, "%s%s", word == a->given.rest ? "" : " ", *word);
+    if (used >= size)
+      return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "conform: the command is longer than %zu bytes", size);
+  }
+  return TDM_OK;
+}
+
+static tdm_status command_conform(const arguments *a, tdm_error *err) {
+  char scene[4096], command[4096], *end = NULL;
+  const double timeout = a->timeout ? strtod(a->timeout, &end) : 10;
+  if (refuse(a, "conform", false, false, false, err) != TDM_OK ||
+      join_command(a, command, sizeof command, err) != TDM_OK ||
+      (a->given.nword > 0 && find_scene(a, "conform", scene, sizeof scene, err) != TDM_OK))
+    return err->status;
+  if (!(timeout > 0 && timeout < 1e6) || (end && *end))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "conform: --timeout %s: give a number of seconds", a->timeout);
+  cpl_conform_options options = {.scene = a->given.nword > 0 ? scene : NULL,
+                                 .set = a->given.set,
+                                 .command = command,
+                                 .role = a->role,
+                                 .rule = a->rule.n > 0 ? a->rule.word : NULL,
+                                 .json = a->json,
+                                 .timeout = timeout};
+  memcpy(options.solver, solvers, sizeof solvers);
+  return cpl_conform(&options, err);
 }
 
 static tdm_status command_report(const arguments *a, tdm_error *err) {
@@ -513,6 +564,7 @@ int main(int argc, char **argv) {
       {.name = "sweep", .run = command_sweep},
       {.name = "calibrate", .run = command_calibrate},
       {.name = "verify", .run = command_verify},
+      {.name = "conform", .run = command_conform},
   };
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };
   const char *names[NCOMMAND];
@@ -520,7 +572,7 @@ int main(int argc, char **argv) {
     names[i] = commands[i].name;
   tdm_error err = {0};
   arguments a = {0};
-  for (int i = 1; i < argc; i++) {
+  for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
     if (strcmp(argv[i], "--help") == 0) {
       usage(stdout);
       return 0;

@@ -61,17 +61,39 @@ static void become_solver(const char *path, char *const *argv, int log, pid_t se
   _exit(127);
 }
 
+enum { WORDS_MAX = 64 };
+
+/* The words of a command, in `text` (size bytes): blanks part them, unless all of it is a program. Returns their
+ * number, the first being the program's path in `path`; 0: there is no such program. */
+static int read_command(const char *command, char *text, size_t size, char **word, char *path, size_t path_size) {
+  int n = 1;
+  if (tdm_find_program(path, path_size, command))
+    return n;
+  if (strlen(command) >= size)
+    return 0;
+  strcpy(text, command);
+  char *rest = NULL, *first = strtok_r(text, " ", &rest);
+  if (!first || !tdm_find_program(path, path_size, first))
+    return 0;
+  for (char *next; n < WORDS_MAX && (next = strtok_r(NULL, " ", &rest)) != NULL;)
+    word[n++] = next;
+  return n;
+}
+
 tdm_status cpl_launch_process(cpl_child **child, const char *command, const char *endpoint, const char *name,
                               const char *log, double timeout, tdm_error *err) {
-  char path[4096], seconds[32];
-  if (!tdm_find_program(path, sizeof path, command))
+  char path[4096], text[4096], seconds[32], *argv[WORDS_MAX + 7];
+  const int n = read_command(command, text, sizeof text, argv, path, sizeof path);
+  if (n == 0)
     return tdm_fail(err, TDM_ERR_FILE, NULL,
                     "the solver \"%s\" is neither beside this program nor on PATH, or may not be executed", command);
   snprintf(seconds, sizeof seconds, "%g", timeout);
   int file = open(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", log, strerror(errno));
-  char *argv[] = {path, "--connect", (char *)endpoint, "--name", (char *)name, "--timeout", seconds, NULL};
+  char *const options[] = {"--connect", (char *)endpoint, "--name", (char *)name, "--timeout", seconds, NULL};
+  argv[0] = path;
+  memcpy(argv + n, options, sizeof options);
   cpl_child *c = calloc(1, sizeof *c);
   if (!c) {
     close(file);

@@ -243,7 +243,7 @@ static tdm_status wait_for(cpl_session *s, int role, tdm_message_type type, tdm_
         return err->status;
       }
       meet_stranger(s, &peer, data, size);
-      if (type == TDM_HELLO && s->partner[role].connected)
+      if (type == TDM_HELLO && who(s, &peer) >= 0)
         return TDM_OK;
     }
     if (status == TDM_OK)
@@ -326,22 +326,38 @@ static tdm_status assign(cpl_session *s, int role, const tdm_scene *scene, tdm_e
   return status;
 }
 
-tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *err) {
+tdm_status cpl_session_wait(cpl_session *s, cpl_role role, tdm_message_type type, tdm_header *header, tdm_error *err) {
+  return wait_for(s, role, type, header, err);
+}
+
+tdm_status cpl_session_meet(cpl_session *s, cpl_role role, tdm_error *err) {
   tdm_header header;
+  while (!s->partner[role].connected)
+    if (wait_for(s, role, TDM_HELLO, &header, err) != TDM_OK)
+      return err->status;
+  return TDM_OK;
+}
+
+tdm_status cpl_session_assign(cpl_session *s, cpl_role role, const tdm_scene *scene, tdm_error *err) {
+  tdm_header header;
+  if (assign(s, role, scene, err) != TDM_OK || wait_for(s, role, TDM_READY, &header, err) != TDM_OK)
+    return err->status;
+  if (cpl_session_read_ready(s, role, &header, err) != TDM_OK)
+    return blame(s, role, err, true);
+  tdm_log(TDM_LOG_INFO, "ready", "role=%s channels=%d", cpl_role_names[role], s->partner[role].nchannel);
+  return TDM_OK;
+}
+
+tdm_status cpl_session_start(cpl_session *s, const tdm_scene *scene, tdm_error *err) {
   for (int r = 0; r < CPL_NROLE; r++)
-    while (!s->partner[r].connected)
-      if (wait_for(s, r, TDM_HELLO, &header, err) != TDM_OK)
-        return err->status;
+    if (cpl_session_meet(s, (cpl_role)r, err) != TDM_OK)
+      return err->status;
   if (cpl_session_choose(s, err) != TDM_OK)
     return err->status;
   /* mbd first: its READY has the bodies that dem needs */
-  for (int r = 0; r < CPL_NROLE; r++) {
-    if (assign(s, r, scene, err) != TDM_OK || wait_for(s, r, TDM_READY, &header, err) != TDM_OK)
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (cpl_session_assign(s, (cpl_role)r, scene, err) != TDM_OK)
       return err->status;
-    if (cpl_session_read_ready(s, (cpl_role)r, &header, err) != TDM_OK)
-      return blame(s, r, err, true);
-    tdm_log(TDM_LOG_INFO, "ready", "role=%s channels=%d", cpl_role_names[r], s->partner[r].nchannel);
-  }
   cpl_session_compare(s);
   return TDM_OK;
 }

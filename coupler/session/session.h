@@ -63,6 +63,17 @@ tdm_status cpl_session_open(cpl_session *session, const cpl_settings *settings, 
 /* Wait for HELLO of both, assign mbd, then dem with mbd's bodies: after this both are READY. */
 tdm_status cpl_session_start(cpl_session *session, const tdm_scene *scene, tdm_error *err);
 
+/* The same in parts, for one role: wait for its HELLO; and, when a scheme is chosen and (for dem) mbd is READY, for its
+ * READY. */
+tdm_status cpl_session_meet(cpl_session *session, cpl_role role, tdm_error *err);
+tdm_status cpl_session_assign(cpl_session *session, cpl_role role, const tdm_scene *scene, tdm_error *err);
+
+/* Wait for a message of a type from a role, as the calls below do by themselves; HELLO: from any role. The header's
+ * payload lives until the next receive. An ERROR that comes, a partner that ends or is silent too long, and any other
+ * message is an error that names the partner. */
+tdm_status cpl_session_wait(cpl_session *session, cpl_role role, tdm_message_type type, tdm_header *header,
+                            tdm_error *err);
+
 /* After both HELLOs: the scheme of the scene, or its fallback when a solver lacks what that needs (session_asks.c). */
 tdm_status cpl_session_choose(cpl_session *session, tdm_error *err);
 

@@ -53,7 +53,7 @@ typedef struct {
   double timeout;                  /* silence after which a solver counts as hanging [s] */
   double join_timeout;             /* how long to wait for solvers that are started by hand [s] */
   const char *address;             /* tcp: where to listen; the port may be "*" */
-  const char *command[CPL_NROLE];  /* executable of a foreign solver, NULL: tandem's own */
+  const char *command[CPL_NROLE];  /* of a foreign solver, NULL: tandem's own */
   bool by_hand[CPL_NROLE];         /* somebody else starts this solver */
   int nbody;
   cpl_body_names *body;   /* (nbody), owned */

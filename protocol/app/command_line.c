@@ -10,9 +10,9 @@
 
 static tdm_status unknown_option(const tdm_option *options, int noption, const char *program, const char *word,
                                  tdm_error *err) {
-  const char *names[32];
+  const char *names[64];
   int n = 0;
-  for (; n < noption && n < 32; n++)
+  for (; n < noption && n < 64; n++)
     names[n] = options[n].name;
   const char *near = tdm_nearest(word, names, n);
   if (strchr(word, '='))
@@ -29,6 +29,10 @@ tdm_status tdm_arguments_read(tdm_arguments *a, const tdm_option *options, int n
   if (!a->word || !a->set)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   for (int i = 0; i < argc; i++) {
+    if (strcmp(argv[i], "--") == 0) {
+      a->rest = argv + i + 1;
+      break;
+    }
     if (strncmp(argv[i], "--", 2) != 0) {
       a->word[a->nword++] = argv[i];
       continue;

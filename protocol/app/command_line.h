@@ -29,6 +29,7 @@ typedef struct {
 typedef struct {
   const char **word, **set;
   int nword, nset;
+  char **rest; /* what stands behind "--", NULL-terminated, borrowed; NULL: there is no "--" */
 } tdm_arguments;
 
 /* Read `argc` words behind the command; `program` is named in errors. Strings are borrowed from argv. The caller frees

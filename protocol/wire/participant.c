@@ -582,14 +582,18 @@ tdm_status tdm_participant_run(const tdm_solver_ops *ops, const tdm_participant_
   tdm_status status = tdm_participant_connect(&p, def, err);
   if (status == TDM_OK)
     status = tdm_participant_initialize(p, &assignment, err);
-  if (status == TDM_OK) {
+  const bool unused = p && p->finished; /* FINISH came first: an end like any other */
+  if (unused) {
+    *err = (tdm_error){0};
+    status = TDM_OK;
+  } else if (status == TDM_OK) {
     tdm_log(TDM_LOG_INFO, "assigned", "bodies=%d dt=%g n=%ld end=%g", assignment.nbody, assignment.dt, assignment.n,
             assignment.time_end);
     status = ops->create(&self, &assignment, &ready, p, err);
   }
-  if (status == TDM_OK)
+  if (status == TDM_OK && !unused)
     status = tdm_participant_ready(p, &ready, err);
-  if (status == TDM_OK) {
+  if (status == TDM_OK && !unused) {
     for (int i = 0; i < ready.nwarning; i++)
       tdm_log(TDM_LOG_WARNING, "doubtful", "path=%s message=%s", ready.warning[i].path,
               tdm_log_quote(quoted, sizeof quoted, ready.warning[i].message));

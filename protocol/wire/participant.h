@@ -117,7 +117,7 @@ typedef struct {
 tdm_status tdm_participant_connect(tdm_participant **p, const tdm_participant_def *def, tdm_error *err);
 
 /* Wait for ASSIGN. The assignment's data lives as long as the participant. TDM_ERR_INTERRUPTED when the server says
- * FINISH instead. */
+ * FINISH instead: then the solver ends, with exit status 0. */
 tdm_status tdm_participant_initialize(tdm_participant *p, tdm_assignment *assignment, tdm_error *err);
 
 /* Send READY. */

@@ -51,7 +51,7 @@ set(coupler
   "loop estimate"
   "observe scheme"
   "run live results"
-  "cells contents trial"
+  "cells contents trial conform"
   "advise study"
   "calibrate verify"
   "report"

@@ -20,6 +20,7 @@ typedef struct {
   double stiffness;
   tdm_vec3 start[16]; /* (nbody) */
   tdm_vec3 sum[16];   /* (nbody) loads since the last output time */
+  tdm_vec3 mean[16];  /* (nbody) of those until then */
   long nsum;
 } dummy;
 
@@ -48,13 +49,17 @@ static void solve(dummy *d, const tdm_step *step, tdm_result *result) {
       d->sum[i] = tdm_add(d->sum[i], force);
     }
     d->nsum++;
-    while (sample < step->nsample && t >= step->sample_time[sample] - 1e-12) {
-      for (int i = 0; i < d->nbody; i++) {
-        result->sample_load[sample * d->nbody + i].force = tdm_scale(1.0 / (double)d->nsum, d->sum[i]);
-        d->sum[i] = tdm_v3(0, 0, 0);
-      }
-      d->nsum = 0;
-      result->channel[sample++] = t;
+    if (sample == step->nsample || t < step->sample_time[sample] - 1e-12)
+      continue;
+    for (int i = 0; i < d->nbody; i++) { /* output times within one step have the same mean */
+      d->mean[i] = tdm_scale(1.0 / (double)d->nsum, d->sum[i]);
+      d->sum[i] = tdm_v3(0, 0, 0);
+    }
+    d->nsum = 0;
+    for (; sample < step->nsample && t >= step->sample_time[sample] - 1e-12; sample++) {
+      for (int i = 0; i < d->nbody; i++)
+        result->sample_load[sample * d->nbody + i].force = d->mean[i];
+      result->channel[sample] = t;
     }
   }
 }
@@ -77,6 +82,8 @@ static tdm_status run(const tdm_participant_def *def, tdm_error *err) {
       tdm_participant_advance(p, &result, err);
     }
   }
+  if (err->status == TDM_ERR_INTERRUPTED) /* FINISH before ASSIGN */
+    *err = (tdm_error){0};
   tdm_participant_finalize(&p, err);
   return err->status;
 }

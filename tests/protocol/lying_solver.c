@@ -1,5 +1,5 @@
 /* tandem's own solver of the role LIE_ROLE (mbd or dem), but for one number that it gets wrong: LIE says which, at
- * READY or, from window 3 on, in RESULT.
+ * READY or, from window 3 on, in RESULT. Numbers that look right and are not are wrong from the start on.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
@@ -14,6 +14,7 @@
 static const char *lie;
 static const tdm_solver_ops *own;
 static tdm_assigned_body body[4];
+static tdm_vec3 place; /* of the first body at the start */
 
 static bool is(const char *name) {
   return strcmp(lie, name) == 0;
@@ -36,6 +37,9 @@ static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready,
     body[0].state.pose.position.x = 1e200;
   if (is("ready mobility"))
     ready->mobility->Y[14] = -1;
+  if (is("sluggish"))
+    ready->mobility->Y[14] *= 0.5;
+  place = body[0].state.pose.position;
   if (is("ready channel"))
     ((double *)ready->initial)[0] = 1e300;
   if (is("ready load"))
@@ -92,9 +96,56 @@ static void spoil_of_dem(tdm_result *r) {
     r->body[0].end.pose.orientation = (tdm_quat){0, 0, 0, 0};
 }
 
-static tdm_status step(void *self, const tdm_step *in, tdm_result *r, tdm_error *err) {
-  if (own->step(self, in, r, err) != TDM_OK || in->window < 3)
+/* ---- what looks right ---- */
+
+static void bend_of_mbd(tdm_result *r) {
+  if (is("mirrored"))
+    r->state[0].twist.velocity = tdm_scale(-1, r->state[0].twist.velocity);
+  if (is("light"))
+    r->state[0].twist.velocity = tdm_scale(3, r->state[0].twist.velocity);
+  if (is("stays"))
+    r->state[0].pose.position = place;
+  if (is("slack"))
+    for (int k = 0; k < 6; k++)
+      r->acceleration[k] *= 0.5;
+  if (is("works twice"))
+    r->energy->exchanged *= 2;
+}
+
+static void bend_of_dem(tdm_result *r) {
+  if (is("attracts"))
+    r->load[0].force = tdm_scale(-1, r->load[0].force);
+  if (is("strikes"))
+    r->body[0].moment[0].force.z *= 1.5;
+  if (is("works twice"))
+    r->body[0].work *= 2;
+  if (is("strays"))
+    r->body[0].end.pose.position.x += 1e-3;
+  if (is("pushes"))
+    r->body[0].end.twist.velocity.z += 1e-3;
+}
+
+/* A restore that does nothing. */
+static tdm_status forget(void *self, int slot, tdm_error *err) {
+  (void)self, (void)slot, (void)err;
+  return TDM_OK;
+}
+
+static tdm_status step(void *self, const tdm_step *given, tdm_result *r, tdm_error *err) {
+  tdm_step bent = *given;
+  const tdm_step *in = &bent;
+  if (is("flat"))
+    bent.nload = bent.nload > 1 ? 1 : bent.nload;
+  if (is("straight"))
+    bent.path.nnode = 0;
+  if (own->step(self, in, r, err) != TDM_OK)
     return err->status;
+  if (own == &mbd_solver_ops)
+    bend_of_mbd(r);
+  else
+    bend_of_dem(r);
+  if (in->window < 3)
+    return TDM_OK;
   if (own == &mbd_solver_ops)
     spoil_of_mbd(in, r);
   else
@@ -113,6 +164,8 @@ int main(int argc, char **argv) {
   tdm_solver_ops ops = *own;
   ops.create = create;
   ops.step = step;
+  if (is("forgets"))
+    ops.restore = forget;
   ops.software = "liar 1.0";
   tdm_gsl_return_errors();
   return tdm_solver_main(&ops, argc, argv);

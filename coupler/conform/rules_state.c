@@ -1,0 +1,149 @@
+/* Rules of states that are kept and brought back, and of what there is to see. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/conform/meeting.h"
+
+#include <string.h>
+
+enum { BODIES_MAX = 64 };
+
+/* A window under some load or along some path, w telling them apart. */
+static bool some(cpl_meeting *m, int w, tdm_result *r) {
+  tdm_step step = cpl_meeting_next(m, 3 + w);
+  const int n = step.nbody < BODIES_MAX ? step.nbody : 0;
+  tdm_state start[BODIES_MAX], end[BODIES_MAX];
+  tdm_wrench load[BODIES_MAX];
+  const double time = step.t1;
+  step.sample_time = &time;
+  step.nsample = 1;
+  for (int i = 0; i < n; i++) {
+    const tdm_vec3 velocity = {0.01, 0, -0.01};
+    start[i] = m->session.body[i].state;
+    start[i].twist = (tdm_twist){.velocity = velocity};
+    start[i].pose.position = tdm_axpy(step.t0, velocity, start[i].pose.position);
+    end[i] = start[i];
+    end[i].pose.position = tdm_axpy(step.t1 - step.t0, velocity, start[i].pose.position);
+    load[i] = (tdm_wrench){.force = {0.1 * (w + 1), 0.2, -0.1}, .moment = {0, 0.01 * w, 0.01}};
+  }
+  if (m->candidate->role == CPL_DEM) {
+    step.nstate = step.nbody;
+    step.start = start;
+    step.end = end;
+  } else {
+    step.nload = 1;
+    step.load = load;
+  }
+  return cpl_meeting_solve(m, &step, r);
+}
+
+/* The arrays of the last RESULT, behind those that are kept already. */
+static bool keep(const cpl_meeting *m, tdm_frame *kept) {
+  const tdm_frame *store = &m->session.partner[m->candidate->role].store;
+  uint8_t *grown = realloc(kept->data, kept->size + store->size + 1);
+  if (!grown)
+    return false;
+  kept->data = grown;
+  memcpy(grown + kept->size, store->data, store->size);
+  kept->size += store->size;
+  return true;
+}
+
+static bool save_or_restore(cpl_meeting *m, bool save, int slot) {
+  tdm_error err = {0};
+  const cpl_role role = m->candidate->role;
+  if ((save ? cpl_session_save : cpl_session_restore)(&m->session, role, slot, &err) != TDM_OK)
+    cpl_broken(m->verdict, save ? "an answer to SAVE" : "an answer to RESTORE", "%s", err.message);
+  return err.status == TDM_OK;
+}
+
+/* Save, go on, go back, go on the same way: the same bits, also with a second slot between. */
+static void test_repeats(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  tdm_result r;
+  tdm_frame first = {0}, again = {0};
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  if (m.settings.nbody > BODIES_MAX) {
+    cpl_not_seen(v, "the scene has more coupled bodies than this test takes: 64");
+    cpl_meeting_drop(&m);
+    return;
+  }
+  bool good = some(&m, 0, &r) && save_or_restore(&m, true, 3);
+  const uint64_t window = m.window, step = m.step;
+  for (int w = 1; good && w < 4; w++)
+    good = some(&m, w, &r) && keep(&m, &first) && (w != 2 || save_or_restore(&m, true, 15));
+  good = good && save_or_restore(&m, false, 3);
+  m.window = window;
+  m.step = step;
+  for (int w = 1; good && w < 4; w++)
+    good = some(&m, w, &r) && keep(&m, &again);
+  if (good && (first.size != again.size || memcmp(first.data, again.data, first.size) != 0)) {
+    size_t at = 0;
+    while (at < first.size && at < again.size && first.data[at] == again.data[at])
+      at++;
+    cpl_broken(v, "the same bits after RESTORE as after SAVE", "they differ from byte %zu of %zu on", at, first.size);
+  }
+  free(first.data);
+  free(again.data);
+  if (good)
+    cpl_meeting_finish(&m);
+  else
+    cpl_meeting_drop(&m);
+}
+
+static void test_empty_slot(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  tdm_error err = {0};
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  if (cpl_session_restore(&m.session, c->role, 7, &err) == TDM_OK)
+    cpl_broken(v, "ERROR to a RESTORE of a slot that nothing was saved under", "RESTORE");
+  else if (err.status == TDM_ERR_LOST || err.status == TDM_ERR_TIMEOUT)
+    cpl_broken(v, "ERROR to a RESTORE of a slot that nothing was saved under", "%s", err.message);
+  cpl_meeting_drop(&m);
+}
+
+/* ---- views ---- */
+
+static void test_view(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  tdm_header header;
+  tdm_error err = {0};
+  tdm_result r;
+  tdm_scenery scenery = {0};
+  tdm_snapshot snapshot = {0};
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  bool seen = false;
+  if (cpl_session_view(&m.session, c->role, "scenery", &header, &err) == TDM_OK && header.size > 0)
+    seen = tdm_scenery_decode(&scenery, header.payload, header.size, &err) == TDM_OK;
+  if (seen && some(&m, 0, &r) && cpl_session_view(&m.session, c->role, "snapshot", &header, &err) == TDM_OK &&
+      tdm_snapshot_decode(&snapshot, header.payload, header.size, &err) == TDM_OK)
+    tdm_snapshot_check(&snapshot, &scenery, &err);
+  if (err.status != TDM_OK)
+    cpl_broken(v, "a scenery and a snapshot as section 10 has them", "%s", err.message);
+  else if (!seen)
+    cpl_not_seen(v, "it has no scenery");
+  tdm_scenery_free(&scenery);
+  tdm_snapshot_free(&snapshot);
+  cpl_meeting_drop(&m);
+}
+
+const cpl_rule cpl_rules_state[] = {{.name = "restore",
+                                     .section = "9",
+                                     .roles = CPL_OF_BOTH,
+                                     .capability = "restore",
+                                     .text = "what follows RESTORE has the bits of what followed SAVE",
+                                     .test = test_repeats},
+                                    {.name = "restore.empty",
+                                     .section = "9",
+                                     .roles = CPL_OF_BOTH,
+                                     .capability = "restore",
+                                     .text = "RESTORE of an empty slot is an ERROR",
+                                     .test = test_empty_slot},
+                                    {.name = "view",
+                                     .section = "10",
+                                     .roles = CPL_OF_BOTH,
+                                     .capability = "view",
+                                     .text = "there is something to see",
+                                     .test = test_view},
+                                    {.name = NULL}};

@@ -1,0 +1,141 @@
+/* tandem conform: own solvers keep the rules; a lie that looks right breaks the one that it is about. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tests/command.h"
+#include "tests/test_main.h"
+
+#include <jansson.h>
+
+/* A body on a spring, along z, and one that a plate of particles touches: both sides have something to answer. */
+static const char scene[] =
+    "{'time':{'end':1,'dt':1e-4},'coupling':{'n':10,'bodies':[{'mbd':'plate','dem':'plate'}]},\n"
+    "'mbd':{'bodies':[{'name':'plate','mass':2,'inertia':[0.1,0.2,0.3],'position':[0,0,0],'velocity':[0,0,0.1]}],\n"
+    "'joints':[{'name':'guide','type':'prismatic','bodies':['ground','plate'],'point':[0,0,0],'axis':[0,0,1]}],\n"
+    "'forces':[{'name':'spring','type':'spring_damper','bodies':['ground','plate'],'points':[[0,0,-1],[0,0,0]],\n"
+    "'stiffness':500,'damping':1}]},\n"
+    "'dem':{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],\n"
+    "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],\n"
+    "'bodies':[{'name':'plate','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],\n"
+    "'particles':[{'type':'list','material':'a','radius':0.05,'positions':[[0,0,0.0498],[0.2,0.1,0.0499]]}]}}\n";
+
+static const char *dir;
+
+static void setup(void) {
+  dir = directory_with_scene(scene);
+}
+
+static void teardown(void) {
+  expect_nothing_left(dir);
+  directory_remove(dir);
+}
+
+/* Test a solver under a scene; its exit status. */
+static int conform(const char *words) {
+  return command("tandem conform %s/scene.json --json %s/report.json %s", dir, dir, words);
+}
+
+/* The verdict on a rule, from the report. */
+static const char *verdict(const char *rule) {
+  static char text[32];
+  char path[128];
+  snprintf(path, sizeof path, "%s/report.json", dir);
+  json_t *report = json_load_file(path, 0, NULL), *row;
+  size_t i;
+  snprintf(text, sizeof text, "no such rule");
+  json_array_foreach(json_object_get(report, "rules"), i, row) {
+    const char *name = json_string_value(json_object_get(row, "name"));
+    if (name && strcmp(name, rule) == 0)
+      snprintf(text, sizeof text, "%s", json_string_value(json_object_get(row, "verdict")));
+  }
+  json_decref(report);
+  return text;
+}
+
+START_TEST(own_solvers_conform) {
+  setup();
+  ck_assert_msg(conform("-- tandem-mbd") == 0, "%s", command_output);
+  expect_output("0 broken, 0 not claimed");
+  ck_assert_str_eq(verdict("mobility"), "kept");
+  ck_assert_msg(conform("--role dem -- tandem-dem") == 0, "%s", command_output);
+  expect_output("0 broken, 0 not claimed, 0 not seen");
+  teardown();
+}
+END_TEST
+
+START_TEST(the_dummy_conforms) {
+  /* the scene for who gives none; the role is found by HELLO */
+  setup();
+  ck_assert_msg(command("tandem conform --set dem.stiffness=100 -- dummy_solver") == 0, "%s", command_output);
+  expect_output("dummy_solver as dem");
+  expect_output("0 broken, 7 not claimed, 1 not seen");
+  teardown();
+}
+END_TEST
+
+static const struct {
+  const char *role, *lie, *rule;
+} lies[] = {
+    {"mbd", "mirrored", "load"},     {"mbd", "light", "load"},         {"mbd", "flat", "load.polynomial"},
+    {"mbd", "stays", "states"},      {"mbd", "slack", "acceleration"}, {"mbd", "works twice", "energy"},
+    {"mbd", "sluggish", "mobility"}, {"mbd", "forgets", "restore"},    {"mbd", "ready zero quaternion", "ready"},
+    {"dem", "attracts", "load"},     {"dem", "strikes", "interface"},  {"dem", "works twice", "interface"},
+    {"dem", "strays", "interface"},  {"dem", "pushes", "proxy"},       {"dem", "straight", "path"},
+    {"dem", "forgets", "restore"},
+};
+
+START_TEST(lies_are_found) {
+  char words[96];
+  setup();
+  snprintf(words, sizeof words, "--rule %s --role %s -- lying_solver", lies[_i].rule, lies[_i].role);
+  setenv("LIE_ROLE", lies[_i].role, 1);
+  setenv("LIE", lies[_i].lie, 1);
+  ck_assert_int_eq(conform(words), 1);
+  ck_assert_msg(strcmp(verdict(lies[_i].rule), "broken") == 0, "%s: %s\n%s", lies[_i].lie, verdict(lies[_i].rule),
+                command_output);
+  teardown();
+}
+END_TEST
+
+static const struct {
+  const char *fault, *rule;
+} faults[] = {{"version", "windows"}, {"garbage", "windows"}, {"silent", "ready"},
+              {"quits", "ready"},     {"late", "windows"},    {"counts", "windows"},
+              {"deaf", "finish"},     {"hangs", "windows"},   {"killed", "windows"}};
+
+START_TEST(faults_are_found) {
+  char words[96];
+  setup();
+  setenv("FAULT", faults[_i].fault, 1);
+  setenv("FAULT_WINDOW", "1", 1);
+  snprintf(words, sizeof words, "--rule %s --role dem --timeout 1 -- faulty_solver", faults[_i].rule);
+  ck_assert_int_eq(conform(words), 1);
+  ck_assert_msg(strcmp(verdict(faults[_i].rule), "broken") == 0, "%s: %s\n%s", faults[_i].fault,
+                verdict(faults[_i].rule), command_output);
+  teardown();
+}
+END_TEST
+
+START_TEST(wrong_commands) {
+  setup();
+  ck_assert_int_eq(conform(""), 2);
+  expect_output("behind --");
+  ck_assert_int_eq(conform("--role sieve -- tandem-dem"), 2);
+  expect_output("give \"dem\" or \"mbd\"");
+  ck_assert_int_eq(conform("--role dem -- no_such_solver"), 1);
+  ck_assert_int_eq(conform("-- no_such_solver"), 1);
+  expect_output("neither beside this program nor on PATH");
+  ck_assert_int_eq(conform("-- true"), 1);
+  expect_output("exit status 0");
+  ck_assert_int_eq(conform("--rule lode -- tandem-dem"), 2);
+  expect_output("did you mean load");
+  ck_assert_int_eq(conform("--timeout 0 -- tandem-dem"), 2);
+  expect_output("give a number of seconds");
+  ck_assert_int_eq(command("tandem conform %s/none.json -- tandem-dem", dir), 1);
+  ck_assert_int_eq(command("tandem run %s/scene.json -- tandem-dem", dir), 2);
+  expect_output("does not go with this command");
+  teardown();
+}
+END_TEST
+
+TEST_MAIN_ROWS("conform", {own_solvers_conform, 1}, {the_dummy_conforms, 1},
+               {lies_are_found, (int)(sizeof lies / sizeof lies[0])},
+               {faults_are_found, (int)(sizeof faults / sizeof faults[0])}, {wrong_commands, 1})
