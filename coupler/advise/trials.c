@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/advise/trials.h"
 
-#include "coupler/advise/signs.h"
 #include "coupler/cells/cells.h"
+#include "coupler/choice/signs.h"
 #include "coupler/observe/observers.h"
 #include "coupler/scheme/schemes.h"
 #include "coupler/trial/trial.h"

@@ -3,7 +3,7 @@
 #ifndef CPL_ADVISE_TRIALS_H
 #define CPL_ADVISE_TRIALS_H
 
-#include "coupler/advise/choice.h"
+#include "coupler/choice/choice.h"
 #include "coupler/run/run.h"
 
 enum { CPL_CANDIDATE_SETTINGS = 8, CPL_SETTING_LENGTH = 96 };

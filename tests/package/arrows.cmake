@@ -45,7 +45,7 @@ set(mbd
   "app"
   "main.c")
 set(coupler
-  "settings page"
+  "settings page choice"
   "session"
   "state"
   "loop estimate"

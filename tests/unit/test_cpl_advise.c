@@ -1,7 +1,7 @@
 /* What `tandem advise` chooses from limits, and the signs that it reads from time histories. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/advise/choice.h"
-#include "coupler/advise/signs.h"
+#include "coupler/choice/choice.h"
+#include "coupler/choice/signs.h"
 #include "protocol/scene/scene.h"
 #include "tests/test_main.h"
 

@@ -1,6 +1,6 @@
 /* What can be chosen before any trial: see choice.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/advise/choice.h"
+#include "coupler/choice/choice.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Signs in time histories: see signs.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/advise/signs.h"
+#include "coupler/choice/signs.h"
 
 #include <math.h>
 

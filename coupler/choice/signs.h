@@ -1,7 +1,7 @@
 /* Signs in time histories that a window is too long or too short ([L18] Section 4.3). */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_ADVISE_SIGNS_H
-#define CPL_ADVISE_SIGNS_H
+#ifndef CPL_CHOICE_SIGNS_H
+#define CPL_CHOICE_SIGNS_H
 
 /* By how much a velocity is not the derivative of its position: the rms of what Simpson's rule over it lacks of the
  * way, over each two intervals h [s] of a grid, beside that of the velocity about its mean. Of exact histories it is of

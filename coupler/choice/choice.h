@@ -1,8 +1,8 @@
 /* What can be chosen before any trial: the first boxes of [L18] Fig. 12, from what the DEM engine reports of its limits
  * and from what the scene says of its mechanism. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef CPL_ADVISE_CHOICE_H
-#define CPL_ADVISE_CHOICE_H
+#ifndef CPL_CHOICE_CHOICE_H
+#define CPL_CHOICE_CHOICE_H
 
 #include <stdbool.h>
 

@@ -1,0 +1,186 @@
+/* Remedies, and what is cheaper: see remedies.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupler/advise/remedies.h"
+
+#include <math.h>
+
+/* ---- remedies, in the order of [L18] ---- */
+
+static tdm_status shorter_windows(cpl_advisor *v, cpl_candidate c, tdm_error *err) {
+  bool taken = false;
+  while (!taken && c.n > 1 && cpl_advisor_may_go_on(v) && err->status == TDM_OK) {
+    c.n /= 2;
+    cpl_advisor_consider(v, &c, &taken, err);
+    if (taken)
+      cpl_because(&v->a, "remedy: n = %ld", c.n);
+  }
+  return err->status;
+}
+
+static tdm_status other_formulations(cpl_advisor *v, cpl_candidate c, tdm_error *err) {
+  const cpl_formulation first = c.formulation;
+  bool taken = false;
+  for (int f = 0; f < CPL_FORMULATIONS && !taken && cpl_advisor_may_go_on(v) && err->status == TDM_OK; f++) {
+    c.formulation = (cpl_formulation)f;
+    if (c.formulation == first)
+      continue;
+    cpl_advisor_consider(v, &c, &taken, err);
+    if (taken)
+      cpl_because(&v->a, "remedy: formulation %s", cpl_formulation_words[f]);
+  }
+  return err->status;
+}
+
+static tdm_status shorter_steps(cpl_advisor *v, cpl_candidate c, tdm_error *err) {
+  bool taken = false;
+  for (int k = 0; k < 3 && !taken && cpl_advisor_may_go_on(v) && err->status == TDM_OK; k++) {
+    c.dt = cpl_round_down(c.dt / 2);
+    v->has_single = false;
+    cpl_advisor_consider(v, &c, &taken, err);
+    if (taken)
+      cpl_because(&v->a, "remedy, the last as it costs most: a DEM step of %g s", c.dt);
+  }
+  return err->status;
+}
+
+tdm_status cpl_remedies(cpl_advisor *v, const cpl_candidate *first, tdm_error *err) {
+  static tdm_status (*const all[])(cpl_advisor *, cpl_candidate, tdm_error *) = {shorter_windows, other_formulations,
+                                                                                 shorter_steps};
+  for (int k = 0; k < 3 && !v->a.found && err->status == TDM_OK; k++)
+    all[k](v, *first, err);
+  return err->status;
+}
+
+/* ---- cheaper ones ---- */
+
+static long round_n(double n) {
+  return n < 10 ? lround(n) : lround(cpl_round_down(n));
+}
+
+/* What a simulated second costs [s/s]. */
+static double rate_of(const cpl_tried *tried) {
+  return tried->simulated > 0 ? tried->loop / tried->simulated : INFINITY;
+}
+
+/* A candidate that was taken for its longer windows: back to the one before if
+ * it saves nothing. */
+static void keep_if_cheaper(cpl_advisor *v, const cpl_tried *before_it, double error) {
+  const long n = v->best.of.n;
+  const double now = rate_of(&v->best), then = rate_of(before_it);
+  if (now < then) {
+    cpl_because(&v->a, "n = %ld: a window costs as much as %.2g steps; a second now takes %.3g s, with n = %ld %.3g s",
+                n, before_it->window / before_it->step, now, before_it->of.n, then);
+    return;
+  }
+  cpl_because(&v->a, "n = %ld is not cheaper: a second takes %.3g s, with n = %ld %.3g s", n, now, before_it->of.n,
+              then);
+  v->best = *before_it;
+  v->a.best = before_it->of;
+  v->a.coupling = error;
+}
+
+/* Particles go along the straight path of a body that is driven: its n at most. */
+static double most_n_of_path(cpl_advisor *v) {
+  const double most =
+      v->best.prescribed ? cpl_path_n(v->best.acceleration, cpl_trials_smallest(&v->t), v->best.of.dt) : INFINITY;
+  if (isfinite(most))
+    cpl_because(&v->a,
+                "n = %.0f at most: particles meet a driven body on a straight path within the window, at %.3g m/s2 a "
+                "hundredth of the smallest radius beside the true one then",
+                floor(most), v->best.acceleration);
+  return most;
+}
+
+/* Longer windows, as long as they save something and bear it. */
+tdm_status cpl_longer_windows(cpl_advisor *v, tdm_error *err) {
+  cpl_candidate c = v->a.best;
+  const cpl_tried before_it = v->best;
+  const double most = v->t.settings.time_end / (20 * c.dt), error = v->a.coupling;
+  double n = fmin(fmin((double)cpl_cheap_n(v->best.window, v->best.step), most), most_n_of_path(v));
+  bool taken = false;
+  for (int k = 0; k < 3 && !taken && n > 1.3 * (double)before_it.of.n && cpl_advisor_may_go_on(v); k++) {
+    c.n = round_n(n);
+    if (cpl_advisor_consider(v, &c, &taken, err) != TDM_OK)
+      return err->status;
+    if (taken)
+      keep_if_cheaper(v, &before_it, error);
+    n = sqrt(n * (double)before_it.of.n);
+  }
+  return err->status;
+}
+
+/* Another formulation, where the MBD solver takes much of the time. */
+tdm_status cpl_cheaper_formulation(cpl_advisor *v, tdm_error *err) {
+  cpl_tried tried;
+  char why[512];
+  for (int f = 0; f < CPL_FORMULATIONS && cpl_advisor_may_go_on(v) && v->best.mbd > 0.1 * v->best.loop; f++) {
+    cpl_candidate c = v->a.best;
+    c.formulation = (cpl_formulation)f;
+    if (c.formulation == v->a.best.formulation || c.formulation == CPL_SMOOTH)
+      continue;
+    if (cpl_advisor_attempt(v, &c, false, &tried, err) != TDM_OK)
+      return err->status;
+    cpl_advisor_judge(v, &tried, why, sizeof why, NULL);
+    if (why[0] || rate_of(&tried) > 0.9 * rate_of(&v->best)) {
+      cpl_because(&v->a, "%s is not cheaper: a second takes %.3g s instead of %.3g s%s%s", cpl_formulation_words[f],
+                  rate_of(&tried), rate_of(&v->best), why[0] ? ", and " : "", why);
+      continue;
+    }
+    cpl_because(&v->a, "%s is cheaper: a second takes %.3g s instead of %.3g s", cpl_formulation_words[f],
+                rate_of(&tried), rate_of(&v->best));
+    v->best = tried;
+    v->a.best = c;
+  }
+  return TDM_OK;
+}
+
+/* ---- the step ---- */
+
+static const double shrinks = 0.7; /* an error of the step would come down to a half */
+
+/* Half the step at the same window: the step's error, to first order, is twice the difference. Where halving it again
+ * changes as much it is no such error: a change of any size sets grains that collide apart. */
+tdm_status cpl_check_step(cpl_advisor *v, tdm_error *err) {
+  const cpl_tried first = v->best;
+  double before_it = NAN;
+  if (first.prescribed) {
+    cpl_because(&v->a, "no load moves the coupled bodies: their motion says nothing of the DEM step, its limits stand");
+    return TDM_OK;
+  }
+  for (int k = 0; k < 3 && cpl_advisor_may_go_on(v); k++) {
+    cpl_candidate half = v->a.best;
+    cpl_tried tried;
+    half.dt /= 2;
+    half.n *= 2;
+    if (cpl_advisor_attempt(v, &half, false, &tried, err) != TDM_OK)
+      return err->status;
+    const double apart = tried.good ? cpl_trials_apart(&v->t, &v->best, &tried, v->has_twins ? v->twin : NULL) : NAN;
+    v->a.dem_step = 2 * apart;
+    if (isnan(apart)) {
+      cpl_because(&v->a, "the run with half the DEM step is no measure: %.300s", tried.reason);
+      return TDM_OK;
+    }
+    if (v->a.dem_step <= v->a.wanted) {
+      cpl_because(&v->a, "half the DEM step changes the motion by %.2g %%: %g s stays", 100 * apart, v->a.best.dt);
+      return TDM_OK;
+    }
+    if (apart > shrinks * before_it) {
+      cpl_because(&v->a,
+                  "halving it again changes the motion by %.2g %%, as much as before: that is how far grains that "
+                  "collide come apart after any change, no error of the step; %g s stays",
+                  100 * apart, first.of.dt);
+      v->best = first;
+      v->a.best = first.of;
+      v->a.round_off = fmax(v->a.round_off, apart);
+      v->a.dem_step = NAN;
+      return TDM_OK;
+    }
+    cpl_because(&v->a,
+                "half the DEM step changes the motion by %.2g %%, more than half of what is wanted: %g s is tried",
+                100 * apart, half.dt);
+    before_it = apart;
+    v->best = tried;
+    v->a.best = half;
+  }
+  return TDM_OK;
+}
