@@ -109,4 +109,27 @@ START_TEST(a_scene_that_fails_says_why) {
 }
 END_TEST
 
-TEST_MAIN("advise", settings_with_reasons_and_a_scene, what_cannot_be_advised, a_scene_that_fails_says_why)
+/* A body on a strong damper, particles first on a path foreseen (MBD cannot tell its mobility): n = 5 is near n = 1,
+ * but jumps at the ends of its windows, which it tells itself; that alone refuses it, and shorter windows are the
+ * remedy. */
+START_TEST(a_trial_that_expects_too_much_of_an_error_is_refused) {
+  const char *dir = directory_make();
+  const int status =
+      command("env LACKS=mobility tandem advise %s/stability/box.json --out %s/a --error 0.1 "
+              "--set coupling.transport=ipc --set coupling.solvers.mbd=lacking_mbd --set parameters.speed=0 "
+              "--set parameters.damping=1000",
+              TANDEM_SOURCE_DIR "/scenarios", dir);
+  ck_assert_msg(status == 0, "%s", command_output);
+  json_t *advice = read_json(dir, "a/advice.json");
+  ck_assert_msg(some_reason_has(advice, "its own estimate of what the exchange is off"), "%s", command_output);
+  ck_assert_msg(some_reason_has(advice, "remedy: n ="), "%s", command_output);
+  ck_assert_str_eq(json_string_value(json_object_get(json_object_get(advice, "settings"), "coupling.scheme")),
+                   "dem-first");
+  ck_assert_double_lt(number(advice, "settings", "coupling.n"), 5);
+  json_decref(advice);
+  directory_remove(dir);
+}
+END_TEST
+
+TEST_MAIN("advise", settings_with_reasons_and_a_scene, what_cannot_be_advised, a_scene_that_fails_says_why,
+          a_trial_that_expects_too_much_of_an_error_is_refused)
