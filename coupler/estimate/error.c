@@ -85,11 +85,12 @@ static part part_of(const cpl_trace *t, int k) {
  *   F = c - m (x'' - p0)       what the particles add to the inertia; their load */
 typedef struct {
   double q, s, added, load;
-  bool holds; /* it is such a motion; else stops, cables and blows make it what it is */
+  double wild; /* share of the rate's variance that no swing tells: what stops, cables and blows make of it */
 } linear;
 
-/* Does the swing tell the rate, too, but for what the exchange itself shakes it by? Integrals alone hide blows. */
-static bool tells_rate(const part *p, const double c[TERMS]) {
+/* The share of the rate's variance that the swing c does not tell, but for what the exchange itself shakes it by. The
+ * integrals hide blows. */
+static double wild_share(const part *p, const double c[TERMS]) {
   const cpl_trace_row *first = row_of(p, 0), *before = first;
   double once = 0, rest = 0, sum = 0, square = 0;
   for (int i = 1; i < p->n; i++) {
@@ -102,8 +103,9 @@ static bool tells_rate(const part *p, const double c[TERMS]) {
     square += h * rate * rate;
     before = r;
   }
-  const double time = before->t - first->t, shaken = before->jolt[p->k] - first->jolt[p->k];
-  return rest <= (1 - good_fit) * (square - sum * sum / time) + 4 * shaken;
+  const double time = before->t - first->t, shaken = 4 * (before->jolt[p->k] - first->jolt[p->k]);
+  const double variance = square - sum * sum / time;
+  return variance > 0 ? fmin(1, fmax(0, (rest - shaken) / variance)) : 0;
 }
 
 static linear motion_of(const part *p) {
@@ -120,8 +122,9 @@ static linear motion_of(const part *p) {
     fit_add(&weight, (double[]){r->t, gained}, r->given[p->k]);
     before = r;
   }
-  l.holds = fit_solve(&swing, c) > good_fit && tells_rate(p, c);
-  if (l.holds) {
+  const bool swings = fit_solve(&swing, c) > good_fit;
+  l.wild = wild_share(p, c);
+  if (swings) {
     l.q = fmin(c[1], 0);
     l.s = fmin(c[2], 0);
   }
@@ -160,23 +163,20 @@ static void motion_at(const part *p, double t, int *at, double out[2]) {
   out[1] = a->rate[p->k] + s * (b->rate[p->k] - a->rate[p->k]);
 }
 
-/* Where the motion is no linear swing, its pace depends on its energy, and blows come too early or too late. With the
- * share w of energy that the exchange has made of what the motion has, a body that flies between blows (between walls,
- * or up and down by its weight) goes faster by w/2 and needs so much more or less time for its way: it is ahead by the
- * integral of w/2 over time, and what it makes in that time is its error. Adds means times time of the squares to
- * `sum`, of way and rate. */
-static void add_shift(const part *p, double inertia, double sum[2]) {
+/* As far as the motion is no linear swing its pace depends on its energy, and blows come too early or too late. With
+ * the share w of energy that the exchange has made of what the motion has, a body that flies between blows (between
+ * walls, or up and down by its weight) goes faster by w/2 and needs so much more or less time for its way: it is ahead
+ * by the integral of w/2 over time, and what it makes in that time is its error. Drivers that give and take as much
+ * energy as the motion has set its pace themselves. `energy`: of the body's whole motion. Adds means times time of the
+ * squares to `sum`, of way and rate. */
+static void add_shift(const part *p, const linear *l, double energy, double sum[2]) {
   const int k = p->k;
-  const cpl_trace_row *first = row_of(p, 0), *before = first;
-  double square = 0, shift = 0, share = 0;
+  const cpl_trace_row *before = row_of(p, 0);
+  double shift = 0, share = 0;
   int at = 0;
-  for (int i = 1; i < p->n; i++) {
-    square += (row_of(p, i)->t - row_of(p, i - 1)->t) * pow(row_of(p, i)->rate[k], 2);
-  }
-  const double energy = inertia * square / (row_of(p, p->n - 1)->t - first->t); /* twice the mean of the kinetic one */
-  for (int i = 1; energy > 0 && i < p->n; i++) {
+  for (int i = 1; energy > p->trace->driven && i < p->n; i++) {
     const cpl_trace_row *r = row_of(p, i);
-    const double h = r->t - before->t, now = r->made[k] / energy;
+    const double h = r->t - before->t, now = l->wild * r->made / energy;
     double there[2];
     shift += 0.25 * h * (share + now);
     share = now;
@@ -190,7 +190,7 @@ static void add_shift(const part *p, double inertia, double sum[2]) {
 /* The error of the exchange and the motion of the fill, carried on by the swing: impulses too much, over the inertia of
  * body and particles. To the first comes what a window's own defect does to the body alone, before the particles
  * answer. */
-static squares carry(const part *p, const linear *l) {
+static squares carry(const part *p, const linear *l, double energy) {
   squares s = {0};
   const int k = p->k;
   const cpl_trace *t = p->trace;
@@ -219,8 +219,7 @@ static squares carry(const part *p, const linear *l) {
     local[0] += r->slip[k] - before->slip[k] + half_window * half_window * (r->jolt[k] - before->jolt[k]);
     before = r;
   }
-  if (!l->holds)
-    add_shift(p, inertia, s.coupling);
+  add_shift(p, l, energy, s.coupling);
   const double time = before->t - first->t;
   for (int j = 0; j < 2; j++) {
     s.spread[j] = fmax(0, square[j] / time - mean[j] * mean[j] / (time * time));
@@ -279,19 +278,50 @@ static bool moves(const cpl_trace *t, int k) {
   return energy > 1e-12 * all;
 }
 
+/* All parts of a body. */
+typedef struct {
+  const cpl_trace *trace;
+  bool moves[CPL_PARTS];
+  linear motion[CPL_PARTS];
+  double energy; /* of the motion: twice the mean of the kinetic one [J] */
+} body;
+
+/* Mean over time of the rate's square. */
+static double square_of_rate(const part *p) {
+  const cpl_trace_row *first = row_of(p, 0), *before = first;
+  double sum = 0;
+  for (int i = 1; i < p->n; i++) {
+    const cpl_trace_row *r = row_of(p, i);
+    sum += (r->t - before->t) * r->rate[p->k] * r->rate[p->k];
+    before = r;
+  }
+  return sum / (before->t - first->t);
+}
+
+static body body_of(const cpl_trace *t) {
+  body b = {.trace = t};
+  for (int k = 0; k < CPL_PARTS; k++) {
+    const part p = part_of(t, k);
+    b.moves[k] = moves(t, k);
+    if (!b.moves[k])
+      continue;
+    b.motion[k] = motion_of(&p);
+    b.energy += (t->mass[k] + b.motion[k].added) * square_of_rate(&p);
+  }
+  return b;
+}
+
 /* The ways [0] or the turns [1] of the body: positions and velocities of them. */
-static void estimate_half(const cpl_trace *t, int half, double *block, cpl_error *error) {
+static void estimate_half(const body *b, int half, double *block, cpl_error *error) {
+  const cpl_trace *t = b->trace;
   squares all = {0};
   double rattle = 0;
-  bool moving[CPL_PARTS] = {false};
   for (int k = 3 * half; k < 3 * half + 3; k++) {
     const part p = part_of(t, k);
-    moving[k] = moves(t, k);
-    if (!moving[k])
+    if (!b->moves[k])
       continue;
-    const linear l = motion_of(&p);
-    const squares s = carry(&p, &l);
-    error->added[k] = l.added;
+    const squares s = carry(&p, &b->motion[k], b->energy);
+    error->added[k] = b->motion[k].added;
     for (int j = 0; j < 2; j++) {
       all.coupling[j] += s.coupling[j];
       all.fill[j] += s.fill[j];
@@ -305,7 +335,7 @@ static void estimate_half(const cpl_trace *t, int half, double *block, cpl_error
   const int m = (int)fmax(2, round(0.5 * span * (t->nrow - 1) / time));
   for (int k = 3 * half; k < 3 * half + 3; k++) {
     const part p = part_of(t, k);
-    if (moving[k])
+    if (b->moves[k])
       rattle += jitter(&p, m, block);
   }
   rattle = fmax(0, 2 * rattle - 4 * all.local); /* two runs; without what the exchange itself makes jitter */
@@ -328,8 +358,9 @@ bool cpl_error_estimate(const cpl_trace *t, cpl_error *error) {
   if (t->nrow < LEAST_ROWS)
     return true;
   double *block = malloc((size_t)t->nrow * sizeof *block);
+  const body b = body_of(t);
   for (int half = 0; block && half < 2; half++)
-    estimate_half(t, half, block, error);
+    estimate_half(&b, half, block, error);
   free(block);
   return block != NULL;
 }

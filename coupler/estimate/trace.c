@@ -122,14 +122,13 @@ static cpl_trace_row sum_up(cpl_trace *t, const cpl_trace_window *w) {
     end.way[k] += way[k];
     end.given[k] += h * found[k];
     end.owed[k] += owed;
-    end.made[k] += given[k] * way[k] - found[k] * (way[k] - (apart[k] - t->end_apart[k]));
     end.late[k] += 0.5 * h * (late[k] + t->end_late[k]); /* what alternates from window to window is none of it */
     end.jolt[k] += h * off * off;
     end.slip[k] += h * of_foresight * of_foresight * apart[k] * apart[k];
   }
+  end.made += w->made;
   end.t = w->t1;
   memcpy(t->end_late, late, sizeof late);
-  memcpy(t->end_apart, apart, sizeof apart);
   return end;
 }
 
@@ -155,10 +154,10 @@ static cpl_trace_row row_inside(const cpl_trace *t, const cpl_trace_window *w, c
     row.given[k] = t->sampled[k];
     row.owed[k] += s * (end->owed[k] - row.owed[k]);
     row.late[k] += s * (end->late[k] - row.late[k]);
-    row.made[k] += s * (end->made[k] - row.made[k]);
     row.jolt[k] += s * (end->jolt[k] - row.jolt[k]);
     row.slip[k] += s * (end->slip[k] - row.slip[k]);
   }
+  row.made += s * (end->made - row.made);
   row.t = w->sample_time[i];
   return row;
 }

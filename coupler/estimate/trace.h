@@ -25,23 +25,23 @@ typedef struct {
   double late[CPL_PARTS];  /* integral over time of the rate at MBD's end of a window less that at DEM's, the mean of
                             * this  window's and the last one's [m, rad] */
   double jolt[CPL_PARTS];  /* the same of the square of how far off the windows' own defects leave the rate */
-  double made[CPL_PARTS];  /* energy that the exchange has made: the work on MBD's body less that of DEM's [J] */
+  double made;             /* energy that the exchange has made: the work on MBD's body less that of DEM's [J] */
   double slip[CPL_PARTS];  /* the same of the way, from that by which the ends of a window are apart */
 } cpl_trace_row;
 
 typedef struct {
   double mass[CPL_PARTS]; /* inertia against each part [kg, kg m2], > 0 */
   tdm_quat axes;          /* turns principal axes into body axes */
+  double driven;          /* largest energy that drivers have given or taken since the start; by the caller [J] */
   uint64_t windows;       /* so far */
   uint64_t seen, stride;  /* rows that there were, and how many of them for each that is kept */
   int nrow;
-  cpl_trace_row *row;          /* (CPL_TRACE_ROWS) */
-  cpl_trace_row last;          /* the last one, kept or not */
-  cpl_trace_row end;           /* of the last window */
-  double end_late[CPL_PARTS];  /* of the last window alone [m/s, rad/s] */
-  double end_apart[CPL_PARTS]; /* where it ended in MBD less that in DEM [m, rad] */
-  double sampled[CPL_PARTS];   /* impulse until the last output time */
-  double sample_time;          /* that time [s] */
+  cpl_trace_row *row;         /* (CPL_TRACE_ROWS) */
+  cpl_trace_row last;         /* the last one, kept or not */
+  cpl_trace_row end;          /* of the last window */
+  double end_late[CPL_PARTS]; /* of the last window alone [m/s, rad/s] */
+  double sampled[CPL_PARTS];  /* impulse until the last output time */
+  double sample_time;         /* that time [s] */
 } cpl_trace;
 
 /* A window of a body. Where its output times lie closer than its ends, rows are theirs. */
@@ -50,6 +50,7 @@ typedef struct {
   const tdm_state *start, *end; /* in MBD */
   const tdm_state *other_end;   /* where DEM's body ends, before it knows MBD's; NULL: it went where MBD's did */
   tdm_wrench found, given;      /* mean loads: as DEM found it, and as MBD got it */
+  double made;                  /* work on the body in MBD less that in DEM [J] */
   int nsample;
   const double *sample_time;     /* (nsample) in (t0, t1] */
   const tdm_state *sample;       /* at these times: entry k is sample[k * stride] */

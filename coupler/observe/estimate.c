@@ -2,8 +2,10 @@
  * comes of them, as `error_estimate` in summary.json. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/estimate/error.h"
+#include "coupler/observe/ledger.h"
 #include "coupler/observe/observers.h"
 #include "coupler/state/mismatch.h"
+#include "coupler/state/path.h"
 #include "protocol/scene/json.h"
 #include "protocol/wire/message.h"
 
@@ -14,6 +16,8 @@ typedef struct {
   int nbody;
   cpl_trace *trace; /* (nbody) */
   bool *prescribed; /* (nbody) no load moves it */
+  double supplied;  /* by drivers, when it was first told [J]; NaN: not yet */
+  double exchanged; /* by the loads, as MBD accounts for it, until the last window [J] */
 } estimate;
 
 static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cpl_outlet *outlet, void **own,
@@ -23,6 +27,7 @@ static tdm_status begin(const cpl_observer *self, const cpl_loop *loop, const cp
   if (!e)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   e->settings = loop->settings;
+  e->supplied = NAN;
   e->trace = calloc((size_t)loop->nbody + 1, sizeof *e->trace);
   e->prescribed = calloc((size_t)loop->nbody + 1, sizeof *e->prescribed);
   if (!e->trace || !e->prescribed)
@@ -50,9 +55,32 @@ static tdm_state other_end(const cpl_loop *loop, int i) {
   return end;
 }
 
+/* What drivers have given or taken since it was first told [J]; 0 where it is not. */
+static double driven(estimate *e, const tdm_energy *energy) {
+  if (!energy || isnan(energy->supplied))
+    return 0;
+  if (isnan(e->supplied))
+    e->supplied = energy->supplied;
+  return fabs(energy->supplied - e->supplied);
+}
+
+/* What the exchange has made of energy at a body in the window. MBD's own account is exact where it is of one body. */
+static double made(estimate *e, const cpl_loop *loop, const tdm_nodes *through, int i) {
+  const tdm_result *mbd = &loop->result[CPL_MBD], *dem = &loop->result[CPL_DEM];
+  const double blending = dem->ninterface > 0 ? dem->body[i].blending : 0;
+  double felt = cpl_work_on_mbd(loop, through, i);
+  if (mbd->has_energy && loop->nbody == 1) {
+    felt = mbd->energy->exchanged - e->exchanged;
+    e->exchanged = mbd->energy->exchanged;
+  }
+  return felt - cpl_work_on_dem(loop, i) - blending;
+}
+
 static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
   (void)err;
   estimate *e = own;
+  const double by_drivers = driven(e, loop->result[CPL_MBD].energy);
+  const tdm_nodes through = cpl_path_through(loop, loop->state_start, loop->state_end);
   const tdm_result *dem = &loop->result[CPL_DEM];
   for (int i = 0; i < e->nbody; i++) {
     const bool apart = loop->scheme->mismatch_order > 0;
@@ -62,6 +90,7 @@ static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
                           .start = &loop->state_start[i],
                           .end = &loop->state_end[i],
                           .found = dem->ninterface > 0 ? dem->body[i].moment[0] : loop->mean[i],
+                          .made = made(e, loop, &through, i),
                           .other_end = apart ? &other : NULL,
                           .nsample = loop->nsample,
                           .sample_time = loop->sample_time,
@@ -74,6 +103,7 @@ static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
       w.given.moment = tdm_axpy(1. / (j + 1), c->moment, w.given.moment);
     }
     cpl_trace_add(&e->trace[i], &w);
+    e->trace[i].driven = fmax(e->trace[i].driven, by_drivers);
   }
   return TDM_OK;
 }

@@ -136,6 +136,19 @@ static double work_of_mean(const tdm_wrench *mean, const tdm_state *start, const
   return tdm_dot(mean->force, way) + tdm_dot(mean->moment, turn);
 }
 
+double cpl_work_on_dem(const cpl_loop *loop, int i) {
+  const tdm_result *dem = &loop->result[CPL_DEM];
+  return dem->ninterface > 0 ? dem->body[i].work
+                             : work_of_mean(&loop->mean[i], &loop->sent_start[i], &loop->sent_end[i]);
+}
+
+double cpl_work_on_mbd(const cpl_loop *loop, const tdm_nodes *through, int i) {
+  const tdm_wrench *load = &loop->load[i * TDM_LOAD_MAX];
+  return through->nnode > 0
+             ? cpl_work_through(through, i, &loop->state_start[i], loop->t0, load, loop->nload)
+             : cpl_work_along(&loop->state_start[i], &loop->state_end[i], loop->t1 - loop->t0, load, loop->nload);
+}
+
 /* through: MBD's path, with nodes if any were told. Returns the work on DEM's side. */
 static double enter_body(ledger_body *b, const cpl_loop *loop, const tdm_nodes *through, int i) {
   const tdm_result *dem = &loop->result[CPL_DEM];
@@ -143,13 +156,10 @@ static double enter_body(ledger_body *b, const cpl_loop *loop, const tdm_nodes *
   const tdm_state *there = own ? &own->end : &loop->sent_end[i], *here = &loop->state_end[i];
   const double h = loop->t1 - loop->t0;
   add_impulse(b, h, own ? &own->moment[0] : &loop->mean[i]);
-  const double work = own ? own->work : work_of_mean(&loop->mean[i], &loop->sent_start[i], there);
+  const double work = cpl_work_on_dem(loop, i);
   b->work[CPL_DEM] += work;
   b->blending += own ? own->blending : 0;
-  const tdm_wrench *load = &loop->load[i * TDM_LOAD_MAX];
-  b->work[CPL_MBD] += through->nnode > 0
-                          ? cpl_work_through(through, i, &loop->state_start[i], loop->t0, load, loop->nload)
-                          : cpl_work_along(&loop->state_start[i], here, h, load, loop->nload);
+  b->work[CPL_MBD] += cpl_work_on_mbd(loop, through, i);
   tdm_vec3 way = tdm_sub(here->pose.position, there->pose.position);
   tdm_vec3 turn = tdm_quat_turn(there->pose.orientation, here->pose.orientation);
   if (loop->correction) { /* DEM's body ended beside its proxy by that */

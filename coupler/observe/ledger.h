@@ -20,6 +20,7 @@
 #ifndef CPL_OBSERVE_LEDGER_H
 #define CPL_OBSERVE_LEDGER_H
 
+#include "coupler/state/loop.h"
 #include "protocol/wire/nodes.h"
 
 /* Work of W(s) = sum_j load[j] s^j, s = (t - t0)/duration, on a body that goes from start to end: its velocity is that
@@ -31,5 +32,10 @@ double cpl_work_along(const tdm_state *start, const tdm_state *end, double durat
  * between nodes, exact for positions where nload <= 5 [J]. */
 double cpl_work_through(const tdm_nodes *path, int body, const tdm_state *start, double t0, const tdm_wrench *load,
                         int nload);
+
+/* Work of the window's load on a body in MBD, along MBD's path (`through`: with nodes if any were told), in closed
+ * form; and in DEM, by its own word, or of the mean load along the path that was asked for [J]. */
+double cpl_work_on_mbd(const cpl_loop *loop, const tdm_nodes *through, int body);
+double cpl_work_on_dem(const cpl_loop *loop, int body);
 
 #endif
