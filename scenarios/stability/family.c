@@ -46,7 +46,7 @@ static void number_case(scn_family *f, scn_stability_case *c) {
 }
 
 /* Take a case; one with a list stands for a case of each of its values. Takes the reference. */
-static tdm_status add_case(scn_family *f, json_t *set, bool beyond, tdm_error *err) {
+static tdm_status add_case(scn_family *f, json_t *set, tdm_error *err) {
   const char *key;
   json_t *value;
   json_object_foreach(set, key, value) if (json_is_array(value)) {
@@ -55,7 +55,7 @@ static tdm_status add_case(scn_family *f, json_t *set, bool beyond, tdm_error *e
     json_array_foreach(value, i, one) {
       json_t *single = json_copy(set);
       json_object_set(single, key, one);
-      add_case(f, single, beyond, err);
+      add_case(f, single, err);
     }
     json_decref(set);
     return err->status;
@@ -66,17 +66,17 @@ static tdm_status add_case(scn_family *f, json_t *set, bool beyond, tdm_error *e
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   }
   f->at = grown;
-  f->at[f->ncase] = (scn_stability_case){.set = set, .beyond = beyond};
+  f->at[f->ncase] = (scn_stability_case){.set = set};
   name_case(&f->at[f->ncase]);
   number_case(f, &f->at[f->ncase]);
   f->ncase++;
   return TDM_OK;
 }
 
-static tdm_status add_cases(scn_family *f, const char *list, bool beyond, tdm_error *err) {
+static tdm_status add_cases(scn_family *f, const char *list, tdm_error *err) {
   size_t i;
   json_t *set;
-  json_array_foreach(json_object_get(f->json, list), i, set) add_case(f, json_copy(set), beyond, err);
+  json_array_foreach(json_object_get(f->json, list), i, set) add_case(f, json_copy(set), err);
   return err->status;
 }
 
@@ -94,8 +94,7 @@ tdm_status scn_family_read(scn_family *f, const cpl_verify *v, const char *name,
                      &f->file, "column", &f->column, "floor", &f->floor) != 0)
     return tdm_fail(err, TDM_ERR_JSON, NULL, "%s: %s", file, json.text);
   snprintf(own, sizeof own, "stability/%.64s", scene);
-  if (cpl_verify_find_file(v, own, f->scene, sizeof f->scene, err) != TDM_OK ||
-      add_cases(f, "cases", false, err) != TDM_OK || add_cases(f, "beyond", true, err) != TDM_OK)
+  if (cpl_verify_find_file(v, own, f->scene, sizeof f->scene, err) != TDM_OK || add_cases(f, "cases", err) != TDM_OK)
     return err->status;
-  return full ? add_cases(f, "full", false, err) : TDM_OK;
+  return full ? add_cases(f, "full", err) : TDM_OK;
 }

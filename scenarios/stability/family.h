@@ -1,13 +1,13 @@
 /* A family of cases: one scene, and values of its parameters.
  *
  * families/NAME.json: {"title", "scene", "file", "column", "floor", "cases": [...],
- * "beyond": [...], "full": [...]}. A case is an object
- * of parameters; one with lists stands for all combinations. "beyond" are those where a model
- * ends that a scheme stands on: all that is asked for is that a run says so. "full" are those of --full alone. `column`
- * of the result `file` is what runs are compared by; differences below `floor` (its unit) are nothing.
+ * "full": [...]}. A case is an object of parameters; one with lists stands for all combinations. "full" are those of
+ * --full alone. `column` of the result `file` is what runs are compared by; differences below `floor` (its unit) are
+ * nothing.
  *
  * Every scene has the parameters dt and H, step and window [s], ratio, mass of the particles over that of the body, and
- * nudge, by which the start is off by a relative amount.
+ * nudge, by which the start is off by a relative amount. Where windows of length H may be too long, or steps, for the
+ * models that schemes stand on, parameters say so by the scene's own numbers, 1 or 0: beyond, coarse (README.md).
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SCN_STABILITY_FAMILY_H
@@ -18,8 +18,7 @@
 typedef struct {
   char name[96]; /* "ratio=10 H=0.001" */
   json_t *set;   /* object: parameters and their values */
-  bool beyond;
-  int physics; /* cases that differ in H alone have the same number */
+  int physics;   /* cases that differ in H alone have the same number */
 } scn_stability_case;
 
 /* Zero-initialise; free with scn_family_free also after an error. */

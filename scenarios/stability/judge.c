@@ -17,6 +17,8 @@ static const double accurate = 0.05; /* an error that a user would not call wron
 static const double tame = 100; /* a larger growth of a difference is chaos: the coupling's own errors grow so, too */
 static const double spread = 3; /* chaotic: so many times what the neighbour is off is no error either */
 
+const char scn_auto[] = "auto";
+
 const char *const scn_outcome_name[SCN_OUTCOMES] = {"ok",      "warned", "inexact", "stopped",
                                                     "refused", "SILENT", "BROKEN"};
 
@@ -74,6 +76,21 @@ static void keep_ends(series *s, series *reference, double window) {
   s->n = reference->n = kept;
 }
 
+/* Of a run and its reference the means over times as long as a window: where windows end anywhere. */
+static void keep_means(series *s, series *reference, double window) {
+  const int rows = (int)fmax(1, fmin(s->n, round(window / (s->t[1] - s->t[0]))));
+  int kept = 0;
+  for (int i = 0; i + rows <= s->n; i += rows, kept++) {
+    s->x[kept] = gsl_stats_mean(s->x + i, 1, (size_t)rows);
+    reference->x[kept] = gsl_stats_mean(reference->x + i, 1, (size_t)rows);
+  }
+  s->n = reference->n = kept;
+}
+
+static void keep_all(series *s, series *reference, double window) {
+  (void)s, (void)reference, (void)window;
+}
+
 static double rms(const series *s) {
   double sum = 0;
   for (int i = 0; i < s->n; i++)
@@ -96,14 +113,17 @@ static double statistics_error(const series *s, const series *reference, double 
 
 typedef double measure(const series *s, const series *reference, double scale);
 
-/* How far a run is from the reference, at the ends of its windows [s] of that length; NaN where one of both has not
- * come to its end. */
-static double off(measure *by, const scn_family *f, const cpl_cell *cell, const cpl_cell *reference, double window) {
+typedef void choice_of_rows(series *s, series *reference, double window);
+
+/* How far a run is from the reference, by those rows, its windows [s] being of that length; NaN where one of both has
+ * not come to its end. */
+static double off(measure *by, choice_of_rows *keep, const scn_family *f, const cpl_cell *cell,
+                  const cpl_cell *reference, double window) {
   series s = read_series(f, cell), right = read_series(f, reference);
   double error = NAN;
   if (s.n > 1 && s.n == right.n) {
     const double scale = fmax(gsl_stats_sd(right.x, 1, (size_t)right.n), f->floor);
-    keep_ends(&s, &right, window);
+    keep(&s, &right, window);
     error = by(&s, &right, scale);
   }
   free(s.t);
@@ -161,11 +181,18 @@ static json_t *number_at(const json_t *json, const char *path) {
   return tdm_number_to_json(scn_number_or(json, path, NAN));
 }
 
-/* Length of the run's windows [s]; NaN: it did not come so far. */
-static double window_of(const json_t *summary) {
+/* Length of the run's windows, the longest where they choose it [s]; 0: it did not come so far. */
+static double window_of(const json_t *summary, bool chosen) {
   const json_t *settings = json_object_get(summary, "settings");
+  if (chosen)
+    return scn_number_or(summary, "parameters.H", 0);
   return json_number_value(json_object_get(settings, "coupling.n")) *
          json_number_value(json_object_get(settings, "time.dt"));
+}
+
+/* Does a condition of the scene's parameters hold? */
+static int holds(const json_t *summary, const char *path) {
+  return scn_number_or(summary, path, 0) != 0;
 }
 
 json_t *scn_judge(const scn_family *f, const scn_stability_case *c, const char *scheme, const cpl_cell *cell,
@@ -174,27 +201,30 @@ json_t *scn_judge(const scn_family *f, const scn_stability_case *c, const char *
   const char *ended = json_string_value(json_object_get(cell->row, "ended"));
   json_t *summary = tdm_results_read(cell->dir, "summary.json", NULL);
   json_t *fine = tdm_results_read(right->dir, "summary.json", NULL);
-  const double window = window_of(summary), step = window_of(fine);
-  const double growth = off(path_error, f, &trio[SCN_NEIGHBOUR], right, step) / scn_nudge[SCN_NEIGHBOUR];
+  const bool chosen = strcmp(scheme, scn_auto) == 0;
+  const double window = window_of(summary, chosen), step = window_of(fine, false);
+  const double growth = off(path_error, keep_ends, f, &trio[SCN_NEIGHBOUR], right, step) / scn_nudge[SCN_NEIGHBOUR];
   const bool chaotic = !(growth <= tame);
   measure *by = chaotic ? statistics_error : path_error;
-  const double error = off(by, f, cell, right, window), ceiling = off(by, f, &trio[SCN_TWIN], right, step);
-  const double reach = off(by, f, &trio[SCN_NEIGHBOUR], right, step);
+  choice_of_rows *keep = !chosen ? keep_ends : chaotic ? keep_all : keep_means;
+  const double error = off(by, keep, f, cell, right, window);
+  const double ceiling = off(by, keep_ends, f, &trio[SCN_TWIN], right, step);
+  const double reach = off(by, keep_ends, f, &trio[SCN_NEIGHBOUR], right, step);
   const double allowed = chaotic ? fmax(accurate, spread * reach) : accurate;
   char said[TDM_MESSAGE_MAX];
   snprintf(said, sizeof said, "%s", json_string_value(json_object_get(cell->row, "reason")));
   size_t nwarning = ended && strcmp(ended, "TDM_OK") == 0 ? first_warning(summary, said, sizeof said) : 0;
   if (nwarning == 0)
     nwarning = estimates_more(summary, error, said, sizeof said) || tells_of_windows(summary, error, said, sizeof said);
-  json_t *row =
-      json_pack("{s:s, s:s, s:s, s:o, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "case", c->name,
-                "scheme", scheme, "outcome", scn_outcome_name[outcome_of(ended ? ended : "", error, allowed, nwarning)],
-                "error", tdm_number_to_json(error), "ceiling", tdm_number_to_json(ceiling), "growth",
-                tdm_number_to_json(growth), "chaotic", (int)chaotic, "beyond", (int)c->beyond, "estimate",
-                number_at(summary, "error_estimate.worst_coupling"), "residual_share",
-                number_at(summary, "ledger.residual_share"), "energy_residual",
-                number_at(summary, "ledger.energy_residual"), "ratio", number_at(summary, "parameters.ratio"), "H",
-                tdm_number_to_json(window), "said", said, "wall_s", number_at(cell->row, "wall_s"));
+  json_t *row = json_pack(
+      "{s:s, s:s, s:s, s:o, s:o, s:o, s:b, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "case", c->name, "scheme",
+      scheme, "outcome", scn_outcome_name[outcome_of(ended ? ended : "", error, allowed, nwarning)], "error",
+      tdm_number_to_json(error), "ceiling", tdm_number_to_json(ceiling), "growth", tdm_number_to_json(growth),
+      "chaotic", (int)chaotic, "beyond", holds(summary, "parameters.beyond"), "coarse",
+      holds(summary, "parameters.coarse"), "estimate", number_at(summary, "error_estimate.worst_coupling"),
+      "residual_share", number_at(summary, "ledger.residual_share"), "energy_residual",
+      number_at(summary, "ledger.energy_residual"), "ratio", number_at(summary, "parameters.ratio"), "H",
+      tdm_number_to_json(window), "said", said, "wall_s", number_at(cell->row, "wall_s"));
   json_decref(fine);
   json_decref(summary);
   return row;

@@ -18,6 +18,8 @@ typedef enum {
   SCN_OUTCOMES
 } scn_outcome;
 
+extern const char scn_auto[]; /* the column of runs whose windows choose their length */
+
 extern const char *const scn_outcome_name[SCN_OUTCOMES];
 
 /* The outcome of a row, by its name. */
@@ -34,13 +36,14 @@ enum {
 extern const double scn_nudge[SCN_TRIO]; /* relative, of the start */
 
 /* The row of a cell (new reference): {"case", "scheme", "outcome", "error", "ceiling", "growth", "chaotic", "beyond",
- * "estimate", "residual_share", "energy_residual", "ratio", "H", "said", "wall_s"}, null for numbers that there are
- * none of.
+ * "coarse", "estimate", "residual_share", "energy_residual", "ratio", "H", "said", "wall_s"}, null for numbers that
+ * there are none of.
  *
  * error: rms of the difference from the reference, at the ends of the run's windows, over the reference's spread (or
- * the floor, when that is larger); where the motion is chaotic, the larger difference of mean and rms instead. ceiling:
- * the same of the twin. estimate: what the
- * run itself says of its error. growth: how much the neighbour's difference has grown. */
+ * the floor, when that is larger); of scn_auto, whose windows end anywhere, of means over the longest window; where the
+ * motion is chaotic, the larger difference of mean and rms instead (of scn_auto over all rows). ceiling: the same of
+ * the twin. estimate: what the run itself says of its error. growth: how much the neighbour's difference has grown.
+ * beyond, coarse: the scene's parameters of these names (README.md). */
 json_t *scn_judge(const scn_family *f, const scn_stability_case *c, const char *scheme, const cpl_cell *cell,
                   const cpl_cell trio[SCN_TRIO]);
 

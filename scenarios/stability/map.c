@@ -14,7 +14,7 @@
 
 static const char group[] = "stability", own_name[] = "stability_map";
 
-enum { SCHEMES_MAX = 12, ROW_HEIGHT = 13, COLUMN_WIDTH = 66, LEFT = 230, TOP = 56, BOTTOM = 20 }; /* pixels */
+enum { SCHEMES_MAX = 12, ROW_HEIGHT = 13, COLUMN_WIDTH = 66, LEFT = 256, TOP = 56, BOTTOM = 20 }; /* pixels */
 
 /* colours of the outcomes, 0xRRGGBB */
 static const unsigned colour[SCN_OUTCOMES] = {0x9fd89f, 0xdff0a0, 0xffd27f, 0xa9c4e8, 0xd8d8d8, 0xf04040, 0xc040c0};
@@ -70,8 +70,9 @@ static void add_family(map *m, const json_t *family) {
     if (strcmp(text(row, "case"), now) != 0) {
       char name[128];
       now = text(row, "case");
-      snprintf(name, sizeof name, "%s%s%s", now, json_is_true(json_object_get(row, "chaotic")) ? " *" : "",
-               json_is_true(json_object_get(row, "beyond")) ? " +" : "");
+      snprintf(name, sizeof name, "%s%s%s%s", now, json_is_true(json_object_get(row, "chaotic")) ? " *" : "",
+               json_is_true(json_object_get(row, "beyond")) ? " +" : "",
+               json_is_true(json_object_get(row, "coarse")) ? " o" : "");
       m->nrow++;
       label(m, name, ",8", 3);
     }
@@ -98,7 +99,7 @@ static void write_script(const map *m, FILE *f) {
     fprintf(f, "set label '%s %d' at screen %g,%g\n", scn_outcome_name[i], m->n[i], (x + 18.0) / width,
             1 - 16.0 / height);
   }
-  fputs("set label '* chaotic: mean and rms; + beyond' at screen 0.01,", f);
+  fputs("set label '* chaotic: mean and rms; + beyond; o coarse' at screen 0.01,", f);
   fprintf(f, "%g\n", (double)BOTTOM / 2 / height);
   fputs(
       "plot 'map.data' using 1:2:(0.47):(0.44):3 with boxxyerror fillstyle solid noborder linecolor rgb variable, \\\n"

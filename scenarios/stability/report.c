@@ -21,6 +21,18 @@ static double number(const json_t *row, const char *key) {
   return scn_number_or(row, key, NAN);
 }
 
+static bool is_true(const json_t *row, const char *key) {
+  return json_is_true(json_object_get(row, key));
+}
+
+static bool is_proxy(const json_t *row) {
+  return strcmp(text(row, "scheme"), "proxy") == 0;
+}
+
+static bool is_auto(const json_t *row) {
+  return strcmp(text(row, "scheme"), scn_auto) == 0;
+}
+
 /* ---- the terminal ---- */
 
 static void print_head(const char *title, const json_t *rows) {
@@ -69,39 +81,35 @@ void scn_stability_print(const char *title, const json_t *rows) {
       print_number(ceiling);
       printf("%s", json_is_true(json_object_get(row, "chaotic")) ? " chaotic: mean and rms" : "");
       printf("%s", json_is_true(json_object_get(row, "beyond")) ? " beyond" : "");
+      printf("%s", json_is_true(json_object_get(row, "coarse")) ? " coarse" : "");
     }
   }
   printf("\n");
-  json_array_foreach(rows, i, row) if (strcmp(text(row, "scheme"), "proxy") == 0) print_reason(row);
+  json_array_foreach(rows, i, row) if (is_auto(row) || is_proxy(row)) print_reason(row);
 }
 
 /* ---- limits ---- */
-
-/* schemes that have to say when they are wrong */
-static bool is_trusted(const json_t *row) {
-  return strcmp(text(row, "scheme"), "proxy") == 0 || strcmp(text(row, "scheme"), "iterative") == 0;
-}
 
 static bool is_broken(const json_t *row) {
   return scn_row_outcome(row) == SCN_BROKEN;
 }
 
 static bool is_silent(const json_t *row) {
-  return scn_row_outcome(row) == SCN_SILENT && is_trusted(row);
-}
-
-static bool is_silent_other(const json_t *row) {
-  return scn_row_outcome(row) == SCN_SILENT && !is_trusted(row);
-}
-
-static bool is_proxy(const json_t *row) {
-  return strcmp(text(row, "scheme"), "proxy") == 0 && !json_is_true(json_object_get(row, "beyond"));
+  return scn_row_outcome(row) == SCN_SILENT;
 }
 
 /* within the bounds, and not accurate at its end */
 static bool is_not_ok(const json_t *row) {
-  return is_proxy(row) && scn_row_outcome(row) > SCN_WARNED && number(row, "ratio") <= ratio_most &&
+  return scn_row_outcome(row) > SCN_WARNED && number(row, "ratio") <= ratio_most &&
          number(row, "H") <= window_most * (1 + 1e-9);
+}
+
+static bool is_auto_not_ok(const json_t *row) {
+  return is_auto(row) && is_not_ok(row);
+}
+
+static bool is_proxy_not_ok(const json_t *row) {
+  return is_proxy(row) && !is_true(row, "beyond") && is_not_ok(row);
 }
 
 static void measure_count(cpl_verify *v, const json_t *rows, const char *name, bool is(const json_t *row),
@@ -115,21 +123,36 @@ static void measure_count(cpl_verify *v, const json_t *rows, const char *name, b
   cpl_verify_measure(v, name, example, n, kind, 0);
 }
 
-void scn_stability_measure(cpl_verify *v, const json_t *rows) {
+static bool is_proxy_within(const json_t *row) {
+  return is_proxy(row) && !is_true(row, "beyond") && !is_true(row, "coarse");
+}
+
+static bool is_auto_within(const json_t *row) {
+  return is_auto(row) && !is_true(row, "coarse");
+}
+
+/* The largest residual of runs that came to their end accurately. */
+static void measure_residual(cpl_verify *v, const json_t *rows, const char *name, bool is(const json_t *row),
+                             cpl_limit_kind kind) {
   char worst[64] = "";
   double most = 0;
   size_t i;
   json_t *row;
-  json_array_foreach(rows, i, row) if (is_proxy(row) && scn_row_outcome(row) <= SCN_WARNED &&
-                                       number(row, "residual_share") > most) {
+  json_array_foreach(rows, i,
+                     row) if (is(row) && scn_row_outcome(row) <= SCN_WARNED && number(row, "residual_share") > most) {
     most = number(row, "residual_share");
     snprintf(worst, sizeof worst, "%.60s", text(row, "case"));
   }
+  cpl_verify_measure(v, name, worst, most, kind, residual_most);
+}
+
+void scn_stability_measure(cpl_verify *v, const json_t *rows) {
   measure_count(v, rows, "broken", is_broken, CPL_AT_MOST);
   measure_count(v, rows, "silent", is_silent, CPL_AT_MOST);
-  measure_count(v, rows, "silent, other schemes", is_silent_other, CPL_NO_LIMIT);
-  measure_count(v, rows, "proxy not ok", is_not_ok, CPL_AT_MOST);
-  cpl_verify_measure(v, "proxy, residual", worst, most, CPL_AT_MOST, residual_most);
+  measure_count(v, rows, "proxy not ok", is_proxy_not_ok, CPL_AT_MOST);
+  measure_count(v, rows, "auto not ok", is_auto_not_ok, CPL_AT_MOST);
+  measure_residual(v, rows, "proxy, residual", is_proxy_within, CPL_AT_MOST);
+  measure_residual(v, rows, "auto, residual", is_auto_within, CPL_NO_LIMIT);
 }
 
 tdm_status scn_stability_write(cpl_verify *v, const char *title, json_t *rows, tdm_error *err) {

@@ -32,26 +32,35 @@ static void set_case(cpl_cell *cell, const scn_family *f, const scn_stability_ca
       set_parameter(cell, key, value, err);
 }
 
-/* What a case is run with: the schemes, and with --full [L18]'s exchange to the letter (docs/theory/coupling.md). */
+/* What a case is run with: tandem's defaults, `proxy` whose windows choose their length up to that of the case; each
+ * scheme with windows of that length; and with --full [L18]'s exchange to the letter (docs/theory/coupling.md). */
 static const char literal_name[] = "lommen-literal";
 static const char literal[] = "{\"load\": \"end-held\", \"wall_velocity\": \"sent\"}";
+static const char longest[] = "=max(1, rint(H/dt))";
 
 static int columns(const cpl_verify *v) {
   int n = 0;
   while (cpl_schemes[n])
     n++;
-  return n + cpl_verify_full(v);
+  return 1 + n + cpl_verify_full(v);
 }
 
 static const char *column_name(int k) {
-  for (int i = 0; i <= k; i++)
+  if (k == 0)
+    return scn_auto;
+  for (int i = 0; i < k; i++)
     if (!cpl_schemes[i])
       return literal_name;
-  return cpl_schemes[k]->name;
+  return cpl_schemes[k - 1]->name;
 }
 
 static void set_column(cpl_cell *cell, int k, tdm_error *err) {
   const char *name = column_name(k);
+  if (name == scn_auto) {
+    cpl_cell_set(cell, "coupling.n", "auto", err);
+    cpl_cell_set(cell, "coupling.auto.n_max", longest, err);
+    return;
+  }
   cpl_cell_set(cell, "coupling.scheme", name == literal_name ? "lommen" : name, err);
   if (name == literal_name)
     cpl_cell_set(cell, "coupling.lommen", literal, err);

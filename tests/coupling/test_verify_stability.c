@@ -119,7 +119,7 @@ START_TEST(a_small_family) {
   FILE *f = fopen(file, "w");
   fputs(
       "{\"title\": \"small\", \"scene\": \"box.json\", \"file\": \"body_box.csv\", \"column\": \"vz\", \"floor\": 1e-3,"
-      " \"cases\": [{\"ratio\": [1, 2], \"end\": 0.01, \"H\": 1e-3}], \"beyond\": [{\"end\": 0.01, \"H\": 5e-3}],"
+      " \"cases\": [{\"ratio\": [1, 2], \"end\": 0.01, \"H\": 1e-3}, {\"stop\": 1e4, \"end\": 0.01, \"H\": 5e-3}],"
       " \"full\": [{\"end\": 0.01, \"H\": 2e-3}]}",
       f);
   fclose(f);
@@ -132,14 +132,19 @@ START_TEST(a_small_family) {
   snprintf(file, sizeof file, "%s/v.json", dir);
   json_t *json = json_load_file(file, 0, NULL), *first = json_array_get(json_object_get(json, "scenarios"), 0);
   json_t *cells = json_object_get(json_object_get(first, "detail"), "cells");
-  ck_assert_int_eq(json_array_size(cells), 3 * 5);
-  json_t *row = json_array_get(cells, 0);
-  ck_assert_str_eq(json_string_value(json_object_get(row, "case")), "ratio=1 H=0.001");
-  ck_assert_str_eq(json_string_value(json_object_get(row, "scheme")), "proxy");
-  ck_assert_str_eq(json_string_value(json_object_get(row, "outcome")), "ok");
-  ck_assert(json_number_value(json_object_get(row, "error")) < 1e-2);
-  ck_assert(json_number_value(json_object_get(row, "ceiling")) < 1e-6);
-  ck_assert_double_eq_tol(json_number_value(json_object_get(row, "H")), 1e-3, 1e-12);
+  ck_assert_int_eq(json_array_size(cells), 3 * 6);
+  for (int k = 0; k < 2; k++) {
+    json_t *row = json_array_get(cells, (size_t)k);
+    ck_assert_str_eq(json_string_value(json_object_get(row, "case")), "ratio=1 H=0.001");
+    ck_assert_str_eq(json_string_value(json_object_get(row, "scheme")), k ? "proxy" : "auto");
+    ck_assert_str_eq(json_string_value(json_object_get(row, "outcome")), "ok");
+    ck_assert(json_number_value(json_object_get(row, "error")) < 1e-2);
+    ck_assert(json_number_value(json_object_get(row, "ceiling")) < 1e-6);
+    ck_assert_double_eq_tol(json_number_value(json_object_get(row, "H")), 1e-3, 1e-12);
+    ck_assert(json_is_false(json_object_get(row, "beyond")));
+  }
+  for (size_t i = 12; i < 18; i++) /* the box meets a stop, half a swing of which is half the window: by the numbers */
+    ck_assert(json_is_true(json_object_get(json_array_get(cells, i), "beyond")));
   json_decref(json);
   directory_remove(dir);
 }
