@@ -85,12 +85,12 @@ static part part_of(const cpl_trace *t, int k) {
  *   F = c - m (x'' - p0)       what the particles add to the inertia; their load */
 typedef struct {
   double q, s, added, load;
-  double wild; /* share of the rate's variance that no swing tells: what stops, cables and blows make of it */
+  double wild; /* share of the rate's variance that no swing tells, as far as blows make it */
 } linear;
 
 /* The share of the rate's variance that the swing c does not tell, but for what the exchange itself shakes it by. The
  * integrals hide blows. */
-static double wild_share(const part *p, const double c[TERMS]) {
+static double untold_share(const part *p, const double c[TERMS]) {
   const cpl_trace_row *first = row_of(p, 0), *before = first;
   double once = 0, rest = 0, sum = 0, square = 0;
   for (int i = 1; i < p->n; i++) {
@@ -108,6 +108,23 @@ static double wild_share(const part *p, const double c[TERMS]) {
   return variance > 0 ? fmin(1, fmax(0, (rest - shaken) / variance)) : 0;
 }
 
+/* How far the acceleration consists of blows, 0 to 1: its mean size squared is 2/pi of its mean square where it is
+ * noise, more in swings of any number of frequencies that a few modes have, and but the blows' share of time where
+ * nothing is between them. */
+static double blows_share(const part *p) {
+  const cpl_trace_row *first = row_of(p, 0), *last = row_of(p, p->n - 1), *before = first;
+  const double time = last->t - first->t, mean = (last->rate[p->k] - first->rate[p->k]) / time;
+  double size = 0, square = 0;
+  for (int i = 1; i < p->n; i++) {
+    const cpl_trace_row *r = row_of(p, i);
+    const double h = r->t - before->t, off = (r->rate[p->k] - before->rate[p->k]) / h - mean;
+    size += h * fabs(off);
+    square += h * off * off;
+    before = r;
+  }
+  return square > 0 ? fmax(0, 1 - M_PI / 2 * size * size / (time * square)) : 0;
+}
+
 static linear motion_of(const part *p) {
   linear l = {0};
   fit swing = {.n = 3}, weight = {.n = 2};
@@ -123,7 +140,7 @@ static linear motion_of(const part *p) {
     before = r;
   }
   const bool swings = fit_solve(&swing, c) > good_fit;
-  l.wild = wild_share(p, c);
+  l.wild = untold_share(p, c) * blows_share(p);
   if (swings) {
     l.q = fmin(c[1], 0);
     l.s = fmin(c[2], 0);
