@@ -238,7 +238,7 @@ tdm_status cpl_calibrate(const cpl_calibrate_options *o, tdm_error *err) {
                                .force = o->force,
                                .beside = o->resume,
                                .instead = "go on with it with --resume, "};
-  if (read_parameters(c, err) == TDM_OK && read_targets(c, err) == TDM_OK &&
+  if (read_parameters(c, err) == TDM_OK && read_targets(c, err) == TDM_OK && cpl_check_study(c, err) == TDM_OK &&
       tdm_check_writable(o->json, err) == TDM_OK && tdm_check_writable(o->write, err) == TDM_OK &&
       tdm_results_open(&results, &def, err) == TDM_OK) {
     if (tdm_results_start(&results, err) == TDM_OK)

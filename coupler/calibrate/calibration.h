@@ -74,6 +74,9 @@ typedef struct {
 double cpl_value_at(const cpl_parameter *p, double place);
 double cpl_place_of(const cpl_parameter *p, double value);
 
+/* Refuse measures, channels and seeds that no study can have. */
+tdm_status cpl_check_study(const cpl_calibration *c, tdm_error *err);
+
 /* Try n places, side by side as far as they are new; which[i] is the try of place i. Errors: those that end the whole
  * (options that a study refuses, targets that runs do not have, an interruption), not what becomes of a run. */
 tdm_status cpl_try_all(cpl_calibration *c, int n, double (*place)[CPL_PARAMETERS], bool aside, int *which,

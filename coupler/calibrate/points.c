@@ -94,7 +94,7 @@ void cpl_tries_free(cpl_calibration *c) {
 
 /* ---- their runs ---- */
 
-/* Tries `which` (n of them) as the cases of a study (new reference). */
+/* Tries `which` (n of them; 0: the scene as it is) as the cases of a study (new reference). */
 static json_t *study_json(const cpl_calibration *c, const int *which, int n) {
   json_t *cells = json_array(), *measures = json_array(), *curves = json_array();
   for (int i = 0; i < n; i++) {
@@ -106,16 +106,28 @@ static json_t *study_json(const cpl_calibration *c, const int *which, int n) {
   }
   for (int k = 0; k < c->ntarget; k++)
     cpl_target_enter(&c->target[k], k, measures, curves);
-  json_t *study = json_pack("{s:s, s:o}", "scene", c->o->scene, "cells", cells);
+  json_t *study = json_pack("{s:s}", "scene", c->o->scene);
+  if (n > 0)
+    json_object_set(study, "cells", cells);
   if (json_array_size(measures) > 0)
     json_object_set(study, "measures", measures);
   if (json_array_size(curves) > 0)
     json_object_set(study, "curves", curves);
   if (c->o->repeat.nvalue > 0)
     json_object_set_new(study, "seeds", cpl_axis_to_json(&c->o->repeat));
+  json_decref(cells);
   json_decref(measures);
   json_decref(curves);
   return study;
+}
+
+tdm_status cpl_check_study(const cpl_calibration *c, tdm_error *err) {
+  cpl_study study = {0};
+  json_t *json = study_json(c, NULL, 0);
+  cpl_study_read_json(&study, json, err);
+  cpl_study_free(&study);
+  json_decref(json);
+  return err->status;
 }
 
 /* Run them; those that are there already are kept if `resume`. The caller frees the study. */
