@@ -12,8 +12,6 @@
 #include <string.h>
 #include <time.h>
 
-static const double grace = 3; /* for its end after FINISH [s] */
-
 /* ---- verdicts ---- */
 
 void cpl_broken(cpl_verdict *v, const char *expected, const char *format, ...) {
@@ -196,6 +194,7 @@ static void let_go(cpl_meeting *m, double wait) {
 
 void cpl_meeting_finish(cpl_meeting *m) {
   char how[96];
+  const double grace = m->candidate->timeout;
   cpl_child *child[CPL_NROLE]; /* the session forgets them */
   for (int r = 0; r < CPL_NROLE; r++)
     child[r] = m->session.partner[r].child;

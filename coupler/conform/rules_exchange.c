@@ -96,6 +96,25 @@ static void test_samples(cpl_candidate *c, cpl_verdict *v) {
     cpl_meeting_drop(&m);
 }
 
+/* Schemes ask for what they need, which need not be all that a solver can. */
+static void test_alone(cpl_candidate *c, cpl_verdict *v) {
+  for (int k = -1; k < CPL_NNEED && v->kind == CPL_KEPT; k++) { /* -1: nothing is asked for */
+    cpl_meeting m;
+    tdm_result r;
+    if (k >= 0 && !cpl_claims(c, cpl_need_names[k]))
+      continue;
+    if (!cpl_meeting_meet(&m, c, 0, v))
+      return;
+    memset(m.scheme.needs, 0, sizeof m.scheme.needs);
+    if (k >= 0)
+      m.scheme.needs[c->role] = 1u << k;
+    if (!cpl_meeting_assign(&m))
+      return;
+    quiet(&m, 2, NULL, 0, &r);
+    cpl_meeting_drop(&m);
+  }
+}
+
 /* HEARTBEATs between windows are not answered, and change nothing. */
 static void test_heartbeat(cpl_candidate *c, cpl_verdict *v) {
   cpl_meeting m;
@@ -134,6 +153,11 @@ const cpl_rule cpl_rules_exchange[] = {
      .roles = CPL_OF_BOTH,
      .text = "output times within a window and at its end",
      .test = test_samples},
+    {.name = "alone",
+     .section = "4",
+     .roles = CPL_OF_BOTH,
+     .text = "each capability may be asked for alone, and none at all",
+     .test = test_alone},
     {.name = "heartbeat",
      .section = "4",
      .roles = CPL_OF_BOTH,

@@ -7,11 +7,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double grace = 3; /* [s] */
-
 /* After what was sent: ERROR, and an end that is none by a signal. */
 static void expect_error(cpl_meeting *m, tdm_message_type otherwise, tdm_status wanted) {
   static const char expected[] = "ERROR, and an exit status that is not 0";
+  const double grace = m->candidate->timeout;
   tdm_error err = {0};
   tdm_header header;
   char how[96];
@@ -182,7 +181,7 @@ static void test_unknown_body(cpl_candidate *c, cpl_verdict *v) {
 /* ---- silence ---- */
 
 static void test_silence(cpl_candidate *c, cpl_verdict *v) {
-  const double told = 1;
+  const double told = 1, grace = c->timeout;
   cpl_meeting m;
   char how[96];
   if (!cpl_meeting_meet(&m, c, told, v))

@@ -23,6 +23,8 @@ static bool is(const char *name) {
 static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready, tdm_participant *p, tdm_error *err) {
   if (own->create(self, a, ready, p, err) != TDM_OK)
     return err->status;
+  if (is("lone") && !a->mobility)
+    return tdm_fail(err, TDM_ERR_SCENE, NULL, "goes with all that it can alone");
   for (int i = 0; i < a->nbody && i < 4 && ready->body; i++)
     body[i] = ready->body[i];
   if (ready->body)

@@ -79,7 +79,7 @@ static const struct {
     {"mbd", "sluggish", "mobility"}, {"mbd", "forgets", "restore"},    {"mbd", "ready zero quaternion", "ready"},
     {"dem", "attracts", "load"},     {"dem", "strikes", "interface"},  {"dem", "works twice", "interface"},
     {"dem", "strays", "interface"},  {"dem", "pushes", "proxy"},       {"dem", "straight", "path"},
-    {"dem", "forgets", "restore"},
+    {"dem", "forgets", "restore"},   {"mbd", "lone", "alone"},
 };
 
 START_TEST(lies_are_found) {
@@ -125,8 +125,8 @@ START_TEST(wrong_commands) {
   expect_output("neither beside this program nor on PATH");
   ck_assert_int_eq(conform("-- true"), 1);
   expect_output("exit status 0");
-  ck_assert_int_eq(conform("--rule lode -- tandem-dem"), 2);
-  expect_output("did you mean load");
+  ck_assert_int_eq(conform("--rule interfase -- tandem-dem"), 2);
+  expect_output("did you mean interface");
   ck_assert_int_eq(conform("--timeout 0 -- tandem-dem"), 2);
   expect_output("give a number of seconds");
   ck_assert_int_eq(command("tandem conform %s/none.json -- tandem-dem", dir), 1);
