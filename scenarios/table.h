@@ -42,6 +42,11 @@ tdm_status scn_lammps(cpl_verify *v, tdm_error *err);
 tdm_status scn_conservation(cpl_verify *v, tdm_error *err);
 tdm_status scn_convergence(cpl_verify *v, tdm_error *err);
 tdm_status scn_discharge(cpl_verify *v, tdm_error *err);
+tdm_status scn_multi_impacts(cpl_verify *v, tdm_error *err);
+tdm_status scn_multi_statics(cpl_verify *v, tdm_error *err);
+tdm_status scn_multi_hydrogel(cpl_verify *v, tdm_error *err);
+tdm_status scn_multi_rubber(cpl_verify *v, tdm_error *err);
+tdm_status scn_multi_liggghts(cpl_verify *v, tdm_error *err);
 
 /* bodies alone, mbd/ */
 tdm_status scn_andrews(cpl_verify *v, tdm_error *err);

@@ -41,8 +41,6 @@ typedef struct {
   const vd *own_sums;   /* (DEM_LAW_SUMS) of the particle; not while they are summed */
   const vd *other_sums; /* likewise of the partner, 0 of a wall */
 
-  vd shift; /* of a law that takes notes: by how much the others shift the contact's overlap [m] */
-
   bool all_terms;     /* constant in each loop: the fields below are there */
   vd3 spin;           /* angular velocity of the particle against the partner [rad/s] */
   vd inverse_inertia; /* of rolling, 1/I_r: sum of 1/(I + m R^2) [1/(kg m2)] */
@@ -55,6 +53,8 @@ typedef struct {
   vd damping;   /* what damping of other families scales with (see the law) [kg/s] */
   vd elastic;   /* energy stored in the normal direction [J] */
   vd pull;      /* by cohesion: along the normal, besides `force` [N] */
+
+  vd shift; /* of a law that takes notes, filled by the loop: by how much the others shift the overlap [m] */
 } dem_contact;
 
 /* What a contact tells the others of its particles. */

@@ -13,6 +13,7 @@
  *   #define DEM_LAW_NOTES_AGAIN again   double again(dem_loop_task *, double *largest): the notes from these (task.h)
  *   #define DEM_LAW_NOTES_ITERATIONS(model) …   how often, and up to which change
  *   #define DEM_LAW_NOTES_TOLERANCE(model) …
+ *   #define DEM_LAW_PLANES 1         with sums or notes: their kernel asks for no masses, so planes go DEM_W at a time
  *   #include "dem/contact/loop/loops.h"
  * It makes dem_loops_hooke_avx512, or what else the file is compiled for; DEM_LAW_LOOPS are those of all instruction
  * sets, for the law's row.
@@ -46,6 +47,9 @@
 #endif
 #ifndef DEM_LAW_SUMS
 #define DEM_LAW_SUMS 0
+#endif
+#ifndef DEM_LAW_PLANES
+#define DEM_LAW_PLANES 0
 #endif
 #ifdef DEM_LAW_NOTES_KERNEL
 #define DEM_LAW_NOTES 1
@@ -130,12 +134,16 @@ static __attribute__((noinline)) void batch_sums(dem_loop_task *task, batch *b) 
   sum_batch(task, b, DEM_LAW_SUMS_KERNEL);
 }
 
+static __attribute__((noinline)) void planes_sums(dem_loop_task *task, size_t begin, size_t end) {
+  sum_planes(task, begin, end, DEM_LAW_SUMS_KERNEL);
+}
+
 static void pairs_sums(dem_loop_task *task) {
   sum_pairs(task, DEM_LAW_SUMS_KERNEL);
 }
 
 static void walls_sums(dem_loop_task *task) {
-  wall_loop(task, (row){.flush = batch_sums});
+  wall_loop(task, (row){.flush = batch_sums, .planes = planes_sums});
 }
 #define LOOPS_SUMS \
   { pairs_sums, walls_sums }
@@ -151,12 +159,16 @@ static __attribute__((noinline)) void batch_notes(dem_loop_task *task, batch *b)
   note_batch(task, b, DEM_LAW_NOTES_KERNEL);
 }
 
+static __attribute__((noinline)) void planes_notes(dem_loop_task *task, size_t begin, size_t end) {
+  note_planes(task, begin, end, DEM_LAW_NOTES_KERNEL);
+}
+
 static void pairs_notes(dem_loop_task *task) {
   note_pairs(task, DEM_LAW_NOTES_KERNEL);
 }
 
 static void walls_notes(dem_loop_task *task) {
-  note_walls(task, (row){.flush = batch_notes});
+  note_walls(task, (row){.flush = batch_notes, .planes = planes_notes});
 }
 
 static void share_notes(dem_loop_task *task) {

@@ -59,6 +59,23 @@ DEM_KERNEL void note_pairs(dem_loop_task *task, note_kernel *what) {
   }
 }
 
+DEM_KERNEL void note_planes(dem_loop_task *task, size_t begin, size_t end, note_kernel *what) {
+  dem_data *d = task->data;
+  const dem_wall_contacts *list = &d->lists.walls;
+  dem_contact c = contact_of(task, (row){0});
+  for (size_t k = begin; k < end; k += DEM_W) {
+    int i[DEM_W];
+    vd arm, h[DEM_LAW_COLUMNS + 1];
+    if (!touch_plane(task, k, i, &c, &arm))
+      continue;
+    for (int q = 0; q < DEM_LAW_COLUMNS; q++)
+      h[q] = vd_load(list->history + (size_t)(note_history(task->model) + q) * list->capacity + k);
+    dem_note note;
+    what(&c, h, &note);
+    write_notes(d->work.notes.column + dem_note_of_wall(d, k), d->work.notes.stride, &c, arm, &note);
+  }
+}
+
 DEM_KERNEL void note_batch(dem_loop_task *task, batch *b, note_kernel *what) {
   dem_data *d = task->data;
   dem_contact c = batch_contact(task, b, (row){0});

@@ -54,6 +54,19 @@ DEM_KERNEL void sum_pairs(dem_loop_task *task, sum_kernel *contribution) {
   }
 }
 
+DEM_KERNEL void sum_planes(dem_loop_task *task, size_t begin, size_t end, sum_kernel *contribution) {
+  dem_contact c = contact_of(task, (row){0});
+  for (size_t k = begin; k < end; k += DEM_W) {
+    int i[DEM_W];
+    vd arm, of[DEM_LAW_SUMS];
+    if (!touch_plane(task, k, i, &c, &arm))
+      continue;
+    c.radii[0] = c.radius, c.radii[1] = vd_set(INFINITY);
+    contribution(&c, of);
+    add_sums(task->data, &c, i, of, NULL, NULL);
+  }
+}
+
 DEM_KERNEL void sum_batch(dem_loop_task *task, batch *b, sum_kernel *contribution) {
   dem_contact c = batch_contact(task, b, (row){0});
   vd of[DEM_LAW_SUMS];

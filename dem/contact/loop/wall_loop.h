@@ -228,6 +228,46 @@ DEM_KERNEL vd along_plane(const plane_mobility *y, vd3 lever, vd3 n) {
   return vd_max(vd_set(y->straight) + vd3_dot(a, turned), vd_set(0));
 }
 
+/* what the other contacts of the particles give those of entries k ... with a plane */
+DEM_INLINE void plane_sums(const dem_data *d, size_t k, const int *particle, dem_contact *c,
+                           vd sums[2][DEM_LAW_SUMS + 1]) {
+  (void)d, (void)k, (void)particle;
+#if DEM_LAW_NOTES
+  c->shift = vd_load(note_column(d, DEM_NOTE_SIDE) + dem_note_of_wall(d, k));
+#endif
+  if (DEM_LAW_SUMS > 0) {
+    c->radii[0] = c->radius, c->radii[1] = vd_set(INFINITY);
+    load_sums(d, particle, sums[0]);
+    for (int q = 0; q < DEM_LAW_SUMS; q++)
+      sums[1][q] = vd_set(0);
+  }
+  c->own_sums = sums[0], c->other_sums = sums[1];
+}
+
+/* The contacts of entries k ... with a plane before the forces: what DEM_LAW_PLANES promises to be enough. False: there
+ * are none. */
+DEM_KERNEL bool touch_plane(const dem_loop_task *task, size_t k, int i[DEM_W], dem_contact *c, vd *arm) {
+  const dem_data *d = task->data;
+  const dem_wall_entry *entry = d->lists.walls.entry + k;
+  const tdm_vec3 normal = d->state.wall[entry->wall].normal, on = d->state.wall[entry->wall].point;
+  for (int l = 0; l < DEM_W; l++)
+    i[l] = entry[l].particle;
+  vd s[8];
+  vd_spheres(d->state.sphere, i, s);
+  vd3 above = {s[0] - vd_set(on.x), s[1] - vd_set(on.y), s[2] - vd_set(on.z)};
+  c->normal = (vd3){vd_set(normal.x), vd_set(normal.y), vd_set(normal.z)};
+  vd gap = vd3_dot(above, c->normal), radius = s[3];
+  c->touching = vm_and(vm_less(gap, radius), vm_less(-radius, gap));
+  c->overlap = radius - gap;
+  c->radius = radius;
+  c->mass = c->inverse_mass = vd_set(1);
+  *arm = gap / radius;
+  if (!c->pair.one)
+    for (int l = 0; l < DEM_W; l++)
+      c->pair.index[l] = d->state.material[i[l]] * task->model->nmaterial + task->model->wall[entry->wall].material;
+  return vm_any(c->touching);
+}
+
 /* Entries of one plane; end - begin is a multiple of DEM_W and not 0. The same numbers, in the same order, as
  * simple_wall. */
 DEM_KERNEL void plane_loop(dem_loop_task *task, size_t begin, size_t end, const row r) {
@@ -277,6 +317,8 @@ DEM_KERNEL void plane_loop(dem_loop_task *task, size_t begin, size_t end, const 
     if (!c.pair.one)
       for (int l = 0; l < DEM_W; l++)
         c.pair.index[l] = d->state.material[i[l]] * m->nmaterial + m->wall[w].material;
+    vd sums[2][DEM_LAW_SUMS + 1];
+    plane_sums(d, k, i, &c, sums);
     outcome out = law(task, &c, velocity, history, list->capacity, r, 0);
     vd3 twist = vd3_scale(vd_pick(c.touching, arm, vd_set(0)), out.twist);
     vd3 moment = vd3_only(c.touching, vd3_cross(lever, out.force));
@@ -390,8 +432,8 @@ DEM_KERNEL void wall_loop(dem_loop_task *task, const row constants) {
     if (wall->shape->touches) {
       wall_with_parts(task, &b, k, next, r);
     } else {
-      bool whole = DEM_LAW_SUMS + DEM_LAW_NOTES == 0 && !constants.all_terms && wall->shape->half_space &&
-                   !wall->moves && !m->driven;
+      bool whole = (DEM_LAW_SUMS + DEM_LAW_NOTES == 0 || DEM_LAW_PLANES) && !constants.all_terms &&
+                   wall->shape->half_space && !wall->moves && !m->driven;
       size_t rest = whole ? next - (next - k) % DEM_W : k;
       if (whole && rest > k)
         r.planes(task, k, rest);

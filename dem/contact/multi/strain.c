@@ -146,11 +146,13 @@ DEM_KERNEL double renew(dem_notes *notes, size_t begin, size_t end, double *larg
     if (!(column[DEM_NOTE_WIDTH][k] > 0))
       continue;
     double shift = column[DEM_NOTE_WEIGHT][k] * (column[DEM_NOTE_SIDE][k] + column[DEM_NOTE_OTHER][k]);
-    double overlap = fmax(column[DEM_NOTE_OVERLAP][k] + shift, 0), before = column[DEM_NOTE_FORCE][k];
+    double overlap = column[DEM_NOTE_OVERLAP][k] + shift, before = column[DEM_NOTE_FORCE][k];
+    overlap = overlap > 0 ? overlap : 0;
     double force = column[DEM_NOTE_HERTZ][k] * (overlap * sqrt(overlap));
     column[DEM_NOTE_FORCE][k] = force;
-    change = fmax(change, fabs(force - before));
-    *largest = fmax(*largest, force);
+    double changed = fabs(force - before);
+    change = changed > change ? changed : change;
+    *largest = force > *largest ? force : *largest;
   }
   return change;
 }
@@ -169,6 +171,7 @@ DEM_KERNEL double again(dem_loop_task *task, double *largest) {
 #define DEM_LAW_KERNEL kernel
 #define DEM_LAW_COLUMNS 1
 #define DEM_LAW_CIRCLE true
+#define DEM_LAW_PLANES 1
 #define DEM_LAW_NOTES_KERNEL note
 #define DEM_LAW_NOTES_SHARE share
 #define DEM_LAW_NOTES_AGAIN again

@@ -41,6 +41,7 @@ DEM_KERNEL void kernel(dem_contact *c, vd *history) {
 #define DEM_LAW mc_stress
 #define DEM_LAW_KERNEL kernel
 #define DEM_LAW_CIRCLE true
+#define DEM_LAW_PLANES 1
 #define DEM_LAW_SUMS 1
 #define DEM_LAW_SUMS_KERNEL sum_force
 #include "dem/contact/loop/loops.h"

@@ -26,11 +26,13 @@ DEM_KERNEL dem_tangential dem_tangential_mindlin(dem_contact *c, vd *history) {
   vd before = history[3];
   vd unload = vd_pick(vm_less(c->circle, before), c->circle / before, vd_set(1));
   vd stiffness = vd_set(8) * DEM_OF(c, effective_shear) * c->circle;
-  vd damping = DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping;
-  if (c->all_terms)
-    damping = damping + DEM_OF(c, tangential[DEM_MINDLIN_VISCOSITY]);
   history[3] = c->circle;
-  return dem_stick_or_slide(c, vd3_scale(unload, f), stiffness, damping, history);
+  if (c->all_terms) {
+    vd damping = DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping + DEM_OF(c, tangential[DEM_MINDLIN_VISCOSITY]);
+    return dem_stick_or_slide(c, vd3_scale(unload, f), stiffness, damping, history);
+  }
+  return dem_stick_or_slide(c, vd3_scale(unload, f), stiffness, DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping,
+                            history);
 }
 #endif
 
