@@ -8,7 +8,12 @@
 
 #include <stdio.h>
 
-static const double overlap_max = 0.1; /* of the smaller radius, at the start */
+/* At the start, of the smaller radius: what is deeper shoots off, unless the scene lets the guard pass deeper overlaps
+ * than usual, as those of soft particles that are pressed together are. */
+static double most_overlap(const dem_model *m) {
+  const double usual = 0.3; /* of the guard */
+  return m->guard.overlap > usual ? m->guard.overlap : 0.1;
+}
 
 void dem_where(const dem_data *d, int i, char path[TDM_PATH_MAX], int *number) {
   const dem_model *m = d->model;
@@ -75,7 +80,7 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
       int j = d->lists.pairs.other[k];
       double overlap = d->state.sphere[i].radius + d->state.sphere[j].radius -
                        tdm_norm(dem_between(d, d->state.sphere[i].position, d->state.sphere[j].position));
-      if (overlap > overlap_max * fmin(d->state.sphere[i].radius, d->state.sphere[j].radius))
+      if (overlap > most_overlap(m) * fmin(d->state.sphere[i].radius, d->state.sphere[j].radius))
         refuse_pair(d, i, j, overlap, err);
     }
     check_inside(d, i, err);
@@ -84,7 +89,7 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
       double gap = dem_gap(d, i, w, NULL);
       bool through = dem_wall_behind(&m->wall[w], gap, d->state.sphere[i].radius);
       behind = behind || through;
-      if (!through && d->state.sphere[i].radius - gap > overlap_max * d->state.sphere[i].radius)
+      if (!through && d->state.sphere[i].radius - gap > most_overlap(m) * d->state.sphere[i].radius)
         refuse_wall(d, i, w, d->state.sphere[i].radius - gap, err);
     }
     *nbehind += behind;

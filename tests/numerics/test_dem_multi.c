@@ -4,6 +4,7 @@
 #include "test_dem_support.h"
 
 #include "dem/particles/domain.h"
+#include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/limits.h"
 #include "protocol/math/random.h"
@@ -599,6 +600,19 @@ END_TEST
 
 /* ---- limits and readers ---- */
 
+/* A bed that is pressed together may begin so where the guard is told of deep overlaps. */
+START_TEST(test_deep_start) {
+  static const char *const guards[] = {"", "'guard':{'overlap':0.2},", "'guard':{'overlap':0.9},"};
+  tdm_error err = {0};
+  int behind;
+  rig *r = make(guards[_i], "0.5", ELASTIC ",'beta':1.65", FREE ",'multi_contact':'mc-stress'",
+                "'particles':[{'type':'list','material':'a','radius':0.01,'positions':[[0,0,0],[0.0185,0,0]]}]", 1e-5);
+  tdm_status status = dem_check_start(r->data, &behind, &err);
+  ck_assert_int_eq(status, _i == 2 ? TDM_OK : TDM_ERR_SCENE);
+  rig_free(r);
+}
+END_TEST
+
 /* The stable step knows how stiff contacts have become. */
 START_TEST(test_limits) {
   static const char *const laws[] = {"'multi_contact':'mc-stress'",
@@ -653,4 +667,4 @@ TEST_MAIN_ROWS("contacts that act on each other", {test_own_force, 1}, {test_two
                {test_five_in_a_box, 3}, {test_opposite_contacts, 3}, {test_two_are_classical, 4},
                {test_many_are_classical, 3}, {test_against_brute_force, 4}, {test_momenta, 2}, {test_energy, 2},
                {test_friction, 2}, {test_tangential_viscosity, 1}, {test_same_bits, 15}, {test_come_and_go, 2},
-               {test_copy, 2}, {test_limits, 2}, {test_refused, 1})
+               {test_copy, 2}, {test_limits, 2}, {test_deep_start, 3}, {test_refused, 1})
