@@ -21,18 +21,19 @@ enum {
 #ifdef DEM_SIMD
 #include "dem/contact/law/sticking.h"
 
+DEM_KERNEL vd dem_mindlin_damping(const dem_contact *c) {
+  if (c->all_terms)
+    return DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping + DEM_OF(c, tangential[DEM_MINDLIN_VISCOSITY]);
+  return DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping;
+}
+
 DEM_KERNEL dem_tangential dem_tangential_mindlin(dem_contact *c, vd *history) {
   vd3 f = dem_turn_history(c, (vd3){history[0], history[1], history[2]});
   vd before = history[3];
   vd unload = vd_pick(vm_less(c->circle, before), c->circle / before, vd_set(1));
   vd stiffness = vd_set(8) * DEM_OF(c, effective_shear) * c->circle;
   history[3] = c->circle;
-  if (c->all_terms) {
-    vd damping = DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping + DEM_OF(c, tangential[DEM_MINDLIN_VISCOSITY]);
-    return dem_stick_or_slide(c, vd3_scale(unload, f), stiffness, damping, history);
-  }
-  return dem_stick_or_slide(c, vd3_scale(unload, f), stiffness, DEM_OF(c, tangential[DEM_MINDLIN_DAMPING]) * c->damping,
-                            history);
+  return dem_stick_or_slide(c, vd3_scale(unload, f), stiffness, dem_mindlin_damping(c), history);
 }
 #endif
 
