@@ -34,7 +34,7 @@ static const cpl_solver solvers[CPL_NROLE] = {
 static void usage(FILE *out) {
   fputs("tandem: co-simulation of discrete elements and multibody dynamics\n\n"
         "  tandem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--live [PORT]]\n"
-        "             [--estimate [SHARE]]\n"
+        "             [--estimate [SHARE]] [--record FILE]\n"
         "      Run a scene: a JSON file, or the name of a scenario. Results go to DIR (default: run-out).\n"
         "      --force            replace the results of an earlier run in DIR\n"
         "      --set PATH=VALUE   override a value of the scene: --set coupling.n=25 --set dem.pairs[0].friction=0.3\n"
@@ -43,7 +43,8 @@ static void usage(FILE *out) {
         "printed\n"
         "      --estimate [SHARE] repeat that share of the run (default: 0.1) with half the window and half the step, "
         "for the\n"
-        "                         errors of exchange and DEM step apart\n\n"
+        "                         errors of exchange and DEM step apart\n"
+        "      --record FILE      store the exchange, for tandem-player FILE in the place of either solver\n\n"
         "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
         "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n"
         "      --out DIR          keep the logs there; results that it holds stay\n\n"
@@ -129,7 +130,7 @@ static void usage(FILE *out) {
 typedef struct {
   tdm_arguments given;
   const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds, *error, *write,
-      *tolerance, *tries, *role, *timeout;
+      *tolerance, *tries, *role, *timeout, *record;
   tdm_words measure, cell, parameter, range, log, target, rule;
   bool force, strict, resume, full, live, estimate;
 } arguments;
@@ -157,6 +158,7 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--tries", .value = &a->tries},
                                 {.name = "--rule", .words = &a->rule},
                                 {.name = "--role", .value = &a->role},
+                                {.name = "--record", .value = &a->record},
                                 {.name = "--timeout", .value = &a->timeout},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
@@ -205,6 +207,7 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
       {.name = "--tolerance", .given = a->tolerance != NULL, .known = calibrate},
       {.name = "--tries", .given = a->tries != NULL, .known = calibrate},
       {.name = "--rule", .given = a->rule.n > 0, .known = conform},
+      {.name = "--record", .given = a->record != NULL, .known = run && !check},
       {.name = "--role", .given = a->role != NULL, .known = conform},
       {.name = "--timeout", .given = a->timeout != NULL, .known = conform},
       {.name = "--", .given = a->given.rest != NULL, .known = conform},
@@ -257,7 +260,7 @@ static tdm_status one_scene(const arguments *a, const char *command, bool check,
       find_scene(a, command, scene, sizeof scene, err) != TDM_OK)
     return err->status;
   cpl_run_options options = {
-      .scene = scene, .set = a->given.set, .force = a->force, .strict = a->strict, .check = check};
+      .scene = scene, .set = a->given.set, .record = a->record, .force = a->force, .strict = a->strict, .check = check};
   options.out = a->out ? a->out : check ? NULL : "run-out";
   memcpy(options.solver, solvers, sizeof solvers);
   if (a->estimate && prepare_repeat(a, &options, &repeat, err) != TDM_OK)

@@ -33,6 +33,7 @@ typedef struct {
   uint64_t told;   /* changes of all remarks that were told */
   void *context;   /* ZeroMQ context shared with threads */
   cpl_private own; /* of the ipc socket, and of the logs of a check that leaves none */
+  tdm_recorder *recorder;
   bool session_open, thread_hangs;
 } run_state;
 
@@ -113,6 +114,9 @@ static tdm_status start(run_state *run, tdm_error *err) {
   tdm_warning doubt;
   for (int k = 0; tdm_outputs_doubt(&run->settings.outputs, run->settings.time_end, k, &doubt); k++)
     json_array_append_new(run->session.warnings, json_pack("{s:s, s:s}", "path", doubt.path, "message", doubt.message));
+  if (run->options->record && tdm_recorder_open(&run->recorder, run->options->record, err) != TDM_OK)
+    return err->status;
+  run->session.recorder = run->recorder;
   tdm_progress_begin(&run->session.progress, 0, "", run->options->quiet);
   for (int r = 0; r < CPL_NROLE; r++)
     if (launch(run, (cpl_role)r, err) != TDM_OK)
@@ -365,6 +369,10 @@ static void stop(run_state *run, const tdm_error *err) {
 }
 
 static void finish(run_state *run, cpl_run_result *result, double begin, tdm_error *err) {
+  tdm_error cut = {0}; /* an error of the run is worth more than that its record is not whole */
+  run->session.recorder = NULL;
+  if (tdm_recorder_close(&run->recorder, &cut) != TDM_OK && err->status == TDM_OK)
+    *err = cut;
   char quoted[TDM_MESSAGE_MAX];
   tdm_scene_locate(&run->scene, err);
   cpl_observers_end(&run->observers, &run->loop, err);

@@ -11,6 +11,7 @@ typedef struct {
   const char *scene;      /* file */
   const char *const *set; /* NULL-terminated "path=value" overrides, may be NULL */
   const char *out;        /* result directory; NULL for a check that leaves nothing */
+  const char *record;     /* file for all frames of the exchange (protocol/record/record.h); NULL: none */
   bool force;             /* replace the results of an earlier run there */
   bool strict;            /* refuse a run whose solvers warn */
   bool quiet;             /* no progress, no warnings on standard error */

@@ -75,6 +75,7 @@ static void meet_stranger(cpl_session *s, const tdm_peer *peer, const void *data
       cpl_partner *p = &s->partner[which];
       p->connected = true;
       p->peer = *peer;
+      tdm_recorder_add(s->recorder, which, TDM_FROM_SOLVER, data, size);
       snprintf(p->name, sizeof p->name, "%.60s", name && *name ? name : role);
       snprintf(p->software, sizeof p->software, "%.120s", software ? software : "unknown software");
       tdm_utf8_clean(p->name);
@@ -198,6 +199,7 @@ static tdm_status hear(cpl_session *s, int from, int role, tdm_message_type type
   char message[160];
   if (tdm_header_read(header, data, size, err) != TDM_OK)
     return blame(s, from, err, true);
+  tdm_recorder_add(s->recorder, from, TDM_FROM_SOLVER, data, size);
   if (header->type == TDM_HEARTBEAT)
     return TDM_OK;
   if (header->type == TDM_REMARKS)
@@ -257,6 +259,7 @@ static tdm_status wait_for(cpl_session *s, int role, tdm_message_type type, tdm_
 static tdm_status send_to(cpl_session *s, int role, tdm_error *err) {
   tdm_header header;
   tdm_error broken = {0};
+  tdm_recorder_add(s->recorder, role, TDM_FROM_SERVER, s->out.data, s->out.size);
   if (tdm_transport_send(s->transport, &s->partner[role].peer, &s->out, &broken) == TDM_OK)
     return TDM_OK;
   if (wait_for(s, role, TDM_FINISH, &header, err) == TDM_OK)

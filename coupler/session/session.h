@@ -10,6 +10,7 @@
 #include "coupler/session/launch.h"
 #include "coupler/settings/settings.h"
 #include "protocol/base/progress.h"
+#include "protocol/record/record.h"
 #include "protocol/wire/transport.h"
 
 /* A solver as the server sees it. */
@@ -51,6 +52,7 @@ typedef struct {
   uint64_t remarks_taken;  /* messages REMARKS so far */
   tdm_progress progress;   /* of what solvers are at until they are READY */
   tdm_frame out;
+  tdm_recorder *recorder; /* borrowed: takes all frames; NULL: none does */
   double last_heartbeat;
   double seen_from; /* states are looked at from then on [s]: STEPs until then or later announce it */
   bool seen_next;   /* so is the state at the end of the next window */

@@ -11,6 +11,7 @@ set(protocol
   "scene view"
   "motion parameters results surface wire"
   "app"
+  "record"
   "draw"
   "draw/space"
   "draw/program"
