@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* After what was sent: ERROR, and an end that is none by a signal. */
+/* What was sent must be answered with ERROR, and the solver must end by itself, with an exit status that is not 0. */
 static void expect_error(cpl_meeting *m, tdm_message_type otherwise, tdm_status wanted) {
   static const char expected[] = "ERROR, and an exit status that is not 0";
   const double grace = m->candidate->timeout;

@@ -1,21 +1,9 @@
 /* Recorded exchanges, and either solver played from them: the same bits, and a word when the other side does something
  * else. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "plate.h"
 #include "tests/command.h"
 #include "tests/test_main.h"
-
-/* A plate on a spring and two particles that it meets. */
-static const char scene[] =
-    "{'time':{'end':0.05,'dt':1e-4},'coupling':{'n':5,'bodies':[{'mbd':'plate','dem':'plate'}]},\n"
-    "'output':{'interval':1e-3},\n"
-    "'mbd':{'bodies':[{'name':'plate','mass':2,'inertia':[0.1,0.2,0.3],'position':[0,0,0],'velocity':[0,0,0.1]}],\n"
-    "'joints':[{'name':'guide','type':'prismatic','bodies':['ground','plate'],'point':[0,0,0],'axis':[0,0,1]}],\n"
-    "'forces':[{'name':'spring','type':'spring_damper','bodies':['ground','plate'],'points':[[0,0,-1],[0,0,0]],\n"
-    "'stiffness':500,'damping':1}]},\n"
-    "'dem':{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25}],\n"
-    "'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],\n"
-    "'bodies':[{'name':'plate','material':'a','shapes':[{'type':'plane','normal':[0,0,1]}]}],\n"
-    "'particles':[{'type':'list','material':'a','radius':0.05,'positions':[[0,0,0.0501],[0.2,0.1,0.0502]]}]}}\n";
 
 static const char *dir;
 
@@ -31,7 +19,7 @@ static int run_played(const char *out, const char *role, const char *options) {
 
 static void setup(const char *options) {
   char all[512];
-  dir = directory_with_scene(scene);
+  dir = directory_with_scene(plate_scene);
   snprintf(all, sizeof all, "--record %s/record.tnd %s", dir, options);
   ck_assert_msg(run("live", all) == 0, "%s", command_output);
 }
@@ -105,7 +93,7 @@ START_TEST(bad_records) {
 END_TEST
 
 START_TEST(a_full_disk_is_told) {
-  dir = directory_with_scene(scene);
+  dir = directory_with_scene(plate_scene);
   ck_assert_int_eq(run("live", "--record /dev/full"), 1);
   expect_output("the record ends before the run does");
   ck_assert(is_there(dir, "live", "body_plate.csv"));
