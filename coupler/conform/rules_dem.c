@@ -103,7 +103,8 @@ static void test_interface(cpl_candidate *c, cpl_verdict *v) {
   if (!begin(&m, &g, c, v))
     return;
   const double dt = m.settings.dt, h = 4 * dt;
-  tdm_vec3 owed = {0, 0, 0};
+  tdm_vec3 owed = {0, 0, 0}, change = {0, 0, 0};
+  double first_moments = 0;
   for (int w = 0; w < 8 && go(&m, &g, velocity, 4, &r); w++)
     for (int i = 0; i < r.nbody; i++) {
       const tdm_interface *f = &r.body[i];
@@ -115,15 +116,157 @@ static void test_interface(cpl_candidate *c, cpl_verdict *v) {
       if (fabs(f->work - due) > 1e-6 * h * size * tdm_norm(velocity) + 1e-300)
         cpl_broken(v, "as work along a straight way the impulse m0 H times the velocity", "body %d: %g J, not %g J", i,
                    f->work, due);
-      if (i == 0)
-        owed = tdm_axpy(h, tdm_sub(f->moment[0].force, r.load[i].force), owed);
+      if (i > 0)
+        continue;
+      change = tdm_sub(r.load[i].force, m.session.load[i].force);
+      first_moments += tdm_norm(f->moment[1].force);
+      owed = tdm_axpy(h, tdm_sub(f->moment[0].force, r.load[i].force), owed);
     }
   if (tdm_norm(owed) > 1.01 * dt * largest)
     cpl_broken(v, "m0 and the mean load to give the same impulse, but for one step's",
                "they differ by %g N s over 8 windows, a step's is %g N s", tdm_norm(owed), dt * largest);
+  /* kicks are half a step earlier than the values after each step, so a load that grows has less of them */
+  const double size = tdm_norm(change);
+  if (size > 1e-3 * largest && tdm_dot(owed, change) > 0.2 * dt * size * size)
+    cpl_broken(v, "the mean load over the values after each step", "it is rather that of the values before");
+  if (size > 1e-3 * largest && first_moments == 0)
+    cpl_broken(v, "a first moment of a load that changes within a window", "zero");
   if (largest == 0)
     cpl_not_seen(v, nothing);
   end(&m, &g);
+}
+
+/* The load that READY tells is not far from that after a first step at rest. */
+static void test_start(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  motion g;
+  tdm_result r;
+  double largest = 0;
+  if (!begin(&m, &g, c, v))
+    return;
+  if (go(&m, &g, tdm_v3(0, 0, 0), 1, &r))
+    for (int i = 0; i < r.nbody; i++) {
+      const tdm_vec3 told = m.session.load[i].force, is = r.load[i].force;
+      const double before = tdm_norm(told), after = tdm_norm(is);
+      largest = fmax(largest, fmax(before, after));
+      if (before > 10 * after || after > 10 * before || tdm_dot(told, is) < 0)
+        cpl_broken(v, "in READY the load at the start", "body %d: (%g, %g, %g) N, after a first step (%g, %g, %g) N", i,
+                   told.x, told.y, told.z, is.x, is.y, is.z);
+    }
+  if (largest == 0)
+    cpl_not_seen(v, nothing);
+  end(&m, &g);
+}
+
+/* A sample's load is the mean since the sample before, also over windows without one. */
+static void test_samples(cpl_candidate *c, cpl_verdict *v) {
+  static const long n[] = {5, 3};
+  cpl_meeting m;
+  motion g;
+  tdm_result r;
+  tdm_vec3 sum = {0, 0, 0};
+  double size = 0;
+  if (!begin(&m, &g, c, v))
+    return;
+  bool good = m.settings.nbody > 0;
+  for (int w = 0; good && w < 2; w++) {
+    tdm_step step = cpl_meeting_next(&m, n[w]);
+    const double time = step.t1;
+    for (int i = 0; i < step.nbody; i++) {
+      g.start[i] = g.end[i];
+      g.start[i].twist.velocity = g.end[i].twist.velocity = tdm_v3(0, 0, -speed);
+      g.end[i].pose.position.z -= speed * (step.t1 - step.t0);
+    }
+    step.nstate = step.nbody;
+    step.start = g.start;
+    step.end = g.end;
+    step.nsample = w;
+    step.sample_time = &time;
+    good = cpl_meeting_solve(&m, &step, &r);
+    if (good)
+      sum = tdm_axpy((double)n[w] / 8, r.load[0].force, sum);
+  }
+  if (good) {
+    size = tdm_norm(sum);
+    const double off = tdm_norm(tdm_sub(r.sample_load[0].force, sum));
+    if (off > 1e-6 * size)
+      cpl_broken(v, "as recorded load the mean since the output time before", "it is %g N off, of %g N", off, size);
+  }
+  if (size == 0)
+    cpl_not_seen(v, nothing);
+  end(&m, &g);
+}
+
+/* What is stored grows by no more than the coupling load's work. */
+static void test_energy(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  motion g;
+  tdm_result r;
+  double first = NAN, last = NAN, done = 0, moved = 0, until = 0, in_all = 0; /* [J] */
+  if (!cpl_claims(c, "interface")) {
+    cpl_not_seen(v, "without interface it does not tell the load's work");
+    return;
+  }
+  if (!begin(&m, &g, c, v))
+    return;
+  tdm_vec3 velocity = {speed, -0.5 * speed, -speed}; /* or against the first load: what is pressed stores energy */
+  if (m.settings.nbody > 0 && tdm_norm(m.session.load[0].force) > 0)
+    velocity = tdm_scale(-speed, tdm_unit(m.session.load[0].force));
+  for (int w = 0; w < 60 && go(&m, &g, velocity, 4, &r); w++) {
+    for (int i = 0; i < r.nbody; i++) {
+      done -= r.body[i].work;
+      moved += fabs(r.body[i].work);
+    }
+    if (isnan(r.energy->stored)) /* it did not look */
+      continue;
+    last = r.energy->stored - r.energy->supplied;
+    if (isnan(first)) {
+      first = last;
+      done = moved = 0;
+    }
+    until = done;
+    in_all = moved;
+  }
+  if (isnan(first) || in_all == 0)
+    cpl_not_seen(v, isnan(first) ? "it does not look at its energy in this scene" : nothing);
+  else if (last - first > until + 0.05 * in_all)
+    cpl_broken(v, "energy that grows by no more than what the coupling load does on the particles",
+               "it grows by %g J, the load does %g J", last - first, until);
+  end(&m, &g);
+}
+
+/* The path from start to end is Hermite's, if ASSIGN says so: it also depends on the velocities there. */
+static void test_hermite(cpl_candidate *c, cpl_verdict *v) {
+  tdm_vec3 load[2];
+  for (int bent = 0; bent < 2; bent++) {
+    cpl_meeting m;
+    motion g;
+    tdm_result r;
+    if (!begin(&m, &g, c, v))
+      return;
+    tdm_step step = cpl_meeting_next(&m, 20);
+    for (int i = 0; i < step.nbody && bent; i++) {
+      g.start[i].twist.velocity = tdm_v3(0, 0, 10 * speed);
+      g.end[i].twist.velocity = tdm_v3(0, 0, -10 * speed);
+    }
+    step.nstate = step.nbody;
+    step.start = g.start;
+    step.end = g.end;
+    const bool linear = cpl_session_interpolation(&m.session) == TDM_LINEAR;
+    const bool good = step.nbody > 0 && cpl_meeting_solve(&m, &step, &r);
+    load[bent] = good ? r.load[0].force : tdm_v3(0, 0, 0);
+    end(&m, &g);
+    if (linear)
+      cpl_not_seen(v, "the scene asks for straight paths");
+    if (!good || linear)
+      return;
+  }
+  const double size = fmax(tdm_norm(load[0]), tdm_norm(load[1]));
+  if (size == 0)
+    cpl_not_seen(v, nothing);
+  else if (tdm_norm(tdm_sub(load[0], load[1])) < 1e-9 * size)
+    cpl_broken(v, "Hermite's path, which goes out and back when the velocities at its ends do",
+               "the load of a body at rest, %g N", size);
 }
 
 /* ---- paths ---- */
@@ -272,6 +415,27 @@ const cpl_rule cpl_rules_dem[] = {{.name = "load",
                                    .roles = CPL_OF_DEM,
                                    .text = "a known motion gives a load that resists it",
                                    .test = test_resistance},
+                                  {.name = "load.start",
+                                   .section = "4",
+                                   .roles = CPL_OF_DEM,
+                                   .text = "READY tells the load at the start",
+                                   .test = test_start},
+                                  {.name = "load.samples",
+                                   .section = "5",
+                                   .roles = CPL_OF_DEM,
+                                   .text = "recorded loads are means since the output time before",
+                                   .test = test_samples},
+                                  {.name = "load.path",
+                                   .section = "4",
+                                   .roles = CPL_OF_DEM,
+                                   .text = "the path within a window goes by ends and velocities",
+                                   .test = test_hermite},
+                                  {.name = "energy",
+                                   .section = "7",
+                                   .roles = CPL_OF_DEM,
+                                   .capability = "energy",
+                                   .text = "energy grows by no more than the coupling load's work",
+                                   .test = test_energy},
                                   {.name = "interface",
                                    .section = "7",
                                    .roles = CPL_OF_DEM,

@@ -70,7 +70,7 @@ static void test_frames(cpl_candidate *c, cpl_verdict *v) {
 
 /* ---- steps ---- */
 
-typedef enum { NAN_TIME, BACKWARDS, NO_STEPS, TOO_MANY_BODIES, CUT, NSTEP } bad_step;
+typedef enum { NAN_TIME, NAN_NUMBER, BACKWARDS, NO_STEPS, TOO_MANY_BODIES, CUT, NSTEP } bad_step;
 
 static void spoil_step(tdm_frame *frame, bad_step how) {
   uint8_t *payload = frame->data + TDM_HEADER_BYTES;
@@ -79,6 +79,9 @@ static void spoil_step(tdm_frame *frame, bad_step how) {
   switch (how) {
   case NAN_TIME:
     memcpy(payload + 8, &not_a_number, 8);
+    break;
+  case NAN_NUMBER: /* the first of a state, or of a load */
+    memcpy(payload + TDM_STEP_BYTES, &not_a_number, 8);
     break;
   case BACKWARDS:
     memcpy(payload + 8, &before, 8);
@@ -178,7 +181,22 @@ static void test_unknown_body(cpl_candidate *c, cpl_verdict *v) {
   cpl_meeting_drop(&m);
 }
 
-/* ---- silence ---- */
+/* ---- signals, silence ---- */
+
+/* Ctrl-C goes to all processes of a terminal; the server ends the run in order. */
+static void test_interrupt(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  char how[96];
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  cpl_child_interrupt(m.session.partner[c->role].child);
+  if (cpl_meeting_ended(&m, 0.5, how, sizeof how)) {
+    cpl_broken(v, "a solver that goes on after SIGINT, until FINISH", "%s", how);
+    cpl_meeting_drop(&m);
+  } else {
+    cpl_meeting_finish(&m);
+  }
+}
 
 static void test_silence(cpl_candidate *c, cpl_verdict *v) {
   const double told = 1, grace = c->timeout;
@@ -222,6 +240,11 @@ const cpl_rule cpl_rules_faults[] = {{.name = "faults.frames",
                                       .roles = CPL_OF_BOTH,
                                       .text = "a body that it does not know is an ERROR",
                                       .test = test_unknown_body},
+                                     {.name = "faults.sigint",
+                                      .section = "1",
+                                      .roles = CPL_OF_BOTH,
+                                      .text = "it leaves SIGINT to the server",
+                                      .test = test_interrupt},
                                      {.name = "faults.silence",
                                       .section = "1",
                                       .roles = CPL_OF_BOTH,

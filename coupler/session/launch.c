@@ -200,6 +200,11 @@ bool cpl_child_running(cpl_child *c, char *how, size_t size) {
   return false;
 }
 
+void cpl_child_interrupt(const cpl_child *c) {
+  if (c->pid && !c->ended)
+    kill(c->pid, SIGINT);
+}
+
 void cpl_child_last_lines(const cpl_child *c, int nline, char *out, size_t size) {
   char text[4096];
   out[0] = 0;

@@ -29,6 +29,9 @@ tdm_status cpl_launch_thread(cpl_child **child, const tdm_solver_ops *ops, const
 /* false once it has ended; then `how` (may be NULL) says how: "exit status 1", "killed by signal 9 (Killed)". */
 bool cpl_child_running(cpl_child *child, char *how, size_t size);
 
+/* Send a process SIGINT, as a terminal does. */
+void cpl_child_interrupt(const cpl_child *child);
+
 /* The last lines of its log, joined by " | ", at most `size` bytes. */
 void cpl_child_last_lines(const cpl_child *child, int nline, char *out, size_t size);
 

@@ -46,6 +46,8 @@ static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready,
     ((double *)ready->initial)[0] = 1e300;
   if (is("ready load"))
     ((tdm_wrench *)ready->load)[0].force.x = -1e151;
+  if (is("starts"))
+    ((tdm_wrench *)ready->load)[0].force.x = 1e5;
   return TDM_OK;
 }
 
@@ -123,6 +125,12 @@ static void bend_of_dem(tdm_result *r) {
     r->body[0].work *= 2;
   if (is("strays"))
     r->body[0].end.pose.position.x += 1e-3;
+  if (is("forgets samples") && r->nsample > 0)
+    r->sample_load[0] = r->load[0];
+  if (is("has energy"))
+    r->energy->stored *= 3;
+  if (is("flattens"))
+    r->body[0].moment[1].force = tdm_v3(0, 0, 0);
   if (is("pushes"))
     r->body[0].end.twist.velocity.z += 1e-3;
 }
@@ -140,6 +148,15 @@ static tdm_status step(void *self, const tdm_step *given, tdm_result *r, tdm_err
     bent.nload = bent.nload > 1 ? 1 : bent.nload;
   if (is("straight"))
     bent.path.nnode = 0;
+  tdm_state ends[2][4];
+  if (is("stiff"))
+    for (int i = 0; i < 4 && i < in->nstate; i++) {
+      ends[0][i] = in->start[i];
+      ends[1][i] = in->end[i];
+      ends[0][i].twist = ends[1][i].twist = (tdm_twist){0};
+      bent.start = ends[0];
+      bent.end = ends[1];
+    }
   if (own->step(self, in, r, err) != TDM_OK)
     return err->status;
   if (own == &mbd_solver_ops)

@@ -54,7 +54,7 @@ START_TEST(dummies_conform) {
                     0,
                 "%s", command_output);
   expect_output("as dem");
-  expect_output("0 broken, 5 not claimed, 1 not seen");
+  expect_output("0 broken, 6 not claimed, 2 not seen");
   teardown();
 }
 END_TEST
