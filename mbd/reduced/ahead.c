@@ -160,7 +160,7 @@ static bend bend_of(const tdm_motion *law, double t1, double t2, int n) {
   b.range = most - least;
   b.size = fmax(fabs(least), fabs(most));
   /* what rounding of the value leaves is no bend */
-  const double rounding = 1e-14 * b.size;
+  const double rounding = 1e-14 * fmax(b.size, fmax(tdm_motion_magnitude(law, t1), tdm_motion_magnitude(law, t2)));
   b.parabola = fmax(0, b.parabola - rounding);
   b.cubics = fmax(0, b.cubics - rounding);
   return b;

@@ -31,6 +31,8 @@ typedef struct {
   /* The first time after t at which a step should end that is to see all of the law, INFINITY: none. NULL: there are
    * none, or the steps' own error test finds them. */
   double (*knot)(const void *own, double t);
+  /* Size of what the value at time t is put together from, for its rounding: a sum may cancel. NULL: the value's. */
+  double (*magnitude)(const void *own, double t);
 } tdm_motion_ops;
 
 typedef struct {
@@ -59,6 +61,11 @@ tdm_status tdm_motion_check(const tdm_motion *motion, double t0, double t1, cons
 
 static inline tdm_motion_value tdm_motion_at(const tdm_motion *motion, double t) {
   return motion->ops->at(motion->own, t);
+}
+
+/* Size of what the value at time t is put together from: its rounding is some 1e-16 of that. */
+static inline double tdm_motion_magnitude(const tdm_motion *motion, double t) {
+  return motion->ops->magnitude ? motion->ops->magnitude(motion->own, t) : fabs(tdm_motion_at(motion, t).value);
 }
 
 /* The law's first knot after t, INFINITY: it has none. */

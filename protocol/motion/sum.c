@@ -47,6 +47,14 @@ static tdm_motion_value at(const void *own, double t) {
   return sum;
 }
 
+static double magnitude(const void *own, double t) {
+  const law *l = own;
+  double sum = 0;
+  for (int i = 0; i < l->n; i++)
+    sum += tdm_motion_magnitude(&l->part[i], t);
+  return sum;
+}
+
 static double knot(const void *own, double t) {
   const law *l = own;
   double first = INFINITY;
@@ -70,4 +78,5 @@ const tdm_motion_ops tdm_motion_sum = {
     .at = at,
     .clear = clear,
     .knot = knot,
+    .magnitude = magnitude,
 };

@@ -121,6 +121,21 @@ START_TEST(what_the_acceleration_tells_has_no_nodes) {
 END_TEST
 
 /* Many periods are told as far as nodes reach. */
+START_TEST(what_cancels_has_no_nodes) {
+  /* a rate and a triangle that goes the other way for the first half of its period: what is left is rounding */
+  rig r;
+  rig_open(
+      &r,
+      "{'bodies':[" DECK "],'joints':[" RAIL("deck") "]," SHAKE(
+          "'type':'sum','laws':[{'type':'constant_rate','rate':-15.7,'start':'step'},{'type':'triangle','rate':15.7,"
+          "'period':0.02,'corner':0.002}]") "}",
+      "deck", NULL);
+  ck_assert_int_eq(look(&r, 0.006), 0);
+  ck_assert_int_gt(look(&r, 0.0105), 0); /* the first corner, which bends */
+  rig_close(&r);
+}
+END_TEST
+
 START_TEST(a_path_ends_where_nodes_run_out) {
   rig r;
   rig_open(&r, shaken, "deck", NULL);
@@ -213,5 +228,5 @@ START_TEST(looking_changes_nothing) {
 }
 END_TEST
 
-TEST_MAIN("mbd_ahead", a_law_is_followed, what_the_acceleration_tells_has_no_nodes, a_path_ends_where_nodes_run_out,
-          a_spring_on_a_shaken_base, a_turn_is_followed, looking_changes_nothing)
+TEST_MAIN("mbd_ahead", a_law_is_followed, what_the_acceleration_tells_has_no_nodes, what_cancels_has_no_nodes,
+          a_path_ends_where_nodes_run_out, a_spring_on_a_shaken_base, a_turn_is_followed, looking_changes_nothing)
