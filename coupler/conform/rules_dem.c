@@ -149,6 +149,8 @@ static void test_start(cpl_candidate *c, cpl_verdict *v) {
       const tdm_vec3 told = m.session.load[i].force, is = r.load[i].force;
       const double before = tdm_norm(told), after = tdm_norm(is);
       largest = fmax(largest, fmax(before, after));
+      if (before == 0) /* a contact may begin within the step */
+        continue;
       if (before > 10 * after || after > 10 * before || tdm_dot(told, is) < 0)
         cpl_broken(v, "in READY the load at the start", "body %d: (%g, %g, %g) N, after a first step (%g, %g, %g) N", i,
                    told.x, told.y, told.z, is.x, is.y, is.z);
