@@ -18,15 +18,44 @@ static long limit_turn(const cpl_loop *loop, long n) {
   return (double)n <= limit ? n : limit > 1 ? (long)limit : 1;
 }
 
+/* Works until the end of the window; those of its start where a solver does not tell them, or a body is prescribed,
+ * whose work is the drivers' affair. */
+static cpl_exchange exchange_of(const cpl_loop *loop) {
+  const tdm_result *mbd = &loop->result[CPL_MBD], *dem = &loop->result[CPL_DEM];
+  cpl_exchange x = loop->exchange;
+  for (int i = 0; i < loop->nbody; i++)
+    if (loop->prescribed[i])
+      return x;
+  if (!mbd->has_energy || dem->ninterface == 0)
+    return x;
+  x.made += mbd->energy->exchanged - x.exchanged;
+  x.exchanged = mbd->energy->exchanged;
+  for (int i = 0; i < loop->nbody; i++) {
+    x.made -= dem->body[i].work + dem->body[i].blending;
+    x.worked += fabs(dem->body[i].work);
+  }
+  return x;
+}
+
+/* The part of its tolerance that a window is allowed: all of it, unless the exchange has made more than half the
+ * tolerance of all the work that went through it. */
+static double allowance(const cpl_loop *loop) {
+  const double least =
+      0.2; /* windows two thirds as long: where DEM's step itself makes that energy they mend nothing */
+  const double half = 0.5 * loop->settings->adapt.tolerance * loop->exchange.worked, made = fabs(loop->exchange.made);
+  return made > half ? fmax(least, (half / made) * (half / made)) : 1;
+}
+
 /* The mismatch of the window beside what is allowed, of the worst body. */
 static double excess_of(const cpl_loop *loop) {
   const cpl_auto *s = &loop->settings->adapt;
+  const double part = allowance(loop);
   double worst = 0, apart[CPL_APART];
   for (int i = 0; i < loop->nbody; i++) {
     cpl_apart(&loop->state_end[i], &loop->dem_end[i], loop->radius[i], loop->t1 - loop->t0, apart);
     double is = cpl_length(CPL_APART, apart);
     if (is > 0)
-      worst = fmax(worst, is / (s->tolerance * cpl_motion(loop, i) + s->absolute));
+      worst = fmax(worst, is / (part * (s->tolerance * cpl_motion(loop, i) + s->absolute)));
   }
   return worst;
 }
@@ -102,6 +131,8 @@ static tdm_status solve_adaptive(cpl_loop *loop, tdm_error *err) {
       const long next = cpl_adapt_next(s, loop->scheme->mismatch_order, loop->n, excess);
       loop->growth = (double)next / (double)loop->n;
       loop->n = next;
+      if (status == TDM_OK)
+        loop->exchange = exchange_of(loop);
       return status;
     }
     count_too_long(loop, &loop->too_long.taken_back);

@@ -11,6 +11,13 @@
 
 typedef tdm_result cpl_results[CPL_NROLE];
 
+/* Works of the loads between the solvers since the start [J]. */
+typedef struct {
+  double exchanged; /* on MBD's side, as it tells it */
+  double made;      /* on MBD's side beside DEM's: what the exchange has made */
+  double worked;    /* sum of the magnitudes, of windows and bodies, on DEM's side */
+} cpl_exchange;
+
 /* Every field that the run changes, once. The struct, its memory, and the copies that cpl_loop_save makes and
  * cpl_loop_restore brings back all come from this list.
  *
@@ -45,6 +52,7 @@ typedef tdm_result cpl_results[CPL_NROLE];
   A(FIXED, double, radius, loop->nbody)                  /* by which turns count as ways [m] */                        \
   A(FIXED, bool, prescribed, loop->nbody)                /* loads leave its motion as it is; false where not known */  \
   A(CARRIED, double, speed, loop->nbody)                 /* largest so far [m/s] */                                    \
+  V(CARRIED, cpl_exchange, exchange)                     /* of "n": "auto": until t0 */                                \
   A(WITHIN, tdm_wrench, mean, loop->nbody)               /* mean load over the window, once DEM has solved */          \
   A(WITHIN, tdm_wrench, load, loop->nbody *TDM_LOAD_MAX) /* polynomial for MBD, row i: body i */                       \
   A(WITHIN, tdm_wrench, packed, loop->nbody *TDM_LOAD_MAX) /* the same without gaps, as it is sent */                  \

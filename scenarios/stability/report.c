@@ -132,8 +132,7 @@ static bool is_auto_within(const json_t *row) {
 }
 
 /* The largest residual of runs that came to their end accurately. */
-static void measure_residual(cpl_verify *v, const json_t *rows, const char *name, bool is(const json_t *row),
-                             cpl_limit_kind kind) {
+static void measure_residual(cpl_verify *v, const json_t *rows, const char *name, bool is(const json_t *row)) {
   char worst[64] = "";
   double most = 0;
   size_t i;
@@ -143,7 +142,7 @@ static void measure_residual(cpl_verify *v, const json_t *rows, const char *name
     most = number(row, "residual_share");
     snprintf(worst, sizeof worst, "%.60s", text(row, "case"));
   }
-  cpl_verify_measure(v, name, worst, most, kind, residual_most);
+  cpl_verify_measure(v, name, worst, most, CPL_AT_MOST, residual_most);
 }
 
 void scn_stability_measure(cpl_verify *v, const json_t *rows) {
@@ -151,8 +150,8 @@ void scn_stability_measure(cpl_verify *v, const json_t *rows) {
   measure_count(v, rows, "silent", is_silent, CPL_AT_MOST);
   measure_count(v, rows, "proxy not ok", is_proxy_not_ok, CPL_AT_MOST);
   measure_count(v, rows, "auto not ok", is_auto_not_ok, CPL_AT_MOST);
-  measure_residual(v, rows, "proxy, residual", is_proxy_within, CPL_AT_MOST);
-  measure_residual(v, rows, "auto, residual", is_auto_within, CPL_NO_LIMIT);
+  measure_residual(v, rows, "proxy, residual", is_proxy_within);
+  measure_residual(v, rows, "auto, residual", is_auto_within);
 }
 
 tdm_status scn_stability_write(cpl_verify *v, const char *title, json_t *rows, tdm_error *err) {
