@@ -77,7 +77,7 @@ static tdm_status first_check(cpl_advisor *v, tdm_error *err) {
   const bool foreign = tdm_scene_value(v->t.loaded.root, "coupling.solvers");
   for (int k = 0; k < 3; k++) {
     *err = (tdm_error){0};
-    v->a.best = (cpl_candidate){v->t.settings.dt, 5, schemes[k], CPL_ONE_STEP};
+    v->a.best = (cpl_candidate){v->t.settings.dt, 5, schemes[k], CPL_ONE_STEP, cpl_trials_tolerance(&v->t)};
     if (cpl_trials_check(&v->t, &v->a.best, 0, &v->a.limits, &v->facts, err) == TDM_OK || !foreign ||
         err->status == TDM_ERR_INTERRUPTED)
       break;
@@ -233,7 +233,8 @@ static tdm_status walk(cpl_advisor *v, tdm_error *err) {
   } else if (cpl_longer_windows(v, err) != TDM_OK) {
     return err->status;
   }
-  if (cpl_cheaper_formulation(v, err) != TDM_OK || cpl_check_step(v, err) != TDM_OK)
+  if (cpl_cheaper_formulation(v, err) != TDM_OK || cpl_looser_tolerance(v, err) != TDM_OK ||
+      cpl_own_windows(v, err) != TDM_OK || cpl_check_step(v, err) != TDM_OK)
     return err->status;
   if (!cpl_advisor_may_go_on(v))
     cpl_because(&v->a,

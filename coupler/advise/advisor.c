@@ -21,7 +21,7 @@ bool cpl_advisor_may_go_on(const cpl_advisor *v) {
 /* How long to try: shorter where windows are so many that a trial would take
  * too much of the budget. */
 static double length_of(const cpl_advisor *v, const cpl_candidate *c) {
-  const double window = (double)c->n * c->dt;
+  const double window = c->n == CPL_AUTO_N ? v->best.length : (double)c->n * c->dt;
   const double takes = v->span * (v->best.step / c->dt + v->best.window / window); /* [s] */
   const double allowed = one_part * v->t.budget;
   return takes > allowed ? fmin(v->span, fmax(v->span * allowed / takes, CPL_LEAST_WINDOWS * window)) : v->span;
@@ -38,7 +38,7 @@ tdm_status cpl_advisor_attempt(cpl_advisor *v, const cpl_candidate *c, bool roun
 /* Why a trial is not to be taken; "": it is. `error` (may be NULL): against n
  * = 1. */
 void cpl_advisor_judge(cpl_advisor *v, const cpl_tried *tried, char *why, size_t size, double *error) {
-  const double window = (double)tried->of.n * tried->of.dt;
+  const double window = tried->length;
   const double apart = v->has_single ? cpl_trials_apart(&v->t, tried, &v->single, v->has_twins ? v->twin : NULL) : NAN;
   const double here = cpl_trials_erratic(&v->t, tried, window);
   const double there = v->has_single ? cpl_trials_erratic(&v->t, &v->single, window) : NAN;
@@ -66,7 +66,7 @@ void cpl_advisor_judge(cpl_advisor *v, const cpl_tried *tried, char *why, size_t
 
 /* Try a candidate; if it is good it becomes the best. */
 tdm_status cpl_advisor_consider(cpl_advisor *v, const cpl_candidate *c, bool *taken, tdm_error *err) {
-  char why[512];
+  char why[512], n[CPL_N_LENGTH];
   double error;
   cpl_tried tried;
   *taken = false;
@@ -74,7 +74,8 @@ tdm_status cpl_advisor_consider(cpl_advisor *v, const cpl_candidate *c, bool *ta
     return err->status;
   cpl_advisor_judge(v, &tried, why, sizeof why, &error);
   if (why[0]) {
-    cpl_because(&v->a, "tried n = %ld, dt = %g s, %s: %s", c->n, c->dt, cpl_formulation_words[c->formulation], why);
+    cpl_because(&v->a, "tried n = %s, dt = %g s, %s, tolerance %g: %s", cpl_candidate_n(c, n), c->dt,
+                cpl_formulation_words[c->formulation], c->tolerance, why);
     return TDM_OK;
   }
   v->best = tried;

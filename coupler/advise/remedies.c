@@ -2,7 +2,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/advise/remedies.h"
 
+#include "coupler/settings/scheme.h"
+
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 /* ---- remedies, in the order of [L18] ---- */
 
@@ -31,6 +35,18 @@ static tdm_status other_formulations(cpl_advisor *v, cpl_candidate c, tdm_error 
   return err->status;
 }
 
+static const double finer = 1e-2, coarsest = 1e-4, finest = 1e-12; /* a step between tolerances; their range */
+
+static tdm_status tighter_tolerance(cpl_advisor *v, cpl_candidate c, tdm_error *err) {
+  bool taken;
+  c.tolerance *= finer;
+  if (c.tolerance < finest || !cpl_advisor_may_go_on(v) || cpl_advisor_consider(v, &c, &taken, err) != TDM_OK)
+    return err->status;
+  if (taken)
+    cpl_because(&v->a, "remedy: a tolerance of the MBD solver of %g", c.tolerance);
+  return TDM_OK;
+}
+
 static tdm_status shorter_steps(cpl_advisor *v, cpl_candidate c, tdm_error *err) {
   bool taken = false;
   for (int k = 0; k < 3 && !taken && cpl_advisor_may_go_on(v) && err->status == TDM_OK; k++) {
@@ -45,8 +61,8 @@ static tdm_status shorter_steps(cpl_advisor *v, cpl_candidate c, tdm_error *err)
 
 tdm_status cpl_remedies(cpl_advisor *v, const cpl_candidate *first, tdm_error *err) {
   static tdm_status (*const all[])(cpl_advisor *, cpl_candidate, tdm_error *) = {shorter_windows, other_formulations,
-                                                                                 shorter_steps};
-  for (int k = 0; k < 3 && !v->a.found && err->status == TDM_OK; k++)
+                                                                                 tighter_tolerance, shorter_steps};
+  for (int k = 0; k < 4 && !v->a.found && err->status == TDM_OK; k++)
     all[k](v, *first, err);
   return err->status;
 }
@@ -109,29 +125,75 @@ tdm_status cpl_longer_windows(cpl_advisor *v, tdm_error *err) {
   return err->status;
 }
 
-/* Another formulation, where the MBD solver takes much of the time. */
-tdm_status cpl_cheaper_formulation(cpl_advisor *v, tdm_error *err) {
+/* Try a candidate, called `name`, which is taken if it does well and takes less than `share` of the best's time. */
+static tdm_status take_if_cheaper(cpl_advisor *v, const cpl_candidate *c, const char *name, double share, bool *taken,
+                                  tdm_error *err) {
   cpl_tried tried;
   char why[512];
-  for (int f = 0; f < CPL_FORMULATIONS && cpl_advisor_may_go_on(v) && v->best.mbd > 0.1 * v->best.loop; f++) {
+  double error;
+  *taken = false;
+  if (cpl_advisor_attempt(v, c, false, &tried, err) != TDM_OK)
+    return err->status;
+  cpl_advisor_judge(v, &tried, why, sizeof why, &error);
+  *taken = !why[0] && rate_of(&tried) <= share * rate_of(&v->best);
+  cpl_because(&v->a, "%s: %s, a second takes %.3g s instead of %.3g s%s%s", name, *taken ? "taken" : "not taken",
+              rate_of(&tried), rate_of(&v->best), why[0] ? ", and " : "", why);
+  if (*taken) {
+    v->best = tried;
+    v->a.best = *c;
+    v->a.coupling = isnan(error) ? v->a.coupling : error;
+  }
+  return TDM_OK;
+}
+
+/* A share of the time from which on the MBD solver is worth a trial, and what a change of it has to come down to. */
+static const double worth = 0.1, gain = 0.9;
+
+/* Another formulation, where the MBD solver takes much of the time. */
+tdm_status cpl_cheaper_formulation(cpl_advisor *v, tdm_error *err) {
+  bool taken;
+  for (int f = 0; f < CPL_FORMULATIONS && cpl_advisor_may_go_on(v) && v->best.mbd > worth * v->best.loop; f++) {
     cpl_candidate c = v->a.best;
     c.formulation = (cpl_formulation)f;
     if (c.formulation == v->a.best.formulation || c.formulation == CPL_SMOOTH)
       continue;
-    if (cpl_advisor_attempt(v, &c, false, &tried, err) != TDM_OK)
+    if (take_if_cheaper(v, &c, cpl_formulation_words[f], gain, &taken, err) != TDM_OK)
       return err->status;
-    cpl_advisor_judge(v, &tried, why, sizeof why, NULL);
-    if (why[0] || rate_of(&tried) > 0.9 * rate_of(&v->best)) {
-      cpl_because(&v->a, "%s is not cheaper: a second takes %.3g s instead of %.3g s%s%s", cpl_formulation_words[f],
-                  rate_of(&tried), rate_of(&v->best), why[0] ? ", and " : "", why);
-      continue;
-    }
-    cpl_because(&v->a, "%s is cheaper: a second takes %.3g s instead of %.3g s", cpl_formulation_words[f],
-                rate_of(&tried), rate_of(&v->best));
-    v->best = tried;
-    v->a.best = c;
   }
   return TDM_OK;
+}
+
+tdm_status cpl_looser_tolerance(cpl_advisor *v, tdm_error *err) {
+  bool taken = true;
+  while (taken && v->best.mbd > worth * v->best.loop && v->a.best.tolerance / finer <= coarsest * (1 + 1e-9) &&
+         cpl_advisor_may_go_on(v)) {
+    cpl_candidate c = v->a.best;
+    char name[64];
+    c.tolerance = cpl_round_down(c.tolerance / finer);
+    snprintf(name, sizeof name, "a tolerance of the MBD solver of %g", c.tolerance);
+    if (take_if_cheaper(v, &c, name, gain, &taken, err) != TDM_OK)
+      return err->status;
+  }
+  cpl_because(&v->a, "tolerance of the MBD solver: %g, where it takes %.2g %% of the time", v->a.best.tolerance,
+              100 * v->best.mbd / v->best.loop);
+  return TDM_OK;
+}
+
+/* Of the scheme that the advice is for. */
+static bool can_choose_windows(const cpl_advisor *v) {
+  for (int k = 0; v->t.settings.schemes[k]; k++)
+    if (strcmp(v->t.settings.schemes[k]->name, v->a.best.scheme) == 0)
+      return v->t.settings.schemes[k]->mismatch_order > 0;
+  return false;
+}
+
+tdm_status cpl_own_windows(cpl_advisor *v, tdm_error *err) {
+  cpl_candidate c = v->a.best;
+  bool taken;
+  c.n = CPL_AUTO_N;
+  if (!can_choose_windows(v) || !cpl_advisor_may_go_on(v))
+    return TDM_OK;
+  return take_if_cheaper(v, &c, "n = \"auto\"", 1, &taken, err);
 }
 
 /* ---- the step ---- */

@@ -55,18 +55,35 @@ void cpl_trials_close(cpl_trials *t) {
 
 /* ---- settings ---- */
 
+static const double default_tolerance = 1e-8; /* docs/scene.md */
+
+double cpl_trials_tolerance(const cpl_trials *t) {
+  const json_t *own = tdm_scene_value(t->loaded.root, "mbd.solver.relative_tolerance");
+  return json_is_number(own) ? json_number_value(own) : default_tolerance;
+}
+
+const char *cpl_candidate_n(const cpl_candidate *of, char out[CPL_N_LENGTH]) {
+  if (of->n == CPL_AUTO_N)
+    snprintf(out, CPL_N_LENGTH, "\"auto\"");
+  else
+    snprintf(out, CPL_N_LENGTH, "%ld", of->n);
+  return out;
+}
+
 int cpl_candidate_settings(const cpl_candidate *of, const json_t *root,
                            char out[CPL_CANDIDATE_SETTINGS + 1][CPL_SETTING_LENGTH]) {
   const bool low = of->formulation == CPL_LOW_ORDER, one_step = of->formulation == CPL_ONE_STEP;
+  char windows[CPL_N_LENGTH];
   int n = 0;
   snprintf(out[n++], CPL_SETTING_LENGTH, "time.dt=%.15g", of->dt);
-  snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.n=%ld", of->n);
+  snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.n=%s", cpl_candidate_n(of, windows));
   snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.scheme=\"%s\"", of->scheme);
   snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.formulation=\"%s\"", one_step ? "one_step" : "ggl");
   if (low || tdm_scene_value(root, "mbd.corrector"))
     snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.corrector=\"%s\"", low ? "modified" : "original");
   if (low)
     snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.solver.max_order=2");
+  snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.solver.relative_tolerance=%.15g", of->tolerance);
   out[n][0] = 0;
   return n;
 }
@@ -314,6 +331,7 @@ static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
   tried->loop = r->loop;
   tried->mbd = r->step[CPL_MBD];
   tried->step = steps > 0 ? r->step[CPL_DEM] / steps : NAN;
+  tried->length = r->windows > 0 ? r->simulated / (double)r->windows : NAN;
   tried->window = r->windows > 0 ? fmax(0, r->loop - r->step[CPL_DEM]) / (double)r->windows : NAN;
   tried->estimate = r->error_coupling;
   tried->prescribed = all_prescribed(trial->summary);
@@ -321,10 +339,11 @@ static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
 
 static void add_row(cpl_trials *t, const cpl_tried *tried) {
   const cpl_candidate *c = &tried->of;
-  json_array_append_new(t->rows, json_pack("{s:f, s:I, s:s, s:s, s:f, s:s, s:s, s:f, s:o, s:o}", "dt", c->dt, "n",
-                                           (json_int_t)c->n, "scheme", c->scheme, "formulation",
-                                           cpl_formulation_words[c->formulation], "simulated_s", tried->simulated,
-                                           "status", tried->good ? "ok" : "failed", "reason", tried->reason, "loop_s",
+  json_t *n = c->n == CPL_AUTO_N ? json_string("auto") : json_integer(c->n);
+  json_array_append_new(t->rows, json_pack("{s:f, s:o, s:s, s:s, s:f, s:f, s:s, s:s, s:f, s:o, s:o}", "dt", c->dt, "n",
+                                           n, "scheme", c->scheme, "formulation", cpl_formulation_words[c->formulation],
+                                           "tolerance", c->tolerance, "simulated_s", tried->simulated, "status",
+                                           tried->good ? "ok" : "failed", "reason", tried->reason, "loop_s",
                                            tried->loop, "velocity_gap", tdm_number_to_json(tried->gap), "estimate",
                                            tdm_number_to_json(tried->estimate)));
 }

@@ -8,12 +8,15 @@
 
 enum { CPL_CANDIDATE_SETTINGS = 8, CPL_SETTING_LENGTH = 96 };
 
+enum { CPL_AUTO_N = 0 }; /* as n: "auto" */
+
 /* Settings that are to be tried. */
 typedef struct {
   double dt; /* [s] */
-  long n;
+  long n;    /* CPL_AUTO_N: windows choose their length */
   const char *scheme;
   cpl_formulation formulation;
+  double tolerance; /* mbd.solver.relative_tolerance */
 } cpl_candidate;
 
 /* What trials of a scene share. */
@@ -38,6 +41,7 @@ typedef struct {
   bool good; /* it came to its end, no particle left, no energy came from nowhere */
   char reason[TDM_MESSAGE_MAX];
   double simulated, interval; /* as far as it came, between rows [s] */
+  double length;              /* of its windows, the mean [s] */
   double step, window;        /* what a step of DEM costs, and a window without that [s] */
   double loop, mbd;           /* the loop, the MBD solver's part of it [s] */
   double speed;               /* highest at which contacts began [m/s] */
@@ -51,6 +55,13 @@ typedef struct {
 /* Load the scene and look at what trials need. The caller closes also after an error. */
 tdm_status cpl_trials_open(cpl_trials *trials, tdm_error *err);
 void cpl_trials_close(cpl_trials *trials);
+
+/* What the scene says of mbd.solver.relative_tolerance, or its default. */
+double cpl_trials_tolerance(const cpl_trials *trials);
+
+/* The n of a candidate as scenes have it: a number, or "auto"; in out. */
+enum { CPL_N_LENGTH = 24 };
+const char *cpl_candidate_n(const cpl_candidate *of, char out[CPL_N_LENGTH]);
 
 /* "path=value" of a candidate, (CPL_CANDIDATE_SETTINGS + 1); returns how many. `root`: of the scene, whose keys that
  * would contradict get values, too. */
