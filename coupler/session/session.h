@@ -109,6 +109,10 @@ unsigned cpl_session_needs(const cpl_session *session, cpl_role role);
 /* Whether a role's solver has announced a capability. */
 bool cpl_session_has(const cpl_session *session, cpl_role role, const char *capability);
 
+/* The names of the schemes that both solvers can go with, by what their HELLOs announce, in `out` (size bytes):
+ * "dem-first; with a given coupling.n lommen, hold". Returns out. */
+const char *cpl_session_schemes(const cpl_session *session, char *out, size_t size);
+
 /* Whether SAVE and RESTORE come in this run: the scheme needs them, or windows that are too long are taken back. */
 bool cpl_session_restores(const cpl_session *session);
 

@@ -26,36 +26,60 @@ bool cpl_session_has(const cpl_session *s, cpl_role role, const char *capability
   return false;
 }
 
-unsigned cpl_session_needs(const cpl_session *s, cpl_role role) {
-  const cpl_scheme *scheme = s->scheme;
+/* What a scheme needs of a role's solver, as its settings are. */
+static unsigned needs_of(const cpl_session *s, const cpl_scheme *scheme, int role) {
   return scheme->needs[role] |
-         (scheme->needs_too ? scheme->needs_too(cpl_scheme_settings(s->settings, scheme), role) : 0);
+         (scheme->needs_too ? scheme->needs_too(cpl_scheme_settings(s->settings, scheme), (cpl_role)role) : 0);
 }
 
-/* The first capability that the scheme needs and a role's solver lacks, as bit of cpl_need; -1: none. */
-static int lacks(const cpl_session *s, int role) {
-  const unsigned needs = cpl_session_needs(s, (cpl_role)role);
+unsigned cpl_session_needs(const cpl_session *s, cpl_role role) {
+  return needs_of(s, s->scheme, (int)role);
+}
+
+/* The first capability that a scheme needs and a role's solver lacks, as bit of cpl_need; -1: none. */
+static int lacks(const cpl_session *s, const cpl_scheme *scheme, int role) {
+  const unsigned needs = needs_of(s, scheme, role);
   for (int k = 0; k < CPL_NNEED; k++)
     if (needs & (1u << k) && !cpl_session_has(s, (cpl_role)role, cpl_need_names[k]))
       return k;
   return -1;
 }
 
+const char *cpl_session_schemes(const cpl_session *s, char *out, size_t size) {
+  int used = 0;
+  out[0] = 0;
+  for (int with_n = 0; with_n < 2; with_n++) { /* windows that choose their length go with those that see their error */
+    bool first = true;
+    for (const cpl_scheme *const *scheme = s->settings->schemes; *scheme && used < (int)size; scheme++) {
+      const bool needs_n = s->settings->adapt.on && (*scheme)->mismatch_order == 0;
+      if (lacks(s, *scheme, CPL_MBD) >= 0 || lacks(s, *scheme, CPL_DEM) >= 0 || needs_n != (with_n == 1))
+        continue;
+      used += snprintf(out + used, size - (size_t)used, "%s%s",
+                       first && with_n ? "; with a given coupling.n "
+                       : first         ? ""
+                                       : ", ",
+                       (*scheme)->name);
+      first = false;
+    }
+  }
+  return out;
+}
+
 /* A role's solver lacks what the scheme needs, and there is no other to take. */
 static tdm_status refuse(const cpl_session *s, int role, int missing, tdm_error *err) {
   const cpl_scheme *scheme = s->scheme, *fallback = s->settings->fallback;
   const bool by_settings = !(scheme->needs[role] & (1u << missing));
-  char path[64];
+  char path[64], others[256];
   snprintf(path, sizeof path, "coupling.%s",
            by_settings                     ? scheme->name
            : scheme == s->settings->scheme ? "scheme"
                                            : "fallback");
   return tdm_fail(err, TDM_ERR_SCENE, path,
-                  "the scheme %s needs the capability \"%s\"%s, which %s does not have; take %sanother scheme or "
-                  "solver%s",
+                  "the scheme %s needs the capability \"%s\"%s, which %s does not have; take %sanother solver, or a "
+                  "scheme that both can go with (%s)%s",
                   scheme->name, cpl_need_names[missing], by_settings ? " for its settings" : "",
                   cpl_session_name(s, (cpl_role)role), by_settings ? "other settings, " : "",
-                  fallback ? "" : ", or name one that does without it as coupling.fallback");
+                  cpl_session_schemes(s, others, sizeof others), fallback ? "" : ", also as coupling.fallback");
 }
 
 const cpl_extra cpl_extras[CPL_NEXTRA] = {
@@ -121,7 +145,7 @@ tdm_status cpl_session_choose(cpl_session *s, tdm_error *err) {
   const cpl_scheme *wanted = s->settings->scheme, *fallback = s->settings->fallback;
   s->scheme = wanted;
   for (int r = 0; r < CPL_NROLE; r++) {
-    const int missing = lacks(s, r);
+    const int missing = lacks(s, s->scheme, r);
     if (missing < 0)
       continue;
     if (!fallback || s->scheme == fallback)
