@@ -39,6 +39,7 @@ typedef struct {
   tdm_channel *channel;
   double *initial;
   tdm_mobility mobility;
+  json_t *report;
 } solver;
 
 /* ---- moments ---- */
@@ -150,6 +151,7 @@ static void fill_ready(solver *s, tdm_ready *ready) {
     s->channel[i] = s->map.channel[i].channel;
     s->initial[i] = s->now.outputs[s->map.channel[i].at];
   }
+  s->report = report_of(s);
   s->mobility = (tdm_mobility){.nbody = s->map.nbody, .Y = s->response.Y};
   *ready = (tdm_ready){.body = s->body,
                        .acceleration = s->acceleration,
@@ -157,7 +159,7 @@ static void fill_ready(solver *s, tdm_ready *ready) {
                        .nchannel = s->map.nchannel,
                        .channel = s->channel,
                        .initial = s->initial,
-                       .report = report_of(s)};
+                       .report = s->report};
 }
 
 static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready, tdm_participant *p, tdm_error *err) {
@@ -211,6 +213,7 @@ static void destroy(void *self) {
   free(s->body);
   free(s->channel);
   free(s->initial);
+  json_decref(s->report);
   free(s);
 }
 
