@@ -3,9 +3,9 @@
 #ifndef DEM_ADAPTER_ENGINE_H
 #define DEM_ADAPTER_ENGINE_H
 
-#include "dem/adapter/channels.h"
 #include "dem/adapter/report.h"
 #include "dem/dem.h"
+#include "dem/channels/channels.h"
 #include "dem/output/view.h"
 #include "dem/proxy/proxy.h"
 

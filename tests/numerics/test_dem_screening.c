@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
-#include "dem/adapter/channels.h"
+#include "dem/channels/channels.h"
 #include "dem/dem.h"
 #include "dem/store/state_file.h"
 #include "protocol/scene/remark.h"

@@ -25,7 +25,7 @@ set(dem
   "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies output"
   "contact search proxy flow dem.h"
   "contact/loop scene store watch"
-  "contact/normal step"
+  "contact/normal step channels"
   "settle contact/multi"
   "adapter"
   "app"

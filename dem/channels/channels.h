@@ -1,8 +1,8 @@
 /* The output channels of the engine: what READY names, what time histories hold. All of it comes from one table in
  * channels.c: a row is a name, a unit, the items that have such a channel, and the value. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_ADAPTER_CHANNELS_H
-#define DEM_ADAPTER_CHANNELS_H
+#ifndef DEM_CHANNELS_CHANNELS_H
+#define DEM_CHANNELS_CHANNELS_H
 
 #include "dem/state/data.h"
 

@@ -4,7 +4,7 @@
  * Neighbouring rows with the same items make a block: all rows of the first item, then those of the second.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/adapter/channels.h"
+#include "dem/channels/channels.h"
 
 #include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
@@ -13,6 +13,7 @@
 #include "dem/flow/screening.h"
 #include "dem/flow/traces.h"
 #include "dem/geometry/screen/screen.h"
+#include "dem/channels/items.h"
 #include "dem/particles/container.h"
 #include "dem/particles/field.h"
 #include "dem/watch/limits.h"
@@ -41,149 +42,12 @@ typedef struct {
 
 typedef struct dem_channel_row {
   const char *name, *unit;
-  /* The first item after this one (-1: the first of all) that has the channel; -1: there is no further one. */
-  int (*next)(const dem_model *model, int item);
+  const dem_items *items; /* that have the channel */
   double (*value)(const observation *o, int item, int part);
   int part; /* of a vector, a load or a list */
   course course;
   bool gaps; /* NaN where it is not defined */
-  /* What stands for the * in the name; NULL: there is none. */
-  void (*item_name)(const dem_model *model, int item, char out[64]);
 } row;
-
-/* ---- items ---- */
-
-static int one(bool wanted, int item) {
-  return wanted && item < 0 ? 0 : -1;
-}
-
-static int always(const dem_model *m, int item) {
-  (void)m;
-  return one(true, item);
-}
-
-static int with_energy(const dem_model *m, int item) {
-  return one(m->energy, item);
-}
-
-static int with_domain(const dem_model *m, int item) {
-  return one(m->domain.wanted, item);
-}
-
-/* particles can come or go */
-static int with_balance(const dem_model *m, int item) {
-  return one(m->nsource + m->nsink > 0 || m->domain.open, item);
-}
-
-static int with_fixed(const dem_model *m, int item) {
-  return one(m->fixes, item);
-}
-
-static int sources(const dem_model *m, int item) {
-  return item + 1 < m->nsource ? item + 1 : -1;
-}
-
-/* A sink as a whole, part 0 of PARTS, then its size classes. */
-enum { PARTS = DEM_EDGES_MAX + 2 };
-
-static int sinks(const dem_model *m, int item) {
-  if (item < 0)
-    return m->nsink > 0 ? 0 : -1;
-  int s = item / PARTS, part = item % PARTS;
-  if (part < dem_sink_classes(&m->sink[s]))
-    return item + 1;
-  return s + 1 < m->nsink ? (s + 1) * PARTS : -1;
-}
-
-static int decks(const dem_model *m, int item) {
-  return item + 1 < m->screening.ndeck ? item + 1 : -1;
-}
-
-/* those whose screens are watched */
-static int screens(const dem_model *m, int item) {
-  do
-    item = decks(m, item);
-  while (item >= 0 && m->screening.deck[item].screen < 0);
-  return item;
-}
-
-static int traces(const dem_model *m, int item) {
-  return item + 1 < m->ntrace ? item + 1 : -1;
-}
-
-static int with_screening(const dem_model *m, int item) {
-  return one(m->screening.ndeck > 0, item);
-}
-
-static int containers(const dem_model *m, int item) {
-  return item + 1 < m->ncontainer ? item + 1 : -1;
-}
-
-/* Loads of the samples that have channels: bodies that are not coupled and have walls; geometries of bodies that have
- * several. */
-static bool has_load(const dem_model *m, int l) {
-  int body = l < m->nbody ? l : m->geometry[l - m->nbody].body, many = 0;
-  for (int g = 0; g < m->ngeometry; g++)
-    many += m->geometry[g].body == body && m->geometry[g].nwall > 0;
-  return l < m->nbody ? m->body[l].coupled < 0 && many > 0 : many > 1;
-}
-
-static int loads(const dem_model *m, int item) {
-  for (int l = item + 1; l < m->nload; l++)
-    if (has_load(m, l))
-      return l;
-  return -1;
-}
-
-/* Bodies that the scene moves from their place. */
-static bool has_way(const dem_body *b) {
-  const dem_drive *d = &b->drive;
-  const tdm_vec3 arm = tdm_sub(b->start.pose.position, d->center);
-  return d->given &&
-         (tdm_norm(d->velocity) > 0 || tdm_norm(d->amplitude) > 0 || tdm_norm(tdm_cross(d->angular, arm)) > 0);
-}
-
-static int movers(const dem_model *m, int item) {
-  for (int b = item + 1; b < m->nbody; b++)
-    if (has_way(&m->body[b]))
-      return b;
-  return -1;
-}
-
-/* ---- names of items ---- */
-
-static void source_name(const dem_model *m, int item, char out[64]) {
-  snprintf(out, 64, "%s", m->source[item].name);
-}
-
-static void sink_name(const dem_model *m, int item, char out[64]) {
-  const char *name = m->sink[item / PARTS].name;
-  if (item % PARTS == 0)
-    snprintf(out, 64, "%s", name);
-  else
-    snprintf(out, 64, "%s.class%d", name, item % PARTS - 1);
-}
-
-static void deck_name(const dem_model *m, int item, char out[64]) {
-  snprintf(out, 64, "%s", m->screening.deck[item].name);
-}
-
-static void trace_name(const dem_model *m, int item, char out[64]) {
-  snprintf(out, 64, "%s", m->trace[item].name);
-}
-
-static void container_name(const dem_model *m, int item, char out[64]) {
-  snprintf(out, 64, "%s", m->container[item].name);
-}
-
-static void load_name(const dem_model *m, int item, char out[64]) {
-  if (item < m->nbody) {
-    snprintf(out, 64, "%s", m->body[item].name);
-    return;
-  }
-  const dem_geometry *g = &m->geometry[item - m->nbody];
-  snprintf(out, 64, "%s.shape%d", m->body[g->body].name, g->number);
-}
 
 /* ---- values ---- */
 
@@ -267,14 +131,16 @@ VALUE(waiting) {
 
 VALUE(removed) {
   (void)part;
-  const dem_sink_state *s = &o->data->state.sink[item / PARTS];
-  return (double)(item % PARTS == 0 ? s->removed : s->class_removed[item % PARTS - 1]);
+  const dem_sink_state *s = &o->data->state.sink[dem_sink_of(item)];
+  const int class = dem_sink_class_of(item);
+  return (double)(class < 0 ? s->removed : s->class_removed[class]);
 }
 
 VALUE(removed_mass) {
   (void)part;
-  const dem_sink_state *s = &o->data->state.sink[item / PARTS];
-  return item % PARTS == 0 ? s->mass : s->class_mass[item % PARTS - 1];
+  const dem_sink_state *s = &o->data->state.sink[dem_sink_of(item)];
+  const int class = dem_sink_class_of(item);
+  return class < 0 ? s->mass : s->class_mass[class];
 }
 
 /* what a deck has given: by number 0, by mass 1 */
@@ -424,41 +290,55 @@ VALUE(fixed_load) {
 /* ---- the table ---- */
 
 static const row rows[] = {
-    {.name = "particles.count", .unit = "1", .next = always, .value = particle_count, .course = HELD},
-    {.name = "particles.com.x", .unit = "m", .next = always, .value = com, .course = CUBIC},
-    {.name = "particles.com.y", .unit = "m", .next = always, .value = com, .part = 1, .course = CUBIC},
-    {.name = "particles.com.z", .unit = "m", .next = always, .value = com, .part = 2, .course = CUBIC},
-    {.name = "particles.velocity.x", .unit = "m/s", .next = always, .value = velocity, .course = LINEAR},
-    {.name = "particles.velocity.y", .unit = "m/s", .next = always, .value = velocity, .part = 1, .course = LINEAR},
-    {.name = "particles.velocity.z", .unit = "m/s", .next = always, .value = velocity, .part = 2, .course = LINEAR},
-    {.name = "particles.kinetic_energy", .unit = "J", .next = always, .value = kinetic_energy, .course = LINEAR},
-    {.name = "particles.contacts", .unit = "1", .next = always, .value = contacts, .course = HELD},
-    {.name = "particles.lost", .unit = "1", .next = always, .value = lost, .course = HELD},
-    {.name = "particles.mass", .unit = "kg", .next = always, .value = mass, .course = HELD},
-    {.name = "particles.impact_speed", .unit = "m/s", .next = always, .value = impact_speed, .course = LINEAR},
+    {.name = "particles.count", .unit = "1", .items = &dem_items_all, .value = particle_count, .course = HELD},
+    {.name = "particles.com.x", .unit = "m", .items = &dem_items_all, .value = com, .course = CUBIC},
+    {.name = "particles.com.y", .unit = "m", .items = &dem_items_all, .value = com, .part = 1, .course = CUBIC},
+    {.name = "particles.com.z", .unit = "m", .items = &dem_items_all, .value = com, .part = 2, .course = CUBIC},
+    {.name = "particles.velocity.x", .unit = "m/s", .items = &dem_items_all, .value = velocity, .course = LINEAR},
+    {.name = "particles.velocity.y",
+     .unit = "m/s",
+     .items = &dem_items_all,
+     .value = velocity,
+     .part = 1,
+     .course = LINEAR},
+    {.name = "particles.velocity.z",
+     .unit = "m/s",
+     .items = &dem_items_all,
+     .value = velocity,
+     .part = 2,
+     .course = LINEAR},
+    {.name = "particles.kinetic_energy",
+     .unit = "J",
+     .items = &dem_items_all,
+     .value = kinetic_energy,
+     .course = LINEAR},
+    {.name = "particles.contacts", .unit = "1", .items = &dem_items_all, .value = contacts, .course = HELD},
+    {.name = "particles.lost", .unit = "1", .items = &dem_items_all, .value = lost, .course = HELD},
+    {.name = "particles.mass", .unit = "kg", .items = &dem_items_all, .value = mass, .course = HELD},
+    {.name = "particles.impact_speed", .unit = "m/s", .items = &dem_items_all, .value = impact_speed, .course = LINEAR},
 
-    {.name = "energy.potential", .unit = "J", .next = with_energy, .value = potential_energy, .course = LINEAR},
-    {.name = "energy.elastic", .unit = "J", .next = with_energy, .value = elastic_energy, .course = LINEAR},
-    {.name = "energy.wall_work", .unit = "J", .next = with_energy, .value = wall_work, .course = LINEAR},
-    {.name = "energy.supplied", .unit = "J", .next = with_energy, .value = supplied_energy, .course = LINEAR},
+    {.name = "energy.potential", .unit = "J", .items = &dem_items_energy, .value = potential_energy, .course = LINEAR},
+    {.name = "energy.elastic", .unit = "J", .items = &dem_items_energy, .value = elastic_energy, .course = LINEAR},
+    {.name = "energy.wall_work", .unit = "J", .items = &dem_items_energy, .value = wall_work, .course = LINEAR},
+    {.name = "energy.supplied", .unit = "J", .items = &dem_items_energy, .value = supplied_energy, .course = LINEAR},
 #define X(mechanism, of)            \
   {.name = "energy.dissipated." of, \
    .unit = "J",                     \
-   .next = with_energy,             \
+   .items = &dem_items_energy,      \
    .value = dissipated_energy,      \
    .part = DEM_ENERGY_##mechanism,  \
    .course = LINEAR},
     DEM_ENERGY_LIST(X)
 #undef X
 
-        {.name = "source.*.created", .unit = "1", .next = sources, .value = created, .item_name = source_name},
-    {.name = "source.*.waiting", .unit = "1", .next = sources, .value = waiting, .item_name = source_name},
+        {.name = "source.*.created", .unit = "1", .items = &dem_items_sources, .value = created},
+    {.name = "source.*.waiting", .unit = "1", .items = &dem_items_sources, .value = waiting},
 
-    {.name = "sink.*.removed", .unit = "1", .next = sinks, .value = removed, .item_name = sink_name},
-    {.name = "sink.*.mass", .unit = "kg", .next = sinks, .value = removed_mass, .item_name = sink_name},
+    {.name = "sink.*.removed", .unit = "1", .items = &dem_items_sinks, .value = removed},
+    {.name = "sink.*.mass", .unit = "kg", .items = &dem_items_sinks, .value = removed_mass},
 
 #define DECK(of, in, what, ...) \
-  { .name = "screening.*." of, .unit = in, .next = decks, .value = what, .item_name = deck_name, __VA_ARGS__ }
+  { .name = "screening.*." of, .unit = in, .items = &dem_items_decks, .value = what, __VA_ARGS__ }
     DECK("sorted", "1", sorted, .part = 0),
     DECK("undersized", "1", undersized, .part = 0),
     DECK("sorted_mass", "kg", sorted, .part = 1),
@@ -470,14 +350,14 @@ static const row rows[] = {
     DECK("share", "%", deck_share, .gaps = true),
 #undef DECK
 #define SCREEN(of, in, what) \
-  { .name = "screening.*." of, .unit = in, .next = screens, .value = what, .item_name = deck_name }
+  { .name = "screening.*." of, .unit = in, .items = &dem_items_screens, .value = what }
     SCREEN("blocked", "1", blocked),
     SCREEN("blocked_most", "1", blocked_most),
     SCREEN("blocked_share", "%", blocked_share),
     SCREEN("held", "1", held),
 #undef SCREEN
 #define SCREENING(of, in, what, ...) \
-  { .name = "screening." of, .unit = in, .next = with_screening, .value = what, __VA_ARGS__ }
+  { .name = "screening." of, .unit = in, .items = &dem_items_screening, .value = what, __VA_ARGS__ }
     SCREENING("efficiency", "%", screening_efficiency, .part = 0, .gaps = true),
     SCREENING("efficiency_mass", "%", screening_efficiency, .part = 1, .gaps = true),
     SCREENING("fed", "1", fed, .part = 0),
@@ -486,10 +366,10 @@ static const row rows[] = {
     SCREENING("lost", "1", screening_lost, .part = 0),
 #undef SCREENING
 
-#define PATH(of, in, k, goes)                                                                             \
-  {                                                                                                       \
-    .name = "path.*." of, .unit = in, .next = traces, .value = trace, .part = k, .item_name = trace_name, \
-    .course = goes, .gaps = true                                                                          \
+#define PATH(of, in, k, goes)                                                                                \
+  {                                                                                                          \
+    .name = "path.*." of, .unit = in, .items = &dem_items_traces, .value = trace, .part = k, .course = goes, \
+    .gaps = true                                                                                             \
   }
     PATH("x", "m", 0, CUBIC),
     PATH("y", "m", 1, CUBIC),
@@ -500,7 +380,7 @@ static const row rows[] = {
 #undef PATH
 
 #define CONTAINER(of, in, what, ...) \
-  { .name = "container.*." of, .unit = in, .next = containers, .value = what, .item_name = container_name, __VA_ARGS__ }
+  { .name = "container.*." of, .unit = in, .items = &dem_items_containers, .value = what, __VA_ARGS__ }
     CONTAINER("number", "1", content, .course = HELD),
     CONTAINER("mass", "kg", content_mass, .course = HELD),
     CONTAINER("left", "1", left_container, .course = HELD),
@@ -509,15 +389,12 @@ static const row rows[] = {
     CONTAINER("jams", "1", jams, .course = HELD),
 #undef CONTAINER
 
-    {.name = "particles.left", .unit = "1", .next = with_domain, .value = left, .course = HELD},
-    {.name = "balance.number", .unit = "1", .next = with_balance, .value = balance_number, .course = HELD},
-    {.name = "balance.mass", .unit = "kg", .next = with_balance, .value = balance_mass, .course = HELD},
+    {.name = "particles.left", .unit = "1", .items = &dem_items_domain, .value = left, .course = HELD},
+    {.name = "balance.number", .unit = "1", .items = &dem_items_balance, .value = balance_number, .course = HELD},
+    {.name = "balance.mass", .unit = "kg", .items = &dem_items_balance, .value = balance_mass, .course = HELD},
 
-#define LOAD(component, of, k)                                                                        \
-  {                                                                                                   \
-    .name = "body.*." component, .unit = of, .next = loads, .value = load, .part = k, .course = MEAN, \
-    .item_name = load_name                                                                            \
-  }
+#define LOAD(component, of, k) \
+  { .name = "body.*." component, .unit = of, .items = &dem_items_loads, .value = load, .part = k, .course = MEAN }
     LOAD("fx", "N", 0),
     LOAD("fy", "N", 1),
     LOAD("fz", "N", 2),
@@ -526,11 +403,8 @@ static const row rows[] = {
     LOAD("mz", "N m", 5),
 #undef LOAD
 
-#define WAY(component, of, k, goes)                                                                   \
-  {                                                                                                   \
-    .name = "body.*." component, .unit = of, .next = movers, .value = way, .part = k, .course = goes, \
-    .item_name = load_name                                                                            \
-  }
+#define WAY(component, of, k, goes) \
+  { .name = "body.*." component, .unit = of, .items = &dem_items_movers, .value = way, .part = k, .course = goes }
     WAY("ux", "m", 0, CUBIC),
     WAY("uy", "m", 1, CUBIC),
     WAY("uz", "m", 2, CUBIC),
@@ -539,9 +413,9 @@ static const row rows[] = {
     WAY("vz", "m/s", 5, LINEAR),
 #undef WAY
 
-    {.name = "fixed.fx", .unit = "N", .next = with_fixed, .value = fixed_load, .course = MEAN},
-    {.name = "fixed.fy", .unit = "N", .next = with_fixed, .value = fixed_load, .part = 1, .course = MEAN},
-    {.name = "fixed.fz", .unit = "N", .next = with_fixed, .value = fixed_load, .part = 2, .course = MEAN},
+    {.name = "fixed.fx", .unit = "N", .items = &dem_items_fixed, .value = fixed_load, .course = MEAN},
+    {.name = "fixed.fy", .unit = "N", .items = &dem_items_fixed, .value = fixed_load, .part = 1, .course = MEAN},
+    {.name = "fixed.fz", .unit = "N", .items = &dem_items_fixed, .value = fixed_load, .part = 2, .course = MEAN},
 };
 enum { NROW = sizeof rows / sizeof rows[0] };
 
@@ -549,8 +423,8 @@ enum { NROW = sizeof rows / sizeof rows[0] };
 
 static void name_channel(tdm_channel *channel, const row *r, const dem_model *m, int item) {
   char of[64] = "";
-  if (r->item_name)
-    r->item_name(m, item, of);
+  if (r->items->name)
+    r->items->name(m, item, of);
   size_t before = strcspn(r->name, "*");
   snprintf(channel->name, sizeof channel->name, "%.*s%s%s", (int)before, r->name, of,
            r->name[before] ? r->name + before + 1 : "");
@@ -562,9 +436,9 @@ static void name_channel(tdm_channel *channel, const row *r, const dem_model *m,
 static int lay_out(const dem_channels *to, const dem_model *m) {
   int n = 0;
   for (int first = 0, end; first < NROW; first = end) {
-    for (end = first + 1; end < NROW && rows[end].next == rows[first].next;)
+    for (end = first + 1; end < NROW && rows[end].items == rows[first].items;)
       end++;
-    for (int item = rows[first].next(m, -1); item >= 0; item = rows[first].next(m, item))
+    for (int item = rows[first].items->next(m, -1); item >= 0; item = rows[first].items->next(m, item))
       for (int r = first; r < end; r++, n++)
         if (to) {
           to->place[n] = (struct dem_channel_place){&rows[r], item};
