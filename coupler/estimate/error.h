@@ -31,7 +31,8 @@ typedef struct {
   double added[CPL_PARTS]; /* inertia that the particles add to the body's, as their load shows [kg, kg m2] */
 } cpl_error;
 
-/* NaN where the trace is too short to say (fewer than 8 rows). False: no memory. */
-bool cpl_error_estimate(const cpl_trace *trace, cpl_error *error);
+/* Of the bodies of a run (nbody each), whose traces have the same rows: errors of one move those that are tied to it.
+ * NaN where the traces are too short to say (fewer than 8 rows). False: no memory. */
+bool cpl_error_estimate(int nbody, const cpl_trace *trace, cpl_error *error);
 
 #endif

@@ -100,16 +100,34 @@ static void keep(cpl_trace *t, const cpl_trace_row *row) {
     t->row[t->nrow++] = *row;
 }
 
+/* The impulse of MBD's load from the start of the window to its share s [N s, N m s]; the body's frame then. */
+static void impulse_until(const cpl_trace_window *w, double s, tdm_quat frame, double out[CPL_PARTS]) {
+  const double h = w->t1 - w->t0;
+  tdm_vec3 force = {0}, moment = {0};
+  double power = h * s;
+  for (int j = 0; j < w->nload; j++, power *= s) {
+    force = tdm_axpy(power / (j + 1), w->load[j].force, force);
+    moment = tdm_axpy(power / (j + 1), w->load[j].moment, moment);
+  }
+  if (w->nload == 0) {
+    force = tdm_scale(power, w->given.force);
+    moment = tdm_scale(power, w->given.moment);
+  }
+  parts(frame, force, moment, out);
+}
+
 /* What is summed up over windows, at the end of this one. */
 static cpl_trace_row sum_up(cpl_trace *t, const cpl_trace_window *w) {
   const double h = w->t1 - w->t0;
-  double way[CPL_PARTS], found[CPL_PARTS], given[CPL_PARTS], apart[CPL_PARTS] = {0}, late[CPL_PARTS] = {0};
+  double way[CPL_PARTS], found[CPL_PARTS], given[CPL_PARTS], got[CPL_PARTS], apart[CPL_PARTS] = {0},
+                                                                             late[CPL_PARTS] = {0};
   const tdm_quat middle = tdm_quat_slerp(w->start->pose.orientation, w->end->pose.orientation, 0.5);
   const tdm_quat during = frame_at(t, middle), then = frame_at(t, w->end->pose.orientation);
   cpl_trace_row end = t->end;
   way_between(t, w->start, w->end, way);
   parts(during, w->found.force, w->found.moment, found);
   parts(during, w->given.force, w->given.moment, given);
+  impulse_until(w, 1, during, got);
   if (w->other_end) {
     way_between(t, w->other_end, w->end, apart);
     parts(then, tdm_sub(w->end->twist.velocity, w->other_end->twist.velocity),
@@ -122,6 +140,7 @@ static cpl_trace_row sum_up(cpl_trace *t, const cpl_trace_window *w) {
     end.way[k] += way[k];
     end.given[k] += h * found[k];
     end.owed[k] += owed;
+    end.got[k] += got[k];
     end.late[k] += 0.5 * h * (late[k] + t->end_late[k]); /* what alternates from window to window is none of it */
     end.jolt[k] += h * off * off;
     end.slip[k] += h * of_foresight * of_foresight * apart[k] * apart[k];
@@ -145,13 +164,15 @@ static void sample(cpl_trace *t, double time, tdm_quat frame, const tdm_wrench *
 static cpl_trace_row row_inside(const cpl_trace *t, const cpl_trace_window *w, const cpl_trace_row *end, int i) {
   const tdm_state *state = &w->sample[i * w->stride];
   const double s = (w->sample_time[i] - w->t0) / (w->t1 - w->t0);
-  double way[CPL_PARTS];
+  double way[CPL_PARTS], got[CPL_PARTS];
   cpl_trace_row row = t->end;
   way_between(t, w->start, state, way);
+  impulse_until(w, s, frame_at(t, tdm_quat_slerp(w->start->pose.orientation, w->end->pose.orientation, 0.5)), got);
   parts(frame_at(t, state->pose.orientation), state->twist.velocity, state->twist.angular, row.rate);
   for (int k = 0; k < CPL_PARTS; k++) {
     row.way[k] += way[k];
     row.given[k] = t->sampled[k];
+    row.got[k] += got[k];
     row.owed[k] += s * (end->owed[k] - row.owed[k]);
     row.late[k] += s * (end->late[k] - row.late[k]);
     row.jolt[k] += s * (end->jolt[k] - row.jolt[k]);

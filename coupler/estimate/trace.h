@@ -22,6 +22,7 @@ typedef struct {
   double rate[CPL_PARTS];  /* [m/s, rad/s] */
   double given[CPL_PARTS]; /* impulse of the load that DEM found, since the start [N s, N m s] */
   double owed[CPL_PARTS];  /* the impulse that MBD's body was given, less that one */
+  double got[CPL_PARTS];   /* the impulse that MBD's body was given: the integral of its load [N s, N m s] */
   double late[CPL_PARTS];  /* integral over time of the rate at MBD's end of a window less that at DEM's, the mean of
                             * this  window's and the last one's [m, rad] */
   double jolt[CPL_PARTS];  /* the same of the square of how far off the windows' own defects leave the rate */
@@ -50,6 +51,8 @@ typedef struct {
   const tdm_state *start, *end; /* in MBD */
   const tdm_state *other_end;   /* where DEM's body ends, before it knows MBD's; NULL: it went where MBD's did */
   tdm_wrench found, given;      /* mean loads: as DEM found it, and as MBD got it */
+  int nload;                    /* coefficients of the load that MBD got; 0: it was held */
+  const tdm_wrench *load;       /* (nload) W(s) = sum_j load[j] s^j, s = (t - t0)/(t1 - t0) */
   double made;                  /* work on the body in MBD less that in DEM [J] */
   int nsample;
   const double *sample_time;     /* (nsample) in (t0, t1] */

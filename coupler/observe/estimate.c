@@ -11,6 +11,8 @@
 
 #include <stdlib.h>
 
+static const double large = 0.05; /* beside the spread: an error that the run is to be warned of */
+
 typedef struct {
   const cpl_settings *settings;
   int nbody;
@@ -96,7 +98,9 @@ static tdm_status window(void *own, const cpl_loop *loop, tdm_error *err) {
                           .sample_time = loop->sample_time,
                           .sample = loop->result[CPL_MBD].sample_state + i,
                           .sample_load = dem->sample_load + i,
-                          .stride = loop->nbody};
+                          .stride = loop->nbody,
+                          .nload = loop->nload,
+                          .load = &loop->load[i * TDM_LOAD_MAX]};
     for (int j = 0; j < loop->nload; j++) {
       const tdm_wrench *c = &loop->load[i * TDM_LOAD_MAX + j];
       w.given.force = tdm_axpy(1. / (j + 1), c->force, w.given.force);
@@ -115,40 +119,59 @@ static json_t *quantity(const cpl_error_of *of) {
                    tdm_number_to_json(of->spread));
 }
 
+/* Errors of the bodies that loads can move, into error (nbody). False: no memory. */
+static bool estimate_all(const estimate *e, cpl_error *error) {
+  cpl_trace *moved = calloc((size_t)e->nbody + 1, sizeof *moved); /* their rows are those of e->trace */
+  cpl_error *found = calloc((size_t)e->nbody + 1, sizeof *found);
+  int n = 0;
+  for (int i = 0; moved && i < e->nbody; i++)
+    if (!e->prescribed[i])
+      moved[n++] = e->trace[i];
+  const bool done = moved && found && cpl_error_estimate(n, moved, found);
+  for (int i = 0, at = 0; done && i < e->nbody; i++)
+    if (!e->prescribed[i])
+      error[i] = found[at++];
+  free(moved);
+  free(found);
+  return done;
+}
+
 static void enter(const void *own, json_t *summary) {
   const estimate *e = own;
-  if (!e)
+  cpl_error *error = e ? calloc((size_t)e->nbody + 1, sizeof *error) : NULL;
+  if (!error || !estimate_all(e, error)) {
+    free(error);
     return;
+  }
   json_t *bodies = json_object();
   double worst = NAN, coupling = NAN;
   int at = -1;
   for (int i = 0; i < e->nbody; i++) {
-    cpl_error error;
     json_t *body = json_object();
     if (e->prescribed[i]) {
       json_object_set_new(body, "prescribed", json_true());
       json_object_set_new(bodies, e->settings->body[i].name[CPL_MBD], body);
       continue;
     }
-    cpl_error_estimate(&e->trace[i], &error);
     for (int q = 0; q < CPL_QUANTITIES; q++)
-      json_object_set_new(body, cpl_quantity_names[q], quantity(&error.of[q]));
+      json_object_set_new(body, cpl_quantity_names[q], quantity(&error[i].of[q]));
     for (int q = 0; q < CPL_QUANTITIES; q++)
-      if (error.of[q].share > worst || (isnan(worst) && !isnan(error.of[q].share))) {
-        worst = error.of[q].share;
+      if (error[i].of[q].share > worst || (isnan(worst) && !isnan(error[i].of[q].share))) {
+        worst = error[i].of[q].share;
         at = i;
       }
     for (int q = 0; q < CPL_QUANTITIES; q++)
-      if (!isnan(error.of[q].share))
-        coupling = fmax(coupling, error.of[q].coupling / error.of[q].spread);
-    json_object_set_new(body, "added_mass_kg", tdm_numbers_to_json(error.added, 3));
+      if (!isnan(error[i].of[q].share))
+        coupling = fmax(coupling, error[i].of[q].coupling / error[i].of[q].spread);
+    json_object_set_new(body, "added_mass_kg", tdm_numbers_to_json(error[i].added, 3));
     json_object_set_new(bodies, e->settings->body[i].name[CPL_MBD], body);
   }
   json_object_set_new(summary, "error_estimate",
-                      json_pack("{s:o, s:o, s:s?, s:s?, s:o}", "worst", tdm_number_to_json(worst), "worst_coupling",
-                                tdm_number_to_json(coupling), "worst_body",
+                      json_pack("{s:o, s:b, s:o, s:s?, s:s?, s:o}", "worst", tdm_number_to_json(worst), "large",
+                                worst > large, "worst_coupling", tdm_number_to_json(coupling), "worst_body",
                                 at < 0 ? NULL : e->settings->body[at].name[CPL_MBD], "unknown",
                                 at < 0 ? "too few windows, or no body that loads could move" : NULL, "bodies", bodies));
+  free(error);
 }
 
 static void let_go(void *own) {

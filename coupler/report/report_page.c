@@ -253,6 +253,8 @@ static void write_error(FILE *page, const cpl_report_data *r) {
           page);
     write_errors(page, json_object_get(estimate, "bodies"), keys, 5);
     fputs("</table>\n", page);
+    if (json_is_true(json_object_get(estimate, "large")))
+      fputs("<p><b>This is large</b>: the motion may be far from the right one.</p>\n", page);
   }
   write_repetition(page, json_object_get(estimate, "repetition"));
 }

@@ -264,6 +264,11 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
     printf("  %s\n", r->scheme_line);
   if (r->error_line[0])
     printf("  %s\n", r->error_line);
+  if (r->error_large)
+    printf("  that is large: %s\n",
+           r->error_coupling < 0.5 * r->error
+               ? "colliding particles make it, no step makes it smaller; trust means, not paths"
+               : "take shorter windows (coupling.n), or the scheme proxy or iterative");
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
   for (int role = 0; role < CPL_NROLE; role++) {
     printf("  %-8s %10.3f %10.3f %12.3f\n", cpl_role_names[role], r->step[role],
@@ -352,6 +357,7 @@ static void take_error(const json_t *estimate, cpl_run_result *r) {
   if (r->error_coupling < 0.5 * r->error && n < (int)sizeof r->error_line)
     snprintf(r->error_line + n, sizeof r->error_line - (size_t)n,
              "; most of it is the rattle of the particles, of the exchange are %.2g %%", 100 * r->error_coupling);
+  r->error_large = json_is_true(json_object_get(estimate, "large"));
 }
 
 /* End the solvers: a word to each, then time to end, then force. */

@@ -27,6 +27,7 @@ typedef struct {
   double error; /* estimated: the largest of the bodies' motions, rms beside their spread over the run (the root
                  * of 1 - nse); NaN: unknown */
   double error_coupling; /* the part of it that the exchange makes, without the rattle of the particles */
+  bool error_large;      /* it is so large that the run says so */
   char error_line[320];  /* the same in words, "" where no window was solved */
 
   uint64_t windows;           /* solved */

@@ -30,6 +30,8 @@ START_TEST(summary_terminal_and_report) {
   const double worst = number(summary, "error_estimate.worst");
   const double share = number(summary, "error_estimate.bodies.box.velocity.share");
   ck_assert(worst >= share && share > 1e-3 && worst < 1); /* the load of `hold` is late */
+  ck_assert_int_eq(json_is_true(tdm_scene_value(summary, "error_estimate.large")), worst > 0.05);
+  ck_assert_int_eq(strstr(command_output, "that is large:") != NULL, worst > 0.05);
   ck_assert_double_eq_tol(number(summary, "error_estimate.bodies.box.velocity.rms") /
                               number(summary, "error_estimate.bodies.box.velocity.spread"),
                           share, 1e-9);

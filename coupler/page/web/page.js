@@ -56,6 +56,7 @@
           lines.push(`${name}: ${quantity.replace('_', ' ')} ${tandem.number(body[quantity].rms)} ${unit}`);
     const known = typeof e.worst === 'number';
     $('trust').textContent = 'error, estimated: ' + (known ? (100 * e.worst).toPrecision(2) + ' %' : 'unknown') +
+        (e.large ? ' (large)' : '') +
         (wall ? `, ${wall.toPrecision(3)} s wall` : '');
     $('trust').title = known ? 'rms, beside how far each quantity goes\n' + lines.join('\n') : e.unknown || '';
   }
