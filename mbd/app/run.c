@@ -325,6 +325,8 @@ const tdm_standalone_program mbd_program = {
             "      --no-plots         leave out the plots of time histories\n\n"
             "  tandem-mbd check SCENE [--set PATH=VALUE ...] [--strict]\n"
             "      Load and assemble the scene, print what would run, degrees of freedom and doubts, and end.\n\n"
+            "  tandem-mbd import FILE.adm [OPTIONS]\n"
+            "      Make a scene of an Adams data set; see tandem-mbd import --help.\n\n"
             "  tandem-mbd --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n"
             "      Take part in a co-simulation; \"tandem run SCENE\" starts it so by itself.\n"
             "      --connect ENDPOINT  where the server listens, for example ipc:///tmp/dir/tandem\n"

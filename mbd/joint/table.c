@@ -18,7 +18,8 @@
   X(gear)                 \
   X(rack_and_pinion)      \
   X(revolute_spherical)   \
-  X(point_in_plane)
+  X(point_in_plane)       \
+  X(parallel_axes)
 
 #define X(name) extern const mbd_joint_ops mbd_joint_##name;
 MBD_JOINT_LIST(X)

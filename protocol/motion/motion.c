@@ -12,6 +12,7 @@
   X(harmonic)              \
   X(table)                 \
   X(step)                  \
+  X(ramp)                  \
   X(triangle)              \
   X(sum)
 

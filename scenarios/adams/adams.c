@@ -118,6 +118,22 @@ static tdm_vec3 link(const model *m, int i) {
   return tdm_sub(tdm_add(now, arm), numbers(first(first(m->mbd, "joints"), "points")));
 }
 
+/* A direction: numbers, or the axis "body.marker.z" of a marker with world axes at the start. */
+static tdm_vec3 direction(const model *m, const json_t *place) {
+  const char *name = json_string_value(place), *dot = name ? strchr(name, '.') : NULL;
+  size_t k;
+  json_t *marker;
+  json_array_foreach(json_object_get(first(m->mbd, "bodies"), "markers"), k, marker) {
+    const char *of = json_string_value(json_object_get(marker, "name"));
+    const size_t n = strlen(of);
+    if (!dot || strncmp(dot + 1, of, n) != 0 || strcmp(dot + 1 + n, ".z") != 0)
+      continue;
+    const tdm_vec3 e = numbers(json_object_get(json_object_get(marker, "orientation"), "euler313"));
+    return tdm_quat_rotate(tdm_euler313_to_quat((tdm_euler313){e.x, e.y, e.z}), tdm_v3(0, 0, 1));
+  }
+  return numbers(place);
+}
+
 /* The quantity of a table's column "Vel.x" at sample i; NaN: unknown. */
 static double value(const model *m, int i, const char *quantity, char component) {
   static const struct {
@@ -137,7 +153,7 @@ static double value(const model *m, int i, const char *quantity, char component)
   else if (strcmp(of, "_Body1") == 0 && torque) /* and its hinge */
     x = tdm_cross(link(m, i), tdm_scale(on_ground(m), reaction(m, i, 'f')));
   else if (strcmp(of, "A") == 0) { /* of the actuator on the body, along the axis of the guide */
-    tdm_vec3 axis = tdm_unit(numbers(json_object_get(first(m->mbd, "joints"), "axis")));
+    tdm_vec3 axis = tdm_unit(direction(m, json_object_get(first(m->mbd, "joints"), "axis")));
     x = tdm_scale(torque ? 0 : -on_ground(m) * channel(m, i, "driver", "motor", "force"), axis);
   } else if (strcmp(of, "") != 0 && strcmp(of, "P") != 0 && strcmp(of, "_Body1") != 0)
     return NAN;
@@ -164,17 +180,28 @@ static double quaternion_sign(const model *m, int i, int row, tdm_error *err) {
   return dot < 0 ? -1 : 1;
 }
 
-/* Largest share over the rows of the table's column c. */
-static double column_share(const model *m, int c, char quantity[32], tdm_error *err) {
+/* The largest size of a quantity of a table, of all its components. */
+static double largest(const cpl_table *table, const char *quantity) {
+  double most = 0;
+  const size_t n = strlen(quantity);
+  for (int c = 1; c < table->ncolumn; c++)
+    for (int row = 0; row < table->nrow && strncmp(table->name[c], quantity, n) == 0 && table->name[c][n] == '.'; row++)
+      most = fmax(most, fabs(table->data[c * table->nrow + row]));
+  return most;
+}
+
+/* Largest share over the rows of the table's column c; in *off the largest difference beyond the table's own error. */
+static double column_share(const model *m, int c, char quantity[32], double *off, tdm_error *err) {
   const char *name = m->table.name[c], *dot = strchr(name, '.');
   snprintf(quantity, 32, "%.*s", dot ? (int)(dot - name) : 0, name);
   const double *t = cpl_table_column(&m->table, "t", err), *own = cpl_table_column(&m->error, quantity, err);
-  double worst = 0;
+  double worst = *off = 0;
   for (int row = 0; row < m->table.nrow && t && own; row++) {
     const int i = (int)lround(t[row] / end * STEPS);
     const double reference = m->table.data[c * m->table.nrow + row];
     double x = value(m, i, quantity, dot[1]);
     x *= strcmp(quantity, "Quat") == 0 ? quaternion_sign(m, i, row, err) : 1;
+    *off = fmax(*off, fabs(x - reference) - own[0]);
     double share = fabs(x - reference) / fmax(nothing, fmax(own[0], half_digit(reference)));
     if (!(share <= worst))
       worst = share;
@@ -195,7 +222,10 @@ tdm_status scn_adams_compare(scn_adams_difference *d, const char *dir, double rt
       scn_motion_run(&m.motion, m.mbd, &scn_methods[SCN_GGL], rtol, 0, end, STEPS, SCN_MOST_STEPS, err);
   }
   for (int c = 1; c < m.table.ncolumn && !err->status; c++) {
-    double share = column_share(&m, c, quantity, err);
+    double off, share = column_share(&m, c, quantity, &off, err), most = largest(&m.table, quantity);
+    double *relative = strcmp(quantity, "Pos") == 0 ? &d->position : quantity[0] == 'R' ? &d->reaction : NULL;
+    if (relative && most > nothing)
+      *relative = fmax(*relative, off / most);
     if (!(share <= d->share)) {
       d->share = share;
       snprintf(d->quantity, sizeof d->quantity, "%s", quantity);

@@ -11,8 +11,9 @@ extern const char *const scn_adams_model[]; /* names, which are also folders of 
  * last digit or 1e-9, whichever is largest. */
 typedef struct {
   double share;
-  char quantity[32]; /* where it is: "Rforce" */
-  double wall;       /* of the integration [s] */
+  char quantity[32];         /* where it is: "Rforce" */
+  double position, reaction; /* how far these are off beyond the table's own error, over their largest in the table */
+  double wall;               /* of the integration [s] */
 } scn_adams_difference;
 
 /* Run the model in the folder `dir` at a relative tolerance and compare. */

@@ -31,7 +31,7 @@ set(dem
   "app"
   "main.c")
 set(mbd
-  "linear shape"
+  "adams linear shape"
   "model"
   "joint"
   "driver force"

@@ -47,6 +47,7 @@ static const char *const scenes[] = {
     JOINT("planar", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
     JOINT("planar", "['b','ground'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
     JOINT("point_in_plane", "['a','b'],'points':[[0.1,0.2,0.3],[0.3,0.3,0.3]],'axis':[1,2,-1]"),
+    JOINT("parallel_axes", "['a','b'],'point':[0.1,0.2,0.3],'axis':[1,2,-1]"),
     JOINT("revolute_spherical", "['a','b'],'points':[[0.1,0.2,0.3],[0.4,0.9,0.5]],'axis':[1,0.5,-1]"),
     JOINT("point_on_line", "['a','b'],'points':[[0.1,0.2,0.3],[0.3,0.3,0.3]],'axis':[1,2,-1]"),
     JOINT("rod", "['a','b'],'points':[[0.1,0.2,0.3],[2,0.4,0.3]]"),
