@@ -227,6 +227,29 @@ START_TEST(test_slopes) {
 }
 END_TEST
 
+/* An unbalanced body that spins about an axis held parallel to the ground's: it falls freely, goes on spinning, and the
+ * joint gives the moment w x I w */
+START_TEST(test_parallel_axes) {
+  run r;
+  const double w = 4, product = 0.2, g = 9.81;
+  run_open_good(&r,
+                "{'bodies':[{'name':'b','mass':3,'inertia':[1,2,2.5,0,0.2,0],'position':[0,1,0],"
+                "'velocity':[2,0,0],'angular_velocity':[0,0,4]}],'joints':[{'name':'p','type':'parallel_axes',"
+                "'bodies':['ground','b'],'point':[5,0,0],'axis':[0,0,1]}]," TIGHT "}",
+                "");
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 4);
+  CLOSE(first(&r, "joint.p.my"), w * w * product, 1e-9);
+  CLOSE(first(&r, "joint.p.mx"), 0, 1e-9);
+  run_on(&r, 1, 0.05);
+  CLOSE(run_value(&r, "body.b.x"), 2, 1e-8);
+  CLOSE(run_value(&r, "body.b.z"), -0.5 * g, 1e-8);
+  CLOSE(run_value(&r, "body.b.wz"), w, 1e-8);
+  CLOSE(run_value(&r, "body.b.wx"), 0, 1e-8);
+  CLOSE(run_value(&r, "joint.p.f"), 0, 1e-9);
+  run_close(&r);
+}
+END_TEST
+
 /* A body whose point above the centre of mass stays in an inclined plane and which starts in balance below it: it
  * slides down as on a plane, does not turn, and is held by its weight across the plane */
 START_TEST(test_point_in_plane) {
@@ -382,5 +405,5 @@ END_TEST
 
 TEST_MAIN_ROWS("mbd_joints", {test_screw, 1}, {test_gear, 2}, {test_fast_gear, 2}, {test_planet, 1}, {test_rack, 1},
                {test_conical_pendulum, 1}, {test_rod_or_ball, 1}, {test_universal, 1}, {test_slopes, 1},
-               {test_point_in_plane, 1}, {test_link, 1}, {test_two_drivers, 1}, {test_prescribed_pose, 1},
-               {test_offset_law, 1}, {test_table_ends, 1})
+               {test_point_in_plane, 1}, {test_parallel_axes, 1}, {test_link, 1}, {test_two_drivers, 1},
+               {test_prescribed_pose, 1}, {test_offset_law, 1}, {test_table_ends, 1})
