@@ -38,10 +38,9 @@ static const joint_type primitives[] = {{"INPLANE", "point_in_plane", Z, 0},
                                         {"PERPENDICULAR", NULL, NO_AXIS, 0},
                                         {NULL, NULL, NO_AXIS, 0}};
 
-static const char *const joint_names[] = {
-    "REVOLUTE", "TRANSLATIONAL", "CYLINDRICAL", "SCREW", "SPHERICAL", "HOOKE", "UNIVERSAL",
-    "PLANAR",   "FIXED",         "CONVEL",      "I",     "J",         "PITCH", "IC",
-    "ICTRAN",   "ICROT",         "RACKPIN",     "PD",    NULL};
+static const char *const joint_names[] = {"REVOLUTE",  "TRANSLATIONAL", "CYLINDRICAL", "SCREW",  "SPHERICAL", "HOOKE",
+                                          "UNIVERSAL", "PLANAR",        "FIXED",       "CONVEL", "I",         "J",
+                                          "PITCH",     "RACKPIN",       "PD",          NULL};
 static const char *const primitive_names[] = {
     "INPLANE", "INLINE", "ATPOINT", "PARALLEL_AXES", "ORIENTATION", "PERPENDICULAR", "I", "J", NULL};
 
