@@ -114,9 +114,9 @@ static void test_view(cpl_candidate *c, cpl_verdict *v) {
   if (!cpl_meeting_open(&m, c, v))
     return;
   bool seen = false;
-  if (cpl_session_view(&m.session, c->role, "scenery", &header, &err) == TDM_OK && header.size > 0)
+  if (cpl_session_view(&m.session, c->role, CPL_SCENERY, &header, &err) == TDM_OK && header.size > 0)
     seen = tdm_scenery_decode(&scenery, header.payload, header.size, &err) == TDM_OK;
-  if (seen && some(&m, 0, &r) && cpl_session_view(&m.session, c->role, "snapshot", &header, &err) == TDM_OK &&
+  if (seen && some(&m, 0, &r) && cpl_session_view(&m.session, c->role, CPL_SNAPSHOT, &header, &err) == TDM_OK &&
       tdm_snapshot_decode(&snapshot, header.payload, header.size, &err) == TDM_OK)
     tdm_snapshot_check(&snapshot, &scenery, &err);
   if (err.status != TDM_OK)

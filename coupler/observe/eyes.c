@@ -9,7 +9,8 @@ static tdm_status ask(cpl_eyes *e, cpl_role role, bool scenery, double t, bool *
   tdm_header header;
   tdm_error own = {0};
   *seen = false;
-  if (cpl_session_view(e->session, role, scenery ? "scenery" : "snapshot", &header, err) != TDM_OK)
+  const cpl_sight sight = scenery ? CPL_SCENERY : e->with_contacts ? CPL_SNAPSHOT_WITH_CONTACTS : CPL_SNAPSHOT;
+  if (cpl_session_view(e->session, role, sight, &header, err) != TDM_OK)
     return err->status;
   if (header.size == 0) /* it has said why */
     return TDM_OK;
@@ -42,6 +43,7 @@ tdm_status cpl_eyes_open(cpl_eyes *e, const cpl_settings *settings, cpl_session 
 
 tdm_status cpl_eyes_look(cpl_eyes *e, double t, tdm_snapshot *both, bool *seen, tdm_error *err) {
   *seen = true;
+  e->with_contacts = both->with_contacts;
   for (int r = 0; r < CPL_NROLE; r++) {
     bool answers = true;
     if (e->sees[r] && ask(e, (cpl_role)r, false, t, &answers, err) != TDM_OK)

@@ -11,6 +11,7 @@
 typedef struct {
   cpl_session *session; /* borrowed */
   bool sees[CPL_NROLE];
+  bool with_contacts; /* of the present question */
   tdm_scenery scenery[CPL_NROLE];
   tdm_snapshot snapshot[CPL_NROLE];
   cpl_join join;
@@ -20,7 +21,8 @@ typedef struct {
 tdm_status cpl_eyes_open(cpl_eyes *eyes, const cpl_settings *settings, cpl_session *session, tdm_scenery *both,
                          tdm_error *err);
 
-/* The state of time t [s]. *seen is false when a solver has no answer: *both is as it was. */
+/* The state of time t [s], with contacts if both->with_contacts. *seen is false when a solver has no answer: *both is
+ * as it was. */
 tdm_status cpl_eyes_look(cpl_eyes *eyes, double t, tdm_snapshot *both, bool *seen, tdm_error *err);
 
 void cpl_eyes_free(cpl_eyes *eyes);

@@ -133,6 +133,9 @@ tdm_status cpl_join_snapshots(const cpl_join *j, const tdm_snapshot of[CPL_NROLE
     memcpy(both->name + mbd->nparticle, dem->name, (size_t)dem->nparticle * sizeof *both->name);
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
+  for (int k = 0; k < dem->ncontact; k++)
+    if (tdm_snapshot_add_contact(both, &dem->contact[k], err) != TDM_OK)
+      return err->status;
   if (dem->norientation == 0 || mbd->nparticle > 0)
     return TDM_OK;
   if (tdm_snapshot_orient(both, err) == TDM_OK)

@@ -20,6 +20,7 @@ static tdm_status look(viewer *v, double t, tdm_error *err) {
   bool seen;
   if (!tdm_outputs_due(&v->outputs, t))
     return TDM_OK;
+  v->outputs.snapshot.with_contacts = tdm_outputs_want_contacts(&v->outputs, t);
   if (cpl_eyes_look(&v->eyes, t, &v->outputs.snapshot, &seen, err) != TDM_OK)
     return err->status;
   if (seen)

@@ -405,8 +405,11 @@ static tdm_status ask(cpl_session *s, cpl_role role, tdm_message_type type, json
   return status == TDM_OK ? wait_for(s, role, type, answer, err) : status;
 }
 
-tdm_status cpl_session_view(cpl_session *s, cpl_role role, const char *what, tdm_header *header, tdm_error *err) {
-  return ask(s, role, TDM_VIEW, json_pack("{s:s}", "what", what), header, err);
+tdm_status cpl_session_view(cpl_session *s, cpl_role role, cpl_sight sight, tdm_header *header, tdm_error *err) {
+  json_t *question = json_pack("{s:s}", "what", sight == CPL_SCENERY ? "scenery" : "snapshot");
+  if (question && sight == CPL_SNAPSHOT_WITH_CONTACTS)
+    json_object_set_new(question, "contacts", json_true());
+  return ask(s, role, TDM_VIEW, question, header, err);
 }
 
 tdm_status cpl_session_save(cpl_session *s, cpl_role role, int slot, tdm_error *err) {

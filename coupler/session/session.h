@@ -132,9 +132,12 @@ tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step 
 tdm_status cpl_session_save(cpl_session *session, cpl_role role, int slot, tdm_error *err);
 tdm_status cpl_session_restore(cpl_session *session, cpl_role role, int slot, tdm_error *err);
 
-/* Ask a solver with the capability "view" for its "scenery" or a "snapshot", between windows only. The payload of
- * *header, which lives until the next receive, is its answer, undecoded; empty: it has none. */
-tdm_status cpl_session_view(cpl_session *session, cpl_role role, const char *what, tdm_header *header, tdm_error *err);
+/* What a solver is asked to show. */
+typedef enum { CPL_SCENERY, CPL_SNAPSHOT, CPL_SNAPSHOT_WITH_CONTACTS } cpl_sight;
+
+/* Ask a solver with the capability "view" for its scenery or a snapshot, between windows only. The payload of *header,
+ * which lives until the next receive, is its answer, undecoded; empty: it has none. */
+tdm_status cpl_session_view(cpl_session *session, cpl_role role, cpl_sight sight, tdm_header *header, tdm_error *err);
 
 /* Whether a role's state at time t [s] will be looked at, as far as is known. */
 bool cpl_session_sees(const cpl_session *session, cpl_role role, double t);

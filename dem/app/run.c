@@ -70,7 +70,13 @@ static tdm_status start(tdm_standalone *alone, tdm_error *err) {
 
 /* ---- outputs ---- */
 
+/* time reached [s] */
+static double now(const run_state *run) {
+  return (double)run->nstep * run->settings.time.dt;
+}
+
 static tdm_status take_snapshot(run_state *run, tdm_error *err) {
+  run->outputs.snapshot.with_contacts = tdm_outputs_want_contacts(&run->outputs, now(run));
   return dem_engine_snapshot(run->engine, &run->outputs.snapshot, err);
 }
 
@@ -90,11 +96,6 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
     return err->status;
   return tdm_outputs_begin(&run->outputs, &set->outputs, &run->alone.results,
                            (double)tdm_total_steps(&set->time) * set->time.dt, set->time.dt, err);
-}
-
-/* time reached [s] */
-static double now(const run_state *run) {
-  return (double)run->nstep * run->settings.time.dt;
 }
 
 static double row_time(const run_state *run) {

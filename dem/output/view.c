@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/view.h"
 
+#include "dem/output/contacts.h"
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -244,7 +246,7 @@ tdm_status dem_view_snapshot(dem_view *v, const dem_data *d, double t, tdm_snaps
   take_particles(v, d, order, s);
   take_forces(v, d, s);
   free(order);
-  return TDM_OK;
+  return s->with_contacts ? dem_contacts_look(d, s, err) : TDM_OK;
 }
 
 void dem_view_free(dem_view *v) {

@@ -29,8 +29,8 @@ tdm_status dem_view_scenery(dem_view *view, const dem_data *data, tdm_scenery *s
  * first sees it. */
 tdm_status dem_view_watch(dem_view *view, const dem_data *data, tdm_error *err);
 
-/* The state at time t [s]. Forces on triangles are those of the last step that was asked to
- * find them (dem_traction.wanted). */
+/* The state at time t [s], with contacts if snapshot->with_contacts. Forces on triangles are those of the last step
+ * that was asked to find them (dem_traction.wanted). */
 tdm_status dem_view_snapshot(dem_view *view, const dem_data *data, double t, tdm_snapshot *snapshot, tdm_error *err);
 
 void dem_view_free(dem_view *view);

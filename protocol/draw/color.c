@@ -28,6 +28,14 @@ tdm_rgb tdm_color_of_kind(int kind) {
   return kind < 0 ? (tdm_rgb){150, 150, 150} : kinds[kind % KINDS];
 }
 
+bool tdm_color_of_contacts(tdm_color color) {
+  return color == TDM_COLOR_contact_force;
+}
+
+int tdm_color_count(tdm_color color, const tdm_snapshot *s) {
+  return tdm_color_of_contacts(color) ? s->ncontact : s->nparticle;
+}
+
 bool tdm_color_has_kinds(tdm_color color) {
   return color == TDM_COLOR_material || color == TDM_COLOR_size_class;
 }
@@ -68,6 +76,8 @@ double tdm_color_value(tdm_color color, const tdm_snapshot *s, int i, const tdm_
     return tdm_norm(s->force[i]);
   case TDM_COLOR_size_class:
     return s->size_class[i];
+  case TDM_COLOR_contact_force:
+    return s->contact[i].force;
   case TDM_COLOR_COUNT:
     break;
   }
@@ -81,15 +91,17 @@ static int ascending(const void *a, const void *b) {
 
 tdm_status tdm_color_widen(double range[2], tdm_color color, const tdm_snapshot *s, const tdm_camera *camera,
                            tdm_vec3 up, tdm_error *err) {
-  double *value = malloc(((size_t)s->nparticle + 1) * sizeof *value);
+  const int count = tdm_color_count(color, s);
+  double *value = malloc(((size_t)count + 1) * sizeof *value);
   int n = 0;
   if (!value)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for a picture of %d particles", s->nparticle);
-  for (int i = 0; i < s->nparticle; i++) {
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the colours of %d particles or contacts", count);
+  for (int i = 0; i < count; i++) {
     value[n] = tdm_color_value(color, s, i, camera, up);
     n += isfinite(value[n]);
   }
-  if (color == TDM_COLOR_force) {
+  const bool forces = color == TDM_COLOR_force || color == TDM_COLOR_contact_force;
+  if (forces) {
     qsort(value, (size_t)n, sizeof *value, ascending);
     n -= n / 100;
   }
@@ -97,7 +109,7 @@ tdm_status tdm_color_widen(double range[2], tdm_color color, const tdm_snapshot 
     range[0] = fmin(range[0], value[i]);
     range[1] = fmax(range[1], value[i]);
   }
-  if (color == TDM_COLOR_speed || color == TDM_COLOR_force)
+  if (n > 0 && (color == TDM_COLOR_speed || forces))
     range[0] = fmin(range[0], 0);
   free(value);
   return TDM_OK;

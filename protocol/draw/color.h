@@ -18,14 +18,18 @@ tdm_rgb tdm_color_map(double s);
 /* Of a kind: materials, size classes (-1: none of them). */
 tdm_rgb tdm_color_of_kind(int kind);
 
+/* Whether contacts are coloured, in place of particles; how many of either a snapshot has. */
+bool tdm_color_of_contacts(tdm_color color);
+int tdm_color_count(tdm_color color, const tdm_snapshot *snapshot);
+
 /* Whether a way to colour has kinds instead of numbers, and how many a scenery has. */
 bool tdm_color_has_kinds(tdm_color color);
 int tdm_color_kinds(tdm_color color, const tdm_scenery *scenery);
 /* The name of one; into out. Returns out. */
 const char *tdm_color_kind_name(tdm_color color, const tdm_scenery *scenery, int kind, char *out, size_t size);
 
-/* The number of particle i, in the unit of the label. height0 and across0 are along the camera's axes, and in space the
- * height is along `up`. */
+/* The number of particle or contact i, in the unit of the label. height0 and across0 are along the camera's axes, and
+ * in space the height is along `up`. */
 double tdm_color_value(tdm_color color, const tdm_snapshot *snapshot, int i, const tdm_camera *camera, tdm_vec3 up);
 
 /* Widen range to hold the snapshot's numbers; of forces to hold 99 in 100, as single contacts can bear far more than

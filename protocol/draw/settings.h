@@ -5,7 +5,7 @@
 
 #include "protocol/scene/scene.h"
 
-/* one row a way to colour a particle: its name in the scene, its label */
+/* one row a way to colour: its name in the scene, its label; particles, but for contact_force */
 #define TDM_COLOR_LIST(X)                     \
   X(speed, "speed [m/s]")                     \
   X(id, "order of creation")                  \
@@ -14,9 +14,10 @@
   X(height0, "height at the start [m]")       \
   X(across0, "place across at the start [m]") \
   X(force, "force of contacts [N]")           \
-  X(size_class, "size class of the sinks")
+  X(size_class, "size class of the sinks")    \
+  X(contact_force, "normal force of a contact [N]")
 
-/* What colours the particles. */
+/* What colours the particles; or contacts, which are then drawn as lines in their place. */
 typedef enum {
 #define X(name, label) TDM_COLOR_##name,
   TDM_COLOR_LIST(X)

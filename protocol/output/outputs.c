@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/output/outputs.h"
 
+#include "protocol/draw/color.h"
 #include "protocol/scene/remark.h"
 #include "protocol/scene/time_section.h"
 
@@ -17,14 +18,23 @@ static void check_triangle_forces(const tdm_outputs_settings *s, tdm_object *out
                     "missing: dem.triangle_forces go into the files for ParaView; give it, or remove that key");
 }
 
+static void check_contacts(const tdm_outputs_settings *s, tdm_object *output) {
+  if (s->contacts && s->particles_interval == 0)
+    tdm_object_fail(output, "contacts",
+                    "goes into frames, of which there are none; give \"particles_interval\", or leave it out: pictures "
+                    "whose color is \"contact_force\" do without");
+}
+
 void tdm_outputs_settings_read(tdm_outputs_settings *s, tdm_object *output, const json_t *root, double least,
                                double end) {
   *s = (tdm_outputs_settings){0};
   if (tdm_has(output, "particles_interval"))
     s->particles_interval = tdm_read_interval(output, "particles_interval", TDM_REQUIRED, least);
+  s->contacts = tdm_get_bool(output, "contacts", false);
   tdm_pictures_read(&s->pictures, output, end);
   s->pictures_json = json_incref(json_object_get(output->json, "pictures"));
   check_triangle_forces(s, output, root);
+  check_contacts(s, output);
 }
 
 void tdm_outputs_settings_free(tdm_outputs_settings *s) {
@@ -101,6 +111,14 @@ bool tdm_outputs_due(const tdm_outputs *o, double t) {
   return t >= tdm_outputs_next(o) - o->slack;
 }
 
+bool tdm_outputs_want_contacts(const tdm_outputs *o, double t) {
+  bool want = o->settings->contacts && t + o->slack >= next_frame(o);
+  for (int i = 0; i < o->settings->pictures.count; i++)
+    want =
+        want || (tdm_color_of_contacts(o->settings->pictures.picture[i].color) && t + o->slack >= next_picture(o, i));
+  return want;
+}
+
 /* The state of time t is written. */
 static void go_on(tdm_outputs *o, double t) {
   const double interval = o->settings->particles_interval;
@@ -113,9 +131,12 @@ static void go_on(tdm_outputs *o, double t) {
 
 static tdm_status begin_frames(tdm_outputs *o, tdm_error *err) {
   o->parts = tdm_vtp_parts_of(&o->scenery);
+  o->parts.contacts = o->settings->contacts;
   tdm_results_path(o->results, TDM_FRAMES_FILE, o->path, sizeof o->path);
   o->frames = tdm_results_file(o->results, TDM_FRAMES_FILE, err);
   if (!o->frames || tdm_frames_write_scenery(o->frames, o->path, &o->scenery, &o->bytes, err) != TDM_OK)
+    return err->status;
+  if (o->settings->contacts && tdm_force_histogram_open(&o->histogram, o->results, err) != TDM_OK)
     return err->status;
   return tdm_pvd_open(&o->pvd, o->results, err);
 }
@@ -132,7 +153,8 @@ tdm_status tdm_outputs_begin(tdm_outputs *o, const tdm_outputs_settings *s, cons
 }
 
 static tdm_status write_frame(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_error *err) {
-  if (tdm_vtp_write(o->results, o->pvd.number, &o->scenery, snapshot, err) != TDM_OK ||
+  if (tdm_vtp_write(o->results, o->pvd.number, &o->scenery, snapshot, o->parts, err) != TDM_OK ||
+      (o->settings->contacts && tdm_force_histogram_add(&o->histogram, snapshot, err) != TDM_OK) ||
       tdm_frames_write(o->frames, o->path, snapshot, &o->bytes, err) != TDM_OK ||
       tdm_pvd_add(&o->pvd, o->results, snapshot->time, o->parts, err) != TDM_OK)
     return err->status;
@@ -164,6 +186,7 @@ void tdm_outputs_finish(tdm_outputs *o, double t) {
   if (!o->settings)
     return;
   tdm_drawer_finish(&o->drawer, &notice);
+  tdm_force_histogram_finish(&o->histogram);
   if (notice.status != TDM_OK && notice.status != TDM_ERR_INTERRUPTED)
     tdm_remark(TDM_NOTICE, "pictures", "output.pictures", t, "%s", notice.message);
 }
@@ -173,6 +196,7 @@ void tdm_outputs_end(tdm_outputs *o) {
     fclose(o->frames);
   if (o->settings)
     tdm_drawer_end(&o->drawer);
+  tdm_force_histogram_close(&o->histogram);
   tdm_pvd_close(&o->pvd);
   tdm_scenery_free(&o->scenery);
   tdm_snapshot_free(&o->snapshot);

@@ -1,5 +1,6 @@
 /* What a run writes to be looked at, besides its time histories: frames.tdv (protocol/view/frames.h), files for
- * ParaView (vtp.h) and pictures (protocol/draw/drawer.h). One object for runs of one solver and for coupled runs.
+ * ParaView (vtp.h), the distribution of the contacts' forces (histogram.h) and pictures (protocol/draw/drawer.h). One
+ * object for runs of one solver and for coupled runs.
  *
  *   tdm_outputs_settings_read   the keys of the section output
  *   tdm_outputs_begin           the scenery, which the caller has filled in
@@ -17,6 +18,7 @@
 #define TDM_OUTPUT_OUTPUTS_H
 
 #include "protocol/draw/drawer.h"
+#include "protocol/output/histogram.h"
 #include "protocol/output/vtp.h"
 #include "protocol/scene/scene.h"
 #include "protocol/view/frames.h"
@@ -25,6 +27,7 @@
 /* Keys of the section "output". */
 typedef struct {
   double particles_interval; /* between frames [s], 0: none */
+  bool contacts;             /* frames have the contacts */
   tdm_pictures pictures;
   json_t *pictures_json; /* as the scene has them; NULL: none */
 } tdm_outputs_settings;
@@ -56,6 +59,7 @@ typedef struct {
   tdm_view_bytes bytes;
   tdm_pvd pvd;
   tdm_vtp_parts parts;
+  tdm_force_histogram histogram;
   tdm_drawer drawer;
 } tdm_outputs;
 
@@ -70,6 +74,9 @@ tdm_status tdm_outputs_begin(tdm_outputs *outputs, const tdm_outputs_settings *s
 /* When something is due next [s]; INFINITY: never. */
 double tdm_outputs_next(const tdm_outputs *outputs);
 bool tdm_outputs_due(const tdm_outputs *outputs, double t);
+
+/* Whether what is due at time t shows contacts. */
+bool tdm_outputs_want_contacts(const tdm_outputs *outputs, double t);
 
 /* Write the state into what is due at its time; of a frame all files are whole, or it is not listed. */
 tdm_status tdm_outputs_write(tdm_outputs *outputs, const tdm_snapshot *snapshot, tdm_error *err);

@@ -137,6 +137,55 @@ static tdm_status write_particles(const tdm_results *r, int number, const tdm_sn
   return err->status;
 }
 
+/* ---- contacts ---- */
+
+static void write_contact_arrays(FILE *f, const tdm_snapshot *s, tdm_vec3 *point, double *force, int64_t *index) {
+  const size_t n = (size_t)s->ncontact;
+  for (size_t k = 0; k < n; k++) {
+    force[k] = s->contact[k].force;
+    index[k] = s->contact[k].particle;
+    index[n + k] = s->contact[k].other;
+  }
+  fprintf(f, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfLines=\"%zu\">\n<CellData Scalars=\"normal_force\">\n",
+          2 * n, n);
+  write_array(f, "Float64", "normal_force", 1, force, n, sizeof(double));
+  write_array(f, "Int64", "particle", 1, index, n, sizeof(int64_t));
+  write_array(f, "Int64", "other", 1, index + n, n, sizeof(int64_t));
+  for (size_t k = 0; k < n; k++) {
+    point[2 * k] = s->contact[k].from;
+    point[2 * k + 1] = s->contact[k].to;
+  }
+  fputs("</CellData>\n<Points>\n", f);
+  write_array(f, "Float64", "position", 3, point, 2 * n, sizeof(double));
+  fputs("</Points>\n<Lines>\n", f);
+  for (size_t k = 0; k < 2 * n; k++)
+    index[k] = (int64_t)k;
+  write_array(f, "Int64", "connectivity", 1, index, 2 * n, sizeof(int64_t));
+  for (size_t k = 0; k < n; k++) /* line k ends before point 2 k + 2 */
+    index[k] = 2 * (int64_t)k + 2;
+  write_array(f, "Int64", "offsets", 1, index, n, sizeof(int64_t));
+  fputs("</Lines>\n</Piece>\n</PolyData>\n</VTKFile>\n", f);
+}
+
+static tdm_status write_contacts(const tdm_results *r, int number, const tdm_snapshot *s, tdm_error *err) {
+  char name[64];
+  const size_t n = (size_t)s->ncontact;
+  tdm_vec3 *point = calloc(2 * n + 1, sizeof *point);
+  double *force = calloc(n + 1, sizeof *force);
+  int64_t *index = calloc(2 * n + 1, sizeof *index);
+  if (!point || !force || !index)
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d contacts", s->ncontact);
+  FILE *f = err->status == TDM_OK ? open_vtp(r, "contacts", number, name, err) : NULL;
+  if (f) {
+    write_contact_arrays(f, s, point, force, index);
+    close_file(r, name, f, err);
+  }
+  free(point);
+  free(force);
+  free(index);
+  return err->status;
+}
+
 /* ---- cells ---- */
 
 /* Points, and cells of each of three kinds, in VTK's order: vertices, lines, polygons. */
@@ -350,10 +399,11 @@ tdm_vtp_parts tdm_vtp_parts_of(const tdm_scenery *s) {
 }
 
 tdm_status tdm_vtp_write(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,
-                         tdm_error *err) {
-  const tdm_vtp_parts parts = tdm_vtp_parts_of(scenery);
+                         tdm_vtp_parts parts, tdm_error *err) {
   if (parts.particles &&
       (write_particles(r, number, s, err) != TDM_OK || write_bodies(r, number, scenery, s, true, err) != TDM_OK))
+    return err->status;
+  if (parts.contacts && write_contacts(r, number, s, err) != TDM_OK)
     return err->status;
   return parts.mechanism ? write_bodies(r, number, scenery, s, false, err) : TDM_OK;
 }
@@ -379,10 +429,10 @@ tdm_status tdm_pvd_open(tdm_pvd *pvd, const tdm_results *r, tdm_error *err) {
 }
 
 tdm_status tdm_pvd_add(tdm_pvd *pvd, const tdm_results *r, double t, tdm_vtp_parts parts, tdm_error *err) {
-  static const char *const names[] = {"particles", "walls", "mechanism"};
-  const bool there[] = {parts.particles, parts.particles, parts.mechanism};
+  static const char *const names[] = {"particles", "walls", "mechanism", "contacts"};
+  const bool there[] = {parts.particles, parts.particles, parts.mechanism, parts.contacts};
   fseek(pvd->file, pvd->end, SEEK_SET);
-  for (int k = 0; k < 3; k++)
+  for (int k = 0; k < 4; k++)
     if (there[k])
       fprintf(pvd->file, "<DataSet timestep=\"%.12g\" part=\"%d\" name=\"%s\" file=\"%s_%06d.vtp\"/>\n", t, k, names[k],
               names[k], pvd->number);

@@ -1,6 +1,8 @@
 /* What there is to see for ParaView: .vtp files (VTK XML, PolyData) of each time, and the .pvd file that lists them.
  *
  *   particles_NNNNNN.vtp  the particles as points: radius, velocity, spin, id, material, force, size_class, orientation
+ *   contacts_NNNNNN.vtp   where contacts are wanted: lines between centres, or from a centre to a wall, with the normal
+ *                         force and the ids of both particles (-1: a wall)
  *   walls_NNNNNN.vtp      the surfaces of bodies that DEM computes with, as polygons with the index of their body;
  * where forces on triangles are known also `force` [N], `pressure` [Pa], > 0 when pushed from the front, and `shear`,
  * the traction along the triangle [Pa] (NaN elsewhere) mechanism_NNNNNN.vtp  of the others: polygons with the index of
@@ -21,13 +23,14 @@
 typedef struct {
   bool particles; /* and walls: DEM takes part */
   bool mechanism; /* MBD takes part */
+  bool contacts;  /* the caller wants them; tdm_vtp_parts_of leaves it false */
 } tdm_vtp_parts;
 
 tdm_vtp_parts tdm_vtp_parts_of(const tdm_scenery *scenery);
 
 /* The files of one time. After an error none of them is left half written. */
 tdm_status tdm_vtp_write(const tdm_results *results, int number, const tdm_scenery *scenery,
-                         const tdm_snapshot *snapshot, tdm_error *err);
+                         const tdm_snapshot *snapshot, tdm_vtp_parts parts, tdm_error *err);
 
 /* scene.pvd, open. It grows with every time, and is whole in between. Zero-initialise; freed with tdm_pvd_close. */
 typedef struct {

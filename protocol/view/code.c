@@ -9,7 +9,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "records are written as they lie in memory: little-endian");
 
 static const uint8_t magic[4] = {'T', 'N', 'D', 'V'};
-enum { VERSION = 1, HEAD_BYTES = 24, LENGTH_AT = 16 };
+enum { VERSION = 1, HEAD_BYTES = 24, LENGTH_AT = 16, CONTACT_REALS = 7 };
 
 /* ---- writing ---- */
 
@@ -138,6 +138,15 @@ tdm_status tdm_snapshot_encode(const tdm_snapshot *s, bool single, tdm_view_byte
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
   put_reals(&w, (const double *)s->orientation, 4 * (size_t)s->norientation);
+  if (s->ncontact > 0)
+    put_u32(&w, (uint32_t)s->ncontact);
+  for (int k = 0; k < s->ncontact; k++) {
+    const tdm_view_contact *c = &s->contact[k];
+    const int64_t ids[2] = {c->particle, c->other};
+    const double numbers[CONTACT_REALS] = {c->from.x, c->from.y, c->from.z, c->to.x, c->to.y, c->to.z, c->force};
+    put(&w, ids, sizeof ids);
+    put_reals(&w, numbers, CONTACT_REALS);
+  }
   return end(&w, start);
 }
 
@@ -307,6 +316,21 @@ tdm_status tdm_scenery_decode(tdm_scenery *s, const void *data, size_t size, tdm
 #define GET_int32_t(r, array, count) get(r, array, (count) * sizeof(int32_t))
 #define GET_int64_t(r, array, count) get(r, array, (count) * sizeof(int64_t))
 
+/* the rest of a snapshot's record, if there is more */
+static tdm_status decode_contacts(reader *r, tdm_snapshot *s, tdm_error *err) {
+  const int n = !r->bad && r->at < r->stop ? get_count(r, 2 * sizeof(int64_t) + CONTACT_REALS * sizeof(float)) : 0;
+  for (int k = 0; k < n && !r->bad; k++) {
+    int64_t ids[2] = {0, 0};
+    double x[CONTACT_REALS] = {0};
+    get(r, ids, sizeof ids);
+    get_reals(r, x, CONTACT_REALS);
+    const tdm_view_contact contact = {ids[0], ids[1], {x[0], x[1], x[2]}, {x[3], x[4], x[5]}, x[6]};
+    if (!r->bad && tdm_snapshot_add_contact(s, &contact, err) != TDM_OK)
+      return err ? err->status : TDM_ERR_MEMORY;
+  }
+  return TDM_OK;
+}
+
 tdm_status tdm_snapshot_decode(tdm_snapshot *s, const void *data, size_t size, tdm_error *err) {
   reader r;
   tdm_error own = {0};
@@ -334,11 +358,13 @@ tdm_status tdm_snapshot_decode(tdm_snapshot *s, const void *data, size_t size, t
     TDM_VIEW_PARTICLE_LIST(X)
 #undef X
     get_reals(&r, (double *)s->orientation, 4 * (size_t)norientation);
+    if (decode_contacts(&r, s, err) != TDM_OK)
+      return err ? err->status : TDM_ERR_MEMORY;
     for (int k = 0, last = 0; k < nline && !r.bad; last = s->line_end[k++])
       r.bad = s->line_end[k] < last || s->line_end[k] > npoint || (k + 1 == nline && s->line_end[k] != npoint);
   }
   if (close_record(&r, "snapshot", err) == TDM_OK)
     return TDM_OK;
-  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = 0;
+  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = s->ncontact = 0;
   return err ? err->status : TDM_ERR_PROTOCOL;
 }

@@ -83,7 +83,7 @@ void tdm_scenery_free(tdm_scenery *s) {
 
 /* ---- snapshot ---- */
 
-enum { POSES, ENDS, POINTS, FORCES, PARTICLES, ORIENTATIONS };
+enum { POSES, ENDS, POINTS, FORCES, PARTICLES, ORIENTATIONS, CONTACTS };
 
 #define GROW(s, which, array, n)                                                                  \
   do {                                                                                            \
@@ -107,7 +107,7 @@ static tdm_status resize_particles(tdm_snapshot *s, int n, tdm_error *err) {
 }
 
 tdm_status tdm_snapshot_resize(tdm_snapshot *s, int nbody, int nline, int nforce, int nparticle, tdm_error *err) {
-  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = 0;
+  s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = s->ncontact = 0;
   GROW(s, POSES, pose, nbody);
   GROW(s, ENDS, line_end, nline);
   GROW(s, FORCES, force_on, nforce);
@@ -138,12 +138,18 @@ void tdm_snapshot_end_line(tdm_snapshot *s, int k) {
   s->line_end[k] = s->npoint;
 }
 
+tdm_status tdm_snapshot_add_contact(tdm_snapshot *s, const tdm_view_contact *contact, tdm_error *err) {
+  APPEND(s, CONTACTS, contact, ncontact, *contact);
+  return TDM_OK;
+}
+
 void tdm_snapshot_free(tdm_snapshot *s) {
   free(s->pose);
   free(s->line_end);
   free(s->point);
   free(s->force_on);
   free(s->orientation);
+  free(s->contact);
 #define X(type, name, n, unit, text) free(s->name);
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X

@@ -109,6 +109,13 @@ void tdm_scenery_free(tdm_scenery *scenery);
   X(tdm_vec3, force, 3, "N", "force of contacts, at the end of the last step") \
   X(tdm_vec3, born, 3, "m", "place at which the particle was first seen")
 
+/* Two that touch: of a particle and a mesh all its facets together. */
+typedef struct {
+  int64_t particle, other; /* ids; other: -1, a wall */
+  tdm_vec3 from, to;       /* the particle's centre; that of the other's nearest image, or the place on the wall [m] */
+  double force;            /* along the line between the centres, or the wall's normal; > 0: they repel [N] */
+} tdm_view_contact;
+
 /* The state of one instant. */
 typedef struct {
   double time; /* [s] */
@@ -130,16 +137,21 @@ typedef struct {
 #define X(type, name, n, unit, text) type *name;
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
-  size_t capacity[6]; /* of bodies, lines, points, forces, particles, orientations */
+  bool with_contacts; /* set by who asks for a snapshot: contacts are wanted, which cost an evaluation of all forces */
+  int ncontact;
+  tdm_view_contact *contact; /* (ncontact) in an order that means nothing */
+  size_t capacity[7];        /* of bodies, lines, points, forces, particles, orientations, contacts */
 } tdm_snapshot;
 
-/* Make room for so many and set the counts; contents are undefined. Points are added by tdm_snapshot_add_point. */
+/* Make room for so many and set the counts; contents are undefined. Points and contacts are added one by one. */
 tdm_status tdm_snapshot_resize(tdm_snapshot *snapshot, int nbody, int nline, int nforce, int nparticle, tdm_error *err);
 /* Make room for an orientation of each particle; contents are undefined. */
 tdm_status tdm_snapshot_orient(tdm_snapshot *snapshot, tdm_error *err);
 /* Append a point; then say that line k ends there. Lines are to be filled in their order. */
 tdm_status tdm_snapshot_add_point(tdm_snapshot *snapshot, tdm_vec3 point, tdm_error *err);
 void tdm_snapshot_end_line(tdm_snapshot *snapshot, int k);
+/* Append a contact (copied). */
+tdm_status tdm_snapshot_add_contact(tdm_snapshot *snapshot, const tdm_view_contact *contact, tdm_error *err);
 void tdm_snapshot_free(tdm_snapshot *snapshot);
 
 /* ---- bytes ---- */

@@ -465,6 +465,7 @@ static tdm_status show(tdm_participant *p, const tdm_header *header, tdm_error *
     return err->status;
   const char *what = json_string_value(json_object_get(json, "what"));
   const bool scenery = what && strcmp(what, "scenery") == 0, snapshot = what && strcmp(what, "snapshot") == 0;
+  p->snapshot.with_contacts = json_is_true(json_object_get(json, "contacts"));
   json_decref(json);
   if (!scenery && !snapshot)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed VIEW: \"what\" must be \"scenery\" or \"snapshot\"");

@@ -1,8 +1,10 @@
-/* What contacts that act on each other cost: 514 hydrogel balls pressed together ([G21] Section 4.1 and Table 2) with
- * the classical law, mc-stress and mc-strain, step by step in turns, so that all three have the same machine.
+/* What contacts that act on each other cost: 514 hydrogel balls pressed together ([G21] Section 4.1 and Table 2), or
+ * another bed, with the classical law, mc-stress and mc-strain, step by step in turns, so that all three have the same
+ * machine.
  *
- * usage: bench_multi [SCENE [STEPS [all-terms]]]   (scenarios/multicontact/hydrogel.json, 20000)
- * all-terms: with energies, so that the loops of all three have all terms.
+ * usage: bench_multi [SCENE [STEPS [all-terms] [PATH=VALUE ...]]]   (scenarios/multicontact/hydrogel.json, 20000)
+ * all-terms: with energies, so that the loops of all three have all terms. PATH=VALUE: of the scene, as with --set:
+ * dem.materials[0].young_modulus=1.85e6
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/particles/create.h"
@@ -91,11 +93,13 @@ int main(int argc, char **argv) {
   long steps = argc > 2 ? atol(argv[2]) : 20000;
   tdm_scene scene = {0};
   tdm_error err = {0};
-  if (tdm_scene_load(&scene, file, NULL, &err))
+  const bool all_terms = argc > 3 && strcmp(argv[3], "all-terms") == 0;
+  const int first = all_terms ? 4 : 3;
+  if (tdm_scene_load(&scene, file, argc > first ? (const char *const *)argv + first : NULL, &err))
     stop(&err);
   double dt = json_number_value(json_object_get(json_object_get(scene.root, "time"), "dt"));
   for (int k = 0; k < LAWS; k++)
-    open_run(&runs[k], scene.root, dt, argc > 3 && strcmp(argv[3], "all-terms") == 0);
+    open_run(&runs[k], scene.root, dt, all_terms);
   for (long step = 0; step < steps; step += TURN)
     for (int k = 0; k < LAWS; k++)
       take_turn(&runs[k], step);

@@ -22,11 +22,11 @@ set(dem
   "geometry/mesh geometry/wall"
   "geometry/shape model"
   "state contact/law geometry/screen moldyn"
-  "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies output"
+  "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies"
   "contact search proxy flow dem.h"
   "contact/loop scene store watch"
   "contact/normal step channels"
-  "settle contact/multi"
+  "settle contact/multi output"
   "adapter"
   "app"
   "main.c")

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/repose.h"
 #include "dem/output/view.h"
+#include "protocol/output/histogram.h"
 #include "tests/numerics/test_dem_support.h"
 #include "tests/test_main.h"
 
@@ -143,5 +144,82 @@ START_TEST(what_there_is_to_see) {
 }
 END_TEST
 
+/* ---- contacts ---- */
+
+/* a pressed block of 4 x 4 x 4 without friction: in a box, or on a floor that repeats along x and y */
+static rig *pressed_block(const char *law, bool repeats) {
+  char text[2048];
+  snprintf(text, sizeof text,
+           "{'gravity': [0, 0, 0], 'materials': [{'name': 'm', 'density': 1000, 'young_modulus': 1e6,"
+           " 'poisson_ratio': 0.4}], 'pairs': [{'materials': ['m', 'm'], 'restitution': 1%s}],"
+           "'contact': {'tangential': 'none'%s}, %s 'bodies': [{'name': 'box', 'material': 'm', 'shapes': [%s]}],"
+           "'particles': [{'type': 'block', 'material': 'm', 'radius': 0.01, 'count': [4, 4, 4], 'spacing': 0.0196,"
+           " 'corner': [0.0098, 0.0099, 0.0099]}]}",
+           strstr(law, "stress")   ? ", 'beta': 1"
+           : strstr(law, "strain") ? ", 'gamma': 1"
+                                   : "",
+           law,
+           repeats ? "'domain': {'min': [0, 0, -1], 'max': [0.0784, 0.0784, 1], 'x': 'periodic', 'y': 'periodic'},"
+                   : "",
+           repeats ? "{'type': 'plane', 'normal': [0, 0, 1]}"
+                   : "{'type': 'box', 'side': 'inside', 'size': [0.0784, 0.0784, 0.0784],"
+                     " 'center': [0.0392, 0.0392, 0.0392]}");
+  return rig_make(scene_json(text), 1e-5, 0, NULL);
+}
+
+/* Without friction the contacts' forces along their lines are all there is: they add up to the force on each particle,
+ * whatever the law; and looking changes no bit of the state. */
+START_TEST(contacts_add_up) {
+  static const char *const laws[] = {"", ", 'multi_contact': 'mc-stress'", ", 'multi_contact': 'mc-strain'"};
+  for (int k = 0; k < 6; k++) {
+    tdm_error err = {0};
+    rig *r = pressed_block(laws[k % 3], k >= 3);
+    dem_view view = {0};
+    tdm_snapshot s = {.with_contacts = true};
+    tdm_vec3 sum[64] = {{0}};
+    const dem_push before = r->data->state.push[13];
+    const long touching = r->data->state.ncontact;
+    ck_assert_int_eq(dem_view_snapshot(&view, r->data, 0, &s, &err), TDM_OK);
+    ck_assert_int_eq(s.ncontact, touching);
+    ck_assert_int_eq(memcmp(&before, &r->data->state.push[13], sizeof before), 0);
+    double largest = 0;
+    int walls = 0;
+    for (int c = 0; c < s.ncontact; c++) {
+      const tdm_view_contact *contact = &s.contact[c];
+      const tdm_vec3 pull = tdm_scale(contact->force, tdm_unit(tdm_sub(contact->from, contact->to)));
+      ck_assert_double_le(tdm_norm(tdm_sub(contact->from, contact->to)), 0.02);
+      sum[contact->particle] = tdm_add(sum[contact->particle], pull);
+      if (contact->other >= 0)
+        sum[contact->other] = tdm_sub(sum[contact->other], pull);
+      walls += contact->other < 0;
+      largest = fmax(largest, contact->force);
+    }
+    ck_assert_int_eq(walls, k >= 3 ? 16 : 96);
+    ck_assert_double_gt(largest, 0);
+    for (int i = 0; i < 64; i++)
+      ck_assert_double_le(tdm_norm(tdm_sub(sum[i], s.force[i])), 1e-12 * largest);
+    tdm_snapshot_free(&s);
+    dem_view_free(&view);
+    rig_free(r);
+  }
+}
+END_TEST
+
+START_TEST(forces_over_their_mean) {
+  static tdm_view_contact contact[4] = {{.force = 1}, {.force = 3}, {.force = -5}, {.force = 0}};
+  const tdm_force_bins b = tdm_force_bins_of(&(tdm_snapshot){.ncontact = 4, .contact = contact});
+  double all = 0;
+  ck_assert_int_eq(b.n, 2); /* those that repel */
+  ck_assert_double_eq(b.mean, 2);
+  for (int k = 0; k < TDM_FORCE_BINS; k++) {
+    const double low = k * b.width, high = low + b.width;
+    all += b.density[k] * b.width;
+    ck_near(b.density[k] * b.width, (0.5 >= low && 0.5 < high) || (1.5 >= low && 1.5 < high) ? 0.5 : 0, 1e-12);
+  }
+  ck_near(all, 1, 1e-12);
+  ck_assert_int_eq(tdm_force_bins_of(&(tdm_snapshot){0}).n, 0);
+}
+END_TEST
+
 TEST_MAIN("dem_output", the_slopes_of_a_heap, no_heap_has_no_slope, walls_as_polygons, the_bounds_of_a_scene,
-          what_there_is_to_see)
+          what_there_is_to_see, contacts_add_up, forces_over_their_mean)

@@ -41,6 +41,10 @@ static tdm_snapshot a_snapshot(double time, int nparticle) {
     s.radius[i] = 0.01 * i;
     s.position[i] = s.velocity[i] = s.spin[i] = s.force[i] = s.born[i] = (tdm_vec3){i, -i, 0.1 * i};
   }
+  for (int k = 0; k < nparticle / 2; k++) {
+    const tdm_view_contact contact = {3 * k, k % 2 ? -1 : 3 * k + 3, {k, 0, 1}, {k, 0.5, 2}, 0.25 * k};
+    ck_assert_int_eq(tdm_snapshot_add_contact(&s, &contact, NULL), TDM_OK);
+  }
   return s;
 }
 
@@ -54,6 +58,14 @@ static void expect_same(const tdm_snapshot *a, const tdm_snapshot *b, double off
     ck_assert_int_eq(a->id[i], b->id[i]);
     ck_assert_double_le(fabs(a->radius[i] - b->radius[i]), off * (1 + i));
     ck_assert_double_le(fabs(a->born[i].z - b->born[i].z), off * (1 + i));
+  }
+  ck_assert_int_eq(a->ncontact, b->ncontact);
+  for (int k = 0; k < a->ncontact; k++) { /* numbers that single precision has, too */
+    ck_assert_int_eq(a->contact[k].particle, b->contact[k].particle);
+    ck_assert_int_eq(a->contact[k].other, b->contact[k].other);
+    ck_assert_double_eq(a->contact[k].from.x, b->contact[k].from.x);
+    ck_assert_double_eq(a->contact[k].to.y, b->contact[k].to.y);
+    ck_assert_double_eq(a->contact[k].force, b->contact[k].force);
   }
 }
 

@@ -125,6 +125,11 @@ static tdm_status look_at_all(job *j, tdm_error *err) {
   for (int i = 0; i < n && err->status == TDM_OK; i += every)
     if (tdm_frames_load(&j->frames, i, &j->snapshot, err) == TDM_OK)
       tdm_color_widen(j->frame.range, j->picture.color, &j->snapshot, &camera, up, err);
+  if (err->status == TDM_OK && tdm_color_of_contacts(j->picture.color) && j->frame.range[0] > j->frame.range[1])
+    tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+             "%s: no contacts in these frames; they are there after a run with "
+             "output.contacts true, or pictures whose color is \"contact_force\"",
+             j->frames.path);
   return err->status;
 }
 

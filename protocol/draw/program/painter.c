@@ -32,7 +32,7 @@ static tdm_status choose_range(double range[2], const tdm_content *c, const tdm_
 
 static bool beyond(const tdm_content *c) {
   bool found = false;
-  for (int i = 0; i < c->snapshot->nparticle && !found; i++)
+  for (int i = 0; i < tdm_color_count(c->picture->color, c->snapshot) && !found; i++)
     found =
         tdm_color_value(c->picture->color, c->snapshot, i, c->camera, c->up) > c->range[1] + 1e-6 * fabs(c->range[1]);
   return found;

@@ -268,7 +268,8 @@ static tdm_status add_surfaces(tdm_drawing *d, const tdm_content *c, tdm_error *
 
 /* ---- particles ---- */
 
-static tdm_rgb color_of_particle(const tdm_content *c, int i) {
+/* of particle or contact i */
+static tdm_rgb color_of(const tdm_content *c, int i) {
   double value = tdm_color_value(c->picture->color, c->snapshot, i, c->camera, c->up);
   if (tdm_color_has_kinds(c->picture->color))
     return tdm_color_of_kind((int)value);
@@ -285,7 +286,7 @@ static tdm_status add_particles(tdm_drawing *d, const tdm_content *c, tdm_error 
       continue;
     put(ball.center, seen(c, d->unit, s->position[i]));
     ball.radius = (float)(s->radius[i] / d->unit);
-    paint(ball.color, color_of_particle(c, i), OPAQUE);
+    paint(ball.color, color_of(c, i), OPAQUE);
     tdm_balls_add(&d->balls, &ball, err);
   }
   return err->status;
@@ -296,7 +297,7 @@ static tdm_status add_particles(tdm_drawing *d, const tdm_content *c, tdm_error 
 enum { SIDES = 10 };
 
 /* A tube between two points that are given as seen. */
-static tdm_status add_tube(tdm_drawing *d, const tdm_vec3 end[2], const double radius[2], tdm_rgb color,
+static tdm_status add_tube(tdm_vertices *list, const tdm_vec3 end[2], const double radius[2], tdm_rgb color,
                            tdm_error *err) {
   tdm_vec3 along = tdm_unit(tdm_sub(end[1], end[0]));
   tdm_vec3 u = tdm_unit(tdm_cross(along, fabs(along.x) < 0.7 ? tdm_v3(1, 0, 0) : tdm_v3(0, 1, 0)));
@@ -313,7 +314,7 @@ static tdm_status add_tube(tdm_drawing *d, const tdm_vec3 end[2], const double r
   for (int k = 0; k < SIDES && err->status == TDM_OK; k++) {
     int l = (k + 1) % SIDES;
     const tdm_vertex sides[6] = {ring[0][k], ring[1][k], ring[1][l], ring[0][k], ring[1][l], ring[0][l]};
-    tdm_vertices_add(&d->lines, sides, 6, err);
+    tdm_vertices_add(list, sides, 6, err);
   }
   return err->status;
 }
@@ -324,6 +325,26 @@ static tdm_status add_dot(tdm_drawing *d, tdm_vec3 at, double radius, tdm_rgb co
   ball.radius = (float)radius;
   paint(ball.color, color, OPAQUE);
   return tdm_balls_add(&d->dots, &ball, err);
+}
+
+/* Contacts as tubes, as thick as their normal force is large. */
+static tdm_status add_contacts(tdm_drawing *d, const tdm_content *c, tdm_error *err) {
+  const tdm_snapshot *s = c->snapshot;
+  const double thick = 0.3, thin = 0.02; /* radius of the tubes, in mean radii of the particles */
+  double mean = 0;
+  for (int i = 0; i < s->nparticle; i++)
+    mean += s->radius[i] / s->nparticle;
+  for (int k = 0; k < s->ncontact && err->status == TDM_OK; k++) {
+    const tdm_view_contact *contact = &s->contact[k];
+    if (!is_finite(contact->from) || !is_finite(contact->to) || in_front(c->picture, contact->from) > 0)
+      continue;
+    const tdm_vec3 end[2] = {seen(c, d->unit, contact->from), seen(c, d->unit, contact->to)};
+    const double share = c->range[1] > 0 ? fmin(1, fabs(contact->force) / c->range[1]) : 0;
+    const double radius = mean / d->unit * fmax(thin, thick * share);
+    if (tdm_norm(tdm_sub(end[1], end[0])) > 0)
+      add_tube(&d->solid, end, (const double[]){radius, radius}, color_of(c, k), err);
+  }
+  return err->status;
 }
 
 /* A line through points; joints have dots at their ends. */
@@ -341,7 +362,7 @@ static tdm_status add_line(tdm_drawing *d, const tdm_content *c, int k, tdm_erro
     if (i > begin && tdm_norm(tdm_sub(at, before)) > 0) {
       const tdm_vec3 ends[2] = {before, at};
       const double radii[2] = {before_radius, radius};
-      add_tube(d, ends, radii, line_color[kind], err);
+      add_tube(&d->lines, ends, radii, line_color[kind], err);
     }
     bool joint = kind == TDM_VIEW_LINE_joint && (i == begin || i == end - 1);
     add_dot(d, at, joint ? pixels(c, d->unit, at, dot_half) : radius, line_color[kind], err);
@@ -364,7 +385,7 @@ static tdm_status add_mark(tdm_drawing *d, const tdm_content *c, int body, tdm_e
     tdm_vec3 reach = tdm_scale(arm, turn(c->camera, e));
     const tdm_vec3 ends[2] = {tdm_sub(at, reach), tdm_add(at, reach)};
     if (is_finite(reach))
-      add_tube(d, ends, radii, mark_color, err);
+      add_tube(&d->lines, ends, radii, mark_color, err);
   }
   return add_dot(d, at, 0.4 * arm, mark_color, err);
 }
@@ -384,7 +405,9 @@ tdm_status tdm_content_make(tdm_drawing *d, const tdm_content *c, tdm_error *err
   tdm_drawing_clear(d);
   d->unit = c->camera->half[1];
   d->behind = c->camera->flat && c->picture->walls == TDM_SURFACE_auto && c->picture->bodies == TDM_SURFACE_auto;
-  if (add_surfaces(d, c, err) != TDM_OK || add_particles(d, c, err) != TDM_OK)
+  if (add_surfaces(d, c, err) != TDM_OK)
+    return err->status;
+  if ((tdm_color_of_contacts(c->picture->color) ? add_contacts : add_particles)(d, c, err) != TDM_OK)
     return err->status;
   return c->picture->mechanism ? add_mechanism(d, c, err) : TDM_OK;
 }
