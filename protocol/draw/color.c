@@ -28,10 +28,6 @@ tdm_rgb tdm_color_of_kind(int kind) {
   return kind < 0 ? (tdm_rgb){150, 150, 150} : kinds[kind % KINDS];
 }
 
-bool tdm_color_of_contacts(tdm_color color) {
-  return color == TDM_COLOR_contact_force;
-}
-
 int tdm_color_count(tdm_color color, const tdm_snapshot *s) {
   return tdm_color_of_contacts(color) ? s->ncontact : s->nparticle;
 }

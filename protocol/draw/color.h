@@ -18,8 +18,7 @@ tdm_rgb tdm_color_map(double s);
 /* Of a kind: materials, size classes (-1: none of them). */
 tdm_rgb tdm_color_of_kind(int kind);
 
-/* Whether contacts are coloured, in place of particles; how many of either a snapshot has. */
-bool tdm_color_of_contacts(tdm_color color);
+/* How many particles or contacts a snapshot has, whichever are coloured. */
 int tdm_color_count(tdm_color color, const tdm_snapshot *snapshot);
 
 /* Whether a way to colour has kinds instead of numbers, and how many a scenery has. */

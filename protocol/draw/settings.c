@@ -30,6 +30,10 @@ const char *tdm_color_label(tdm_color color) {
   return labels[color];
 }
 
+bool tdm_color_of_contacts(tdm_color color) {
+  return color == TDM_COLOR_contact_force;
+}
+
 const char *tdm_picture_prefix(const tdm_picture *p, char *out, size_t size) {
   snprintf(out, size, "picture%s%s", *p->name ? "_" : "", p->name);
   return out;

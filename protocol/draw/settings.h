@@ -82,4 +82,7 @@ const char *tdm_picture_row_name(const tdm_picture *picture, char *out, size_t s
 const char *tdm_color_name(tdm_color color);
 const char *tdm_color_label(tdm_color color);
 
+/* Whether contacts are coloured, and drawn in place of particles. */
+bool tdm_color_of_contacts(tdm_color color);
+
 #endif

@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/output/outputs.h"
 
-#include "protocol/draw/color.h"
 #include "protocol/scene/remark.h"
 #include "protocol/scene/time_section.h"
 
