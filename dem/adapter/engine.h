@@ -4,8 +4,8 @@
 #define DEM_ADAPTER_ENGINE_H
 
 #include "dem/adapter/report.h"
-#include "dem/dem.h"
 #include "dem/channels/channels.h"
+#include "dem/dem.h"
 #include "dem/output/view.h"
 #include "dem/proxy/proxy.h"
 

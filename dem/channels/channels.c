@@ -8,12 +8,12 @@
 
 #include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
+#include "dem/channels/items.h"
 #include "dem/flow/blocking.h"
 #include "dem/flow/flow.h"
 #include "dem/flow/screening.h"
 #include "dem/flow/traces.h"
 #include "dem/geometry/screen/screen.h"
-#include "dem/channels/items.h"
 #include "dem/particles/container.h"
 #include "dem/particles/field.h"
 #include "dem/watch/limits.h"
