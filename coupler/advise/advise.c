@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double least_budget = 30, budget_share = 0.05; /* of trials [s], of the run */
+static const double least_budget = 30, budget_share = 0.05; /* of trials [s] of processor time, of the run */
 static const double trial_part = 1. / 15;                   /* of the budget, for the first trial */
 enum { ROWS = 4000 };
 
@@ -86,7 +86,8 @@ static tdm_status first_check(cpl_advisor *v, tdm_error *err) {
 }
 
 static tdm_status before(cpl_advisor *v, tdm_error *err) {
-  if (first_check(v, err) != TDM_OK)
+  if (first_check(v, err) != TDM_OK || /* which settles; again, for what a start takes without that */
+      cpl_trials_check(&v->t, &v->a.best, 0, &v->a.limits, &v->facts, err) != TDM_OK)
     return err->status;
   cpl_candidate *c = &v->a.best;
   c->dt = choose_step(v, c->dt);
@@ -101,7 +102,7 @@ static tdm_status before(cpl_advisor *v, tdm_error *err) {
  * windows enough. */
 static void choose_span(cpl_advisor *v, const cpl_tried *probe) {
   const double rate = probe->step / probe->of.dt + probe->window / ((double)probe->of.n * probe->of.dt); /* [s/s] */
-  const double end = v->t.settings.time_end, whole = v->t.setup + rate * end;
+  const double end = v->t.settings.time_end, whole = v->t.start + rate * end;
   v->t.budget = fmax(least_budget, budget_share * whole);
   v->span = fmin(end, fmax(trial_part * v->t.budget / rate, CPL_LEAST_WINDOWS * (double)probe->of.n * probe->of.dt));
   v->interval = fmin(v->t.settings.output_interval, fmax(probe->of.dt, v->span / ROWS));
@@ -145,7 +146,7 @@ static bool look_at_speed(cpl_advisor *v, const cpl_tried *tried, tdm_error *err
 /* Two runs with the scene's own rows, one longer than the other: what a second
  * costs after the start, where the number of particles goes on as it went. */
 static tdm_status predict(cpl_advisor *v, tdm_error *err) {
-  const double end = v->t.settings.time_end, rate = v->best.loop / v->best.simulated;
+  const double end = v->t.settings.time_end, rate = v->best.processor / v->best.simulated;
   const double left = fmax(v->t.budget - v->t.spent, 0.1 * v->t.budget);
   const double all = fmin(end, fmax(0.5 * v->span, 0.7 * left / rate)); /* both together 1.3 times that */
   cpl_tried shorter = {.loop = 0}, longer;
@@ -160,7 +161,8 @@ static tdm_status predict(cpl_advisor *v, tdm_error *err) {
     const double way = longer.simulated - shorter.simulated, rest = end - longer.simulated;
     const double slope = (longer.last - longer.half) / (longer.simulated / 2); /* particles a second */
     const double grown = longer.half > 0 ? fmax(0.1, (longer.last + slope * rest / 2) / longer.half) : 1;
-    const double steps = longer.step / longer.of.dt, others = fmax(0, (longer.loop - shorter.loop) / way - steps);
+    const double busy = longer.loop / longer.processor, steps = busy * longer.step / longer.of.dt,
+                 others = fmax(0, (longer.loop - shorter.loop) / way - steps);
     v->a.loop += rest * (steps * grown + others);
     if (fabs(grown - 1) > 0.05)
       cpl_because(&v->a,
@@ -178,7 +180,7 @@ static tdm_status predict(cpl_advisor *v, tdm_error *err) {
 /* Where the first trial took longer than was expected the others are shorter.
  */
 static void shorten(cpl_advisor *v) {
-  const double took = v->best.loop / (trial_part * v->t.budget);
+  const double took = v->best.processor / (trial_part * v->t.budget);
   const double least = CPL_LEAST_WINDOWS * (double)v->best.of.n * v->best.of.dt;
   if (took > 1.5)
     v->span = fmin(v->span, fmax(least, v->span / took));

@@ -73,26 +73,27 @@ static long round_n(double n) {
   return n < 10 ? lround(n) : lround(cpl_round_down(n));
 }
 
-/* What a simulated second costs [s/s]. */
+/* What a simulated second costs [s/s], of processor time: what else runs on the machine does not choose. */
 static double rate_of(const cpl_tried *tried) {
-  return tried->simulated > 0 ? tried->loop / tried->simulated : INFINITY;
+  return tried->simulated > 0 ? tried->processor / tried->simulated : INFINITY;
 }
 
 /* A candidate that was taken for its longer windows: back to the one before if
- * it saves nothing. */
-static void keep_if_cheaper(cpl_advisor *v, const cpl_tried *before_it, double error) {
+ * it saves nothing (false). */
+static bool keep_if_cheaper(cpl_advisor *v, const cpl_tried *before_it, double error) {
   const long n = v->best.of.n;
   const double now = rate_of(&v->best), then = rate_of(before_it);
   if (now < then) {
     cpl_because(&v->a, "n = %ld: a window costs as much as %.2g steps; a second now takes %.3g s, with n = %ld %.3g s",
                 n, before_it->window / before_it->step, now, before_it->of.n, then);
-    return;
+    return true;
   }
   cpl_because(&v->a, "n = %ld is not cheaper: a second takes %.3g s, with n = %ld %.3g s", n, now, before_it->of.n,
               then);
   v->best = *before_it;
   v->a.best = before_it->of;
   v->a.coupling = error;
+  return false;
 }
 
 /* Particles go along the straight path of a body that is driven: its n at most. */
@@ -107,22 +108,27 @@ static double most_n_of_path(cpl_advisor *v) {
   return most;
 }
 
-/* Longer windows, as long as they save something and bear it. */
+/* Longer windows, as long as they save something and bear it: the longest that could save anything, then in the middle,
+ * by their ratio, of what did well and what did not. */
 tdm_status cpl_longer_windows(cpl_advisor *v, tdm_error *err) {
-  cpl_candidate c = v->a.best;
-  const cpl_tried before_it = v->best;
-  const double most = v->t.settings.time_end / (20 * c.dt), error = v->a.coupling;
+  enum { TRIES = 6 };
+  const double most = v->t.settings.time_end / (20 * v->a.best.dt);
+  double good = (double)v->a.best.n, bad = INFINITY;
   double n = fmin(fmin((double)cpl_cheap_n(v->best.window, v->best.step), most), most_n_of_path(v));
-  bool taken = false;
-  for (int k = 0; k < 3 && !taken && n > 1.3 * (double)before_it.of.n && cpl_advisor_may_go_on(v); k++) {
+  for (int k = 0; k < TRIES && n > 1.3 * good && cpl_advisor_may_go_on(v); k++) {
+    const cpl_tried before_it = v->best;
+    const double error = v->a.coupling;
+    cpl_candidate c = v->a.best;
+    bool taken;
     c.n = round_n(n);
     if (cpl_advisor_consider(v, &c, &taken, err) != TDM_OK)
       return err->status;
-    if (taken)
-      keep_if_cheaper(v, &before_it, error);
-    n = sqrt(n * (double)before_it.of.n);
+    if (taken && !keep_if_cheaper(v, &before_it, error))
+      return TDM_OK;
+    *(taken ? &good : &bad) = n;
+    n = taken && isinf(bad) ? good : sqrt(good * bad);
   }
-  return err->status;
+  return TDM_OK;
 }
 
 /* Try a candidate, called `name`, which is taken if it does well and takes less than `share` of the best's time. */

@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 enum { SETTINGS = CPL_CANDIDATE_SETTINGS + 4 };
 
@@ -127,6 +128,19 @@ static tdm_status settings_make(const cpl_trials *t, const cpl_candidate *of, ru
   return TDM_OK;
 }
 
+/* Processor time of this process and of the solvers that have ended [s]. */
+static double processor_time(void) {
+  static const int whose[] = {RUSAGE_SELF, RUSAGE_CHILDREN};
+  double sum = 0;
+  for (int k = 0; k < 2; k++) {
+    struct rusage use;
+    getrusage(whose[k], &use);
+    sum += (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec);
+    sum += 1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
+  }
+  return sum;
+}
+
 /* ---- what the solvers report ---- */
 
 static double number(const json_t *root, const char *path, double otherwise) {
@@ -208,7 +222,10 @@ tdm_status cpl_trials_check(cpl_trials *t, const cpl_candidate *of, double speed
     s.set[s.n++] = s.more[0];
   cpl_run_options run = {.scene = t->scene, .set = s.set, .out = dir, .force = true, .quiet = true, .check = true};
   memcpy(run.solver, t->solver, sizeof run.solver);
+  const double before = processor_time();
   if (cpl_run(&run, &result, err) == TDM_OK) {
+    if (t->setup > 0) /* the bed has settled before */
+      t->start = processor_time() - before;
     json_t *summary = tdm_results_read(dir, "summary.json", err);
     const json_t *report = tdm_scene_value(summary, "solvers.dem.report");
     take_limits(report, limits);
@@ -327,12 +344,13 @@ static bool all_prescribed(const json_t *summary) {
 static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
   const cpl_run_result *r = &trial->run;
   const double steps = r->simulated / tried->of.dt;
+  const double share = r->loop > 0 ? tried->processor / r->loop : 1;
   tried->simulated = r->simulated;
   tried->loop = r->loop;
   tried->mbd = r->step[CPL_MBD];
-  tried->step = steps > 0 ? r->step[CPL_DEM] / steps : NAN;
+  tried->step = steps > 0 ? share * r->step[CPL_DEM] / steps : NAN;
   tried->length = r->windows > 0 ? r->simulated / (double)r->windows : NAN;
-  tried->window = r->windows > 0 ? fmax(0, r->loop - r->step[CPL_DEM]) / (double)r->windows : NAN;
+  tried->window = r->windows > 0 ? share * fmax(0, r->loop - r->step[CPL_DEM]) / (double)r->windows : NAN;
   tried->estimate = r->error_coupling;
   tried->prescribed = all_prescribed(trial->summary);
 }
@@ -340,21 +358,23 @@ static void take_cost(const cpl_trial *trial, cpl_tried *tried) {
 static void add_row(cpl_trials *t, const cpl_tried *tried) {
   const cpl_candidate *c = &tried->of;
   json_t *n = c->n == CPL_AUTO_N ? json_string("auto") : json_integer(c->n);
-  json_array_append_new(t->rows, json_pack("{s:f, s:o, s:s, s:s, s:f, s:f, s:s, s:s, s:f, s:o, s:o}", "dt", c->dt, "n",
-                                           n, "scheme", c->scheme, "formulation", cpl_formulation_words[c->formulation],
-                                           "tolerance", c->tolerance, "simulated_s", tried->simulated, "status",
-                                           tried->good ? "ok" : "failed", "reason", tried->reason, "loop_s",
-                                           tried->loop, "velocity_gap", tdm_number_to_json(tried->gap), "estimate",
-                                           tdm_number_to_json(tried->estimate)));
+  json_array_append_new(
+      t->rows, json_pack("{s:f, s:o, s:s, s:s, s:f, s:f, s:f, s:s, s:s, s:f, s:o, s:o}", "dt", c->dt, "n", n, "scheme",
+                         c->scheme, "formulation", cpl_formulation_words[c->formulation], "tolerance", c->tolerance,
+                         "simulated_s", tried->simulated, "processor_s", tried->processor, "status",
+                         tried->good ? "ok" : "failed", "reason", tried->reason, "loop_s", tried->loop, "velocity_gap",
+                         tdm_number_to_json(tried->gap), "estimate", tdm_number_to_json(tried->estimate)));
 }
 
 static tdm_status run_in(cpl_trials *t, run_settings *s, double end, cpl_tried *tried, tdm_error *err) {
   cpl_trial trial;
-  const double begin = tdm_clock();
   cpl_trial_options o = {
       .scene = t->scene, .set = s->set, .dir = tried->dir, .bed = shares_bed(t) ? t->bed : NULL, .end = end};
   memcpy(o.solver, t->solver, sizeof o.solver);
+  const double before = processor_time();
   if (cpl_trial_run(&o, &trial, err) == TDM_OK) {
+    const double took = processor_time() - before;
+    tried->processor = fmax(took - t->start, 0.1 * took);
     take_cost(&trial, tried);
     look_at_particles(tried);
     look_at_bodies(t, tried);
@@ -365,7 +385,7 @@ static tdm_status run_in(cpl_trials *t, run_settings *s, double end, cpl_tried *
     add_row(t, tried);
   }
   cpl_trial_free(&trial);
-  t->spent += tdm_clock() - begin;
+  t->spent += processor_time() - before;
   return err->status;
 }
 
@@ -431,6 +451,15 @@ static bool compare(const cpl_tried *a, const cpl_tried *b, const char *body, cp
   return cpl_trial_compare(a->dir, b->dir, body, end, out, &(tdm_error){0}) == TDM_OK && out->nrow >= 5;
 }
 
+/* The spread of a body over the whole of a trial, where that is more: a body that a stream pushes has hardly moved in
+ * the time that a run with n = 1 takes of the budget. */
+static void widen(const cpl_tried *a, const char *body, cpl_apart_runs *d) {
+  cpl_apart_runs whole;
+  if (compare(a, a, body, &whole))
+    for (int k = 0; k < CPL_QUANTITIES; k++)
+      d->spread[k] = fmax(d->spread[k], whole.spread[k]);
+}
+
 double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]) {
   double worst = NAN;
   for (int i = 0; i < t->settings.nbody && !a->prescribed; i++) {
@@ -438,6 +467,7 @@ double cpl_trials_apart(const cpl_trials *t, const cpl_tried *a, const cpl_tried
     cpl_apart_runs d, c;
     if (!compare(a, b, body, &d))
       continue;
+    widen(a, body, &d);
     const bool known = twins && compare(&twins[0], &twins[1], body, &c);
     worst = fmax(worst, apart_of(&d, known ? &c : NULL, t->radius ? t->radius[i] : 1));
   }

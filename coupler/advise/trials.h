@@ -28,8 +28,9 @@ typedef struct {
   tdm_scene loaded; /* the scene with the user's settings */
   cpl_settings settings;
   char bed[4300];
+  double start;         /* processor time until both solvers are ready, without settling [s] */
   double setup;         /* until both solvers are ready, with settling [s] */
-  double budget, spent; /* wall time of trials, without settling [s] */
+  double budget, spent; /* processor time of trials, without settling [s] */
   double *radius;       /* (bodies) of gyration, at which turns count beside ways [m] */
   int ntrial;
   json_t *rows; /* a row a trial */
@@ -42,7 +43,8 @@ typedef struct {
   char reason[TDM_MESSAGE_MAX];
   double simulated, interval; /* as far as it came, between rows [s] */
   double length;              /* of its windows, the mean [s] */
-  double step, window;        /* what a step of DEM costs, and a window without that [s] */
+  double step, window;        /* what a step of DEM costs, and a window without that, of processor time [s] */
+  double processor;           /* of both solvers and the server, without the start [s] */
   double loop, mbd;           /* the loop, the MBD solver's part of it [s] */
   double speed;               /* highest at which contacts began [m/s] */
   double half, last;          /* particles at the half and at the end */
@@ -79,8 +81,8 @@ tdm_status cpl_trials_run(cpl_trials *trials, const cpl_candidate *of, double en
                           cpl_tried *tried, tdm_error *err);
 
 /* How far two trials are apart, the largest over bodies, of position and of velocity (with turns at the radius of
- * gyration), as a share of its spread; differences that are at most twice those of the twins (may be NULL), which
- * differ by round-off, do not count. NaN: nothing to compare, or no load moves the bodies. */
+ * gyration), as a share of its spread over the whole of a; differences that are at most twice those of the twins (may
+ * be NULL), which differ by round-off, do not count. NaN: nothing to compare, or no load moves the bodies. */
 double cpl_trials_apart(const cpl_trials *trials, const cpl_tried *a, const cpl_tried *b, const cpl_tried twins[2]);
 
 /* The smallest radius of particles that the scene names [m]; inf: it names none. */

@@ -74,6 +74,10 @@ START_TEST(settings_with_reasons_and_a_scene) {
   ck_assert_double_gt(number(advice, "cost", "wall_s"), 0);
   ck_assert_double_le(number(advice, "error", "coupling"), 0.01);
   ck_assert_uint_ge(json_array_size(json_object_get(advice, "trials")), 4);
+  size_t i;
+  json_t *trial;
+  json_array_foreach(json_object_get(advice, "trials"), i, trial)
+      ck_assert_double_gt(json_number_value(json_object_get(trial, "processor_s")), 0);
   /* the scene: changed keys alone */
   ck_assert_str_eq(json_string_value(json_object_get(json_object_get(written, "time"), "end")), "=end");
   ck_assert_double_eq(number(written, "time", "dt"), dt);
