@@ -12,34 +12,43 @@ const double cpl_calibrate_tolerance = 0.005;
 
 /* ---- parameters ---- */
 
-/* The nearest key of the object in which a path stops to be there: "dem.pairs[0].friction"; "" if there is none. */
-static const char *nearest_path(const json_t *root, const char *path, char out[TDM_PATH_MAX]) {
+/* The nearest key of the object in which a path stops to be there: "dem.pairs[0].friction"; "" if there is none.
+ * Returns that object, NULL: there is none. */
+static const json_t *nearest_path(const json_t *root, const char *path, char out[TDM_PATH_MAX]) {
   char stem[TDM_PATH_MAX];
   const char *known[128], *key, *last = strrchr(path, '.');
   json_t *value;
   int n = 0;
   out[0] = 0;
   if (!last)
-    return out;
+    return NULL;
   snprintf(stem, sizeof stem, "%.*s", (int)(last - path), path);
   const json_t *parent = tdm_scene_value(root, stem);
   json_object_foreach((json_t *)parent, key, value) if (n < 128) known[n++] = key;
   const char *near = tdm_nearest(last + 1, known, n);
   if (near)
     snprintf(out, TDM_PATH_MAX, "%.120s.%.120s", stem, near);
-  return out;
+  return json_is_object(parent) ? parent : NULL;
 }
 
-/* The number that the scene has at a path. */
-static tdm_status read_start(cpl_parameter *p, const tdm_scene *scene, double *start, tdm_error *err) {
+/* A path without a value: a key that may be added to what is there, unless it looks like a slip. Parameters of the
+ * scene are the user's own: nothing would use a new one. */
+static tdm_status read_new(cpl_parameter *p, const tdm_scene *scene, tdm_error *err) {
   char near[TDM_PATH_MAX];
+  const json_t *parent = nearest_path(scene->written, p->path, near);
+  p->new = parent && !*near && !strchr(p->name, '[') && strncmp(p->path, "parameters.", strlen("parameters.")) != 0;
+  return p->new ? TDM_OK
+                : tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                           "%s: --parameter %s: the scene has no value there%s%s%s; write one into it, or add --set "
+                           "%s=VALUE",
+                           scene->file, p->path, *near ? "; did you mean " : "", near, *near ? "?" : "", p->path);
+}
+
+/* The number that the scene has at a path, if any. */
+static tdm_status read_start(cpl_parameter *p, const tdm_scene *scene, double *start, tdm_error *err) {
   const json_t *written = tdm_scene_value(scene->written, p->path);
-  if (!written) {
-    nearest_path(scene->written, p->path, near);
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-                    "%s: --parameter %s: the scene has no value there%s%s%s; write one into it, or add --set %s=VALUE",
-                    scene->file, p->path, *near ? "; did you mean " : "", near, *near ? "?" : "", p->path);
-  }
+  if (!written)
+    return read_new(p, scene, err);
   if (json_is_string(written) && *json_string_value(written) == '=')
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
                     "%s: --parameter %s: is the expression \"%s\" there; calibrate what it is made of "

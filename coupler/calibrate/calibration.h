@@ -28,6 +28,7 @@ typedef struct {
   double from, to;
   bool log;     /* the place is a share of the logarithm's range */
   double start; /* the scene's value, if it is in the range; else the middle */
+  bool new;     /* the scene has no value there, but what it belongs to */
   /* of the sensitivity; NaN: unknown */
   double sensitivity; /* rms change of all rows [scales] for a way over the whole range, at the best try */
   double percent;     /* change of the value at which rows change by 0.01, the others fixed; may be infinite */

@@ -94,6 +94,18 @@ void cpl_tries_free(cpl_calibration *c) {
 
 /* ---- their runs ---- */
 
+/* The settings of all runs as a study's "set" (new reference): paths of tries may lie in what they bring. */
+static json_t *settings_json(const cpl_calibration *c) {
+  json_t *set = json_object();
+  for (const char *const *s = c->o->set; s && *s; s++) {
+    const char *is = strchr(*s, '=');
+    json_t *value = is ? json_loads(is + 1, JSON_DECODE_ANY, NULL) : NULL;
+    if (is)
+      json_object_setn_new(set, *s, (size_t)(is - *s), value ? value : json_string(is + 1));
+  }
+  return set;
+}
+
 /* Tries `which` (n of them; 0: the scene as it is) as the cases of a study (new reference). */
 static json_t *study_json(const cpl_calibration *c, const int *which, int n) {
   json_t *cells = json_array(), *measures = json_array(), *curves = json_array();
@@ -106,7 +118,7 @@ static json_t *study_json(const cpl_calibration *c, const int *which, int n) {
   }
   for (int k = 0; k < c->ntarget; k++)
     cpl_target_enter(&c->target[k], k, measures, curves);
-  json_t *study = json_pack("{s:s}", "scene", c->o->scene);
+  json_t *study = json_pack("{s:s, s:o}", "scene", c->o->scene, "set", settings_json(c));
   if (n > 0)
     json_object_set(study, "cells", cells);
   if (json_array_size(measures) > 0)

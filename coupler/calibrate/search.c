@@ -10,6 +10,7 @@
 #include <gsl/gsl_multimin.h>
 #include <gsl/gsl_qrng.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double bad = 1e30;        /* of a try without a misfit; others are below */
 static const double first_step = 0.2;  /* of the simplex */
@@ -18,7 +19,8 @@ static const double same_share = 1e-9; /* misfits that differ by less of the lar
 typedef struct {
   cpl_calibration *c;
   tdm_error *err;
-  bool spent; /* no further try is allowed */
+  bool spent;  /* no further try is allowed */
+  double last; /* place of the only parameter that was asked for last */
 } search;
 
 static bool is_over(const search *s) {
@@ -73,9 +75,23 @@ static bool is_flat(const cpl_calibration *c) {
   return n > c->nparameter && most - least <= same_share * most;
 }
 
-static void place_start(const search *s, double *place) {
-  for (int k = 0; k < s->c->nparameter; k++)
-    place[k] = cpl_place_of(&s->c->parameter[k], s->c->parameter[k].start);
+/* The start. What a solver has against a key that is new in the scene ends the search: all tries would fail of it. */
+static void look_at_start(search *s) {
+  const cpl_calibration *c = s->c;
+  double place[1][CPL_PARAMETERS] = {{0}};
+  for (int k = 0; k < c->nparameter; k++)
+    place[0][k] = cpl_place_of(&c->parameter[k], c->parameter[k].start);
+  look_at(s, 1, place);
+  const int first = is_over(s) ? -1 : cpl_try_find(c, place[0]);
+  for (int k = 0; first >= 0 && isnan(c->tried[first].misfit) && k < c->nparameter && !is_over(s); k++) {
+    const cpl_parameter *p = &c->parameter[k];
+    const char *found = p->new ? strstr(c->tried[first].reason, p->path) : NULL;
+    if (found && strncmp(found + strlen(p->path), ": ", 2) == 0)
+      tdm_fail(s->err, TDM_ERR_ARGUMENT, NULL,
+               "--parameter %s, which the scene does not have, was tried with %g: %s; name another path, or start "
+               "elsewhere with --set %s=VALUE",
+               p->path, p->start, c->tried[first].reason, p->path);
+  }
 }
 
 /* ---- one parameter ---- */
@@ -135,8 +151,7 @@ static bool find_bracket(const profile *p, bracket *b, double *next) {
 /* The start, the ends and between them, then halves. Returns whether there is a bracket. */
 static bool look_around(search *s, bracket *b) {
   double place[5][CPL_PARAMETERS] = {{0}};
-  place_start(s, place[0]);
-  look_at(s, 1, place);
+  look_at_start(s);
   for (int i = 0; i < 5; i++)
     place[i][0] = 0.25 * i;
   if (!is_over(s))
@@ -160,6 +175,7 @@ static bool look_around(search *s, bracket *b) {
 
 static double square_of_one(double u, void *context) {
   const double place[CPL_PARAMETERS] = {u};
+  ((search *)context)->last = u;
   return square_at(context, place);
 }
 
@@ -174,13 +190,14 @@ static void by_brent(search *s) {
     gsl_min_fminimizer_free(m);
     return;
   }
-  /* steps that have become small twice are an end, too: one side of the interval may stay where it is */
+  /* steps from the best place that have become small twice are an end, too: one side of the interval may stay where it
+   * is. A long step that finds nothing better is none */
   for (int small = 0; !is_over(s) && small < 2;) {
     const double before = gsl_min_fminimizer_x_minimum(m);
     if (gsl_min_fminimizer_iterate(m) != 0)
       break;
     const double width = gsl_min_fminimizer_x_upper(m) - gsl_min_fminimizer_x_lower(m);
-    small = fabs(gsl_min_fminimizer_x_minimum(m) - before) < 0.1 * s->c->o->tolerance ? small + 1 : 0;
+    small = fabs(s->last - before) < 0.2 * s->c->o->tolerance ? small + 1 : 0;
     if (width < s->c->o->tolerance)
       break;
   }
@@ -249,9 +266,7 @@ static void go_on_with(search *s, gsl_multimin_fminimizer *m) {
 
 static void by_simplex(search *s) {
   const size_t n = (size_t)s->c->nparameter;
-  double start[1][CPL_PARAMETERS] = {{0}};
-  place_start(s, start[0]);
-  look_at(s, 1, start);
+  look_at_start(s);
   if (!is_over(s) && s->c->best < 0)
     look_elsewhere(s);
   if (s->c->best < 0)

@@ -1,6 +1,7 @@
 /* Forces: see forces.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/step/forces.h"
+#include "dem/step/unsettled.h"
 
 #include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
@@ -85,8 +86,8 @@ static void share_notes(dem_data *d, bool settling) {
   }
 }
 
-/* the notes anew from what came of them; true: no force changed by more than the law's tolerance */
-static bool notes_again(dem_data *d, bool settling) {
+/* the notes anew from what came of them; by how much a force changed at most, share of the largest */
+static double notes_again(dem_data *d, bool settling) {
   double change = 0, largest = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) \
     reduction(max                                                                               \
@@ -97,10 +98,16 @@ static bool notes_again(dem_data *d, bool settling) {
     change = changed > change ? changed : change;
     largest = most > largest ? most : largest;
   }
-  return change <= d->model->noting->tolerance(d->model) * largest;
+  return largest > 0 ? change / largest : change > 0;
 }
 
-/* What contacts tell the others of their particles, and what these make of it, so often as the law wants. */
+double dem_forces_unsettled(dem_data *d) {
+  const dem_noting *noting = d->model->noting;
+  return noting && noting->tolerance(d->model) > 0 && d->work.notes.valid ? notes_again(d, false) : 0;
+}
+
+/* What contacts tell the others of their particles, and what these make of it, so often as the law wants, or until no
+ * force changes by more than its tolerance. */
 static void take_notes(dem_data *d, bool settling) {
   const dem_noting *noting = d->model->noting;
   assert(d->work.notes.valid);
@@ -111,7 +118,8 @@ static void take_notes(dem_data *d, bool settling) {
     noting->write.walls(&task);
   }
   share_notes(d, settling);
-  for (long times = noting->iterations(d->model); times > 1 && !notes_again(d, settling); times--)
+  for (long times = noting->iterations(d->model); times > 1 && notes_again(d, settling) > noting->tolerance(d->model);
+       times--)
     share_notes(d, settling);
 }
 

@@ -8,9 +8,12 @@
 #include "dem/particles/domain.h"
 #include "dem/search/pairs.h"
 #include "dem/state/notes.h"
+#include "dem/step/unsettled.h"
 #include "dem/watch/energy_balance.h"
 #include "dem/watch/guard.h"
+#include "protocol/scene/remark.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* How a step goes: all forces at once, or, with multi-step, `many` substeps of h under the fast forces between two half
@@ -139,9 +142,32 @@ static void count_step(dem_data *d, const dem_step_task *s) {
   dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
 }
 
+/* Forces that still change by more than the tolerance they are iterated to: remark "guard.iterations", or an error. */
+static tdm_status look_at_iterations(dem_data *d, double t, tdm_error *err) {
+  const dem_guard_def *guard = &d->model->guard;
+  const dem_noting *noting = d->model->noting;
+  const double change = dem_forces_unsettled(d);
+  if (!(change > 0) || !(change > noting->tolerance(d->model)))
+    return TDM_OK;
+  char text[TDM_MESSAGE_MAX];
+  snprintf(
+      text, sizeof text,
+      "after dem.contact.iterations = %ld one more would still change forces by %.3g of the largest, more than "
+      "dem.contact.tolerance = %g, at t = %.9g s, step %llu; raise either, or, where forces grow without end, press "
+      "less or take a smaller gamma",
+      noting->iterations(d->model), change, noting->tolerance(d->model), t, (unsigned long long)d->state.nstep);
+  if (guard->action == DEM_GUARD_STOP)
+    return tdm_fail(err, TDM_ERR_NUMERIC, "dem.contact.iterations", "%s", text);
+  tdm_remark(TDM_WARNING, "guard.iterations", "dem.contact.iterations", t, "%s", text);
+  return TDM_OK;
+}
+
 static tdm_status watch(dem_data *d, const dem_step_task *s, tdm_error *err) {
   if (dem_guard(d, s->time, s->dt, err) == TDM_OK && s->proxy)
     dem_guard_proxy(d, s->proxy, s->time, s->dt, err);
+  const uint64_t every = (uint64_t)d->model->guard.every;
+  if (err->status == TDM_OK && every > 0 && d->state.nstep % every == 0)
+    look_at_iterations(d, s->time, err);
   return err->status;
 }
 

@@ -1,7 +1,7 @@
 /* [G21] Section 4: beds pressed together by a plate with the classical law, mc-strain and mc-stress: 514 balls of
- * hydrogel, down and up again (Fig. 11), and of rubber (Fig. 15), 1921 of hydrogel (Fig. 14), 17 glass beads (Fig. 16);
- * and LIGGGHTS' own example of the first bed. Stress-strain curves, and the distributions of normal forces at the
- * largest strain. A stroke is half a cosine, so the plate begins and ends at rest. */
+ * hydrogel, down and up again (Fig. 11), and of rubber (Fig. 15), 1921 of hydrogel (Fig. 14), 17 glass beads (Fig.
+ * 16). Stress-strain curves, and the distributions of normal forces at the largest strain. A stroke is half a cosine,
+ * so the plate begins and ends at rest. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenarios/multicontact/cases.h"
 #include "scenarios/table.h"
@@ -280,19 +280,4 @@ tdm_status scn_multi_glass(cpl_verify *v, tdm_error *err) {
       {"glass mc-stress 5.17, twice as fast", BEADS, SCN_GLASS, SCN_STRESS, 5.17, 0.0264, 0.05, 2e-7, true},
   };
   return three_laws(v, "glass", "17 glass beads to 2.64 %", s, err);
-}
-
-tdm_status scn_multi_liggghts(cpl_verify *v, tdm_error *err) {
-  static const stroke s[] = {
-      {"liggghts classical", BALLS, SCN_HYDROGEL, SCN_CLASSICAL, 0, 0.18, 4, 1e-4, true},
-      {"liggghts mc-strain 1.125", BALLS, SCN_HYDROGEL, SCN_STRAIN, 1.125, 0.18, 4, 1e-4, true},
-  };
-  enum { N = sizeof s / sizeof *s };
-  result r[N];
-  if (strokes(v, "liggghts", "LIGGGHTS' hydrogel example, strain 18 %", s, N, r, err) != TDM_OK)
-    return err->status;
-  cpl_verify_measure(v, "off_6.69_N", "liggghts classical", r[0].peak / 6.69 - 1, CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "off_15.49_N", "liggghts mc-strain", r[1].peak / 15.49 - 1, CPL_NO_LIMIT, 0);
-  cpl_verify_measure(v, "strain/classical", "liggghts", r[1].peak / r[0].peak, CPL_NO_LIMIT, 0);
-  return TDM_OK;
 }

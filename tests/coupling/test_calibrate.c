@@ -1,13 +1,10 @@
 /* tandem calibrate: known values found again, runs that fail, seeds, resuming, wrong input, curves that turn. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/calibrate/target.h"
-#include "tests/command.h"
+#include "test_calibrate_support.h"
 #include "tests/test_main.h"
 
-#include <math.h>
 #include <sys/stat.h>
-
-static const char *dir;
 
 /* One ball of radius 0.05 m that is thrown up and falls: z = v t - g t^2/2. */
 static const char ball[] =
@@ -43,42 +40,6 @@ static double thrown(double t) {
 
 static double energy(double t) {
   return 0.5 * 1000 * 4 / 3.0 * M_PI * pow(0.05, 3) * pow(1 - 13.7 * t, 2);
-}
-
-static json_t *load(const char *name) {
-  char file[512];
-  snprintf(file, sizeof file, "%s/%s", dir, name);
-  json_t *json = json_load_file(file, 0, NULL);
-  ck_assert_msg(json != NULL, "no %s; output:\n%s", file, command_output);
-  return json;
-}
-
-static bool has(const char *name) {
-  char file[512];
-  snprintf(file, sizeof file, "%s/%s", dir, name);
-  return access(file, R_OK) == 0;
-}
-
-static double number(const json_t *json, const char *key) {
-  const json_t *value = json_object_get(json, key);
-  ck_assert_msg(value != NULL, "no %s", key);
-  return json_is_number(value) ? json_number_value(value) : NAN;
-}
-
-static const char *text(const json_t *json, const char *key) {
-  const char *value = json_string_value(json_object_get(json, key));
-  ck_assert_msg(value != NULL, "no %s", key);
-  return value;
-}
-
-static const json_t *parameter(const json_t *json, size_t k) {
-  return json_array_get(json_object_get(json, "parameters"), k);
-}
-
-/* It ended like this. */
-static void expect_status(const json_t *json, const char *status) {
-  ck_assert_msg(strcmp(text(json, "status"), status) == 0, "%s, not %s:\n%s", text(json, "status"), status,
-                command_output);
 }
 
 START_TEST(one_parameter) {
@@ -329,8 +290,9 @@ START_TEST(wrong_input) {
        "scene.json: --parameter dem.pairs[0].frictoin: the scene has no value there; did you mean "
        "dem.pairs[0].friction?",
        2},
-      {"--parameter dem.pairs[0].rolling_friction --range 0 1 --target z.csv",
-       "add --set dem.pairs[0].rolling_friction=VALUE", 2},
+      {"--parameter dem.pairs[1].friction --range 0 1 --target z.csv", "add --set dem.pairs[1].friction=VALUE", 2},
+      {"--parameter dem.gravity[3] --range 0 1 --target z.csv", "the scene has no value there", 2},
+      {"--parameter parameters.w --range 0 1 --target z.csv", "the scene has no value there", 2},
       {"--parameter dem.materials[0].name --range 0 1 --target z.csv", "is \"m\" there; name the path of a number", 2},
       {"--parameter dem.gravity[2] --range -9 -1 --target z.csv", "is the expression \"=-g\" there", 2},
       {"--parameter parameters.g --range 2 9 --parameter parameters.g --range 2 9 --target z.csv", "is given twice", 2},
@@ -375,6 +337,19 @@ START_TEST(wrong_input) {
                            dir, dir),
                    2);
   expect_output("wall_s.all");
+  /* keys that the scene does not have: unknown ones, and one that no law of the scene reads, after the first run */
+  ck_assert_int_eq(command("tandem calibrate %s/scene.json --parameter dem.pairs[0].spin --range 0 1 --target %s/z.csv "
+                           "--out %s/f",
+                           dir, dir, dir),
+                   2);
+  expect_output("--parameter dem.pairs[0].spin, which the scene does not have, was tried with 0.5");
+  expect_output("unknown key \"spin\"");
+  ck_assert_int_eq(
+      command("tandem calibrate %s/scene.json --parameter dem.pairs[0].rolling_friction --range 0 1 --target "
+              "%s/z.csv --out %s/g",
+              dir, dir, dir),
+      2);
+  expect_output("is read by none of the scene's laws");
   ck_assert_int_eq(command("tandem run %s/scene.json --range 1 2", dir), 2);
   directory_remove(dir);
 }

@@ -186,6 +186,8 @@ static void read_settings(dem_model *m, tdm_object *o) {
   m->multi_setting[FROM_HERTZ] = tdm_get_choice(o, "first_forces", forces, 2, 0) == 1;
   m->multi_setting[TOLERANCE] = tdm_get_number(o, "tolerance", 0, TDM_NOT_NEGATIVE);
   m->multi_setting[ITERATIONS] = (double)tdm_get_integer(o, "iterations", m->multi_setting[TOLERANCE] > 0 ? 100 : 1, 1);
+  if (m->multi_setting[TOLERANCE] > 0 && m->multi_setting[ITERATIONS] < 2)
+    tdm_object_fail(o, "tolerance", "needs 2 iterations or more to compare; remove it, or raise \"iterations\"");
 }
 
 static void read(const dem_model *m, tdm_object *o, const dem_material *a, const dem_material *b, dem_pair *p) {
