@@ -100,10 +100,11 @@ END_TEST
 START_TEST(place_in_a_list) {
   dir = directory_with_scene(pressed);
   write_file(dir, "z.csv", "time,dem:particles.com.z\n0,0.125\n0.1,0.125\n");
-  const int status = command("tandem calibrate %s/scene.json --set dem.bodies=[] --set "
-                             "dem.particles[0].positions=[[0,0,0.05],[1,0,0.1]] --parameter "
-                             "dem.particles[0].positions[1][2] --range 0 0.5 --target %s/z.csv --out %s/c",
-                             dir, dir, dir);
+  const int status =
+      command("tandem calibrate %s/scene.json --set dem.bodies=[] --set dem.pairs[0].materials[1]=m --set "
+              "dem.particles[0].positions=[[0,0,0.05],[1,0,0.1]] --parameter "
+              "dem.particles[0].positions[1][2] --range 0 0.5 --target %s/z.csv --out %s/c",
+              dir, dir, dir);
   ck_assert_msg(status == 0, "%s", command_output);
   json_t *c = load("c/calibration.json");
   ck_assert_double_eq_tol(number(parameter(c, 0), "value"), 0.2, 2e-3);
