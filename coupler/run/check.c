@@ -36,7 +36,7 @@ static void print_coupling(const cpl_settings *s, const cpl_session *session) {
            (double)s->n * s->dt);
   printf("  %-28s %s: %s\n", session->scheme == s->scheme ? "scheme" : "scheme (the fallback)", session->scheme->name,
          session->scheme->summary);
-  printf("  %-28s %s\n", "schemes that both can", cpl_session_schemes(session, schemes, sizeof schemes));
+  printf("  %-28s %s\n", "schemes both support", cpl_session_schemes(session, schemes, sizeof schemes));
   printf("  %-28s every %g s: %.0f rows\n", "time histories", s->output_interval,
          ceil((double)cpl_total_steps(s) * s->dt / s->output_interval - 1e-6) + 1);
   tdm_outputs_print(&s->outputs, s->time_end);

@@ -267,7 +267,7 @@ void cpl_run_print(const cpl_run_result *r, const char *out) {
   if (r->error_large)
     printf("  that is large: %s\n",
            r->error_coupling < 0.5 * r->error
-               ? "colliding particles make it, no step makes it smaller; trust means, not paths"
+               ? "it comes from colliding particles and no step makes it smaller; trust mean values, not single paths"
                : "take shorter windows (coupling.n), or the scheme proxy or iterative");
   printf("  %-8s %10s %10s %12s\n", "part", "step [s]", "wait [s]", "exchange [s]");
   for (int role = 0; role < CPL_NROLE; role++) {

@@ -76,7 +76,7 @@ static tdm_status refuse(const cpl_session *s, int role, int missing, tdm_error 
                                            : "fallback");
   return tdm_fail(err, TDM_ERR_SCENE, path,
                   "the scheme %s needs the capability \"%s\"%s, which %s does not have; take %sanother solver, or a "
-                  "scheme that both can go with (%s)%s",
+                  "scheme that both support (%s)%s",
                   scheme->name, cpl_need_names[missing], by_settings ? " for its settings" : "",
                   cpl_session_name(s, (cpl_role)role), by_settings ? "other settings, " : "",
                   cpl_session_schemes(s, others, sizeof others), fallback ? "" : ", also as coupling.fallback");

@@ -42,7 +42,7 @@ static void add_coefficients(adm_model *m, const adm_statement *of, json_t *forc
                         table(s, term, l->sign, i == 0 ? x : rate, value));
     if (i == 0 && !term->akima)
       json_object_set_new(force, "interpolation", json_string("cspline"));
-    adm_note(m, of, "the %s spline of SPLINE/%ld has the same points, but is a little else between them",
+    adm_note(m, of, "the %s spline of SPLINE/%ld passes through the same points but differs slightly between them",
              i == 1 || term->akima ? "Steffen" : "natural cubic", term->spline);
   }
   if (!l->spline[0] && k > 0 && !(strcmp(key, "free_length") == 0 && rest - preload / k < 0)) {
@@ -133,7 +133,7 @@ static const char *add_wrench(adm_model *m, const adm_statement *of, const int m
 /* One term of a function of the markers I and J (their identifiers) into the law; NULL, or why it cannot be. */
 static const char *add_term(const adm_model *m, law *l, const adm_term *t, const long pair[2], bool rotational) {
   static const char other[] =
-      "depends on something else than the distance or the angle of its own markers and its rate";
+      "depends on something other than the distance or the angle of its own markers and its rate";
   const adm_measure x = rotational ? ADM_AZ : ADM_DM, rate = rotational ? ADM_WZ : ADM_VR;
   if (t->kind == ADM_POWER && t->power == 0) {
     l->constant += t->factor;

@@ -165,7 +165,7 @@ static void linear(parser *p, const adm_form *form, const char *name, adm_term *
       term->measure = t->measure;
       memcpy(term->marker, t->marker, sizeof term->marker);
     } else
-      refuse(p, "has %s of something else than a*TIME + b", name);
+      refuse(p, "has %s of something other than a*TIME + b", name);
   }
 }
 
@@ -173,7 +173,7 @@ static adm_form sine(parser *p, const char *name, const adm_form *of, double pha
   adm_term term;
   linear(p, of, name, &term);
   if (term.measure != ADM_TIME)
-    refuse(p, "has %s of something else than a*TIME + b", name);
+    refuse(p, "has %s of something other than a*TIME + b", name);
   if (term.a == 0)
     return constant(sin(term.b + phase));
   term.kind = ADM_SINE;
@@ -189,7 +189,7 @@ static adm_form step(parser *p, const char *name, const arguments *a) {
                x1 = number_of(p, &a->form[3], "an end of a step"), h1 = number_of(p, &a->form[4], "a step");
   linear(p, &a->form[0], name, &term);
   if (!p->failed && (term.measure != ADM_TIME || !(term.a > 0)))
-    refuse(p, "has %s of something else than the time", name);
+    refuse(p, "has %s of something other than the time", name);
   if (!p->failed && !(x1 > x0))
     refuse(p, "has %s that does not rise: its x1 is not greater than its x0", name);
   adm_form out = constant(h0);

@@ -229,7 +229,7 @@ static tdm_status add_elements(adm_model *m, tdm_error *err) {
     m->nread += of->meaning == ADM_READ;
     m->nshown += of->meaning == ADM_SHOWN;
     if (of->meaning == ADM_ACTS)
-      adm_leave_out(m, of, "a scene has no such statement");
+      adm_leave_out(m, of, "a scene has nothing that corresponds to this statement");
     else if (of->meaning == ADM_SHOWN) {
       char text[96];
       snprintf(text, sizeof text, "line %d: %s/%ld", of->line, of->keyword, of->id);

@@ -145,7 +145,7 @@ tdm_status adm_add_gcon(adm_model *m, const adm_statement *of, tdm_error *err) {
     if (t->kind == ADM_MEASURE && t->measure == ADM_DM && t->factor != 0 && !distance)
       distance = t;
     else if (t->factor != 0 && (t->kind != ADM_POWER || t->power != 0))
-      why = "is something else than the distance DM(i, j) of two markers less a number";
+      why = "is something other than the distance DM(i, j) of two markers less a number";
   }
   if (!err->status && (why || !distance))
     adm_leave_out(m, of, "its FUNCTION %s", why ? why : "has no distance DM(i, j)");

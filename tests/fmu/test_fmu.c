@@ -286,7 +286,7 @@ START_TEST(schemes_that_it_can_go_with) {
   ck_assert_msg(command("tandem check %s/scene.json --set coupling.fallback=dem-first", dir) == 0, "%s",
                 command_output);
   expect_output("cannot                       mobility, restore, energy");
-  expect_output("schemes that both can        dem-first");
+  expect_output("schemes both support         dem-first");
   pack("2 spring derivatives no-slopes"); /* it could, were accelerations among the outputs */
   ck_assert_int_eq(run(""), 1);
   expect_output("must be among the outputs");

@@ -84,7 +84,9 @@ static void print_fmu(const tdm_fmu *f) {
          d->gives_derivatives ? "yes: mobility where accelerations are outputs" : "no");
   printf("  %-28s %s\n", "steps of any length", d->varies_step ? "yes" : "no: mbd.step must divide all windows");
   printf("  %-28s %s\n", "schemes",
-         d->keeps_states || d->gives_derivatives ? "all: proxy, dem-first, lommen ..." : "dem-first, lommen ...");
+         d->keeps_states        ? "all"
+         : d->gives_derivatives ? "all but iterative; proxy where accelerations are outputs"
+                                : "dem-first, lommen, hold");
   for (int i = 0; i < d->nvariable; i++) {
     const tdm_fmi_variable *v = &d->variable[i];
     printf("  %-20s %-12s %s", tdm_fmi_causality_names[v->causality], v->type_name ? v->type_name : "?", v->name);

@@ -182,7 +182,7 @@ static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready,
     return tdm_fail(err, TDM_ERR_SCENE, "mbd.bodies",
                     "the scheme asks for the mobility; %s gives directional derivatives but keeps no states, so "
                     "\"acceleration\" and \"angular_acceleration\" must be among the outputs; or take coupling.scheme "
-                    "\"dem-first\" or \"lommen\"",
+                    "\"dem-first\", \"lommen\" or \"hold\"",
                     opened->file);
   if (err->status == TDM_OK && begin(s, err) == TDM_OK && a->mobility)
     fmu_response_mobility(&s->response, s->now.t, s->now.state, s->held, err);
