@@ -39,6 +39,11 @@ static inline int command(const char *format, ...) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/* A command that refuses its input: an exit status of its own, not a signal. */
+static inline bool is_refusal(int status) {
+  return status == 1 || status == 2;
+}
+
 /* The output of the last command has this text. */
 #define expect_output(text) \
   ck_assert_msg(strstr(command_output, text) != NULL, "no \"%s\" in the output:\n%s", text, command_output)

@@ -11,7 +11,8 @@
 #include "protocol/view/view.h"
 
 /* Append the contacts at the present positions and velocities to the snapshot. Forces are those of these: in a step,
- * damping sees velocities half a step older. Nothing of the data changes. Errors: TDM_ERR_MEMORY. */
+ * damping sees velocities half a step older, and mc-strain that starts from the last forces is one iteration behind.
+ * Nothing of the data changes. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_contacts_look(const dem_data *data, tdm_snapshot *snapshot, tdm_error *err);
 
 #endif

@@ -3,6 +3,7 @@
 #include "protocol/output/histogram.h"
 
 #include "protocol/app/plot.h"
+#include "protocol/scene/remark.h"
 
 #include <stdlib.h>
 
@@ -61,7 +62,10 @@ void tdm_force_histogram_finish(tdm_force_histogram *h) {
   tdm_error none = {0};
   if (!h->file || h->ntime == 0)
     return;
-  fclose(h->file);
+  const bool bad = ferror(h->file);
+  if (fclose(h->file) != 0 || bad)
+    tdm_remark(TDM_WARNING, "contact_forces", "output.contacts", h->time[h->ntime - 1],
+               "cannot write all of " NAME ".csv in %s; is the disk full?", h->results->dir);
   h->file = NULL;
   const int n = h->ntime < CURVES ? h->ntime : CURVES;
   for (int c = 0; c < n; c++) {

@@ -111,6 +111,8 @@ bool tdm_outputs_due(const tdm_outputs *o, double t) {
 }
 
 bool tdm_outputs_want_contacts(const tdm_outputs *o, double t) {
+  if (!o->settings)
+    return false; /* not begun */
   bool want = o->settings->contacts && t + o->slack >= next_frame(o);
   for (int i = 0; i < o->settings->pictures.count; i++)
     want =
