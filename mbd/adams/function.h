@@ -76,7 +76,8 @@ typedef struct {
  * of it is appended. */
 json_t *adm_law(const adm_form *form, const adm_law_def *def, json_t *notes, const char **why);
 
-/* A number as JSON: that many digits that a person reads it as it was meant, 15. */
+/* A number as JSON: that many digits that a person reads it as it was meant, 15. null: it is not finite; adm_import
+ * refuses a scene with one. */
 json_t *adm_real(double x);
 
 const adm_spline *adm_find_spline(const adm_spline *spline, int nspline, long id);

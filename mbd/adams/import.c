@@ -185,6 +185,8 @@ static tdm_status add_body(adm_model *m, adm_part *p, tdm_error *err) {
   adm_name(p->of, "part", m->bodies, p->name);
   json_t *body = json_pack("{s:s, s:o, s:o, s:o}", "name", p->name, "mass", adm_real(p->mass), "inertia",
                            inertia_json(central_inertia(p, k, &m->marker[im])), "position", vector(k->pose.position));
+  if (!body)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the bodies of %s", m->dataset.file);
   if (turned(k->euler))
     json_object_set_new(body, "orientation", angles(k->euler));
   if (tdm_norm(velocity) > 0)
@@ -242,6 +244,27 @@ static tdm_status add_elements(adm_model *m, tdm_error *err) {
   return err->status;
 }
 
+/* Whether a number of an element was not finite (adm_real). */
+static bool has_null(json_t *value) {
+  const char *key;
+  size_t i;
+  json_t *inner;
+  json_array_foreach(value, i, inner) if (has_null(inner)) return true;
+  json_object_foreach(value, key, inner) if (has_null(inner)) return true;
+  return json_is_null(value);
+}
+
+static tdm_status check_numbers(const adm_model *m, tdm_error *err) {
+  const json_t *const lists[] = {m->bodies, m->joints, m->drivers, m->forces};
+  size_t i;
+  json_t *element;
+  for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
+    json_array_foreach(lists[k], i, element) if (has_null(element))
+        tdm_fail(err, TDM_ERR_FILE, NULL, "%s: \"%s\" has a number that is too large in SI units; check its statement",
+                 m->dataset.file, json_string_value(json_object_get(element, "name")));
+  return err->status;
+}
+
 /* Elements have a place without what is empty. */
 static void set_list(json_t *mbd, const char *key, json_t *list) {
   if (json_array_size(list) > 0)
@@ -267,7 +290,7 @@ tdm_status adm_import(adm_model *m, const char *file, double end, json_t **scene
     *lists[i] = json_array();
   *scene = NULL;
   if (adm_dataset_read(&m->dataset, file, err) == TDM_OK && adm_model_read(m, err) == TDM_OK &&
-      add_bodies(m, err) == TDM_OK && add_elements(m, err) == TDM_OK)
+      add_bodies(m, err) == TDM_OK && add_elements(m, err) == TDM_OK && check_numbers(m, err) == TDM_OK)
     *scene = make_scene(m, end);
   if (!err->status && !*scene)
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the scene of %s", file);

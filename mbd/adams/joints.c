@@ -286,7 +286,8 @@ tdm_status adm_add_coupled(adm_model *m, const adm_statement *of, tdm_error *err
   const bool coupler = strcmp(of->keyword, "COUPLER") == 0;
   adm_reader r;
   adm_open(&r, &m->dataset, of, coupler ? names : joint_names, err);
-  double id[3] = {0}, scale[3] = {1, 1, 1};
+  long id[ADM_IDS_MAX] = {0};
+  double scale[ADM_IDS_MAX] = {1, 1, 1};
   if (!err->status && !coupler) {
     if (adm_find(&r, "RACKPIN"))
       add_rack(m, &r);
@@ -295,7 +296,7 @@ tdm_status adm_add_coupled(adm_model *m, const adm_statement *of, tdm_error *err
       return TDM_OK;
     }
   } else if (!err->status) {
-    const int n = adm_numbers(&r, "JOINTS", 2, 3, id), given = adm_numbers(&r, "SCALES", 1, n > 0 ? n : 3, scale);
+    const int n = adm_ids(&r, "JOINTS", 2, 3, id), given = adm_numbers(&r, "SCALES", 1, n > 0 ? n : 3, scale);
     if (!err->status && (n == 0 || given == 0)) /* user subroutines */
       adm_leave_out(m, of, "it has no JOINTS or no SCALES");
     else if (n == 3)
@@ -305,10 +306,10 @@ tdm_status adm_add_coupled(adm_model *m, const adm_statement *of, tdm_error *err
         scale[1] = scale[0];
         scale[0] = 1;
       }
-      const adm_joint *const j[2] = {find_joint(m, (long)id[0]), find_joint(m, (long)id[1])};
+      const adm_joint *const j[2] = {find_joint(m, id[0]), find_joint(m, id[1])};
       for (int k = 0; k < 2; k++)
-        if (!has_joint(m, (long)id[k]))
-          adm_fail(&m->dataset, of->line, err, "COUPLER/%ld names JOINT/%g, which the data set does not have", of->id,
+        if (!has_joint(m, id[k]))
+          adm_fail(&m->dataset, of->line, err, "COUPLER/%ld names JOINT/%ld, which the data set does not have", of->id,
                    id[k]);
       if (!err->status && (scale[0] == 0 || scale[1] == 0))
         adm_fail(&m->dataset, of->line, err, "COUPLER/%ld has a scale of zero; give another number", of->id);

@@ -20,6 +20,8 @@ json_t *adm_real(double x) {
   char text[32];
   snprintf(text, sizeof text, "%.15g", x);
   x = strtod(text, NULL);
+  if (!isfinite(x))
+    return json_null();
   return x == floor(x) && fabs(x) < 1e15 ? json_integer((json_int_t)x) : json_real(x);
 }
 
@@ -103,7 +105,8 @@ static void add_powers(maker *m) {
   const char *type = json_string_value(json_object_get(first, "type"));
   if (highest == 0 && m->power[0] == 0 && first)
     return;
-  if (highest == 0 && json_array_size(m->laws) == 1 && type && (type[0] == 's' || type[0] == 'h')) {
+  if (highest == 0 && json_array_size(m->laws) == 1 && type &&
+      ((type[0] == 's' && json_is_number(json_object_get(first, "to"))) || type[0] == 'h')) {
     if (type[0] == 's')
       json_object_set_new(first, "to", adm_real(m->power[0] + json_number_value(json_object_get(first, "to"))));
     json_object_set_new(first, type[0] == 's' ? "from" : "mean", adm_real(m->power[0]));

@@ -118,7 +118,13 @@ static tdm_vec3 read_point(const adm_reader *r, const char *name, double length,
   return tdm_scale(length, tdm_v3(x[0], x[1], x[2]));
 }
 
-/* Position and orientation by `origin` and REULER, or the points `z` on the z axis and `x` in the half plane of x. */
+/* The direction of the part of v that is perpendicular to the unit vector e. */
+static tdm_vec3 across(tdm_vec3 v, tdm_vec3 e) {
+  return tdm_unit(tdm_axpy(-tdm_dot(v, e), e, v));
+}
+
+/* Position and orientation by `origin` and REULER, or the points `z` on the z axis and `x` in the half plane of x; with
+ * USEXP `x` is on the x axis and `z` in the half plane of z. */
 static tdm_pose read_pose(const adm_reader *r, const adm_model *m, const char *origin, const char *z, const char *x,
                           tdm_euler313 *euler) {
   tdm_pose pose = {.orientation = tdm_quat_identity()};
@@ -133,8 +139,13 @@ static tdm_pose read_pose(const adm_reader *r, const adm_model *m, const char *o
   if (r->err->status || (!has_z && !has_x))
     return pose;
   tdm_vec3 e3 = tdm_unit(has_z ? on_z : tdm_cross(on_x, tdm_v3(0, 1, 0)));
-  tdm_vec3 other = has_x ? on_x : fabs(e3.x) < 0.9 ? tdm_v3(1, 0, 0) : tdm_v3(0, 1, 0);
-  tdm_vec3 e1 = tdm_unit(tdm_axpy(-tdm_dot(other, e3), e3, other)), e2 = tdm_cross(e3, e1);
+  const tdm_vec3 other = has_x ? on_x : fabs(e3.x) < 0.9 ? tdm_v3(1, 0, 0) : tdm_v3(0, 1, 0);
+  tdm_vec3 e1 = across(other, e3);
+  if (has_z && has_x && adm_find(r, "USEXP")) {
+    e1 = tdm_unit(on_x);
+    e3 = across(on_z, e1);
+  }
+  const tdm_vec3 e2 = tdm_cross(e3, e1);
   if (!(tdm_norm(e3) > 0.5 && tdm_norm(e1) > 0.5))
     adm_fail(r->dataset, r->of->line, r->err, "%s/%ld: %s, %s and %s are on one line, so that they give no axes",
              r->of->keyword, r->of->id, origin, z, x);
@@ -199,8 +210,8 @@ static int find_part(const adm_model *m, long id) {
 
 /* `current` is the identifier of the part statement before it, whose it is unless it says another; 0: none. */
 static tdm_status read_marker(adm_model *m, const adm_statement *of, long current, adm_marker *marker, tdm_error *err) {
-  static const char *const names[] = {"PART",     "QP",        "REULER",  "ZP",         "XP", "USEXP",
-                                      "FLOATING", "FLEX_BODY", "NODE_ID", "POINT_MASS", NULL};
+  static const char *const names[] = {"PART",  "QP",       "REULER",    "ZP",         "XP",
+                                      "USEXP", "FLOATING", "FLEX_BODY", "POINT_MASS", NULL};
   adm_reader r;
   *marker = (adm_marker){.of = of, .part = -1};
   if (adm_open(&r, &m->dataset, of, names, err) == TDM_OK && !adm_find(&r, "FLOATING") && !adm_find(&r, "FLEX_BODY") &&
@@ -249,7 +260,7 @@ int adm_find_marker(const adm_model *m, const adm_statement *of, int line, long 
 /* ---- splines ---- */
 
 static tdm_status read_spline(adm_model *m, const adm_statement *of, adm_spline *spline, tdm_error *err) {
-  static const char *const names[] = {"X", "Y", "LINEAR_EXTRAPOLATE", NULL};
+  static const char *const names[] = {"X", "Y", NULL};
   adm_reader r;
   int n = 0;
   *spline = (adm_spline){.of = of};
@@ -283,10 +294,35 @@ static int by_marker(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static tdm_status twice(const adm_model *m, const adm_statement *a, const adm_statement *b, tdm_error *err) {
-  const int first = a->line < b->line ? a->line : b->line, second = a->line < b->line ? b->line : a->line;
-  return adm_fail(&m->dataset, second, err, "%s/%ld is there already, at line %d; give one of them another identifier",
-                  a->keyword, a->id, first);
+static int by_identifier(const void *a, const void *b) {
+  const adm_statement *x = *(const adm_statement *const *)a, *y = *(const adm_statement *const *)b;
+  const int order = strcmp(x->keyword, y->keyword);
+  if (order != 0)
+    return order;
+  return x->id != y->id ? (x->id > y->id) - (x->id < y->id) : (x->line > y->line) - (x->line < y->line);
+}
+
+/* Statements that are translated have identifiers, and those of a keyword are different. */
+static tdm_status check_identifiers(const adm_dataset *d, tdm_error *err) {
+  const adm_statement **sorted = malloc(((size_t)d->n + 1) * sizeof *sorted);
+  int n = 0;
+  if (!sorted)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %s", d->file);
+  for (int i = 0; i < d->n && !err->status; i++) {
+    const adm_statement *of = &d->statement[i];
+    if (of->meaning != ADM_READ || strcmp(of->keyword, "UNITS") == 0 || strcmp(of->keyword, "ACCGRAV") == 0)
+      continue;
+    sorted[n++] = of;
+    if (of->id == 0)
+      adm_fail(d, of->line, err, "%s has no identifier; write %s/1 or another that is free", of->keyword, of->keyword);
+  }
+  qsort(sorted, (size_t)n, sizeof *sorted, by_identifier);
+  for (int i = 1; i < n && !err->status; i++)
+    if (strcmp(sorted[i]->keyword, sorted[i - 1]->keyword) == 0 && sorted[i]->id == sorted[i - 1]->id)
+      adm_fail(d, sorted[i]->line, err, "%s/%ld is there already, at line %d; give one of them another identifier",
+               sorted[i]->keyword, sorted[i]->id, sorted[i - 1]->line);
+  free(sorted);
+  return err->status;
 }
 
 static int count(const adm_model *m, const char *keyword) {
@@ -318,9 +354,6 @@ static tdm_status read_parts(adm_model *m, tdm_error *err) {
       grounds += m->part[m->npart - 1].ground;
     }
   qsort(m->part, (size_t)m->npart, sizeof *m->part, by_part);
-  for (int i = 1; i < m->npart && !err->status; i++)
-    if (m->part[i].of->id == m->part[i - 1].of->id)
-      twice(m, m->part[i].of, m->part[i - 1].of, err);
   if (!err->status && (grounds > 1 || m->npart - grounds < 1))
     adm_fail(d, 1, err, "has %d ground parts and %d that move; give at most one and at least one", grounds,
              m->npart - grounds);
@@ -338,9 +371,6 @@ static tdm_status read_markers(adm_model *m, tdm_error *err) {
       read_marker(m, of, current, &m->marker[m->nmarker++], err);
   }
   qsort(m->marker, (size_t)m->nmarker, sizeof *m->marker, by_marker);
-  for (int i = 1; i < m->nmarker && !err->status; i++)
-    if (m->marker[i].of->id == m->marker[i - 1].of->id)
-      twice(m, m->marker[i].of, m->marker[i - 1].of, err);
   return err->status;
 }
 
@@ -352,12 +382,8 @@ tdm_status adm_model_read(adm_model *m, tdm_error *err) {
   m->joint = calloc((size_t)count(m, "JOINT") + 1, sizeof *m->joint);
   if (!m->part || !m->marker || !m->spline || !m->joint)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %s", d->file);
-  for (int i = 0; i < d->n && !err->status; i++)
-    if (d->statement[i].meaning == ADM_READ && d->statement[i].id == 0 &&
-        strcmp(d->statement[i].keyword, "UNITS") != 0 && strcmp(d->statement[i].keyword, "ACCGRAV") != 0)
-      adm_fail(d, d->statement[i].line, err, "%s has no identifier; write %s/1 or another that is free",
-               d->statement[i].keyword, d->statement[i].keyword);
-  if (err->status || read_system(m, err) != TDM_OK || read_parts(m, err) != TDM_OK || read_markers(m, err) != TDM_OK)
+  if (check_identifiers(d, err) != TDM_OK || read_system(m, err) != TDM_OK || read_parts(m, err) != TDM_OK ||
+      read_markers(m, err) != TDM_OK)
     return err->status;
   for (int i = 0; i < d->n && !err->status; i++)
     if (strcmp(d->statement[i].keyword, "SPLINE") == 0)

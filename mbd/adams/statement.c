@@ -12,9 +12,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-/* Bytes of a file at most: a hundred times what the largest rigid machines have. */
-enum { MOST_BYTES = 1 << 28 };
+/* Bytes of a file at most: a hundred times what the largest rigid machines have. Attributes of a statement. */
+enum { MOST_BYTES = 1 << 28, MOST_ATTRIBUTES = 1000 };
+
+/* Larger numbers are refused. */
+static const double most_number = 1e60;
 
 static const char blanks[] = " \t\r\n\f\v";
 
@@ -211,13 +215,9 @@ static tdm_status take_line(source *s, tdm_error *err) {
 }
 
 static tdm_status read_lines(source *s, tdm_error *err) {
-  size_t bytes = 0;
   ssize_t length;
   while (!s->ended && (length = getline(&s->line, &s->size, s->stream)) >= 0) {
     s->number++;
-    bytes += (size_t)length;
-    if (bytes > MOST_BYTES)
-      return adm_fail(s->d, s->number, err, "the file has more than %d MB; is it a data set?", MOST_BYTES >> 20);
     if (strlen(s->line) != (size_t)length)
       return adm_fail(s->d, s->number, err, "has a byte 0, so this is no text; give the data set that Adams reads");
     if (s->number == 1) {
@@ -239,11 +239,15 @@ static tdm_status read_lines(source *s, tdm_error *err) {
 tdm_status adm_dataset_read(adm_dataset *d, const char *file, tdm_error *err) {
   const char *why;
   source s = {.d = d};
+  struct stat is;
   d->file = file;
   s.stream = tdm_open_input(file, false, &why);
   if (!s.stream)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be opened: %s; check the name and the folder", file, why);
-  read_lines(&s, err);
+  if (fstat(fileno(s.stream), &is) == 0 && is.st_size > MOST_BYTES)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: the file has more than %d MB; is it a data set?", file, MOST_BYTES >> 20);
+  else
+    read_lines(&s, err);
   free(s.line);
   fclose(s.stream);
   return err->status;
@@ -285,7 +289,7 @@ bool adm_scan_number(const char **at, double *x) {
     end = p + 1;
   }
   *at = end;
-  return isfinite(*x);
+  return fabs(*x) <= most_number;
 }
 
 /* ---- attributes ---- */
@@ -312,9 +316,9 @@ static int lines_between(const char *from, const char *to) {
   return n;
 }
 
-static tdm_status read_attribute(adm_reader *r, const char **at, const char *const *names) {
+static tdm_status read_attribute(adm_reader *r, const char **at, int line, const char *const *names) {
   adm_attribute *a = &r->attribute[r->n];
-  *a = (adm_attribute){.line = r->of->line + lines_between(r->of->text, *at)};
+  *a = (adm_attribute){.line = line};
   const char *p = *at;
   if (!isalpha((unsigned char)*p))
     return adm_fail(r->dataset, a->line, r->err, "%s/%ld cannot be read at \"%.30s\"; NAME = value must stand there",
@@ -339,12 +343,18 @@ static tdm_status read_attribute(adm_reader *r, const char **at, const char *con
 tdm_status adm_open(adm_reader *r, const adm_dataset *d, const adm_statement *of, const char *const *names,
                     tdm_error *err) {
   *r = (adm_reader){.dataset = d, .of = of, .err = err};
-  const char *p = of->text;
+  const char *p = of->text, *counted = p; /* up to where `line` counts */
+  int line = of->line;
   size_t room = 0;
   while (err->status == TDM_OK) {
     p += strspn(p, ", \t\n\\");
     if (!*p)
       break;
+    line += lines_between(counted, p);
+    counted = p;
+    if (r->n == MOST_ATTRIBUTES)
+      return adm_fail(d, line, err, "%s/%ld has more than %d attributes; is a line missing?", of->keyword, of->id,
+                      MOST_ATTRIBUTES);
     if ((size_t)r->n == room) {
       room = room ? 2 * room : 16;
       adm_attribute *more = realloc(r->attribute, room * sizeof *more);
@@ -352,13 +362,12 @@ tdm_status adm_open(adm_reader *r, const adm_dataset *d, const adm_statement *of
         return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %s", d->file);
       r->attribute = more;
     }
-    read_attribute(r, &p, names);
+    read_attribute(r, &p, line, names);
   }
   for (int i = 0; i < r->n && !err->status; i++)
-    for (int k = 0; k < i; k++)
-      if (r->attribute[i].known && r->attribute[i].known == r->attribute[k].known)
-        return adm_fail(d, r->attribute[i].line, err, "%s/%ld has %s twice; keep one", of->keyword, of->id,
-                        r->attribute[i].known);
+    if (r->attribute[i].known && adm_find(r, r->attribute[i].known) != &r->attribute[i])
+      return adm_fail(d, r->attribute[i].line, err, "%s/%ld has %s twice; keep one", of->keyword, of->id,
+                      r->attribute[i].known);
   return err->status;
 }
 
@@ -403,8 +412,8 @@ double *adm_all_numbers(const adm_reader *r, const char *name, int *n) {
     const char *start = p;
     if (!adm_scan_number(&p, &x[*n]) || (*p && !strchr(", \t\n", *p))) {
       adm_fail(r->dataset, a->line + lines_between(a->value, start), r->err,
-               "%s/%ld: \"%.*s\" in %s is no number; write it as 12.5, 1.25E1 or, an angle in degrees, 30D",
-               r->of->keyword, r->of->id, (int)strcspn(start, ", \t\n"), start, name);
+               "%s/%ld: \"%.*s\" in %s is no number up to %g; write it as 12.5, 1.25E1 or, an angle in degrees, 30D",
+               r->of->keyword, r->of->id, (int)strcspn(start, ", \t\n"), start, name, most_number);
       break;
     }
     (*n)++;
@@ -440,13 +449,23 @@ double adm_number(const adm_reader *r, const char *name, double otherwise) {
   return adm_numbers(r, name, 1, 1, &x) == 1 ? x : otherwise;
 }
 
+int adm_ids(const adm_reader *r, const char *name, int least, int most, long *id) {
+  double x[ADM_IDS_MAX];
+  const int n = adm_numbers(r, name, least, most, x);
+  for (int i = 0; i < n && !r->err->status; i++)
+    if (x[i] >= 1 && x[i] <= INT_MAX && x[i] == floor(x[i]))
+      id[i] = (long)x[i];
+    else
+      adm_fail(r->dataset, adm_find(r, name)->line, r->err,
+               "%s/%ld: %g in %s is no identifier of a statement, a whole number from 1", r->of->keyword, r->of->id,
+               x[i], name);
+  return r->err->status ? 0 : n;
+}
+
 long adm_id(const adm_reader *r, const char *name, bool required) {
-  const adm_attribute *a = adm_find(r, name);
-  double x = 0;
-  if (a && adm_numbers(r, name, 1, 1, &x) == 1 && !(x >= 1 && x <= INT_MAX && x == floor(x)))
-    adm_fail(r->dataset, a->line, r->err, "%s/%ld: %s must be the identifier of a statement, a whole number from 1",
-             r->of->keyword, r->of->id, name);
-  if (!a && required)
+  long id = 0;
+  adm_ids(r, name, 1, 1, &id);
+  if (!adm_find(r, name) && required)
     adm_fail(r->dataset, r->of->line, r->err, "%s/%ld has no %s; add it", r->of->keyword, r->of->id, name);
-  return r->err->status ? 0 : (long)x;
+  return r->err->status ? 0 : id;
 }

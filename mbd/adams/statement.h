@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { ADM_WORD_MAX = 31, ADM_VIEW_NAME_MAX = 64 };
+enum { ADM_WORD_MAX = 31, ADM_VIEW_NAME_MAX = 64, ADM_IDS_MAX = 3 };
 
 /* What a statement is to a mechanism of rigid bodies. */
 typedef enum {
@@ -85,13 +85,17 @@ int adm_numbers(const adm_reader *r, const char *name, int least, int most, doub
 /* A number, or `otherwise` where the attribute is not there. */
 double adm_number(const adm_reader *r, const char *name, double otherwise);
 
+/* As adm_numbers, for identifiers: whole numbers from 1. most: ADM_IDS_MAX or less. */
+int adm_ids(const adm_reader *r, const char *name, int least, int most, long *id);
+
 /* An identifier; 0: it is not there, which is an error if it is `required`. */
 long adm_id(const adm_reader *r, const char *name, bool required);
 
 /* All numbers of an attribute, in a new array that the caller frees; NULL: not there, or an error. */
 double *adm_all_numbers(const adm_reader *r, const char *name, int *n);
 
-/* The number at *at, which moves behind it: digits, exponent, D for degrees; false: there is none. */
+/* The number at *at, which moves behind it: digits, exponent, D for degrees; false: there is none, or it is
+ * above 1e60, so that products of a few numbers stay finite. */
 bool adm_scan_number(const char **at, double *x);
 
 #endif

@@ -72,8 +72,26 @@ static void expect_left_out(const char *text) {
 }
 
 static void expect_error(const char *place, const char *text) {
-  ck_assert_ptr_null(scene);
+  ck_assert_msg(!scene, "no error at %s: %s", place, text);
   ck_assert_msg(strstr(error.message, place) && strstr(error.message, text), "%s", error.message);
+}
+
+static void expect_note(const char *text) {
+  size_t i;
+  json_t *note;
+  json_array_foreach(model.notes, i, note) if (strcmp(json_string_value(note), text) == 0) return;
+  ck_abort_msg("no note \"%s\"", text);
+}
+
+/* Axis k of an orientation by Euler angles: x, 0, z in the world. */
+static void expect_axis(const char *path, int k, double x, double z) {
+  const json_t *e = at(path);
+  const tdm_mat3 a = tdm_quat_to_matrix(tdm_euler313_to_quat((tdm_euler313){json_number_value(json_array_get(e, 0)),
+                                                                            json_number_value(json_array_get(e, 1)),
+                                                                            json_number_value(json_array_get(e, 2))}));
+  ck_assert_double_eq_tol(a.m[0][k], x, 1e-13);
+  ck_assert_double_eq_tol(a.m[1][k], 0, 1e-13);
+  ck_assert_double_eq_tol(a.m[2][k], z, 1e-13);
 }
 
 /* ---- against Adams' tables ---- */
@@ -157,6 +175,16 @@ START_TEST(test_part) {
   import_good("x\nUNITS/SYS=MKS\nPART/2,MASS=1,CM=3,IP=3,4,5,1,0,0\nMARKER/3,ZP=0,0,-1,XP=1,0,0\nEND\n");
   expect_number("bodies.0.inertia.3", -1); /* a scene has the elements of the matrix */
   expect_number("bodies.0.orientation.euler313.1", M_PI);
+  /* x and z points not at right angles: z keeps its direction, with USEXP x does */
+  import_good(START "MARKER/24, ZP = 0, 0, -3, XP = 1, 0, 1\nJOINT/1, HOOKE, I = 24, J = 1\nEND\n");
+  expect_axis("bodies.0.markers.0.orientation.euler313", 0, 1, 0);
+  expect_axis("bodies.0.markers.0.orientation.euler313", 2, 0, -1);
+  import_good(START "MARKER/24, ZP = 0, 0, -3, XP = 1, 0, 1, USEXP\nJOINT/1, HOOKE, I = 24, J = 1\nEND\n");
+  expect_axis("bodies.0.markers.0.orientation.euler313", 0, sqrt(0.5), sqrt(0.5));
+  expect_axis("bodies.0.markers.0.orientation.euler313", 2, sqrt(0.5), -sqrt(0.5));
+  import_good(START "MARKER/24, ZP = 0, 0, 3, NODE_ID = 4\nSPLINE/1, X=1,2,3,4, Y=1,2,3,4, LINEAR\nEND\n");
+  expect_note("line 11: MARKER/24: its NODE_ID is left out");
+  expect_note("line 12: SPLINE/1: its LINEAR is left out");
   forget();
   directory_remove(dir);
 }
@@ -353,34 +381,69 @@ END_TEST
 
 /* ---- wrong files ---- */
 
+/* A statement of too many attributes, a file of too many bytes */
+static void expect_bounds(void) {
+  static char text[8192];
+  char file[256];
+  strcpy(text, START "MARKER/9");
+  for (int k = 0; k < 1001; k++)
+    strcat(text, k == 1000 ? "\n, Q" : ", Q");
+  strcat(text, "\nEND\n");
+  import(text);
+  expect_error("a.adm:12", "more than 1000 attributes");
+  forget();
+  snprintf(file, sizeof file, "%s/a.adm", dir);
+  ck_assert_int_eq(truncate(file, 300 << 20), 0);
+  adm_import(&model, file, 1, &scene, &error);
+  expect_error("a.adm", "more than 256 MB");
+}
+
 START_TEST(test_wrong) {
   static const struct {
     const char *text, *place, *says;
-  } wrong[] = {{START "JOINT/1, REVOLUTE, I = 99, J = 1\nEND\n", "a.adm:11", "MARKER/99"},
-               {START "JOINT/1, REVOLUTE\n, J = 1\nEND\n", "a.adm:11", "has no I"},
-               {START "JOINT/1, REVOLUTE, I = 22, J = 21\nEND\n", "a.adm:11", "both on PART/2"},
-               {START "JOINT/1, REVOLVING, I = 22, J = 1\nEND\n", "a.adm:11", "no type"},
-               {START "MARKER/21\nEND\n", "a.adm:11", "line 7"},
-               {START "MARKER/9, PART = 8\nEND\n", "a.adm:11", "PART/8"},
-               {START "PART/3\n, MASS = 1.2.3\n! a comment\n, CM = 1\nEND\n", "a.adm:12", "1.2.3"},
-               {START "PART/3, MASS = 1, CM = 1, IP = 1, 2\nEND\n", "a.adm:11", "IP has 2"},
-               {START "PART/3, MASS = 1E999, CM = 1, IP = 1, 2, 2\nEND\n", "a.adm:11", "1E999"},
-               {START "PART/3\nEND\n", "a.adm:11", "no mass"},
-               {START "MARKER/12X\nEND\n", "a.adm:11", "whole number"},
-               {START "MARKER/99999999999999999999\nEND\n", "a.adm:11", "whole number"},
-               {START "MARKER\nEND\n", "a.adm:11", "no identifier"},
-               {START "(garbled)\nEND\n", "a.adm:11", "no statement"},
-               {START "JOINT 1\nEND\n", "a.adm:11", "a / must follow"},
-               {START "SPLINE/1, X = 0, 1, 1, 2, Y = 1, 2, 3, 4\nEND\n", "a.adm:11", "must rise"},
-               {START "MARKER/9, QP = 1, 2, 3, QP = 1, 2, 3\nEND\n", "a.adm:11", "twice"},
-               {START, "a.adm:10", "without END"},
-               {"", "a.adm:0", "without END"},
-               {"title\n, I = 3\nEND\n", "a.adm:2", "none stands before"}};
+  } wrong[] = {
+      {START "JOINT/1, REVOLUTE, I = 99, J = 1\nEND\n", "a.adm:11", "MARKER/99"},
+      {START "JOINT/1, REVOLUTE\n, J = 1\nEND\n", "a.adm:11", "has no I"},
+      {START "JOINT/1, REVOLUTE, I = 22, J = 21\nEND\n", "a.adm:11", "both on PART/2"},
+      {START "JOINT/1, REVOLVING, I = 22, J = 1\nEND\n", "a.adm:11", "no type"},
+      {START "MARKER/21\nEND\n", "a.adm:11", "line 7"},
+      {START HINGE "JOINT/1, FIXED, I = 23, J = 2\nEND\n", "a.adm:12", "JOINT/1 is there already, at line 11"},
+      {START "SPLINE/1, X=1,2,3,4, Y=1,2,3,4\nSPLINE/1, X=1,2,3,4, Y=1,2,3,4\nEND\n", "a.adm:12", "line 11"},
+      {START "MARKER/9, PART = 8\nEND\n", "a.adm:11", "PART/8"},
+      {START "PART/3\n, MASS = 1.2.3\n! a comment\n, CM = 1\nEND\n", "a.adm:12", "1.2.3"},
+      {START "PART/3, MASS = 1, CM = 1, IP = 1, 2\nEND\n", "a.adm:11", "IP has 2"},
+      {START "PART/3, MASS = 1E999, CM = 1, IP = 1, 2, 2\nEND\n", "a.adm:11", "1E999"},
+      {"x\nUNITS/FORCE=NEWTON,MASS=TONNE,LENGTH=METER,TIME=SECOND\nPART/2,MASS=1E308,CM=3,IP=1,1,1\n"
+       "MARKER/3\nEND\n",
+       "a.adm:3", "1E308"},
+      {START "PART/3, MASS=1, CM=31, IM=32, IP=1,2,2\nMARKER/31\nMARKER/32, QP=1E200,0,0\n"
+             "JOINT/1, FIXED, I=31, J=1\nEND\n",
+       "a.adm:13", "1E200"},
+      {START "SPRINGDAMPER/1, TRANS, I=21, J=1, K=1E-300, FORCE=1E50\nEND\n", "a.adm", "\"spring_1\" has a number"},
+      {"x\nUNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=KILOMETER,TIME=SECOND\nPART/1,GROUND\nMARKER/1\n"
+       "PART/2,MASS=1,CM=3,IP=1,1,1\nMARKER/3\nJOINT/1,TRANS,I=3,J=1\n"
+       "MOTION/1,JOINT=1,TRANS,FUNCTION=1+STEP(TIME,0,0,1,1E7*1E50**6)\nEND\n",
+       "a.adm", "\"motion_1\" has a number"},
+      {START HINGE "COUPLER/1, JOINTS = 1E50, 2, SCALES = 4\nEND\n", "a.adm:12", "1e+50 in JOINTS"},
+      {START HINGE "COUPLER/1, JOINTS = 1E300, 2, SCALES = 4\nEND\n", "a.adm:12", "1E300"},
+      {START HINGE "COUPLER/1, JOINTS = 1, 1.7, SCALES = 4\nEND\n", "a.adm:12", "1.7 in JOINTS"},
+      {START "PART/3\nEND\n", "a.adm:11", "no mass"},
+      {START "MARKER/12X\nEND\n", "a.adm:11", "whole number"},
+      {START "MARKER/99999999999999999999\nEND\n", "a.adm:11", "whole number"},
+      {START "MARKER\nEND\n", "a.adm:11", "no identifier"},
+      {START "(garbled)\nEND\n", "a.adm:11", "no statement"},
+      {START "JOINT 1\nEND\n", "a.adm:11", "a / must follow"},
+      {START "SPLINE/1, X = 0, 1, 1, 2, Y = 1, 2, 3, 4\nEND\n", "a.adm:11", "must rise"},
+      {START "MARKER/9, QP = 1, 2, 3, QP = 1, 2, 3\nEND\n", "a.adm:11", "twice"},
+      {START, "a.adm:10", "without END"},
+      {"", "a.adm:0", "without END"},
+      {"title\n, I = 3\nEND\n", "a.adm:2", "none stands before"}};
   dir = directory_make();
   for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
     import(wrong[k].text);
     expect_error(wrong[k].place, wrong[k].says);
   }
+  expect_bounds();
   forget();
   directory_remove(dir);
 }
