@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char help[] =
@@ -89,27 +90,35 @@ static void write_text(FILE *f, const char *text) {
     const char c = *p++;
     fputc(c, f);
     column = c == '\n' ? 0 : column + 1;
-    quoted = quoted != (c == '"' && (p - text < 2 || p[-2] != '\\'));
+    if (c == '\\') /* in a string: what follows belongs to it */
+      fputc(*p++, f);
+    quoted = quoted != (c == '"');
     if (c == '[' && !quoted && flat(p, &n))
       p = write_list(f, p, p + n, column);
   }
   fputc('\n', f);
 }
 
-static tdm_status write_scene(const json_t *scene, const char *out, tdm_error *err) {
+/* With `force` a file beside it takes the place of an old one when it is whole; a device or link is written to. */
+static tdm_status write_scene(const json_t *scene, const char *out, bool force, tdm_error *err) {
+  char part[4400];
+  struct stat old;
+  const bool there = force && lstat(out, &old) == 0, replaces = there && S_ISREG(old.st_mode);
   char *text = json_dumps(scene, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
   if (!text)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the text of %s", out);
+  snprintf(part, sizeof part, "%s.part", out);
+  const char *path = replaces ? part : out;
   errno = 0;
-  FILE *f = fopen(out, "w");
+  FILE *f = fopen(path, force ? "w" : "wx");
   if (f)
     write_text(f, text);
   free(text);
   const bool bad = !f || ferror(f);
-  if ((f && fclose(f) != 0) || bad) {
+  if ((f && fclose(f) != 0) || bad || (replaces && rename(part, out) != 0)) {
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", out, strerror(errno));
-    if (f)
-      unlink(out);
+    if (f && (replaces || !there))
+      unlink(path);
   }
   return err->status;
 }
@@ -160,7 +169,7 @@ static tdm_status import(const arguments *a, const char *file, const char *out, 
   if (!err->status && a->strict && left > 0)
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: %zu statements would be left out, first %s (refused because of --strict)",
              file, left, json_string_value(json_array_get(m.left_out, 0)));
-  if (!err->status && try_scene(scene, file, err) == TDM_OK && write_scene(scene, out, err) == TDM_OK)
+  if (!err->status && try_scene(scene, file, err) == TDM_OK && write_scene(scene, out, a->force, err) == TDM_OK)
     print_summary(&m, out);
   json_decref(scene);
   adm_model_free(&m);

@@ -479,6 +479,30 @@ START_TEST(test_command) {
 }
 END_TEST
 
+/* The scene's file: what was there stays where it cannot be written; a title's last backslash is a part of it */
+START_TEST(test_file) {
+  dir = directory_make();
+  write_file(dir, "a.adm", "a\\\nUNITS/SYSTEM=MKS\nPART/2,MASS=1,CM=3,IP=2,2,2\nMARKER/3\nEND\n");
+  write_file(dir, "a.json", "old\n");
+  ck_assert_int_ne(command("sh -c \"trap '' XFSZ; ulimit -f 0; tandem-mbd import %s/a.adm --force\"", dir), 0);
+  expect_output("a.json: cannot be written: ");
+  ck_assert(!is_there(dir, ".", "a.json.part"));
+  command("cat %s/a.json", dir);
+  ck_assert_str_eq(command_output, "old\n");
+  ck_assert_int_ne(command("sh -c \"trap '' XFSZ; ulimit -f 0; tandem-mbd import %s/a.adm --out %s/b\"", dir, dir), 0);
+  ck_assert(!is_there(dir, ".", "b"));
+  ck_assert_int_eq(command("ln -s /dev/full %s/full", dir), 0);
+  ck_assert_int_eq(command("tandem-mbd import %s/a.adm --out %s/full --force", dir, dir), 1);
+  ck_assert_int_eq(command("test -L %s/full", dir), 0);
+  ck_assert_msg(command("tandem-mbd import %s/a.adm --force", dir) == 0, "%s", command_output);
+  ck_assert(!is_there(dir, ".", "a.json.part"));
+  command("cat %s/a.json", dir);
+  expect_output("\"title\": \"a\\\\\"");
+  expect_output("\"inertia\": [2, 2, 2]");
+  directory_remove(dir);
+}
+END_TEST
+
 /* Truncated and garbled data sets: a scene or an error, never a crash */
 START_TEST(test_garbled) {
   static char text[8192], garbled[8192];
@@ -523,4 +547,4 @@ END_TEST
 
 TEST_MAIN_ROWS("mbd_adams", {test_published, NPUBLISHED}, {test_units, 1}, {test_part, 1}, {test_joints, 1},
                {test_couplers, 1}, {test_laws, 1}, {test_motions, 1}, {test_forces, 1}, {test_wrong, 1},
-               {test_command, 1}, {test_garbled, 1})
+               {test_command, 1}, {test_file, 1}, {test_garbled, 1})
