@@ -138,7 +138,7 @@ typedef struct {
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
   bool with_contacts; /* set by who asks for a snapshot: contacts are wanted, which cost an evaluation of all forces */
-  int ncontact;
+  int ncontact;       /* number of contacts */
   tdm_view_contact *contact; /* (ncontact) in an order that means nothing */
   size_t capacity[7];        /* of bodies, lines, points, forces, particles, orientations, contacts */
 } tdm_snapshot;
