@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,6 +17,7 @@
 #include <zip.h>
 
 static const uint64_t most = UINT64_C(4) << 30; /* bytes of all files together */
+enum { ENTRIES_MAX = 100000 };
 
 /* ---- the directory ---- */
 
@@ -60,8 +62,13 @@ static tdm_status remove_at_end(const char *dir, tdm_error *err) {
 }
 
 static tdm_status make_dir(char *dir, tdm_error *err) {
+  char absolute[PATH_MAX];
   const char *temporary = getenv("TMPDIR");
-  if (!temporary || !*temporary || strlen(temporary) > TDM_FMI_DIR_MAX - 32)
+  if (!temporary || !*temporary)
+    temporary = "/tmp";
+  if (realpath(temporary, absolute)) /* FMUs are told of it as a URI */
+    temporary = absolute;
+  if (strlen(temporary) > TDM_FMI_DIR_MAX - 32)
     temporary = "/tmp";
   snprintf(dir, TDM_FMI_DIR_MAX, "%s/tandem-fmu-XXXXXX", temporary);
   if (mkdtemp(dir))
@@ -95,7 +102,13 @@ static void make_folders(char *path) {
   }
 }
 
-static tdm_status unpack_entry(zip_t *zip, const zip_stat_t *entry, const char *file, const char *dir, tdm_error *err) {
+static tdm_status too_large(const char *file, tdm_error *err) {
+  return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: would need more than 4 GiB when unpacked", file);
+}
+
+/* `left`: bytes that may be written still; the sizes that an archive declares may be wrong. */
+static tdm_status unpack_entry(zip_t *zip, const zip_stat_t *entry, const char *file, const char *dir, uint64_t *left,
+                               tdm_error *err) {
   char path[4096], block[65536];
   if (!is_inside(entry->name) || snprintf(path, sizeof path, "%s/%s", dir, entry->name) >= (int)sizeof path)
     return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: has an entry \"%s\" that would not lie in the FMU's own folder", file,
@@ -106,11 +119,16 @@ static tdm_status unpack_entry(zip_t *zip, const zip_stat_t *entry, const char *
   zip_file_t *in = zip_fopen_index(zip, entry->index, 0);
   FILE *out = in ? fopen(path, "we") : NULL;
   zip_int64_t got = -1;
-  while (out && (got = zip_fread(in, block, sizeof block)) > 0)
-    if (fwrite(block, 1, (size_t)got, out) != (size_t)got)
+  while (out && (got = zip_fread(in, block, sizeof block)) > 0) {
+    if ((uint64_t)got > *left || fwrite(block, 1, (size_t)got, out) != (size_t)got)
       break;
-  const bool good = out && got == 0;
-  if ((out && fclose(out) != 0) || !good)
+    *left -= (uint64_t)got;
+  }
+  const bool full = got > 0 && (uint64_t)got > *left, good = out && got == 0;
+  const bool closed = !out || fclose(out) == 0;
+  if (full)
+    too_large(file, err);
+  else if (!good || !closed)
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: \"%s\" cannot be unpacked to %s: %s", file, entry->name, dir,
              in && !out ? strerror(errno) : "the archive is damaged, or the disk is full");
   if (in)
@@ -120,7 +138,7 @@ static tdm_status unpack_entry(zip_t *zip, const zip_stat_t *entry, const char *
 
 tdm_status tdm_archive_unpack(const char *file, char *dir, tdm_error *err) {
   int why = 0;
-  uint64_t size = 0;
+  uint64_t left = most;
   dir[0] = 0;
   zip_t *zip = zip_open(file, ZIP_RDONLY, &why);
   if (!zip) {
@@ -133,14 +151,17 @@ tdm_status tdm_archive_unpack(const char *file, char *dir, tdm_error *err) {
   if (make_dir(dir, err) == TDM_OK)
     remove_at_end(dir, err);
   const zip_int64_t n = zip_get_num_entries(zip, 0);
+  if (err->status == TDM_OK && n > ENTRIES_MAX)
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: has more than %d entries", file, ENTRIES_MAX);
   for (zip_int64_t i = 0; i < n && err->status == TDM_OK; i++) {
     zip_stat_t entry;
-    if (zip_stat_index(zip, (zip_uint64_t)i, 0, &entry) != 0 || !(entry.valid & ZIP_STAT_NAME))
+    const zip_uint64_t due = ZIP_STAT_NAME | ZIP_STAT_SIZE;
+    if (zip_stat_index(zip, (zip_uint64_t)i, 0, &entry) != 0 || (entry.valid & due) != due)
       tdm_fail(err, TDM_ERR_FILE, NULL, "%s: the archive is damaged: %s", file, zip_strerror(zip));
-    else if ((size += entry.size) > most)
-      tdm_fail(err, TDM_ERR_FILE, NULL, "%s: would need more than 4 GiB when unpacked", file);
+    else if (entry.size > left)
+      too_large(file, err);
     else
-      unpack_entry(zip, &entry, file, dir, err);
+      unpack_entry(zip, &entry, file, dir, &left, err);
   }
   zip_discard(zip);
   if (err->status != TDM_OK)

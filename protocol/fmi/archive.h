@@ -9,7 +9,7 @@
 enum { TDM_FMI_DIR_MAX = 128 };
 
 /* Unpack a file into a new directory, whose path is written to dir (TDM_FMI_DIR_MAX bytes). Names that lead out of it
- * and archives of more than 4 GiB are refused. */
+ * and archives of more than 4 GiB or 100 000 entries are refused. */
 tdm_status tdm_archive_unpack(const char *file, char *dir, tdm_error *err);
 
 /* Remove it; nothing to do when dir is "". */

@@ -194,6 +194,12 @@ static void XMLCALL refuse_doctype(void *self, const char *name, const char *sys
 
 /* ---- the file ---- */
 
+/* A C identifier, as the standard has it: it becomes part of a path. */
+static bool is_identifier(const char *text) {
+  static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
+  return *text && !(*text >= '0' && *text <= '9') && text[strspn(text, letters)] == 0;
+}
+
 tdm_status tdm_description_read(tdm_fmi_description *d, const char *file, const char *fmu, tdm_error *err) {
   char block[16384];
   FILE *in = fopen(file, "re");
@@ -223,6 +229,11 @@ tdm_status tdm_description_read(tdm_fmi_description *d, const char *file, const 
              "%s: is no co-simulation FMU (modelDescription.xml has no CoSimulation with a modelIdentifier); export it "
              "for co-simulation",
              fmu);
+  else if (!is_identifier(d->identifier))
+    tdm_fail(err, TDM_ERR_FILE, NULL,
+             "%s: modelDescription.xml: its modelIdentifier \"%s\" is no C identifier (letters, digits, _); export it "
+             "again",
+             fmu, d->identifier);
   if (r.parser)
     XML_ParserFree(r.parser);
   fclose(in);

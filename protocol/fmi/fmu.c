@@ -67,7 +67,9 @@ static tdm_status load_binary(tdm_fmu *f, tdm_error *err) {
                     access(platforms, R_OK) == 0 ? ", only for others" : "");
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   if (!f->library)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: its binary cannot be loaded: %s", f->file, dlerror());
+    return tdm_fail(err, TDM_ERR_FILE, NULL,
+                    "%s: its binary cannot be loaded: %s; TMPDIR must be on a file system that allows programs",
+                    f->file, dlerror());
   f->table = calloc(1, f->version->table_size);
   if (!f->table)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
@@ -107,23 +109,27 @@ void tdm_fmu_close(tdm_fmu **fmu) {
 
 /* What the FMU's last call has returned. */
 static tdm_status judge(tdm_fmu *f, int status, const char *path, tdm_error *err) {
-  static const char *const words[] = {"ok", "warning", "discard", "error", "fatal", "pending"};
-  static const char *const cures[] = {[2] = "; it cannot do that: where it is a step, a smaller mbd.step may help",
-                                      [3] = "; it cannot go on",
-                                      [4] = "; all of it is beyond repair"};
+  static const struct {
+    const char *word, *cure;
+  } statuses[] = {[2] = {"discard", "; it cannot do that: where it is a step, a smaller mbd.step may help"},
+                  [3] = {"error", "; it cannot go on"},
+                  [4] = {"fatal", "; all of it is beyond repair"},
+                  [5] = {"pending", "; it steps asynchronously, which tandem-fmu does not take"},
+                  [6] = {"a status that the standard does not know", ""}};
   if (status == 0 || status == 1)
     return TDM_OK;
-  if (status > f->worst)
-    f->worst = status;
-  const bool known = status >= 0 && status <= 5;
+  const int known = status >= 2 && status <= 5 ? status : 6;
+  const int bad = known <= 4 ? known : 3; /* what else may come is as an error */
+  if (bad > f->worst)
+    f->worst = bad;
   return tdm_fail(err, TDM_ERR_NUMERIC, path, "%s: %s at t = %.9g s returned %s%s%s%s", f->file, last_call, f->t,
-                  known ? words[status] : "a status that the standard does not know", f->said[0] ? ": " : "", f->said,
-                  known && cures[status] ? cures[status] : "");
+                  statuses[known].word, f->said[0] ? ": " : "", f->said, statuses[known].cure);
 }
 
 tdm_status tdm_fmu_instantiate(tdm_fmu *f, tdm_error *err) {
   f->said[0] = 0;
   f->worst = 0;
+  f->running = false;
   f->instance = f->version->instantiate(f);
   if (f->instance)
     return TDM_OK;
@@ -138,7 +144,8 @@ tdm_status tdm_fmu_initialize(tdm_fmu *f, const tdm_fmu_experiment *experiment, 
   f->t = experiment->start;
   if (judge(f, f->version->enter(f, experiment), NULL, err) != TDM_OK)
     return err->status;
-  return judge(f, f->version->leave(f), NULL, err);
+  f->running = judge(f, f->version->leave(f), NULL, err) == TDM_OK;
+  return err->status;
 }
 
 tdm_status tdm_fmu_get(tdm_fmu *f, const uint32_t *reference, int n, double *value, int nvalue, tdm_error *err) {
@@ -184,7 +191,7 @@ tdm_status tdm_fmu_derivative(tdm_fmu *f, const uint32_t *unknown, int nunknown,
 }
 
 void tdm_fmu_end(tdm_fmu *f) {
-  if (f->instance && f->worst < 3)
+  if (f->instance && f->running && f->worst < 3)
     f->version->terminate(f);
   if (f->instance && f->worst < 4)
     f->version->release(f);

@@ -37,7 +37,8 @@ typedef struct {
   const struct tdm_fmu_version *version; /* of the standard */
   void *table;                           /* its functions (fmu2.c, fmu3.c) */
   void *instance;                        /* NULL: none */
-  int worst;                             /* status that a call has returned: 3 error, 4 fatal */
+  bool running;                          /* initialized, so to be terminated */
+  int worst;                             /* status that a call has returned: 2 discard, 3 error, 4 fatal */
   char said[512];                        /* last message with which it complained, "": none */
   double t;                              /* time that it is at, for messages [s] */
 } tdm_fmu;

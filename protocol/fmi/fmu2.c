@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct {
 #define X(result, name, parameters, need) result(*name) parameters;
@@ -36,12 +37,22 @@ static void logger(void *environment, const char *instance, fmi2_status status, 
   tdm_fmu_says(environment, (int)status, category, text);
 }
 
+/* The URI of a file by its absolute path: all but unreserved characters (RFC 3986) are percent-encoded. `out` has room
+ * for three times the path, and 8 bytes. */
+static void write_uri(char *out, const char *path) {
+  static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
+  out += sprintf(out, "file://");
+  for (; *path; path++)
+    out += sprintf(out, strchr(plain, *path) ? "%c" : "%%%02X", (unsigned char)*path);
+}
+
 static void *instantiate(tdm_fmu *f) {
-  char resources[TDM_FMI_DIR_MAX + 32];
+  char path[TDM_FMI_DIR_MAX + 16], resources[3 * sizeof path + 8];
   table2 *t = f->table;
   t->callbacks =
       (fmi2_callbacks){.logger = logger, .allocate = calloc, .release = free, .step_finished = NULL, .environment = f};
-  snprintf(resources, sizeof resources, "file://%s/resources", f->dir);
+  snprintf(path, sizeof path, "%s/resources", f->dir);
+  write_uri(resources, path);
   tdm_fmu_enter("fmi2Instantiate");
   void *instance = t->Instantiate("tandem", FMI2_CO_SIMULATION, f->description.token, resources, &t->callbacks,
                                   FMI2_FALSE, FMI2_FALSE);

@@ -4,6 +4,7 @@
 
 #include "model.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +15,7 @@ FMI2_FUNCTIONS(X)
 typedef struct {
   model m;
   const fmi2_callbacks *callbacks;
+  bool running; /* initialized */
 } instance;
 
 static fmi2_status tell(const instance *i, fmi2_status status, const char *message) {
@@ -27,7 +29,8 @@ fmi2_instance fmi2Instantiate(const char *name, int kind, const char *guid, cons
   (void)visible;
   (void)logging;
   i->callbacks = callbacks;
-  if (name && kind == FMI2_CO_SIMULATION && strncmp(resources, "file:///", 8) == 0 && model_make(&i->m, guid))
+  if (name && kind == FMI2_CO_SIMULATION && strncmp(resources, "file:///", 8) == 0 && !strchr(resources, ' ') &&
+      model_make(&i->m, guid))
     return i;
   tell(i, FMI2_ERROR, "this GUID is not mine");
   callbacks->release(i);
@@ -54,11 +57,14 @@ fmi2_status fmi2EnterInitializationMode(fmi2_instance c) {
 
 fmi2_status fmi2ExitInitializationMode(fmi2_instance c) {
   model_look(&((instance *)c)->m);
+  ((instance *)c)->running = true;
   return FMI2_OK;
 }
 
 fmi2_status fmi2Terminate(fmi2_instance c) {
-  return c ? FMI2_OK : FMI2_ERROR;
+  if (!((instance *)c)->running)
+    abort(); /* the standard allows it after initialization only */
+  return FMI2_OK;
 }
 
 fmi2_status fmi2GetReal(fmi2_instance c, const fmi2_reference *r, size_t n, double *value) {
@@ -98,7 +104,12 @@ fmi2_status fmi2DoStep(fmi2_instance c, double t, double h, int never_back) {
   (void)never_back;
   model_fails(&i->m, "hang");
   model_fails(&i->m, "crash");
+  model_fails(&i->m, "overflow");
   model_fails(&i->m, "exit");
+  if (model_fails(&i->m, "pending"))
+    return FMI2_PENDING;
+  if (model_fails(&i->m, "status7"))
+    return (fmi2_status)7;
   if (model_fails(&i->m, "discard"))
     return tell(i, FMI2_DISCARD, "the valve sticks");
   if (model_fails(&i->m, "error"))

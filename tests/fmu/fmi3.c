@@ -15,6 +15,7 @@ typedef struct {
   model m;
   fmi3_logger *logger;
   void *environment;
+  bool running; /* initialized */
 } instance;
 
 static fmi3_status tell(const instance *i, fmi3_status status, const char *message) {
@@ -67,11 +68,14 @@ fmi3_status fmi3EnterInitializationMode(fmi3_instance c, bool has_tolerance, dou
 
 fmi3_status fmi3ExitInitializationMode(fmi3_instance c) {
   model_look(&((instance *)c)->m);
+  ((instance *)c)->running = true;
   return FMI3_OK;
 }
 
 fmi3_status fmi3Terminate(fmi3_instance c) {
-  return c ? FMI3_OK : FMI3_ERROR;
+  if (!((instance *)c)->running)
+    abort(); /* the standard allows it after initialization only */
+  return FMI3_OK;
 }
 
 fmi3_status fmi3GetFloat64(fmi3_instance c, const fmi3_reference *r, size_t n, double *value, size_t nvalue) {

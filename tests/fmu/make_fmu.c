@@ -101,9 +101,10 @@ static char *describe(int version, const char *token, char **words, size_t *size
   fprintf(out, "%s=\"%s\">\n", version == 2 ? "guid" : "instantiationToken",
           asked(words, "other-token") ? "somebody's" : token);
   fprintf(out,
-          "<%s modelIdentifier=\"model\" %s=\"%s\" %s=\"%s\" canHandleVariableCommunicationStepSize=\"%s\" "
+          "<%s modelIdentifier=\"%s\" %s=\"%s\" %s=\"%s\" canHandleVariableCommunicationStepSize=\"%s\" "
           "canBeInstantiatedOnlyOncePerProcess=\"%s\"/>\n",
           asked(words, "exchange") ? "ModelExchange" : "CoSimulation",
+          asked(words, "identifier") ? "../model" : "model",
           version == 2 ? "canGetAndSetFMUstate" : "canGetAndSetFMUState", asked(words, "states") ? "true" : "false",
           version == 2 ? "providesDirectionalDerivative" : "providesDirectionalDerivatives",
           asked(words, "derivatives") ? "true" : "false", asked(words, "fixed") ? "false" : "true",
@@ -135,6 +136,11 @@ int main(int argc, char **argv) {
     add(zip, "modelDescription.xml", zip_source_buffer(zip, text, size, 0));
   if (asked(words, "escape"))
     add(zip, "../escaped.txt", zip_source_buffer(zip, "x", 1, 0));
+  for (int i = 0; asked(words, "many") && i < 100000; i++) {
+    snprintf(name, sizeof name, "resources/%d/", i);
+    if (zip_dir_add(zip, name, ZIP_FL_ENC_UTF_8) < 0)
+      return 1;
+  }
   snprintf(name, sizeof name, "binaries/%s/model.so",
            asked(words, "other-platform") ? "win64"
            : version == 2                 ? "linux64"

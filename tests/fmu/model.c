@@ -101,11 +101,20 @@ double model_derivative(const model *m, unsigned output, unsigned input) {
   return one.value[output] - other.value[output];
 }
 
+/* Uses up the stack; each call needs the one above it. */
+static int use_stack(unsigned n, const volatile char *above) {
+  volatile char room[4096];
+  room[0] = *above;
+  return n == 0 ? 0 : use_stack(n - 1, room) + room[0];
+}
+
 int model_fails(const model *m, const char *fault) {
   if (strcmp(m->fault, fault) != 0 || m->t < 0.004)
     return 0;
   if (strcmp(fault, "crash") == 0)
     raise(SIGSEGV);
+  if (strcmp(fault, "overflow") == 0)
+    return use_stack(1u << 30, m->fault);
   if (strcmp(fault, "exit") == 0)
     exit(0);
   while (strcmp(fault, "hang") == 0)

@@ -1,9 +1,14 @@
 /* Small models that the tests make FMUs of; fmi2.c and fmi3.c give them the two interfaces. Which one it is, and what
  * is to go wrong with it, the token (GUID) says: "spring", "arm hang" ...
  *
- *   spring    a mass on a spring and damper, x downwards: m x'' = m g + F - preload - k x - c x'
- *   arm       a body on an arm with a torsional spring and damper: I phi'' = M + mz + (r x f)_z + m g r_x - k phi - c
- * phi' cylinder  a piston that a valve feeds: m x'' = F + A p - c x', p' = (E/(V + A x)) (q sqrt(ps - p) - A x')
+ *   spring    a mass on a spring and damper, x downwards:
+ *             m x'' = m g + F - preload - k x - c x'
+ *
+ *   arm       a body on an arm with a torsional spring and damper:
+ *             I phi'' = M + mz + (r x f)_z + m g r_x - k phi - c phi'
+ *
+ *   cylinder  a piston that a valve feeds:
+ *             m x'' = F + A p - c x',   p' = (E/(V + A x)) (q sqrt(ps - p) - A x')
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEST_FMU_MODEL_H
@@ -74,7 +79,7 @@ void model_look(model *m);
 /* How an output changes with an input. */
 double model_derivative(const model *m, unsigned output, unsigned input);
 
-/* 1 if this is to go wrong now: "hang", "crash" and "exit" do so by themselves. */
+/* 1 if this is to go wrong now: "hang", "crash", "overflow" (of the stack) and "exit" do so by themselves. */
 int model_fails(const model *m, const char *fault);
 
 #endif

@@ -209,6 +209,9 @@ static const struct {
     {"2 'spring hang' states", "fmi2DoStep has not returned"},
     {"2 'spring crash' states", "crashed in fmi2DoStep"},
     {"2 'spring exit' states", "ended the process in fmi2DoStep"},
+    {"2 'spring overflow' states", "crashed in fmi2DoStep"},
+    {"2 'spring pending' states", "returned pending; it steps asynchronously"},
+    {"2 'spring status7' states", "returned a status that the standard does not know"},
     {"2 'spring discard' states", "returned discard: the valve sticks"},
     {"2 'spring error' states", "returned error: the oil boils"},
     {"2 'spring fatal' states", "returned fatal: the pump burst"},
@@ -226,6 +229,8 @@ static const struct {
     {"2 spring broken", "modelDescription.xml, line"},
     {"2 spring version1", "its fmiVersion is 1.0"},
     {"2 spring no-description", "has no modelDescription.xml"},
+    {"2 spring identifier", "its modelIdentifier \"../model\" is no C identifier"},
+    {"2 spring many", "has more than 100000 entries"},
     {"2 spring escape", "would not lie in the FMU's own folder"}};
 
 START_TEST(faults_are_named) {
@@ -262,6 +267,8 @@ static const struct {
     {"--set 'mbd.bodies[0].inputs={}'", "the loads of the particles would go nowhere"},
     {"--set mbd.bodies[0].name=deck", "there is no body \"plate\" in mbd.bodies"},
     {"--set mbd.colour=1", "colour"},
+    {"--set 'mbd.bodies[0].inputs.force[1]=\"f\"'", "the input \"f\" of"},
+    {"--set mbd.step=1e-30", "communication steps of 1e-30 s; give a longer step"},
     {"--set 'mbd.bodies[0].inputs.force[2]=\"f\"'", "no mechanism answers to loads as"}, /* a sign */
 };
 
@@ -271,6 +278,7 @@ START_TEST(mistakes_are_named) {
   ck_assert_int_eq(run(mistakes[_i].options), 1);
   ck_assert_msg(strstr(command_output, mistakes[_i].said) != NULL, "%s: no \"%s\" in\n%s", mistakes[_i].options,
                 mistakes[_i].said, command_output);
+  ck_assert_msg(strstr(command_output, "crashed") == NULL, "%s", command_output);
   teardown();
 }
 END_TEST
@@ -297,6 +305,16 @@ START_TEST(schemes_that_it_can_go_with) {
 }
 END_TEST
 
+/* The FMU is told of its folder by an absolute URI. */
+START_TEST(unpacks_where_tmpdir_says) {
+  setup();
+  pack("2 spring states");
+  ck_assert_msg(command("mkdir '%s/a b'", dir) == 0, "%s", command_output);
+  ck_assert_msg(command("env -C %s TMPDIR='a b' tandem run scene.json --out out", dir) == 0, "%s", command_output);
+  teardown();
+}
+END_TEST
+
 START_TEST(tells_what_it_has) {
   setup();
   pack("3 spring states");
@@ -316,4 +334,4 @@ END_TEST
 #define ROWS(table) (int)(sizeof table / sizeof table[0])
 TEST_MAIN_ROWS("fmu", {conforms, ROWS(models)}, {moves_as_tandem_mbd, ROWS(twins)}, {holds_in_long_windows, 2},
                {faults_are_named, ROWS(faults)}, {mistakes_are_named, ROWS(mistakes)}, {schemes_that_it_can_go_with, 1},
-               {tells_what_it_has, 1})
+               {unpacks_where_tmpdir_says, 1}, {tells_what_it_has, 1})

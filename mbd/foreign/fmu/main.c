@@ -63,8 +63,10 @@ static void on_exit_in_call(void) {
 
 static void watch(double timeout) {
   static const int signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  static char stack[65536]; /* of on_crash: an FMU may have used up its own */
+  sigaltstack(&(stack_t){.ss_sp = stack, .ss_size = sizeof stack}, NULL);
   for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++)
-    sigaction(signals[i], &(struct sigaction){.sa_handler = on_crash}, NULL);
+    sigaction(signals[i], &(struct sigaction){.sa_handler = on_crash, .sa_flags = SA_ONSTACK}, NULL);
   atexit(on_exit_in_call);
   patience = timeout / 2;
   const double tick = patience / 4;

@@ -2,9 +2,13 @@
  *
  * In the FMU's frame F, whose origin o and axes (quaternion q_F) in the world the scene gives, and in its units,
  * outputs are the place of a point P of the body, the body's orientation in F, and their rates; inputs are the
- * components of the load. With r from the centre of mass C to P, body axes, R the body's orientation in the world: x_C
- * = x_P - R r,   v_C = v_P - w x R r,   a_C = a_P - alpha x R r - w x (w x R r) M_P = M_C - R r x F,   M_o = M_C + (x_C
- * - o) x F
+ * components of the load. With r from the centre of mass C to P, body axes, R the body's orientation in the world:
+ *
+ *   x_C = x_P - R r
+ *   v_C = v_P - w x R r
+ *   a_C = a_P - alpha x R r - w x (w x R r)
+ *   M_P = M_C - R r x F
+ *   M_o = M_C + (x_C - o) x F
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MBD_FOREIGN_FMU_MAPPING_H

@@ -24,7 +24,15 @@ static const tdm_fmi_variable *find(const tdm_fmu *fmu, const char *name, const 
   return NULL;
 }
 
-/* A variable of type real that is an input, or else what can be looked at. */
+/* Whether a list has the variable, maybe by another name. */
+static bool is_taken(const fmu_list *l, const tdm_fmi_variable *v) {
+  for (int i = 0; i < l->nvariable; i++)
+    if (l->reference[i] == v->reference)
+      return true;
+  return false;
+}
+
+/* A variable of type real that is an input which nothing is mapped to yet, or else what can be looked at. */
 static const tdm_fmi_variable *find_real(const fmu_mapping *m, const char *name, bool input, const char *path,
                                          tdm_error *err) {
   const tdm_fmi_variable *v = find(m->fmu, name, path, err);
@@ -43,6 +51,9 @@ static const tdm_fmi_variable *find_real(const fmu_mapping *m, const char *name,
     tdm_fail(err, TDM_ERR_SCENE, path,
              "the size of the variable \"%s\" of %s depends on a structural parameter; "
              "tandem-fmu takes fixed sizes",
+             name, m->fmu->file);
+  else if (input && is_taken(&m->inputs, v))
+    tdm_fail(err, TDM_ERR_SCENE, path, "the input \"%s\" of %s is mapped already; it can take one component of a load",
              name, m->fmu->file);
   else
     return v;

@@ -24,7 +24,7 @@ tdm_status fmu_response_init(fmu_response *r, const fmu_mapping *m, double h, td
   r->D = calloc(nin * k + 1, sizeof(double));
   r->base = calloc(2 * k + 1, sizeof(double));
   r->Y = calloc(k * k + 1, sizeof(double));
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < 2; i++)
     r->state[i] = calloc((size_t)m->nbody + 1, sizeof(tdm_state));
   if (k > 0) {
     r->eigen = gsl_eigen_symmv_alloc(k);
@@ -33,7 +33,7 @@ tdm_status fmu_response_init(fmu_response *r, const fmu_mapping *m, double h, td
     r->values = gsl_vector_alloc(k);
   }
   if (!r->inputs || !r->outputs || !r->P || !r->D || !r->base || !r->Y || !r->state[0] || !r->state[1] ||
-      !r->state[2] || (k > 0 && (!r->eigen || !r->matrix || !r->vectors || !r->values)))
+      (k > 0 && (!r->eigen || !r->matrix || !r->vectors || !r->values)))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   return err->status;
 }
@@ -47,7 +47,7 @@ void fmu_response_free(fmu_response *r) {
   free(r->D);
   free(r->base);
   free(r->Y);
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < 2; i++)
     free(r->state[i]);
   gsl_eigen_symmv_free(r->eigen);
   gsl_matrix_free(r->matrix);
@@ -66,7 +66,7 @@ static tdm_status try_steps(fmu_response *r, double t, bool last, tdm_error *err
     if (tdm_fmu_set(f, in->reference, in->nvariable, r->inputs, in->nvalue, err) == TDM_OK &&
         tdm_fmu_step(f, t + (k - 1) * r->h, r->h, false, err) == TDM_OK &&
         tdm_fmu_get(f, out->reference, out->nvariable, r->outputs, out->nvalue, err) == TDM_OK)
-      fmu_mapping_states(r->m, r->outputs, r->state[k]);
+      fmu_mapping_states(r->m, r->outputs, r->state[k - 1]);
   if (!last && err->status == TDM_OK && tdm_fmu_go_back(f, r->kept, err) == TDM_OK)
     f->t = t;
   return err->status;
@@ -82,7 +82,7 @@ tdm_status fmu_response_accelerations(fmu_response *r, double t, const tdm_state
   if (try_steps(r, t, last, err) != TDM_OK)
     return err->status;
   for (int i = 0; i < 6 * r->m->nbody; i++)
-    out[i] = (4 * twist_of(r->state[1], i) - 3 * twist_of(state, i) - twist_of(r->state[2], i)) / (2 * r->h);
+    out[i] = (4 * twist_of(r->state[0], i) - 3 * twist_of(state, i) - twist_of(r->state[1], i)) / (2 * r->h);
   return TDM_OK;
 }
 
@@ -91,7 +91,7 @@ tdm_status fmu_response_accelerations(fmu_response *r, double t, const tdm_state
 /* P: inputs under unit loads, in these poses. */
 static void find_inputs(fmu_response *r, const tdm_state *state) {
   const int k = 6 * r->m->nbody, nin = r->m->inputs.nvalue;
-  tdm_wrench *load = (tdm_wrench *)(void *)r->base; /* room for 2 x 6k numbers, free until the trials */
+  tdm_wrench *load = (tdm_wrench *)(void *)r->base; /* room for 2 k numbers, free until the trials */
   memset(r->base, 0, (size_t)k * sizeof(double));
   for (int j = 0; j < k; j++) {
     ((double *)(void *)load)[j] = 1;
@@ -132,7 +132,7 @@ static tdm_status answer_by_trials(fmu_response *r, double t, const tdm_state *s
     if (try_steps(r, t, false, err) != TDM_OK)
       return err->status;
     for (int i = 0; i < k; i++) {
-      const double one = twist_of(r->state[1], i), two = twist_of(r->state[2], i);
+      const double one = twist_of(r->state[0], i), two = twist_of(r->state[1], i);
       if (j >= 0)
         r->D[i * nin + j] = (2 * (one - r->base[i]) - 0.5 * (two - r->base[k + i])) / (r->h * du);
       else
@@ -161,8 +161,8 @@ static tdm_status answer_by_derivatives(fmu_response *r, const tdm_state *state,
 
 /* The name of entry i of a load. */
 static const char *name_of(const fmu_response *r, int i, char *out, size_t size) {
-  snprintf(out, size, "the %s %c of \"%s\"", i % 6 < 3 ? "force along" : "moment about", "xyz"[i % 3],
-           r -> m -> body[i / 6].name);
+  const char axis = "xyz"[i % 3];
+  snprintf(out, size, "the %s %c of \"%s\"", i % 6 < 3 ? "force along" : "moment about", axis, r->m->body[i / 6].name);
   return out;
 }
 

@@ -21,7 +21,7 @@ typedef struct {
   void *kept;           /* the FMU's state before a trial */
   double *inputs;       /* (ninput) held in trials */
   double *outputs;      /* (noutput) */
-  tdm_state *state[3];  /* (nbody) in a trial, after 0, 1 and 2 steps */
+  tdm_state *state[2];  /* (nbody) in a trial, after 1 and 2 steps */
   double *P;            /* (ninput x 6k) inputs by loads */
   double *D;            /* (6k x ninput) accelerations by inputs */
   double *base;         /* (2 x 6k) twists of the trial without a further load, after 1 and 2 steps */

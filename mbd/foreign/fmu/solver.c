@@ -90,7 +90,7 @@ static tdm_status begin(solver *s, tdm_error *err) {
   return err->status;
 }
 
-/* Accelerations where it is, under a load that is held from now on; `last_load` is that of the last step. */
+/* Accelerations where it is, under a load that is held from now on; `last`: the instance is thrown away after it. */
 static tdm_status accelerate(solver *s, const tdm_wrench *load, bool last, tdm_error *err) {
   const fmu_mapping *m = &s->map;
   if (!m->accelerates)
@@ -259,10 +259,11 @@ static tdm_status communicate(solver *s, const tdm_step *in, double s0, double s
   return TDM_OK;
 }
 
-/* Samples up to the share s1 of the window, between the communication points before and now. */
+/* Samples up to the share s1 of the window, between the communication points before and now; all that are left if s1
+ * is its end. */
 static int take_samples(const solver *s, const tdm_step *in, double s0, double s1, int next, tdm_result *result) {
   const double window = in->t1 - in->t0, t0 = in->t0 + s0 * window, h = (s1 - s0) * window;
-  for (; next < in->nsample && in->sample_time[next] <= t0 + h * (1 + 1e-9); next++) {
+  for (; next < in->nsample && (s1 >= 1 || in->sample_time[next] <= t0 + h * (1 + 1e-9)); next++) {
     const double share = fmin(fmax((in->sample_time[next] - t0) / h, 0), 1);
     for (int i = 0; i < s->map.nbody; i++)
       result->sample_state[next * s->map.nbody + i] = tdm_state_between(&s->before[i], &s->now.state[i], h, share);
@@ -274,16 +275,25 @@ static int take_samples(const solver *s, const tdm_step *in, double s0, double s
   return next;
 }
 
-/* Communication steps in a window. */
+/* Communication steps in a window; 0 after an error. */
 static long count_steps(const solver *s, const tdm_step *in, tdm_error *err) {
   const double window = in->t1 - in->t0, n = window / s->map.step;
+  if (!(n < 1e9)) {
+    tdm_fail(err, TDM_ERR_SCENE, "mbd.step",
+             "a window of %g s would take %.3g communication steps of %g s; give a "
+             "longer step",
+             window, n, s->map.step);
+    return 0;
+  }
   if (opened->description.varies_step)
     return (long)fmax(ceil(n - 1e-6), 1);
-  if (fabs(n - round(n)) > 1e-6 * fmax(n, 1) || n < 0.5)
+  if (fabs(n - round(n)) > 1e-6 * fmax(n, 1) || n < 0.5) {
     tdm_fail(err, TDM_ERR_SCENE, "mbd.step",
              "%s takes communication steps of one length only, and a window of %g s is no multiple of %g s; give a "
              "step that divides all windows (time.dt does), or coupling.n",
              opened->file, window, s->map.step);
+    return 0;
+  }
   return (long)round(n);
 }
 
