@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 static const char *const names[] = {"spring", "arm", "cylinder"};
 
 int model_make(model *m, const char *token) {
+  static bool made;
   *m = (model){.kind = SPRING};
   for (int k = 0; k < 3; k++) {
     const size_t n = strlen(names[k]);
@@ -19,6 +21,9 @@ int model_make(model *m, const char *token) {
     m->kind = (model_kind)k;
     if (token[n])
       strncpy(m->fault, token + n + 1, sizeof m->fault - 1);
+    if (made && strcmp(m->fault, "single") == 0)
+      return 0;
+    made = true;
     m->value[V_MASS] = 1;
     m->value[V_INERTIA] = 1;
     m->value[V_ARM] = 1;

@@ -67,7 +67,7 @@ typedef struct {
   char text[32];
 } model;
 
-/* A model by its token; 0: there is none of that name. */
+/* A model by its token; 0: there is none of that name, or it is "single" and the process has had one. */
 int model_make(model *m, const char *token);
 
 /* Integrate from m->t by h; the outputs follow. */

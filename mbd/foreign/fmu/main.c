@@ -85,6 +85,8 @@ static void print_fmu(const tdm_fmu *f) {
   printf("  %-28s %s\n", "directional derivatives",
          d->gives_derivatives ? "yes: mobility where accelerations are outputs" : "no");
   printf("  %-28s %s\n", "steps of any length", d->varies_step ? "yes" : "no: mbd.step must divide all windows");
+  printf("  %-28s %s\n", "instances in a process", d->once_per_process ? "one" : "any number");
+  printf("  %-28s %s\n", "needs the tool it is from", d->needs_tool ? "yes, installed here" : "no");
   printf("  %-28s %s\n", "schemes",
          d->keeps_states        ? "all"
          : d->gives_derivatives ? "all but iterative; proxy where accelerations are outputs"

@@ -105,10 +105,12 @@ static tdm_status accelerate(solver *s, const tdm_wrench *load, bool last, tdm_e
 }
 
 /* Accelerations at the start of FMUs that have none among their outputs and cannot go back: of an instance of its own
- * that is thrown away. */
+ * that is thrown away; zero where the process may have one instance only. */
 static tdm_status accelerate_at_start(solver *s, tdm_error *err) {
   if (s->map.accelerates || opened->description.keeps_states)
     return accelerate(s, s->held, false, err);
+  if (opened->description.once_per_process)
+    return TDM_OK;
   accelerate(s, s->held, true, err);
   tdm_fmu_end(opened);
   return err->status == TDM_OK ? begin(s, err) : err->status;
