@@ -136,11 +136,6 @@ int main(int argc, char **argv) {
     add(zip, "modelDescription.xml", zip_source_buffer(zip, text, size, 0));
   if (asked(words, "escape"))
     add(zip, "../escaped.txt", zip_source_buffer(zip, "x", 1, 0));
-  for (int i = 0; asked(words, "many") && i < 100000; i++) {
-    snprintf(name, sizeof name, "resources/%d/", i);
-    if (zip_dir_add(zip, name, ZIP_FL_ENC_UTF_8) < 0)
-      return 1;
-  }
   snprintf(name, sizeof name, "binaries/%s/model.so",
            asked(words, "other-platform") ? "win64"
            : version == 2                 ? "linux64"
