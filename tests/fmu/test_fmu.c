@@ -110,8 +110,6 @@ static double difference(const char *a, const char *b, int c, double *largest) {
 static const struct {
   const char *fmu, *options, *claimed;
 } models[] = {{"2 spring states derivatives", "", "0 broken, 3 not claimed, 0 not seen"},
-              {"2 spring states no-slopes", "", "0 broken, 3 not claimed, 0 not seen"},
-              {"2 spring derivatives", "", "0 broken, 5 not claimed, 0 not seen"},
               {"2 spring", "", "0 broken, 6 not claimed, 0 not seen"},
               {"2 'spring single' no-slopes once fixed", "", "0 broken, 6 not claimed, 0 not seen"},
               {"2 arm states", ARM_X ARM_CENTER, "0 broken, 3 not claimed, 0 not seen"},
