@@ -17,8 +17,8 @@ START_TEST(button_stops_the_run) {
   snprintf(address, sizeof address, "%.*s", (int)strcspn(at, "\n"), at);
   chrome_open(&browser, 1280, 720);
   chrome_go(&browser, address);
-  /* the page of the start gives way to that of the run by itself */
-  while (!json_is_true(chrome_value(&browser, "!!window.tandem")))
+  /* the page of the start gives way to that of the run by itself, whose scripts come one after the other */
+  while (!json_is_true(chrome_value(&browser, "!!(window.tandem && tandem.run && tandem.place)")))
     usleep(100000);
   chrome_wait(&browser, "tandem.run.times.length >= 3 && tandem.place(0)[0] !== 0");
   chrome_wait(&browser, "progress.textContent.includes('windows')");

@@ -197,7 +197,7 @@ START_TEST(killed_and_resumed) {
   snprintf(out, sizeof out, "%s/c", dir);
   const char *const arguments[] = {"calibrate", scene,      "--parameter",  "parameters.g", "--range", "2",
                                    "20",        "--target", target,         "--out",        out,       "--jobs",
-                                   "1",         "--set",    "time.dt=5e-7", "--resume",     NULL};
+                                   "1",         "--set",    "time.dt=2e-6", "--resume",     NULL};
   pid_t pid = background(dir, arguments);
   WAIT_FOR(has("c/cells/g=6.5/row.json"));
   kill(pid, SIGKILL);
@@ -221,7 +221,7 @@ START_TEST(killed_and_resumed) {
   expect_status(c, "converged");
   ck_assert_double_eq_tol(number(parameter(c, 0), "value"), 13.7, 0.01);
   /* the same without an interruption; results that are there are not overwritten */
-  ck_assert_int_eq(command("tandem calibrate %s --parameter parameters.g --range 2 20 --target %s --set time.dt=5e-7 "
+  ck_assert_int_eq(command("tandem calibrate %s --parameter parameters.g --range 2 20 --target %s --set time.dt=2e-6 "
                            "--out %s/d",
                            scene, target, dir),
                    0);

@@ -233,7 +233,10 @@ static const struct {
 START_TEST(faults_are_named) {
   setup();
   pack(faults[_i].fmu);
-  ck_assert_int_eq(run("--set coupling.scheme=dem-first --set coupling.timeout=2"), 1);
+  const bool answers = !strstr(faults[_i].fmu, "hang"); /* on a busy machine late */
+  ck_assert_int_eq(run(answers ? "--set coupling.scheme=dem-first --set coupling.timeout=60"
+                               : "--set coupling.scheme=dem-first --set coupling.timeout=2"),
+                   1);
   ck_assert_msg(strstr(command_output, faults[_i].said) != NULL, "%s: no \"%s\" in\n%s", faults[_i].fmu,
                 faults[_i].said, command_output);
   teardown();
