@@ -11,7 +11,7 @@ static const double least_nse = 0.999;
 
 /* The oscillator of the scene as it ran. */
 static void read_parameters(const scn_result *r, scn_spring_damper_parameters *p, double *fill, tdm_error *err) {
-  *fill = scn_number(r->scene, "dem.particles[0].total_mass", err);
+  *fill = scn_number(r->summary, "solvers.dem.report.fill.mass", err);
   p->mass = scn_number(r->scene, "mbd.bodies[0].mass", err) + *fill;
   p->stiffness = scn_number(r->scene, "mbd.forces[0].stiffness", err);
   p->damping = scn_number_or(r->scene, "mbd.forces[0].damping", 0);

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Windows of the co-simulation, inside Yade's loop.
+
+A step of Yade is: contacts and their forces at time t, then NewtonIntegrator, which moves everything to t + dt. Between
+the two a PyRunner calls Windows.exchange: the forces are the loads at t, after the step before; where t ends a window
+they are answered and the next one is awaited; and the integrator is told where coupled bodies go.
+"""
+import os
+import re
+import stat
+import sys
+import threading
+
+import numpy
+import yade.config
+from yade import O, PyRunner, TimeStepper
+from yade.utils import PWaveTimeStep
+
+from tandem_participant import ProtocolError, SceneError
+from yade_bodies import CoupledBody
+
+
+class Means:
+    """Mean loads of the bodies between output times; (nbody, 6)."""
+
+    def __init__(self, nbody):
+        self.sum, self.mean, self.steps = numpy.zeros((nbody, 6)), numpy.zeros((nbody, 6)), 0.0
+
+    def add(self, load, share):
+        self.sum += share * load
+        self.steps += share
+
+    def close(self):
+        if self.steps > 0:
+            self.mean = self.sum / self.steps
+        self.sum, self.steps = numpy.zeros_like(self.sum), 0.0
+        return self.mean.tolist()
+
+
+class Interface:
+    """The window as the particles felt it (PROTOCOL.md, section 7): Yade's leapfrog gives them a kick of F dt at each
+    step, and of the first and the last one half belongs to this window."""
+
+    def __init__(self, nbody):
+        self.moment, self.work = numpy.zeros((nbody, 3, 6)), numpy.zeros(nbody)
+
+    def kick(self, load, twist, share, s):
+        """load, twist (nbody, 6), at s = 0 ... 1; share: of all kicks of the window."""
+        x = 2 * s - 1
+        for j, legendre in enumerate((1.0, x, 1.5 * x * x - 0.5)):
+            self.moment[:, j] += share * legendre * load
+        self.work += share * (load * twist).sum(axis=1)
+
+    def rows(self, step):
+        """33 numbers a body: moments, the state at t1, the work, and none of a drift."""
+        h = step.t1 - step.t0
+        return [self.moment[i].ravel().tolist() + list(step.end[i]) + [h * self.work[i], 0.0]
+                for i in range(step.nbody)]
+
+
+class Windows:
+    """The exchange. The server's messages are read and answered in Yade's own thread, while the main one waits."""
+
+    def __init__(self, participant, assignment, script):
+        self.participant, self.assignment, self.script = participant, assignment, script
+        self.bodies = self._couple()
+        self.newton = self._place_engines()
+        self.steps, self.step, self.error = participant.steps(), None, None
+        self.done = threading.Event()
+        self.means = Means(len(self.bodies))
+
+    # ---- before the first step ----
+
+    def _couple(self):
+        bodies, taken = [], {}
+        for i, body in enumerate(self.assignment.bodies):
+            name = body["name"]
+            if name not in self.script.coupled:
+                raise SceneError("coupling.bodies[%d].dem" % i, '"%s" is not in the dictionary coupled of %s: %s' %
+                                 (name, self.script.path, ", ".join(self.script.coupled) or "it is empty"))
+            one = CoupledBody(i, name, self.script.coupled[name], body["state"], self.script.path)
+            for k in one.moved:
+                if k in taken:
+                    raise SceneError("dem.script", '%s: body %d is in "%s" and in "%s"' %
+                                     (self.script.path, k, taken[k], name))
+                taken[k] = name
+            bodies.append(one)
+        return bodies
+
+    def _place_engines(self):
+        """What moves the bodies, and the exchange before it, in front of the integrator."""
+        engines = list(O.engines)
+        kinds = [type(engine).__name__ for engine in engines]
+        if kinds.count("NewtonIntegrator") != 1 or "ForceResetter" not in kinds:
+            raise SceneError("dem.script", "%s: O.engines must have a ForceResetter and one NewtonIntegrator, and has: "
+                             "%s" % (self.script.path, ", ".join(kinds) or "nothing"))
+        at = kinds.index("NewtonIntegrator")
+        self.script.main.tandem.exchange = self.exchange
+        runner = PyRunner(command="tandem.exchange()", iterPeriod=1, initRun=True)
+        O.engines = engines[:at] + [runner] + [body.engine for body in self.bodies] + engines[at:]
+        for engine in engines:
+            if isinstance(engine, TimeStepper):
+                engine.active = False  # the scene has the step
+        O.dt = self.assignment.dt
+        return engines[at]
+
+    def _warnings(self):
+        def doubt(path, message):
+            warnings.append({"path": path, "message": message})
+
+        warnings, critical = [], PWaveTimeStep()
+        if 0 < critical < self.assignment.dt:
+            doubt("time.dt", "is %.3g s, but a wave crosses the smallest particle in %.3g s (Yade's PWaveTimeStep); "
+                  "take a shorter step" % (self.assignment.dt, critical))
+        if self.newton.damping > 0:
+            doubt("dem.script", "NewtonIntegrator has damping = %g (0.2 unless told otherwise), which takes energy from "
+                  "all that moves; give damping=0 if contacts are to damp alone" % self.newton.damping)
+        return warnings
+
+    def _fill(self):
+        """Number, mass, centre of mass and inertia about it of what the integrator moves (as tandem-dem reports)."""
+        coupled = {k for body in self.bodies for k in body.moved}
+        rows = [b for b in O.bodies if b is not None and b.id not in coupled and b.dynamic and not b.isClumpMember]
+        mass = numpy.array([b.state.mass for b in rows])
+        place = numpy.array([list(b.state.pos) for b in rows]).reshape(-1, 3)
+        total = mass.sum()
+        center = mass @ place / total if total > 0 else numpy.zeros(3)
+        inertia = numpy.zeros((3, 3))
+        for b, m, x in zip(rows, mass, place - center):
+            turn = numpy.array(b.state.ori.toRotationMatrix()).reshape(3, 3)
+            inertia += turn @ numpy.diag(list(b.state.inertia)) @ turn.T + m * (x @ x * numpy.eye(3) - numpy.outer(x, x))
+        return {"number": len(rows), "mass": float(total), "com": center.tolist(), "inertia": inertia.ravel().tolist()}
+
+    def _ready(self, load):
+        masses = {body.name: sum(O.bodies[i].state.mass for i in body.moved) for body in self.bodies}
+        report = {"yade": yade.config.version, "script": self.script.path, "threads": O.numThreads, "fill": self._fill(),
+                  "bodies": {body.name: {"made_of": body.kinds(), "mass": masses[body.name]} for body in self.bodies}}
+        values = self.script.channel_values()
+        self.participant.ready(
+            loads=load.tolist(), gravity=list(self.newton.gravity), warnings=self._warnings(), report=report,
+            channels=[{"name": name, "unit": unit, "initial": value}
+                      for (name, unit, _), value in zip(self.script.channels, values)])
+
+    # ---- in Yade's loop ----
+
+    def exchange(self):
+        """Called once in each of Yade's steps."""
+        try:
+            self._visit()
+        except BaseException as error:  # goes to the main thread, which tells the server
+            self.error = error
+            O.pause()
+            self.done.set()
+
+    def _visit(self):
+        load = self._loads()
+        if self.step is None:
+            self._ready(load)
+            self._begin(load)
+        else:
+            self._after_step(load)
+            if self.k == self.step.nstep:
+                self._end()
+                self._begin(load)
+        self.k += 1
+        for i, body in enumerate(self.bodies):
+            body.step_to(self.step.path_at(i, self.k / self.step.nstep)[0], self.k, self.dt)
+        self.participant.alive()
+
+    def _loads(self):
+        load = numpy.array([body.load() for body in self.bodies]).reshape(-1, 6)
+        if not numpy.isfinite(load).all():
+            raise ProtocolError("the loads of Yade's contacts are no longer finite at step %d: take a shorter step "
+                                "(time.dt), or look for particles that overlap at the start" % O.iter,
+                                "TDM_ERR_NUMERIC")
+        return load
+
+    def _begin(self, load):
+        """Wait for the next window, and enter it: load is the one at its start."""
+        self.step = step = next(self.steps)
+        self.dt, own = self.assignment.dt, (step.t1 - step.t0) / step.nstep
+        if abs(own - self.dt) > 1e-6 * self.dt:
+            self.dt = own
+        O.dt = self.dt
+        for body, start, end in zip(self.bodies, step.start, step.end):
+            body.begin(start, end, self.dt, step.nstep)
+        self.k, self.sample = 0, 0
+        self.sum = numpy.zeros_like(load)
+        self.result = self.participant.result(step)
+        self.interface = Interface(step.nbody) if self.result.interface else None
+        self._kick(load)
+
+    def _kick(self, load):
+        """The kick at the present time, which is half this window's at its start and its end."""
+        if self.interface:
+            step, s = self.step, self.k / self.step.nstep
+            twist = numpy.array([list(step.path_at(i, s)[1]) + list(body.spin) for i, body in enumerate(self.bodies)])
+            share = (0.5 if self.k in (0, step.nstep) else 1.0) / step.nstep
+            self.interface.kick(load, twist.reshape(-1, 6), share, s)
+
+    def _after_step(self, load):
+        """A step is done: what is summed up, and the output times that it reached."""
+        step, h = self.step, self.step.t1 - self.step.t0
+        self.sum += load
+        self._kick(load)
+        t, before = step.t0 + h * self.k / step.nstep, 0.0
+        while self.sample < len(step.sample_time) and (self.k == step.nstep or
+                                                       step.sample_time[self.sample] <= t + 1e-6 * self.dt):
+            share = min(1.0, max(before, 1 - (t - step.sample_time[self.sample]) / self.dt))
+            self.means.add(load, share - before)
+            before = share
+            self.result.sample_load[self.sample] = self.means.close()
+            self.result.channel[self.sample] = self.script.channel_values()
+            self.sample += 1
+        self.means.add(load, 1 - before)
+
+    def _end(self):
+        step, result = self.step, self.result
+        for body in self.bodies:
+            body.check()
+        result.load = (self.sum / step.nstep).tolist()
+        if self.interface:
+            result.interface = self.interface.rows(step)
+        self.participant.advance(result)
+
+    # ---- the main thread ----
+
+    def run(self):
+        """Until FINISH. What ends Yade's loop otherwise is raised here."""
+        O.run()
+        while O.running and not self.done.wait(0.1):
+            pass
+        if self.error is None:
+            self._ask_yade()
+        raise self.error
+
+    def _ask_yade(self):
+        """Yade has stopped by itself: its own exceptions say nothing, but it has written what they were about."""
+        try:
+            O.wait()
+            self.error = ProtocolError("Yade has ended the simulation: let the script neither set O.stopAtIter nor call "
+                                       "O.pause()")
+        except BaseException as error:
+            self.error = ProtocolError("an engine of Yade failed: %s" % (last_words() or error), "TDM_ERR_NUMERIC")
+
+
+def last_words():
+    """What was written last to the log, if that is a file: an exception of Python in it, else its last lines."""
+    sys.stderr.flush()
+    if not stat.S_ISREG(os.fstat(2).st_mode):
+        return ""
+    with open("/proc/self/fd/2", "rb") as log:
+        log.seek(max(0, os.fstat(2).st_size - 4000))
+        lines = re.sub(r"\x1b\[[0-9;]*m", "", log.read().decode(errors="replace")).splitlines()
+    lines = [line.strip() for line in lines if line.strip()]
+    errors = [line for line in lines if re.match(r"[A-Za-z_.]*(Error|Exception)\b", line)]
+    return errors[-1] if errors else " | ".join(lines[-3:])
