@@ -20,7 +20,7 @@ def turn_between(a, b):
 
 class CoupledBody:
     """Yade's integrator moves it by velocities that two kinematic engines set: whatever the number of its facets, a step
-    costs a few calls. Steps are differences to where the body is, not to where it was to be, so nothing adds up."""
+    costs a few calls."""
 
     def __init__(self, index, name, ids, state, script):
         self.name, self.path = name, "coupling.bodies[%d].dem" % index
@@ -62,11 +62,10 @@ class CoupledBody:
     # ---- where it is ----
 
     def _set_pace(self, velocity, spin):
-        """Velocities of all members, for contacts before the first step."""
-        for i, place, _ in self.places:
+        """Velocities of all it is made of, for contacts before the first step."""
+        for i in dict.fromkeys(self.moved + self.loaded):
             state = O.bodies[i].state
-            state.vel = velocity + spin.cross(self.orientation * place)
-            state.angVel = spin
+            state.vel, state.angVel = velocity + spin.cross(state.pos - self.position), spin
 
     def put(self, position, orientation):
         """Set it somewhere, without a velocity of that."""

@@ -76,6 +76,13 @@ class Section:
             raise SceneError("dem.script", "%s: cannot be read: %s" % (path, error)) from None
 
 
+class Bodies(dict):
+    """The coupled bodies by name."""
+
+    def __missing__(self, name):
+        raise KeyError('of coupling.bodies in the scene none is called "%s" (dem): %s' % (name, ", ".join(self)))
+
+
 class Given:
     """What the script sees as `tandem`: parameters (a dictionary), dt, start, end [s], gravity (a vector, or None if
     the scene has none), and bodies: by name, where each coupled body is at the start: mass, inertia (9 numbers, about
@@ -86,7 +93,7 @@ class Given:
         self.parameters = section.parameters
         self.dt, self.start, self.end = assignment.dt, assignment.start, assignment.end
         self.gravity = Vector3(*section.gravity) if section.gravity else None
-        self.bodies = {}
+        self.bodies = Bodies()
         for body in assignment.bodies:
             s = body["state"]
             self.bodies[body["name"]] = types.SimpleNamespace(

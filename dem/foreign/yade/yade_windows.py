@@ -19,6 +19,9 @@ from yade.utils import PWaveTimeStep
 from tandem_participant import ProtocolError, SceneError
 from yade_bodies import CoupledBody
 
+NOTES = ["Yade's contact laws take a coupled body for one of infinite mass: where dampers go by the masses, the "
+         "restitution of its collisions is that with a wall that nothing moves"]
+
 
 class Means:
     """Mean loads of the bodies between output times; (nbody, 6)."""
@@ -123,6 +126,8 @@ class Windows:
         rows = [b for b in O.bodies if b is not None and b.id not in coupled and b.dynamic and not b.isClumpMember]
         mass = numpy.array([b.state.mass for b in rows])
         place = numpy.array([list(b.state.pos) for b in rows]).reshape(-1, 3)
+        if not numpy.isfinite(place).all():
+            raise SceneError("dem.script", "%s: a particle's place is not finite at the start" % self.script.path)
         total = mass.sum()
         center = mass @ place / total if total > 0 else numpy.zeros(3)
         inertia = numpy.zeros((3, 3))
@@ -132,9 +137,8 @@ class Windows:
         return {"number": len(rows), "mass": float(total), "com": center.tolist(), "inertia": inertia.ravel().tolist()}
 
     def _ready(self, load):
-        masses = {body.name: sum(O.bodies[i].state.mass for i in body.moved) for body in self.bodies}
-        report = {"yade": yade.config.version, "script": self.script.path, "threads": O.numThreads, "fill": self._fill(),
-                  "bodies": {body.name: {"made_of": body.kinds(), "mass": masses[body.name]} for body in self.bodies}}
+        report = {"yade": yade.config.version, "script": self.script.path, "threads": O.numThreads,
+                  "fill": self._fill(), "bodies": {body.name: body.kinds() for body in self.bodies}, "notes": NOTES}
         values = self.script.channel_values()
         self.participant.ready(
             loads=load.tolist(), gravity=list(self.newton.gravity), warnings=self._warnings(), report=report,
@@ -227,31 +231,42 @@ class Windows:
 
     def run(self):
         """Until FINISH. What ends Yade's loop otherwise is raised here."""
+        log = Log()
         O.run()
         while O.running and not self.done.wait(0.1):
             pass
-        if self.error is None:
-            self._ask_yade()
-        raise self.error
+        raise self.error or self._what_yade_says(log)
 
-    def _ask_yade(self):
-        """Yade has stopped by itself: its own exceptions say nothing, but it has written what they were about."""
+    @staticmethod
+    def _what_yade_says(log):
+        """Yade has stopped by itself: its exceptions, where it raises any, say nothing, but it has written a log."""
+        failed = False
         try:
             O.wait()
-            self.error = ProtocolError("Yade has ended the simulation: let the script neither set O.stopAtIter nor call "
-                                       "O.pause()")
-        except BaseException as error:
-            self.error = ProtocolError("an engine of Yade failed: %s" % (last_words() or error), "TDM_ERR_NUMERIC")
+        except BaseException:
+            failed = True
+        words = log.errors()
+        if failed or words:
+            return ProtocolError("an engine of Yade failed: %s" % (words or "see dem.log"), "TDM_ERR_NUMERIC")
+        return ProtocolError("Yade has ended the simulation: let the script neither set O.stopAtIter nor call O.pause()")
 
 
-def last_words():
-    """What was written last to the log, if that is a file: an exception of Python in it, else its last lines."""
-    sys.stderr.flush()
-    if not stat.S_ISREG(os.fstat(2).st_mode):
-        return ""
-    with open("/proc/self/fd/2", "rb") as log:
-        log.seek(max(0, os.fstat(2).st_size - 4000))
-        lines = re.sub(r"\x1b\[[0-9;]*m", "", log.read().decode(errors="replace")).splitlines()
-    lines = [line.strip() for line in lines if line.strip()]
-    errors = [line for line in lines if re.match(r"[A-Za-z_.]*(Error|Exception)\b", line)]
-    return errors[-1] if errors else " | ".join(lines[-3:])
+class Log:
+    """What is written to standard error from now on, if that is a file, as it is when the server starts this."""
+
+    def __init__(self):
+        sys.stderr.flush()
+        status = os.fstat(2)
+        self.start = status.st_size if stat.S_ISREG(status.st_mode) else None
+
+    def errors(self):
+        """The last line that tells an exception, or what Yade calls fatal."""
+        if self.start is None:
+            return ""
+        with open("/proc/self/fd/2", "rb") as log:
+            log.seek(max(self.start, os.fstat(2).st_size - 10000))
+            text = re.sub(r"\x1b\[[0-9;]*m", "", log.read().decode(errors="replace"))
+        lines = [line.strip() for line in text.splitlines()]
+        found = [line for line in lines if re.match(r"[A-Za-z_.]*(Error|Exception)\b", line)]
+        found = found or [line for line in lines if re.search(r"FATAL|ERROR|[Ee]xception", line)]
+        return found[-1] if found else ""
