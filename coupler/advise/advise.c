@@ -143,6 +143,11 @@ static bool look_at_speed(cpl_advisor *v, const cpl_tried *tried, tdm_error *err
 
 /* ---- cost ---- */
 
+/* What a second costs later on [s/s]: `all` by the trials, of which `steps` of the particles grow with their number. */
+static double goes_on(double steps, double all, double grown) {
+  return steps * grown + fmax(0, all - steps);
+}
+
 /* Two runs with the scene's own rows, one longer than the other: what a second
  * costs after the start, where the number of particles goes on as it went. */
 static tdm_status predict(cpl_advisor *v, tdm_error *err) {
@@ -157,13 +162,14 @@ static tdm_status predict(cpl_advisor *v, tdm_error *err) {
   v->a.estimate = longer.estimate;
   v->a.setup = v->t.setup;
   v->a.loop = longer.loop;
+  v->a.processor = v->t.settled + longer.processor;
   if (longer.simulated < end * (1 - 1e-9)) {
     const double way = longer.simulated - shorter.simulated, rest = end - longer.simulated;
     const double slope = (longer.last - longer.half) / (longer.simulated / 2); /* particles a second */
     const double grown = longer.half > 0 ? fmax(0.1, (longer.last + slope * rest / 2) / longer.half) : 1;
-    const double busy = longer.loop / longer.processor, steps = busy * longer.step / longer.of.dt,
-                 others = fmax(0, (longer.loop - shorter.loop) / way - steps);
-    v->a.loop += rest * (steps * grown + others);
+    const double steps = longer.step / longer.of.dt, busy = longer.loop / longer.processor;
+    v->a.loop += rest * goes_on(busy * steps, (longer.loop - shorter.loop) / way, grown);
+    v->a.processor += rest * goes_on(steps, (longer.processor - shorter.processor) / way, grown);
     if (fabs(grown - 1) > 0.05)
       cpl_because(&v->a,
                   "the number of particles changes; the expected time takes it "

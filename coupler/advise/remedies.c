@@ -69,10 +69,6 @@ tdm_status cpl_remedies(cpl_advisor *v, const cpl_candidate *first, tdm_error *e
 
 /* ---- cheaper ones ---- */
 
-static long round_n(double n) {
-  return n < 10 ? lround(n) : lround(cpl_round_down(n));
-}
-
 /* What a simulated second costs [s/s], of processor time: what else runs on the machine does not choose. */
 static double rate_of(const cpl_tried *tried) {
   return tried->simulated > 0 ? tried->processor / tried->simulated : INFINITY;
@@ -108,25 +104,20 @@ static double most_n_of_path(cpl_advisor *v) {
   return most;
 }
 
-/* Longer windows, as long as they save something and bear it: the longest that could save anything, then in the middle,
- * by their ratio, of what did well and what did not. */
 tdm_status cpl_longer_windows(cpl_advisor *v, tdm_error *err) {
-  enum { TRIES = 6 };
   const double most = v->t.settings.time_end / (20 * v->a.best.dt);
-  double good = (double)v->a.best.n, bad = INFINITY;
-  double n = fmin(fmin((double)cpl_cheap_n(v->best.window, v->best.step), most), most_n_of_path(v));
-  for (int k = 0; k < TRIES && n > 1.3 * good && cpl_advisor_may_go_on(v); k++) {
+  const double useful = fmin(fmin((double)cpl_cheap_n(v->best.window, v->best.step), most), most_n_of_path(v));
+  cpl_n_search search = cpl_n_search_from(v->a.best.n, useful);
+  cpl_candidate c = v->a.best;
+  while ((c.n = cpl_n_search_next(&search)) > 0 && cpl_advisor_may_go_on(v)) {
     const cpl_tried before_it = v->best;
     const double error = v->a.coupling;
-    cpl_candidate c = v->a.best;
     bool taken;
-    c.n = round_n(n);
     if (cpl_advisor_consider(v, &c, &taken, err) != TDM_OK)
       return err->status;
     if (taken && !keep_if_cheaper(v, &before_it, error))
       return TDM_OK;
-    *(taken ? &good : &bad) = n;
-    n = taken && isinf(bad) ? good : sqrt(good * bad);
+    cpl_n_search_tell(&search, c.n, taken);
   }
   return TDM_OK;
 }

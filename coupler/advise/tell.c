@@ -42,6 +42,7 @@ void cpl_advice_print(const cpl_advice *a, const json_t *root) {
   printf("expected time of the run\n  %-24s %.3g s, %.3g s of it until the "
          "solvers are ready\n",
          "", a->wall, a->setup);
+  printf("  %-24s %.3g s\n", "of processor time", a->processor);
   printf("  %-24s %.3g s\n", "trials took", a->trials);
 }
 
@@ -74,13 +75,14 @@ json_t *cpl_advice_to_json(const cpl_advice *a, const cpl_trials *t) {
   snprintf(scene, sizeof scene, "%s", t->scene);
   tdm_utf8_clean(scene);
   return json_pack("{s:s, s:s, s:b, s:o, s:o, s:{s:f, s:o, s:o, s:o, s:o}, s:{s:o, s:o, "
-                   "s:o, s:f}, s:O, s:O}",
+                   "s:o, s:o, s:f}, s:O, s:O}",
                    "tandem", TDM_VERSION, "scene", scene, "found", (int)a->found, "settings",
                    settings_json(a, t->loaded.root), "limits", limits_json(a), "error", "wanted", a->wanted, "coupling",
                    tdm_number_to_json(a->coupling), "dem_step", tdm_number_to_json(a->dem_step), "round_off",
                    tdm_number_to_json(a->round_off), "estimate", tdm_number_to_json(a->estimate), "cost", "wall_s",
                    tdm_number_to_json(a->wall), "setup_s", tdm_number_to_json(a->setup), "loop_s",
-                   tdm_number_to_json(a->loop), "trials_s", a->trials, "reasons", a->reasons, "trials", t->rows);
+                   tdm_number_to_json(a->loop), "processor_s", tdm_number_to_json(a->processor), "trials_s", a->trials,
+                   "reasons", a->reasons, "trials", t->rows);
 }
 
 /* ---- the scene ---- */

@@ -12,7 +12,8 @@ typedef struct {
   cpl_step step;
   double wanted;                                  /* error, as all below a share of the spread */
   double coupling, dem_step, round_off, estimate; /* NaN: unknown */
-  double wall, setup, loop, trials;               /* expected of the whole run; what the trials took [s] */
+  double wall, setup, loop;                       /* expected of the whole run [s] */
+  double processor, trials;                       /* the same of processor time; what the trials took of that [s] */
   json_t *reasons;                                /* sentences */
 } cpl_advice;
 

@@ -224,8 +224,10 @@ tdm_status cpl_trials_check(cpl_trials *t, const cpl_candidate *of, double speed
   memcpy(run.solver, t->solver, sizeof run.solver);
   const double before = processor_time();
   if (cpl_run(&run, &result, err) == TDM_OK) {
+    const double took = processor_time() - before;
+    t->settled = fmax(t->settled, took);
     if (t->setup > 0) /* the bed has settled before */
-      t->start = processor_time() - before;
+      t->start = took;
     json_t *summary = tdm_results_read(dir, "summary.json", err);
     const json_t *report = tdm_scene_value(summary, "solvers.dem.report");
     take_limits(report, limits);

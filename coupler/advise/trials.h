@@ -29,7 +29,8 @@ typedef struct {
   cpl_settings settings;
   char bed[4300];
   double start;         /* processor time until both solvers are ready, without settling [s] */
-  double setup;         /* until both solvers are ready, with settling [s] */
+  double settled;       /* the same with settling [s] */
+  double setup;         /* until both solvers are ready, with settling, by the clock [s] */
   double budget, spent; /* processor time of trials, without settling [s] */
   double *radius;       /* (bodies) of gyration, at which turns count beside ways [m] */
   int ntrial;

@@ -67,3 +67,24 @@ long cpl_cheap_n(double window, double step) {
   const double n = step > 0 && window > 0 ? ceil(window / (0.05 * step)) : 1;
   return (long)fmin(fmax(n, 1), 1e5);
 }
+
+enum { TRIES = 6 };
+static const double worth = 1.3; /* times the n that did well: a smaller step is not worth a trial */
+
+cpl_n_search cpl_n_search_from(long good, double most) {
+  return (cpl_n_search){.good = good, .bad = INFINITY, .most = most, .left = TRIES};
+}
+
+long cpl_n_search_next(const cpl_n_search *s) {
+  const double good = (double)s->good, n = isinf(s->bad) ? s->most : sqrt(good * s->bad);
+  const long round = n < 10 ? lround(n) : lround(cpl_round_down(n));
+  return s->left > 0 && n > worth * good && round > s->good ? round : 0;
+}
+
+void cpl_n_search_tell(cpl_n_search *s, long n, bool did_well) {
+  s->left--;
+  if (did_well)
+    s->good = n;
+  else
+    s->bad = (double)n;
+}

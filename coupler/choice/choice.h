@@ -71,4 +71,21 @@ bool cpl_estimate_too_large(double estimate, double single, double wanted);
  */
 long cpl_cheap_n(double window, double step);
 
+/* The search for the largest n that does well: first the largest that could save anything, then in the middle, by their
+ * ratio, of the largest that did well and the smallest that did not. */
+typedef struct {
+  long good;   /* the largest so far that did well, at least 1 */
+  double bad;  /* the smallest that did not; inf: none did badly */
+  double most; /* larger ones save nothing */
+  int left;    /* trials that the search may still take */
+} cpl_n_search;
+
+cpl_n_search cpl_n_search_from(long good, double most);
+
+/* The next n to try, a round number; 0: the search is over, and `good` is what it found. */
+long cpl_n_search_next(const cpl_n_search *search);
+
+/* What came of it. */
+void cpl_n_search_tell(cpl_n_search *search, long n, bool did_well);
+
 #endif

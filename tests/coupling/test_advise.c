@@ -72,6 +72,7 @@ START_TEST(settings_with_reasons_and_a_scene) {
   ck_assert(tolerance >= 1e-12 && tolerance <= 1e-4);
   ck_assert_str_eq(json_string_value(json_object_get(json_object_get(advice, "settings"), "coupling.scheme")), "proxy");
   ck_assert_double_gt(number(advice, "cost", "wall_s"), 0);
+  ck_assert_double_gt(number(advice, "cost", "processor_s"), 0);
   ck_assert_double_le(number(advice, "error", "coupling"), 0.01);
   ck_assert_uint_ge(json_array_size(json_object_get(advice, "trials")), 4);
   size_t i;

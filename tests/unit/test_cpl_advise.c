@@ -78,6 +78,48 @@ START_TEST(windows_are_long_enough_when_they_cost_a_twentieth) {
 }
 END_TEST
 
+/* The n that the search from 5 on comes to, where those up to `limit` do well. */
+static long found_below(double limit, double most) {
+  cpl_n_search s = cpl_n_search_from(5, most);
+  long n, last = 0;
+  for (int tries = 0; (n = cpl_n_search_next(&s)) > 0; tries++) {
+    ck_assert_int_lt(tries, 6);
+    ck_assert_msg(n != last && n > s.good && (double)n < s.bad && (double)n <= most, "%ld after %ld", n, last);
+    cpl_n_search_tell(&s, n, (double)n <= limit);
+    last = n;
+  }
+  return s.good;
+}
+
+START_TEST(the_longest_window_is_found_by_bisection) {
+  static const double limits[] = {5, 8, 30, 137, 400, 1999};
+  for (int k = 0; k < 6; k++) {
+    const double found = (double)found_below(limits[k], 2000);
+    ck_assert_msg(found <= limits[k] && limits[k] < 1.8 * found, "%g of %g", found, limits[k]);
+  }
+  ck_assert_int_eq(found_below(INFINITY, 2000), 2000); /* the first try is enough */
+  ck_assert_int_eq(found_below(INFINITY, 137), 120);
+  ck_assert_int_eq(found_below(4, 2000), 5); /* nothing does better: where it began */
+}
+END_TEST
+
+/* 395 is more than 1.3 times 300, and rounds down to it: it is not tried again */
+START_TEST(no_window_is_tried_twice) {
+  cpl_n_search s = cpl_n_search_from(300, 395);
+  ck_assert_int_eq(cpl_n_search_next(&s), 0);
+  s = cpl_n_search_from(1, 1000);
+  ck_assert_int_eq(cpl_n_search_next(&s), 1000);
+  cpl_n_search_tell(&s, 1000, false);
+  ck_assert_int_eq(cpl_n_search_next(&s), 30); /* the root of 1000 */
+  cpl_n_search_tell(&s, 30, false);
+  ck_assert_int_eq(cpl_n_search_next(&s), 5);
+  cpl_n_search_tell(&s, 5, true);
+  ck_assert_int_eq(cpl_n_search_next(&s), 12);
+  ck_assert_int_eq(cpl_n_search_next(&(cpl_n_search){.good = 1, .bad = 2, .left = 1}), 0);
+  ck_assert_int_eq(cpl_n_search_next(&(cpl_n_search){.good = 5, .bad = 500, .left = 0}), 0);
+}
+END_TEST
+
 /* half of the way that an acceleration of 8 m/s2 has in a quarter of the time, at the middle: 8 H^2/8 */
 START_TEST(the_path_of_a_driven_body_stays_near_the_straight_one) {
   ck_assert_double_eq_tol(cpl_path_n(8, 0.01, 1e-4), 100, 1e-9);
@@ -156,6 +198,7 @@ END_TEST
 
 TEST_MAIN("advise", the_step_keeps_all_limits, without_particles_nothing_limits_the_step, steps_are_round,
           the_formulation_follows_the_contacts, a_small_step_and_a_heavy_body_begin_with_a_larger_n,
-          windows_are_long_enough_when_they_cost_a_twentieth, the_path_of_a_driven_body_stays_near_the_straight_one,
+          windows_are_long_enough_when_they_cost_a_twentieth, the_longest_window_is_found_by_bisection,
+          no_window_is_tried_twice, the_path_of_a_driven_body_stays_near_the_straight_one,
           an_estimate_counts_beside_that_of_single_steps, variance_above_and_below_a_frequency,
           a_velocity_that_is_the_derivative_has_no_gap, a_value_changes_and_the_rest_of_the_text_stays)
