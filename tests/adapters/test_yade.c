@@ -96,6 +96,8 @@ static pair compare(const char *name) {
   return p;
 }
 
+/* Loads, their moments among them, and the path of a body that turns: as with tandem-dem. Yade takes a facet for a
+ * sphere of twice the radius, so that the balls lie 14 % deeper on it: of loads the means are compared. */
 START_TEST(moves_as_with_own_dem) {
   setup();
   ck_assert_msg(run("") == 0, "%s", command_output);

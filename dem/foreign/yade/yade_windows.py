@@ -5,6 +5,7 @@ A step of Yade is: contacts and their forces at time t, then NewtonIntegrator, w
 the two a PyRunner calls Windows.exchange: the forces are the loads at t, after the step before; where t ends a window
 they are answered and the next one is awaited; and the integrator is told where coupled bodies go.
 """
+import ctypes
 import os
 import re
 import stat
@@ -40,25 +41,16 @@ class Means:
         return self.mean.tolist()
 
 
-class Interface:
-    """The window as the particles felt it (PROTOCOL.md, section 7): Yade's leapfrog gives them a kick of F dt at each
-    step, and of the first and the last one half belongs to this window."""
-
-    def __init__(self, nbody):
-        self.moment, self.work = numpy.zeros((nbody, 3, 6)), numpy.zeros(nbody)
-
-    def kick(self, load, twist, share, s):
-        """load, twist (nbody, 6), at s = 0 ... 1; share: of all kicks of the window."""
-        x = 2 * s - 1
-        for j, legendre in enumerate((1.0, x, 1.5 * x * x - 0.5)):
-            self.moment[:, j] += share * legendre * load
-        self.work += share * (load * twist).sum(axis=1)
-
-    def rows(self, step):
-        """33 numbers a body: moments, the state at t1, the work, and none of a drift."""
-        h = step.t1 - step.t0
-        return [self.moment[i].ravel().tolist() + list(step.end[i]) + [h * self.work[i], 0.0]
-                for i in range(step.nbody)]
+def interface_rows(step, load, twist):
+    """The window as the particles felt it (PROTOCOL.md, section 7), 33 numbers a body: Yade's leapfrog gives them a kick
+    of F dt at each step; of the first and the last one half belongs to this window. load, twist (nstep + 1, nbody, 6),
+    at the times from t0 to t1."""
+    x = numpy.linspace(-1, 1, step.nstep + 1)
+    share = numpy.full(step.nstep + 1, 1 / step.nstep)
+    share[[0, -1]] /= 2
+    moment = numpy.einsum("jk,kbc->bjc", share * (x**0, x, 1.5 * x**2 - 0.5), load)
+    work = (step.t1 - step.t0) * numpy.einsum("k,kbc,kbc->b", share, load, twist)
+    return [moment[i].ravel().tolist() + list(step.end[i]) + [work[i], 0.0] for i in range(step.nbody)]
 
 
 class Windows:
@@ -149,6 +141,8 @@ class Windows:
 
     def exchange(self):
         """Called once in each of Yade's steps."""
+        if self.step is None:
+            ctypes.pythonapi.PyGILState_Ensure()  # else Python forgets Yade's thread after each call, which costs 0.13 ms
         try:
             self._visit()
         except BaseException as error:  # goes to the main thread, which tells the server
@@ -168,7 +162,9 @@ class Windows:
                 self._begin(load)
         self.k += 1
         for i, body in enumerate(self.bodies):
-            body.step_to(self.step.path_at(i, self.k / self.step.nstep)[0], self.k, self.dt)
+            place, velocity = self.step.path_at(i, self.k / self.step.nstep)
+            self.twist.append([*velocity, *body.spin])
+            body.step_to(place, self.k, self.dt)
         self.participant.alive()
 
     def _loads(self):
@@ -189,24 +185,14 @@ class Windows:
         for body, start, end in zip(self.bodies, step.start, step.end):
             body.begin(start, end, self.dt, step.nstep)
         self.k, self.sample = 0, 0
-        self.sum = numpy.zeros_like(load)
+        self.load = [load]  # at the times from t0 to t1
+        self.twist = [[*step.path_at(i, 0.0)[1], *body.spin] for i, body in enumerate(self.bodies)]
         self.result = self.participant.result(step)
-        self.interface = Interface(step.nbody) if self.result.interface else None
-        self._kick(load)
-
-    def _kick(self, load):
-        """The kick at the present time, which is half this window's at its start and its end."""
-        if self.interface:
-            step, s = self.step, self.k / self.step.nstep
-            twist = numpy.array([list(step.path_at(i, s)[1]) + list(body.spin) for i, body in enumerate(self.bodies)])
-            share = (0.5 if self.k in (0, step.nstep) else 1.0) / step.nstep
-            self.interface.kick(load, twist.reshape(-1, 6), share, s)
 
     def _after_step(self, load):
         """A step is done: what is summed up, and the output times that it reached."""
         step, h = self.step, self.step.t1 - self.step.t0
-        self.sum += load
-        self._kick(load)
+        self.load.append(load)
         t, before = step.t0 + h * self.k / step.nstep, 0.0
         while self.sample < len(step.sample_time) and (self.k == step.nstep or
                                                        step.sample_time[self.sample] <= t + 1e-6 * self.dt):
@@ -222,9 +208,10 @@ class Windows:
         step, result = self.step, self.result
         for body in self.bodies:
             body.check()
-        result.load = (self.sum / step.nstep).tolist()
-        if self.interface:
-            result.interface = self.interface.rows(step)
+        load = numpy.array(self.load)
+        result.load = load[1:].mean(axis=0).tolist()
+        if result.interface:
+            result.interface = interface_rows(step, load, numpy.reshape(self.twist, load.shape))
         self.participant.advance(result)
 
     # ---- the main thread ----
