@@ -19,8 +19,8 @@ def turn_between(a, b):
 
 
 class CoupledBody:
-    """Yade's integrator moves it by velocities that two kinematic engines set: whatever the number of its facets, a step
-    costs a few calls."""
+    """Yade's integrator moves it by velocities that two kinematic engines set: a step costs a few calls, whatever the
+    number of its facets."""
 
     def __init__(self, index, name, ids, state, script):
         self.name, self.path = name, "coupling.bodies[%d].dem" % index

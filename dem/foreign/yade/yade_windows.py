@@ -42,8 +42,8 @@ class Means:
 
 
 def interface_rows(step, load, twist):
-    """The window as the particles felt it (PROTOCOL.md, section 7), 33 numbers a body: Yade's leapfrog gives them a kick
-    of F dt at each step; of the first and the last one half belongs to this window. load, twist (nstep + 1, nbody, 6),
+    """The window as the particles felt it (PROTOCOL.md, section 7), 33 numbers a body: Yade's leapfrog gives them a
+    kick of F dt at each step; of the first and the last one half belongs to this window. load, twist (nstep + 1, nbody, 6),
     at the times from t0 to t1."""
     x = numpy.linspace(-1, 1, step.nstep + 1)
     share = numpy.full(step.nstep + 1, 1 / step.nstep)
@@ -108,8 +108,8 @@ class Windows:
             doubt("time.dt", "is %.3g s, but a wave crosses the smallest particle in %.3g s (Yade's PWaveTimeStep); "
                   "take a shorter step" % (self.assignment.dt, critical))
         if self.newton.damping > 0:
-            doubt("dem.script", "NewtonIntegrator has damping = %g (0.2 unless told otherwise), which takes energy from "
-                  "all that moves; give damping=0 if contacts are to damp alone" % self.newton.damping)
+            doubt("dem.script", "NewtonIntegrator has damping = %g (0.2 unless told otherwise), which takes energy "
+                  "from all that moves; give damping=0 if contacts are to damp alone" % self.newton.damping)
         return warnings
 
     def _fill(self):
@@ -125,7 +125,8 @@ class Windows:
         inertia = numpy.zeros((3, 3))
         for b, m, x in zip(rows, mass, place - center):
             turn = numpy.array(b.state.ori.toRotationMatrix()).reshape(3, 3)
-            inertia += turn @ numpy.diag(list(b.state.inertia)) @ turn.T + m * (x @ x * numpy.eye(3) - numpy.outer(x, x))
+            inertia += turn @ numpy.diag(list(b.state.inertia)) @ turn.T
+            inertia += m * (x @ x * numpy.eye(3) - numpy.outer(x, x))
         return {"number": len(rows), "mass": float(total), "com": center.tolist(), "inertia": inertia.ravel().tolist()}
 
     def _ready(self, load):
@@ -142,7 +143,7 @@ class Windows:
     def exchange(self):
         """Called once in each of Yade's steps."""
         if self.step is None:
-            ctypes.pythonapi.PyGILState_Ensure()  # else Python forgets Yade's thread after each call, which costs 0.13 ms
+            ctypes.pythonapi.PyGILState_Ensure()  # else Python forgets Yade's thread after each call, for 0.13 ms
         try:
             self._visit()
         except BaseException as error:  # goes to the main thread, which tells the server
@@ -235,7 +236,8 @@ class Windows:
         words = log.errors()
         if failed or words:
             return ProtocolError("an engine of Yade failed: %s" % (words or "see dem.log"), "TDM_ERR_NUMERIC")
-        return ProtocolError("Yade has ended the simulation: let the script neither set O.stopAtIter nor call O.pause()")
+        return ProtocolError("Yade has ended the simulation: let the script neither set O.stopAtIter nor call "
+                             "O.pause()")
 
 
 class Log:

@@ -23,9 +23,9 @@ def fill():
     """A sphere in each of `count` cells of a grid, anywhere in its cell."""
     cells = [int(s / (2.05 * radius)) for s in size]
     places = [(i, j, k) for i in range(cells[0]) for j in range(cells[1]) for k in range(cells[2])]
-    random.seed(1)
-    for place in random.sample(places, p["count"]):
-        at = [(i + 0.5) * s / n - s / 2 + random.uniform(-1, 1) * (s / n / 2 - radius)
+    chance = random.Random(1)  # its own: sphere() seeds that of the module by the clock
+    for place in chance.sample(places, p["count"]):
+        at = [(i + 0.5) * s / n - s / 2 + chance.uniform(-1, 1) * (s / n / 2 - radius)
               for i, s, n in zip(place, size, cells)]
         O.bodies.append(sphere(middle + box.orientation * Vector3(*at), radius, material=grain))
 
