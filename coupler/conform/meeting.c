@@ -154,6 +154,16 @@ tdm_step cpl_meeting_next(const cpl_meeting *m, long n) {
                     .nbody = m->settings.nbody};
 }
 
+tdm_state *cpl_meeting_rest(const cpl_meeting *m) {
+  const int n = m->settings.nbody;
+  tdm_state *state = calloc((size_t)n + 1, sizeof *state);
+  for (int i = 0; state && i < n; i++) {
+    state[i] = m->session.body[i].state;
+    state[i].twist = (tdm_twist){0};
+  }
+  return state;
+}
+
 bool cpl_meeting_solve(cpl_meeting *m, const tdm_step *step, tdm_result *result) {
   tdm_error err = {0};
   if (cpl_session_step(&m->session, m->candidate->role, step, result, &err) != TDM_OK) {

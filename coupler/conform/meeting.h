@@ -31,6 +31,9 @@ bool cpl_meeting_meet(cpl_meeting *meeting, cpl_candidate *candidate, double tim
 bool cpl_meeting_open(cpl_meeting *meeting, cpl_candidate *candidate, cpl_verdict *verdict);
 bool cpl_meeting_assign(cpl_meeting *meeting);
 
+/* (nbody) the bodies of READY, at rest where they start. The caller frees them; NULL: no memory. */
+tdm_state *cpl_meeting_rest(const cpl_meeting *meeting);
+
 /* The next window of n steps, without load, path or samples. */
 tdm_step cpl_meeting_next(const cpl_meeting *meeting, long n);
 

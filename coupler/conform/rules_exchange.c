@@ -5,22 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Bodies that DEM is to hold where they are: their states at the end of a window, (nbody), of the meeting's READY. The
- * caller frees them. */
-static tdm_state *at_rest(const cpl_meeting *m) {
-  const int n = m->settings.nbody;
-  tdm_state *state = calloc((size_t)n + 1, sizeof *state);
-  for (int i = 0; state && i < n; i++) {
-    state[i] = m->session.body[i].state;
-    state[i].twist = (tdm_twist){0};
-  }
-  return state;
-}
-
 /* A window without load, or with all bodies at rest, whichever the role takes. */
 static bool quiet(cpl_meeting *m, long n, const double *sample, int nsample, tdm_result *result) {
   tdm_step step = cpl_meeting_next(m, n);
-  tdm_state *state = at_rest(m);
+  tdm_state *state = cpl_meeting_rest(m);
   tdm_wrench *load = calloc((size_t)step.nbody + 1, sizeof *load);
   step.sample_time = sample;
   step.nsample = nsample;

@@ -70,7 +70,17 @@ static void test_frames(cpl_candidate *c, cpl_verdict *v) {
 
 /* ---- steps ---- */
 
-typedef enum { NAN_TIME, NAN_NUMBER, BACKWARDS, NO_STEPS, TOO_MANY_BODIES, CUT, NSTEP } bad_step;
+typedef enum {
+  NAN_TIME,
+  NAN_NUMBER,
+  BACKWARDS,
+  NO_STEPS,
+  TOO_MANY_BODIES,
+  CUT,
+  LATE_SAMPLE,
+  SAMPLES_REVERSED,
+  NSTEP
+} bad_step;
 
 static void spoil_step(tdm_frame *frame, bad_step how) {
   uint8_t *payload = frame->data + TDM_HEADER_BYTES;
@@ -96,6 +106,8 @@ static void spoil_step(tdm_frame *frame, bad_step how) {
     frame->size -= 8;
     frame->data[16] = (uint8_t)(frame->data[16] - 8);
     break;
+  case LATE_SAMPLE: /* their times are wrong already */
+  case SAMPLES_REVERSED:
   case NSTEP:
     break;
   }
@@ -110,10 +122,13 @@ static void test_steps(cpl_candidate *c, cpl_verdict *v) {
     if (!cpl_meeting_open(&m, c, v))
       return;
     tdm_step step = cpl_meeting_next(&m, 3);
-    const double time = step.t1;
+    const double half = 0.5 * step.t1;
+    const double time[] = {how == SAMPLES_REVERSED ? step.t1 : half, how == SAMPLES_REVERSED ? half
+                                                                     : how == LATE_SAMPLE    ? 1.5 * step.t1
+                                                                                             : step.t1};
     step.nbody = 1; /* of a scene with more, that is another fault of the same kind */
-    step.nsample = 1;
-    step.sample_time = &time;
+    step.nsample = 2;
+    step.sample_time = time;
     step.nstate = c->role == CPL_DEM;
     step.nload = c->role == CPL_MBD;
     step.start = step.end = &state;

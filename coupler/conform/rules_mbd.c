@@ -158,7 +158,7 @@ static void test_polynomial(cpl_candidate *c, cpl_verdict *v) {
                name_of(i, word, sizeof word), is / due);
 }
 
-/* Two windows under a load that stays: places by velocities, velocities by accelerations, work by ways. */
+/* Two windows under a load: places by velocities, velocities by accelerations, work by ways. */
 typedef struct {
   tdm_state start, mid, end;
   double a_mid[6], a_end[6], exchanged;
@@ -166,7 +166,9 @@ typedef struct {
   bool accelerations, energy;
 } flight;
 
-static bool fly(cpl_candidate *c, cpl_verdict *v, flight *f, int *body) {
+/* With `ramps` the load grows from zero through four windows, of which the last two are told: its values at start and
+ * end of each differ, and what is extrapolated from windows before is as it should be. */
+static bool fly(cpl_candidate *c, cpl_verdict *v, bool ramps, flight *f, int *body) {
   answer a;
   cpl_meeting m;
   tdm_result r;
@@ -180,23 +182,26 @@ static bool fly(cpl_candidate *c, cpl_verdict *v, flight *f, int *body) {
   }
   if (!cpl_meeting_open(&m, c, v))
     return false;
-  tdm_wrench *load = calloc((size_t)m.settings.nbody, sizeof *load);
-  f->force[i % 6] = ((double *)(void *)&load[i / 6])[i % 6] = 10 * a.size[i];
+  const int nwindow = ramps ? 4 : 2;
+  tdm_wrench *load = calloc(2 * (size_t)m.settings.nbody, sizeof *load); /* (nbody x 2) */
+  f->force[i % 6] = 10 * a.size[i];
   f->start = m.session.body[i / 6].state;
   f->h = m.settings.dt;
   *body = i / 6;
   bool good = load != NULL;
-  for (int w = 0; good && w < 2; w++) {
+  for (int w = 0; good && w < nwindow; w++) {
     tdm_step step = cpl_meeting_next(&m, 1);
     step.load = load;
-    step.nload = 1;
+    step.nload = 2;
+    for (int j = 0; j < 2; j++)
+      ((double *)(void *)&load[2 * (i / 6) + j])[i % 6] = f->force[i % 6] * (ramps ? (j ? 0.25 : 0.25 * w) : !j);
     good = cpl_meeting_solve(&m, &step, &r);
     if (!good)
       break;
-    *(w == 0 ? &f->mid : &f->end) = r.state[*body];
+    *(w < nwindow - 1 ? &f->mid : &f->end) = r.state[*body];
     f->accelerations = r.nacceleration > 0;
     if (f->accelerations)
-      memcpy(w == 0 ? f->a_mid : f->a_end, r.acceleration + 6 * *body, sizeof f->a_mid);
+      memcpy(w < nwindow - 1 ? f->a_mid : f->a_end, r.acceleration + 6 * *body, sizeof f->a_mid);
     f->energy = r.has_energy;
     f->exchanged = r.has_energy ? r.energy->exchanged : 0;
   }
@@ -208,7 +213,7 @@ static bool fly(cpl_candidate *c, cpl_verdict *v, flight *f, int *body) {
 static void test_places(cpl_candidate *c, cpl_verdict *v) {
   flight f;
   int body;
-  if (!fly(c, v, &f, &body))
+  if (!fly(c, v, false, &f, &body))
     return;
   const tdm_vec3 way = tdm_sub(f.end.pose.position, f.mid.pose.position);
   const tdm_vec3 due = tdm_scale(0.5 * f.h, tdm_add(f.mid.twist.velocity, f.end.twist.velocity));
@@ -227,7 +232,7 @@ static void test_places(cpl_candidate *c, cpl_verdict *v) {
 static void test_acceleration(cpl_candidate *c, cpl_verdict *v) {
   flight f;
   int body;
-  if (!fly(c, v, &f, &body))
+  if (!fly(c, v, true, &f, &body))
     return;
   double before[6], after[6], largest = 0;
   put_twist(before, &f.mid.twist);
@@ -245,7 +250,7 @@ static void test_acceleration(cpl_candidate *c, cpl_verdict *v) {
 static void test_work(cpl_candidate *c, cpl_verdict *v) {
   flight f;
   int body;
-  if (!fly(c, v, &f, &body))
+  if (!fly(c, v, false, &f, &body))
     return;
   const tdm_vec3 way = tdm_sub(f.end.pose.position, f.start.pose.position);
   const tdm_vec3 turn = tdm_quat_turn(f.start.pose.orientation, f.end.pose.orientation);
@@ -254,6 +259,36 @@ static void test_work(cpl_candidate *c, cpl_verdict *v) {
   if (fabs(f.exchanged - due) > 5 * close * fabs(due))
     cpl_broken(v, "the work of the coupling load as fourth energy: load times way", "%g J, load times way is %g J",
                f.exchanged, due);
+}
+
+/* Left to itself it gains no energy but by what supplies it: gravity's is among what is stored. */
+static void test_energy(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  tdm_result r;
+  double first = NAN, last = NAN, kinetic = 0;
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  tdm_wrench *load = calloc((size_t)m.settings.nbody + 1, sizeof *load);
+  for (int w = 0; load && w < 60; w++) {
+    tdm_step step = cpl_meeting_next(&m, 50);
+    step.load = load;
+    step.nload = 1;
+    if (step.t1 > m.settings.time_end * (1 + 1e-9) || !cpl_meeting_solve(&m, &step, &r))
+      break;
+    if (!r.has_energy || isnan(r.energy->stored))
+      continue;
+    kinetic = fmax(kinetic, r.energy->kinetic);
+    last = r.energy->stored - r.energy->supplied;
+    if (isnan(first))
+      first = last;
+    if (last - first > close * kinetic + 1e-12)
+      cpl_broken(v, "stored less supplied energy not to grow without load",
+                 "it grows by %g J until %g s, beside %g J of motion", last - first, step.t1, r.energy->kinetic);
+  }
+  if (isnan(first) || kinetic == 0)
+    cpl_not_seen(v, isnan(first) ? "it does not look at its energy in this scene" : "nothing moves in this scene");
+  free(load);
+  cpl_meeting_drop(&m);
 }
 
 static void test_mobility(cpl_candidate *c, cpl_verdict *v) {
@@ -281,11 +316,14 @@ static void test_ahead(cpl_candidate *c, cpl_verdict *v) {
   if (!cpl_meeting_open(&m, c, v))
     return;
   const int n = m.settings.nbody;
-  tdm_wrench *load = calloc((size_t)n + 1, sizeof *load);
+  tdm_wrench *load = calloc(3 * (size_t)n + 1, sizeof *load), *ramp = load + n; /* (nbody), (nbody x 2) */
   tdm_state *told = calloc((size_t)n + 1, sizeof *told);
+  for (int i = 0; load && i < n && isfinite(m.session.body[i].mass); i++)
+    load[i].force = ramp[2 * i + 1].force =
+        tdm_v3(m.session.body[i].mass, m.session.body[i].mass, m.session.body[i].mass);
   tdm_step step = cpl_meeting_next(&m, 5);
-  step.load = load;
-  step.nload = 1;
+  step.load = ramp;
+  step.nload = 2;
   step.ahead = step.t1 + (step.t1 - step.t0);
   bool good = load && told && cpl_meeting_solve(&m, &step, &r);
   const int nnode = good ? r.path.nnode : 0;
@@ -347,6 +385,12 @@ const cpl_rule cpl_rules_mbd[] = {{.name = "load",
                                    .capability = "energy",
                                    .text = "the coupling load's work is load times way",
                                    .test = test_work},
+                                  {.name = "energy.stored",
+                                   .section = "7",
+                                   .roles = CPL_OF_MBD,
+                                   .capability = "energy",
+                                   .text = "without load no energy is gained, gravity's counted",
+                                   .test = test_energy},
                                   {.name = "ahead",
                                    .section = "8",
                                    .roles = CPL_OF_MBD,

@@ -2,12 +2,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/conform/meeting.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { BODIES_MAX = 64 };
 
-/* A window under some load or along some path, w telling them apart. */
-static bool some(cpl_meeting *m, int w, tdm_result *r) {
+typedef enum { ALONG, CARRIED } way; /* DEM moves its bodies along paths, or they stand, each time a little elsewhere */
+
+/* A window under some load, or for DEM of some way, w telling them apart. */
+static bool some(cpl_meeting *m, way how, int w, tdm_result *r) {
   tdm_step step = cpl_meeting_next(m, 3 + w);
   const int n = step.nbody < BODIES_MAX ? step.nbody : 0;
   tdm_state start[BODIES_MAX], end[BODIES_MAX];
@@ -24,6 +28,7 @@ static bool some(cpl_meeting *m, int w, tdm_result *r) {
     end[i].pose.position = tdm_axpy(step.t1 - step.t0, velocity, start[i].pose.position);
     load[i] = (tdm_wrench){.force = {0.1 * (w + 1), 0.2, -0.1}, .moment = {0, 0.01 * w, 0.01}};
   }
+  double *zeros = NULL;
   if (m->candidate->role == CPL_DEM) {
     step.nstate = step.nbody;
     step.start = start;
@@ -32,7 +37,26 @@ static bool some(cpl_meeting *m, int w, tdm_result *r) {
     step.nload = 1;
     step.load = load;
   }
-  return cpl_meeting_solve(m, &step, r);
+  if (m->candidate->role == CPL_DEM && how == CARRIED) {
+    tdm_mobility still = {.nbody = n};
+    zeros = calloc(tdm_mobility_doubles(&still) + 18 * (size_t)n + 1, sizeof *zeros);
+    memset(load, 0, sizeof load);
+    for (int i = 0; i < n; i++) {
+      start[i] = m->session.body[i].state;
+      start[i].twist = (tdm_twist){0};
+      start[i].pose.position.z -= 1e-6 * w;
+    }
+    if (zeros)
+      tdm_mobility_point(&still, zeros + 18 * n);
+    step.end = start;
+    step.has_proxy = true;
+    step.proxy = (tdm_proxy){.acceleration = zeros, .load = load, .correction = zeros + 6 * n, .mobility = still};
+    if (!zeros)
+      return false;
+  }
+  const bool good = cpl_meeting_solve(m, &step, r);
+  free(zeros);
+  return good;
 }
 
 /* The arrays of the last RESULT, behind those that are kept already. */
@@ -56,7 +80,7 @@ static bool save_or_restore(cpl_meeting *m, bool save, int slot) {
 }
 
 /* Save, go on, go back, go on the same way: the same bits, also with a second slot between. */
-static void test_repeats(cpl_candidate *c, cpl_verdict *v) {
+static void repeat(cpl_candidate *c, way how, cpl_verdict *v) {
   cpl_meeting m;
   tdm_result r;
   tdm_frame first = {0}, again = {0};
@@ -67,15 +91,15 @@ static void test_repeats(cpl_candidate *c, cpl_verdict *v) {
     cpl_meeting_drop(&m);
     return;
   }
-  bool good = some(&m, 0, &r) && save_or_restore(&m, true, 3);
+  bool good = some(&m, how, 0, &r) && save_or_restore(&m, true, 3);
   const uint64_t window = m.window, step = m.step;
   for (int w = 1; good && w < 4; w++)
-    good = some(&m, w, &r) && keep(&m, &first) && (w != 2 || save_or_restore(&m, true, 15));
+    good = some(&m, how, w, &r) && keep(&m, &first) && (w != 2 || save_or_restore(&m, true, 15));
   good = good && save_or_restore(&m, false, 3);
   m.window = window;
   m.step = step;
   for (int w = 1; good && w < 4; w++)
-    good = some(&m, w, &r) && keep(&m, &again);
+    good = some(&m, how, w, &r) && keep(&m, &again);
   if (good && (first.size != again.size || memcmp(first.data, again.data, first.size) != 0)) {
     size_t at = 0;
     while (at < first.size && at < again.size && first.data[at] == again.data[at])
@@ -88,6 +112,12 @@ static void test_repeats(cpl_candidate *c, cpl_verdict *v) {
     cpl_meeting_finish(&m);
   else
     cpl_meeting_drop(&m);
+}
+
+static void test_repeats(cpl_candidate *c, cpl_verdict *v) {
+  repeat(c, ALONG, v);
+  if (v->kind == CPL_KEPT && c->role == CPL_DEM && cpl_claims(c, "proxy"))
+    repeat(c, CARRIED, v);
 }
 
 static void test_empty_slot(cpl_candidate *c, cpl_verdict *v) {
@@ -116,7 +146,7 @@ static void test_view(cpl_candidate *c, cpl_verdict *v) {
   bool seen = false;
   if (cpl_session_view(&m.session, c->role, CPL_SCENERY, &header, &err) == TDM_OK && header.size > 0)
     seen = tdm_scenery_decode(&scenery, header.payload, header.size, &err) == TDM_OK;
-  if (seen && some(&m, 0, &r) && cpl_session_view(&m.session, c->role, CPL_SNAPSHOT, &header, &err) == TDM_OK &&
+  if (seen && some(&m, ALONG, 0, &r) && cpl_session_view(&m.session, c->role, CPL_SNAPSHOT, &header, &err) == TDM_OK &&
       tdm_snapshot_decode(&snapshot, header.payload, header.size, &err) == TDM_OK)
     tdm_snapshot_check(&snapshot, &scenery, &err);
   if (err.status != TDM_OK)
@@ -124,6 +154,60 @@ static void test_view(cpl_candidate *c, cpl_verdict *v) {
   else if (!seen)
     cpl_not_seen(v, "it has no scenery");
   tdm_scenery_free(&scenery);
+  tdm_snapshot_free(&snapshot);
+  cpl_meeting_drop(&m);
+}
+
+/* The one contact of a particle (k among those of the snapshot); NULL: none, or more. */
+static const tdm_view_contact *only_contact(const tdm_snapshot *s, int k) {
+  const tdm_view_contact *found = NULL;
+  int n = 0;
+  for (int i = 0; i < s->ncontact; i++)
+    if (s->contact[i].particle == s->id[k] || s->contact[i].other == s->id[k]) {
+      found = &s->contact[i];
+      n++;
+    }
+  return n == 1 ? found : NULL;
+}
+
+/* A particle that one contact alone pushes feels the contact's force, away from the other one. */
+static void look_at_contacts(const tdm_snapshot *s, cpl_verdict *v) {
+  bool seen = false;
+  double largest = 0;
+  for (int i = 0; i < s->ncontact; i++)
+    largest = fmax(largest, fabs(s->contact[i].force));
+  for (int k = 0; k < s->nparticle && k < 1000; k++) {
+    const tdm_view_contact *contact = only_contact(s, k);
+    if (!contact || fabs(contact->force) < 1e-3 * largest || largest == 0)
+      continue;
+    seen = true;
+    const double sign = contact->particle == s->id[k] ? -1 : 1;
+    const double is = sign * tdm_dot(s->force[k], tdm_unit(tdm_sub(contact->to, contact->from)));
+    if (fabs(is - contact->force) >
+        0.5 * fmax(fabs(is), fabs(contact->force))) /* it may be from before the last kick */
+      cpl_broken(v, "a contact's force > 0 where it pushes its particle away from the other one",
+                 "particle %lld: %g N, on the particle act %g N", (long long)s->id[k], contact->force, is);
+  }
+  if (!seen)
+    cpl_not_seen(v, "no particle has a contact of its own in this scene");
+}
+
+static void test_contacts(cpl_candidate *c, cpl_verdict *v) {
+  cpl_meeting m;
+  tdm_header header;
+  tdm_error err = {0};
+  tdm_result r;
+  tdm_snapshot snapshot = {0};
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  if (some(&m, ALONG, 0, &r) &&
+      cpl_session_view(&m.session, c->role, CPL_SNAPSHOT_WITH_CONTACTS, &header, &err) == TDM_OK && header.size > 0 &&
+      tdm_snapshot_decode(&snapshot, header.payload, header.size, &err) == TDM_OK)
+    look_at_contacts(&snapshot, v);
+  else if (err.status != TDM_OK)
+    cpl_broken(v, "a snapshot with contacts as section 10 has it", "%s", err.message);
+  else
+    cpl_not_seen(v, "it has no snapshot");
   tdm_snapshot_free(&snapshot);
   cpl_meeting_drop(&m);
 }
@@ -146,4 +230,10 @@ const cpl_rule cpl_rules_state[] = {{.name = "restore",
                                      .capability = "view",
                                      .text = "there is something to see",
                                      .test = test_view},
+                                    {.name = "view.contacts",
+                                     .section = "10",
+                                     .roles = CPL_OF_DEM,
+                                     .capability = "view",
+                                     .text = "contacts push their particles as they say",
+                                     .test = test_contacts},
                                     {.name = NULL}};

@@ -45,9 +45,11 @@ static void read_bodies(cpl_session *s, tdm_object *ready, tdm_error *err) {
 static void read_loads(cpl_session *s, tdm_object *ready, tdm_error *err) {
   json_t *loads = tdm_get_array(ready, "loads", true);
   for (int i = 0; i < s->settings->nbody && err->status == TDM_OK; i++) {
-    json_t *wrapped = json_pack("{s:O?}", "load", json_array_get(loads, (size_t)i));
+    char key[32];
+    snprintf(key, sizeof key, "loads[%d]", i);
+    json_t *wrapped = json_pack("{s:O?}", key, json_array_get(loads, (size_t)i));
     tdm_object o = tdm_object_open(wrapped, ready->path, err);
-    tdm_get_numbers(&o, "load", (double *)(void *)&s->load[i], TDM_WRENCH_DOUBLES, true);
+    tdm_get_numbers(&o, key, (double *)(void *)&s->load[i], TDM_WRENCH_DOUBLES, true);
     json_decref(wrapped);
   }
 }

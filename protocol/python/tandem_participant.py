@@ -257,6 +257,10 @@ class Participant:
         for count in want:
             parts.append(_finite(values[at:at + count], "a number"))
             at += count
+        for times in (parts[3], parts[5]):
+            if any(b <= a for a, b in zip([step.t0, *times], times)) or (times and times[-1] > step.t1 + 1e-9 * (
+                    step.t1 - step.t0) + 1e-15 * abs(step.t1)):
+                raise ProtocolError("malformed STEP: times of samples or nodes are not in order, or not in it")
         step.window, step.interpolation = self._window, self.assignment.interpolation
         step.start, step.end = _rows(parts[0], 13), _rows(parts[1], 13)
         step.load = [_rows(parts[2][6 * nload * i:6 * nload * (i + 1)], 6) for i in range(n)]

@@ -299,13 +299,17 @@ static tdm_nodes cut_path(double **at, int nnode, int nbody) {
   return path;
 }
 
-/* Nodes come one after the other, the first behind t0, the last at t1 but for rounding. */
-static bool path_is_in_order(const tdm_nodes *path, double t0, double t1) {
+static double rounding_of(double t0, double t1) {
+  return 1e-9 * (t1 - t0) + 1e-15 * fabs(t1);
+}
+
+/* Times come one after the other in (t0, t1], but for rounding at t1. */
+static bool is_in_order(const double *time, int n, double t0, double t1) {
   double before = t0;
-  for (int i = 0; i < path->nnode; before = path->time[i++])
-    if (!(path->time[i] > before))
+  for (int i = 0; i < n; before = time[i++])
+    if (!(time[i] > before))
       return false;
-  return path->nnode == 0 || fabs(before - t1) <= 1e-9 * (t1 - t0) + 1e-15 * fabs(t1);
+  return n == 0 || before <= t1 + rounding_of(t0, t1);
 }
 
 /* ---- STEP ---- */
@@ -428,7 +432,10 @@ tdm_status tdm_step_read(tdm_step *s, const tdm_header *header, tdm_frame *store
   s->path = cut_path(&data, (int)nnode, s->nbody);
   if (extra[0] & HAS_AHEAD && !(s->ahead > s->t1))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: a path ahead from %g s to %g s", s->t1, s->ahead);
-  if (!path_is_in_order(&s->path, s->t0, s->t1))
+  if (!is_in_order(s->sample_time, s->nsample, s->t0, s->t1))
+    return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: its sample times are not in order, or not in it");
+  if (!is_in_order(s->path.time, (int)nnode, s->t0, s->t1) ||
+      (nnode > 0 && s->path.time[nnode - 1] < s->t1 - rounding_of(s->t0, s->t1)))
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "malformed STEP: the nodes of its path are not in order");
   if (s->has_proxy) {
     s->proxy.acceleration = cut(&data, 6 * (size_t)s->nbody);

@@ -3,6 +3,8 @@
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/solver.h"
+#include "dem/model/model.h"
+#include "dem/state/data.h"
 #include "mbd/adapter/solver.h"
 #include "protocol/base/log.h"
 #include "protocol/math/gsl_errors.h"
@@ -14,15 +16,44 @@
 static const char *lie;
 static const tdm_solver_ops *own;
 static tdm_assigned_body body[4];
-static tdm_vec3 place; /* of the first body at the start */
+static tdm_vec3 place;  /* of the first body at the start */
+static tdm_vec3 weight; /* of the first body [N] */
 
 static bool is(const char *name) {
   return strcmp(lie, name) == 0;
 }
 
-static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready, tdm_participant *p, tdm_error *err) {
+/* Parts of the reduced model that are left out, or too large. */
+static void bend_model(tdm_mobility *m) {
+  const size_t f = (size_t)m->nfree, k = 6 * (size_t)m->nbody;
+  if (is("without stiffness"))
+    memset(m->stiffness, 0, f * f * sizeof *m->stiffness);
+  if (is("without damping"))
+    memset(m->damping, 0, f * f * sizeof *m->damping);
+  if (is("without J"))
+    memset(m->J, 0, k * f * sizeof *m->J);
+  if (is("without velocity"))
+    memset(m->velocity, 0, f * sizeof *m->velocity);
+  if (is("without dB/dt"))
+    memset(m->B_rate, 0, k * f * sizeof *m->B_rate);
+  if (is("without dJ/dt"))
+    memset(m->J_rate, 0, k * f * sizeof *m->J_rate);
+  for (size_t i = 0; i < k * f && is("twice B"); i++)
+    m->B[i] *= 2;
+}
+
+static tdm_status create(void **self, const tdm_assignment *given, tdm_ready *ready, tdm_participant *p,
+                         tdm_error *err) {
+  tdm_assignment bent = *given;
+  const tdm_assignment *a = &bent;
+  if (is("feels the path"))
+    bent.sent_velocity = false;
   if (own->create(self, a, ready, p, err) != TDM_OK)
     return err->status;
+  if (a->mobility)
+    bend_model((tdm_mobility *)ready->mobility);
+  if (ready->body && ready->gravity)
+    weight = tdm_scale(ready->body[0].mass, *ready->gravity);
   if (is("lone") && !a->mobility)
     return tdm_fail(err, TDM_ERR_SCENE, NULL, "goes with all that it can alone");
   for (int i = 0; i < a->nbody && i < 4 && ready->body; i++)
@@ -102,7 +133,14 @@ static void spoil_of_dem(tdm_result *r) {
 
 /* ---- what looks right ---- */
 
-static void bend_of_mbd(tdm_result *r) {
+static void bend_of_mbd(const tdm_step *in, tdm_result *r) {
+  if (r->has_mobility)
+    bend_model(&r->mobility);
+  for (int j = 1; is("accelerates late") && j < in->nload; j++) /* as the load at the window's start has it */
+    for (int i = 0; i < 3; i++)
+      r->acceleration[i] -= r->mobility.Y[7 * i] * (&in->load[j].force.x)[i];
+  if (is("weightless"))
+    r->energy->stored += tdm_dot(weight, r->state[0].pose.position);
   if (is("mirrored"))
     r->state[0].twist.velocity = tdm_scale(-1, r->state[0].twist.velocity);
   if (is("light"))
@@ -123,6 +161,11 @@ static void bend_of_dem(tdm_result *r) {
     r->body[0].moment[0].force.z *= 1.5;
   if (is("works twice"))
     r->body[0].work *= 2;
+  if (is("swaps") && r->nbody > 1) {
+    const tdm_interface first = r->body[0];
+    r->body[0] = r->body[1];
+    r->body[1] = first;
+  }
   if (is("strays"))
     r->body[0].end.pose.position.x += 1e-3;
   if (is("forgets samples") && r->nsample > 0)
@@ -133,6 +176,42 @@ static void bend_of_dem(tdm_result *r) {
     r->body[0].moment[1].force = tdm_v3(0, 0, 0);
   if (is("pushes"))
     r->body[0].end.twist.velocity.z += 1e-3;
+}
+
+/* What a STEP's proxy has, left out; `zeros` are as many as it needs. */
+static void bend_proxy(tdm_step *in) {
+  static const double zeros[256];
+  tdm_mobility *m = &in->proxy.mobility;
+  const size_t k = 6 * (size_t)in->nbody, f = (size_t)m->nfree;
+  if (is("ignores W(0)"))
+    in->proxy.load = (const tdm_wrench *)(const void *)zeros;
+  if (is("ignores corrections"))
+    in->proxy.correction = zeros;
+  if (is("without dJ/dt"))
+    memset(m->J_rate, 0, k * f * sizeof *m->J_rate);
+  if (is("without dB/dt"))
+    memset(m->B_rate, 0, k * f * sizeof *m->B_rate);
+  for (size_t i = 0; i < k && is("ignores drivers") && f == 1; i++)
+    ((double *)in->proxy.acceleration)[i] = m->J[i] * m->acceleration[0] + m->J_rate[i] * m->velocity[0];
+}
+
+/* The bodies stay where they are, whatever is restored. */
+static tdm_status leave_bodies(void *self, int slot, tdm_error *err) {
+  const dem_data *d = dem_solver_data(self);
+  tdm_pose kept[4];
+  const int n = d->model->nbody < 4 ? d->model->nbody : 4;
+  memcpy(kept, d->state.pose, (size_t)n * sizeof *kept);
+  if (own->restore(self, slot, err) == TDM_OK)
+    memcpy(d->state.pose, kept, (size_t)n * sizeof *kept);
+  return err->status;
+}
+
+/* Contacts that point the other way. */
+static tdm_status turn_contacts(void *self, tdm_snapshot *out, tdm_error *err) {
+  if (own->snapshot(self, out, err) == TDM_OK)
+    for (int i = 0; i < out->ncontact; i++)
+      out->contact[i].to = tdm_axpy(-1, out->contact[i].to, tdm_scale(2, out->contact[i].from));
+  return err->status;
 }
 
 /* A restore that does nothing. */
@@ -157,10 +236,16 @@ static tdm_status step(void *self, const tdm_step *given, tdm_result *r, tdm_err
       bent.start = ends[0];
       bent.end = ends[1];
     }
+  if (bent.has_proxy)
+    bend_proxy(&bent);
   if (own->step(self, in, r, err) != TDM_OK)
     return err->status;
+  if (is("corrects for nothing") && bent.has_proxy && bent.proxy.correction[2] != 0)
+    r->body[0].work = 0;
+  if (is("jumps") && bent.has_proxy)
+    r->body[0].blending = 0;
   if (own == &mbd_solver_ops)
-    bend_of_mbd(r);
+    bend_of_mbd(in, r);
   else
     bend_of_dem(r);
   if (in->window < 3)
@@ -185,6 +270,10 @@ int main(int argc, char **argv) {
   ops.step = step;
   if (is("forgets"))
     ops.restore = forget;
+  if (is("leaves bodies"))
+    ops.restore = leave_bodies;
+  if (is("pulls"))
+    ops.snapshot = turn_contacts;
   ops.software = "liar 1.0";
   tdm_gsl_return_errors();
   return tdm_solver_main(&ops, argc, argv);

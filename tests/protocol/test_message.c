@@ -371,8 +371,10 @@ START_TEST(absurd_steps_are_refused) {
   tdm_frame frame = {0}, store = {0};
   tdm_header header;
   tdm_step in;
-  tdm_step bad[4];
-  for (int i = 0; i < 4; i++)
+  enum { NBAD = 6 };
+  tdm_step bad[NBAD];
+  const double late[3] = {1.25, 1.5, 2.1}, twice[3] = {1.25, 1.25, 2};
+  for (int i = 0; i < NBAD; i++)
     bad[i] = example_step();
   bad[0].t1 = 0.5;      /* backwards */
   bad[1].nstep = 0;     /* without steps */
@@ -382,7 +384,9 @@ START_TEST(absurd_steps_are_refused) {
   bad[3].nstate = 0;
   bad[3].nload = 1;
   bad[3].load = &nan; /* not a number */
-  for (int i = 0; i < 4; i++) {
+  bad[4].sample_time = late;
+  bad[5].sample_time = twice;
+  for (int i = 0; i < NBAD; i++) {
     tdm_error err = {0};
     ck_assert_int_eq(tdm_step_write(&frame, &bad[i], &err), TDM_OK);
     ck_assert_int_eq(read_header(&header, &frame, &err), TDM_OK);
