@@ -18,7 +18,7 @@ typedef struct {
   char software[128];           /* the same */
   int meetings;                 /* times that it was started */
   bool unready;                 /* it was not READY when that was looked at */
-  void *answer;                 /* rules_mbd.c: how bodies answer to loads, owned; NULL: not asked yet */
+  void *answer;                 /* rules/mbd.c: how bodies answer to loads, owned; NULL: not asked yet */
 } cpl_candidate;
 
 typedef enum { CPL_KEPT, CPL_BROKEN, CPL_NOT_CLAIMED, CPL_NOT_SEEN } cpl_verdict_kind;

@@ -53,7 +53,7 @@ set(coupler
   "observe scheme"
   "run live results"
   "cells contents trial conform"
-  "advise study"
+  "advise study conform/rules"
   "calibrate verify"
   "report"
   "sweep"
