@@ -4,6 +4,8 @@
 #include "coupler/calibrate/calibrate.h"
 #include "coupler/cells/jobs.h"
 #include "coupler/conform/conform.h"
+#include "coupler/export/export.h"
+#include "coupler/help.h"
 #include "coupler/live/live.h"
 #include "coupler/page/view.h"
 #include "coupler/report/report.h"
@@ -32,92 +34,7 @@ static const cpl_solver solvers[CPL_NROLE] = {
 };
 
 static void usage(FILE *out) {
-  fputs("tandem: co-simulation of discrete elements and multibody dynamics\n\n"
-        "  tandem run SCENE [--out DIR] [--force] [--set PATH=VALUE ...] [--strict] [--live [PORT]]\n"
-        "             [--estimate [SHARE]] [--record FILE]\n"
-        "      Run a scene: a JSON file, or the name of a scenario. Results go to DIR (default: run-out).\n"
-        "      --force            replace the results of an earlier run in DIR\n"
-        "      --set PATH=VALUE   override a value of the scene: --set coupling.n=25 --set dem.pairs[0].friction=0.3\n"
-        "      --strict           refuse a run that a solver has doubts about\n"
-        "      --live [PORT]      show the run in a browser while it goes, at an address of this machine that is "
-        "printed\n"
-        "      --estimate [SHARE] repeat that share of the run (default: 0.1) with half the window and half the step, "
-        "for the\n"
-        "                         errors of exchange and DEM step apart\n"
-        "      --record FILE      store the exchange, for tandem-player FILE in the place of either solver\n\n"
-        "  tandem check SCENE [--out DIR] [--set PATH=VALUE ...] [--strict]\n"
-        "      Start both solvers, print what would run, step limits, masses and doubts, and end.\n"
-        "      --out DIR          keep the logs there; results that it holds stay\n\n"
-        "  tandem advise SCENE [--error E] [--write FILE] [--json FILE] [--out DIR] [--force] [--set PATH=VALUE ...]\n"
-        "      Choose DEM step, windows, scheme and formulation by limits and short trials, and say what the run will "
-        "cost.\n"
-        "      --error E          wanted error of position and velocity beside their spread (default: 0.01)\n"
-        "      --write FILE       write the scene with these settings\n"
-        "      --out DIR          trials and advice.json (default: advise-out)\n\n"
-        "  tandem report DIR\n"
-        "      Make a page of a result directory, also of tandem-dem and tandem-mbd: warnings, where the time went, "
-        "every\n"
-        "      time history, simulation against reference. tandem run makes no plots itself.\n\n"
-        "  tandem draw DIR|FILE [--times LIST] [--all] [--view VIEW] [--set KEY=VALUE ...] [--out PREFIX]\n"
-        "      Draw pictures of a run, also of one that failed or goes on, from its frames.tdv (or a FILE.frame).\n"
-        "      --times LIST       the snapshots nearest to these times [s]; --all: every one (default: the last)\n"
-        "      --view VIEW        space, xz, yz, xy, zx, zy, yx, {\"from\": [x, y, z], \"at\": [x, y, z], ...}, or the "
-        "name\n"
-        "                         of a view in the scene's output.pictures (default: its first one, else space)\n"
-        "      --set KEY=VALUE    a key of output.pictures: --set color=force --set walls=hidden\n"
-        "      --out PREFIX       write PREFIX_000.png ... (default: DIR/drawn)\n\n"
-        "  tandem movie DIR [--view VIEW] [--set KEY=VALUE ...] [--fps N] [--size WxH] [--out FILE]\n"
-        "      Make an animation of all snapshots by ffmpeg (default: DIR/movie.mp4, 25 pictures a second).\n\n"
-        "  tandem view DIR [--out FILE] [--budget MB]\n"
-        "      Make DIR/view.html, a page that plays the run in a browser: particles, bodies, time histories.\n"
-        "      --budget MB        leave out frames so that the page stays below that (default: 150)\n\n"
-        "  tandem sweep SCENE [--dt LIST] [--n LIST] [--scheme LIST] [--set PATH=LIST ...] [--jobs J] [--resume]\n"
-        "               [--out DIR] [--force] [--json FILE]\n"
-        "      Run a grid of settings (lists have commas) and compare error and run time: table, heat maps, Pareto "
-        "front.\n"
-        "      --jobs J   cells at a time (default: processors); --resume keeps cells of an interrupted sweep.\n\n"
-        "  tandem sweep SCENE [...] --measure PATH|CHANNEL ... [--repeat PATH=LIST]\n"
-        "  tandem sweep STUDY [--set PATH=VALUE ...] [--cell NAME ...] [--seeds LIST] [--jobs J] [--resume]\n"
-        "               [--out DIR] [--force] [--json FILE]\n"
-        "      A parametric study, from options or a file (docs/runs.md): measures of each cell, with plots. Also of "
-        "scenes\n"
-        "      of particles alone and of bodies alone.\n"
-        "      --measure PATH         a value of summary.json: --measure wall_s.all\n"
-        "      --measure CHANNEL[@T]  a time history at T: end (default), mean, max, min, [t0,t1]: "
-        "dem:particles.count@max\n"
-        "      --repeat PATH=LIST     seeds: each cell runs with each, for mean and spread\n"
-        "      --cell NAME            only this cell of the study: --cell 'rpm=50'\n"
-        "      --seeds LIST           only these of its seeds: --seeds 1,2 (with --resume the others later)\n\n"
-        "  tandem calibrate SCENE --parameter PATH --range FROM TO [...] --target FILE|VALUE [--measure PATH|CHANNEL] "
-        "[...]\n"
-        "               [--log PATH ...] [--repeat PATH=LIST] [--set PATH=VALUE ...] [--tolerance SHARE] [--tries N]\n"
-        "               [--jobs J] [--resume] [--out DIR] [--force] [--write FILE] [--json FILE]\n"
-        "      Find one to four values of a scene with which its runs meet what was measured (docs/calibrate.md).\n"
-        "      --parameter PATH   a number of the scene, between FROM and TO of its --range; the search begins at the "
-        "scene's\n"
-        "                         value; --log PATH: sought in its logarithm\n"
-        "      --target FILE      a curve: CSV, two columns named \"time\" or as channels (dem:body.piston.fz)\n"
-        "      --target VALUE     a number for a --measure, which is as of a sweep: --measure repose.mean_deg\n"
-        "      --repeat PATH=LIST seeds: each try runs with each, and the mean counts\n"
-        "      --tolerance SHARE  of the ranges at which the search ends (default: 0.005)\n"
-        "      --tries N          at most (default: 100)\n"
-        "      --write FILE       write the scene with the values found\n\n"
-        "  tandem verify [NAME|GROUP ...] [--full] [--jobs J] [--out DIR] [--force] [--json FILE]\n"
-        "      Run verification scenarios (default: the group \"scenarios\") and compare them with theory.\n"
-        "      Curves and plots go to DIR (default: verify-out). Exit status 1 when a limit is missed.\n"
-        "      --full     the group \"coupling\": all cells of its grids, an hour instead of minutes\n\n"
-        "  tandem conform [SCENE] [--role dem|mbd] [--rule NAME ...] [--timeout S] [--json FILE]\n"
-        "               [--set PATH=VALUE ...] -- COMMAND ...\n"
-        "      Play the server against a solver, and tell which rules of PROTOCOL.md it keeps; exit status 1 when one\n"
-        "      is broken. SCENE has its section (default: an empty one, which --set dem.KEY=VALUE may fill, and one\n"
-        "      coupled body \"body\" of 1 kg). A dem is told its bodies by tandem-mbd, or coupling.solvers.mbd, from\n"
-        "      the section mbd. Where nothing touches a body, loads, interface and energy are not seen.\n"
-        "      --rule NAME        only this rule: --rule restore\n"
-        "      --timeout S        silence after which it counts as hanging (default: 10 s)\n\n"
-        "  --scenarios DIR   where scenarios are (default: ./scenarios, the installed ones, those of the source)\n"
-        "  --help, --version\n\n"
-        "Scenarios:\n",
-        out);
+  fputs(cpl_help, out);
   int name = 0, group = 0; /* widths */
   for (const cpl_scenario *s = scn_table; s->name; s++) {
     name = (int)strlen(s->name) > name ? (int)strlen(s->name) : name;
@@ -132,7 +49,7 @@ static void usage(FILE *out) {
 typedef struct {
   tdm_arguments given;
   const char *out, *budget, *json, *port, *share, *scenarios, *dt, *n, *scheme, *jobs, *repeat, *seeds, *error, *write,
-      *tolerance, *tries, *role, *timeout, *record;
+      *tolerance, *tries, *role, *timeout, *record, *side, *fmi;
   tdm_words measure, cell, parameter, range, log, target, rule;
   bool force, strict, resume, full, live, estimate;
 } arguments;
@@ -162,6 +79,8 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
                                 {.name = "--role", .value = &a->role},
                                 {.name = "--record", .value = &a->record},
                                 {.name = "--timeout", .value = &a->timeout},
+                                {.name = "--side", .value = &a->side},
+                                {.name = "--fmi", .value = &a->fmi},
                                 {.name = "--strict", .flag = &a->strict},
                                 {.name = "--resume", .flag = &a->resume},
                                 {.name = "--budget", .value = &a->budget},
@@ -178,16 +97,20 @@ static tdm_status parse(arguments *a, int argc, char **argv, tdm_error *err) {
 static tdm_status refuse(const arguments *a, const char *command, bool run, bool sweep, bool verify, tdm_error *err) {
   const bool view = strcmp(command, "view") == 0, check = strcmp(command, "check") == 0;
   const bool advise = strcmp(command, "advise") == 0, calibrate = strcmp(command, "calibrate") == 0;
-  const bool conform = strcmp(command, "conform") == 0;
+  const bool conform = strcmp(command, "conform") == 0, export = strcmp(command, "export") == 0;
   const struct {
     bool given, known;
     const char *name;
   } options[] = {
-      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise || calibrate || conform},
+      {.name = "--set", .given = a->given.nset > 0, .known = run || sweep || advise || calibrate || conform || export},
       {.name = "--strict", .given = a->strict, .known = run},
-      {.name = "--out", .given = a->out != NULL, .known = run || sweep || verify || view || advise || calibrate},
+      {.name = "--out",
+       .given = a->out != NULL,
+       .known = run || sweep || verify || view || advise || calibrate || export},
       {.name = "--budget", .given = a->budget != NULL, .known = view},
-      {.name = "--force", .given = a->force, .known = (run && !check) || sweep || verify || advise || calibrate},
+      {.name = "--force",
+       .given = a->force,
+       .known = (run && !check) || sweep || verify || advise || calibrate || export},
       {.name = "--live", .given = a->live, .known = run && !check},
       {.name = "--estimate", .given = a->estimate, .known = run && !check},
       {.name = "--json", .given = a->json != NULL, .known = sweep || verify || advise || calibrate || conform},
@@ -212,6 +135,8 @@ static tdm_status refuse(const arguments *a, const char *command, bool run, bool
       {.name = "--record", .given = a->record != NULL, .known = run && !check},
       {.name = "--role", .given = a->role != NULL, .known = conform},
       {.name = "--timeout", .given = a->timeout != NULL, .known = conform},
+      {.name = "--side", .given = a->side != NULL, .known = export},
+      {.name = "--fmi", .given = a->fmi != NULL, .known = export},
       {.name = "--", .given = a->given.rest != NULL, .known = conform},
       {.name = "--full", .given = a->full, .known = verify}};
   for (size_t k = 0; k < sizeof options / sizeof options[0]; k++)
@@ -349,6 +274,26 @@ static tdm_status command_conform(const arguments *a, tdm_error *err) {
                                  .timeout = timeout};
   memcpy(options.solver, solvers, sizeof solvers);
   return cpl_conform(&options, err);
+}
+
+static tdm_status command_export(const arguments *a, tdm_error *err) {
+  char scene[4096];
+  if (refuse(a, "export", false, false, false, err) != TDM_OK)
+    return err->status;
+  if (a->given.nword != 2 || strcmp(a->given.word[0], "fmu") != 0)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "export: write tandem export fmu SCENE; see tandem --help");
+  if (tdm_find_scene(scene, sizeof scene, "", a->given.word[1], a->scenarios, err) != TDM_OK)
+    return err->status;
+#ifdef TANDEM_EXPORTS
+  cpl_export_options options = {
+      .scene = scene, .set = a->given.set, .out = a->out, .side = a->side, .version = a->fmi, .force = a->force};
+  memcpy(options.solver, solvers, sizeof solvers);
+  return cpl_export_fmu(&options, err);
+#else
+  return tdm_fail(
+      err, TDM_ERR_ARGUMENT, NULL,
+      "export: this tandem was built without libzip-dev and libexpat1-dev; install them and build it again");
+#endif
 }
 
 static tdm_status command_report(const arguments *a, tdm_error *err) {
@@ -570,6 +515,7 @@ int main(int argc, char **argv) {
       {.name = "calibrate", .run = command_calibrate},
       {.name = "verify", .run = command_verify},
       {.name = "conform", .run = command_conform},
+      {.name = "export", .run = command_export},
   };
   enum { NCOMMAND = sizeof commands / sizeof commands[0] };
   const char *names[NCOMMAND];

@@ -188,6 +188,20 @@ void cpl_loop_free(cpl_loop *loop) {
   *loop = (cpl_loop){0};
 }
 
+/* What is known of the mechanism at t0 belongs to the external loads of before. Accelerations by loads are those by the
+ * difference from proxy.load, so the change of the external loads goes into that. */
+void cpl_loop_press(cpl_loop *loop, const tdm_wrench *external) {
+  for (int i = 0; i < loop->nbody; i++) {
+    tdm_wrench *held = (tdm_wrench *)(void *)(loop->proxy_block + 6 * (size_t)loop->nbody) + i,
+               *now = &loop->external[i];
+    if (loop->proxy_size > 0) {
+      held->force = tdm_sub(held->force, tdm_sub(external[i].force, now->force));
+      held->moment = tdm_sub(held->moment, tdm_sub(external[i].moment, now->moment));
+    }
+    *now = external[i];
+  }
+}
+
 bool cpl_loop_done(const cpl_loop *loop) {
   return loop->step1 >= cpl_total_steps(loop->settings);
 }

@@ -40,9 +40,13 @@ static tdm_status check_turn(cpl_loop *loop, int body, tdm_error *err) {
 }
 
 tdm_status cpl_solve_mbd(cpl_loop *loop, int ncoefficient, tdm_error *err) {
-  for (int i = 0; i < loop->nbody; i++)
+  for (int i = 0; i < loop->nbody; i++) {
     for (int j = 0; j < ncoefficient; j++)
       loop->packed[i * ncoefficient + j] = loop->load[i * TDM_LOAD_MAX + j];
+    tdm_wrench *held = &loop->packed[i * ncoefficient];
+    held->force = tdm_add(held->force, loop->external[i].force);
+    held->moment = tdm_add(held->moment, loop->external[i].moment);
+  }
   loop->nload = ncoefficient;
   tdm_step step = {.nload = ncoefficient, .load = loop->packed, .ahead = cpl_path_ahead(loop)};
   tdm_status status = exchange(loop, CPL_MBD, &step, err);

@@ -114,6 +114,10 @@ static void beat(cpl_session *s, double now) {
       tdm_transport_send(s->transport, &s->partner[r].peer, &s->out, NULL); /* a lost partner is found elsewhere */
 }
 
+void cpl_session_beat(cpl_session *s) {
+  beat(s, tdm_clock());
+}
+
 /* Waiting for a partner: how long it has been silent. Only time spent listening counts, so that a run that was stopped
  * (Ctrl-Z) may go on. */
 typedef struct {

@@ -39,6 +39,7 @@ typedef struct {
   tdm_transport *transport;
   const cpl_settings *settings;
   const struct cpl_scheme *scheme; /* of the settings, or their fallback; from the start on */
+  unsigned further[CPL_NROLE];     /* flags of cpl_need: what is asked of solvers beside the scheme's needs */
   cpl_partner partner[CPL_NROLE];
   tdm_assigned_body *body; /* (nbody) from mbd's READY; names are dem's */
   tdm_wrench *load;        /* (nbody) from dem's READY: at the start */
@@ -122,6 +123,9 @@ tdm_interpolation cpl_session_interpolation(const cpl_session *session);
 /* Whether a role's RESULTs carry "acceleration", "mobility", "interface" or "energy" in this run, or "ahead": mbd's
  * READY and RESULTs may tell the path of the next window. */
 bool cpl_session_asks(const cpl_session *session, cpl_role role, const char *extra);
+
+/* A sign of life to all, when the last one is half a second old: while nothing is asked of them. */
+void cpl_session_beat(cpl_session *session);
 
 /* One STEP and its RESULT. The result's arrays live until the next step of the same role. */
 tdm_status cpl_session_step(cpl_session *session, cpl_role role, const tdm_step *step, tdm_result *result,

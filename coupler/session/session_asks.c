@@ -33,7 +33,7 @@ static unsigned needs_of(const cpl_session *s, const cpl_scheme *scheme, int rol
 }
 
 unsigned cpl_session_needs(const cpl_session *s, cpl_role role) {
-  return needs_of(s, s->scheme, (int)role);
+  return needs_of(s, s->scheme, (int)role) | s->further[role];
 }
 
 /* The first capability that a scheme needs and a role's solver lacks, as bit of cpl_need; -1: none. */
@@ -102,7 +102,8 @@ bool cpl_session_asks(const cpl_session *s, cpl_role role, const char *extra) {
     return role == CPL_DEM && matches(s);
   for (int i = 0; i < CPL_NEXTRA; i++)
     if (strcmp(cpl_extras[i].name, extra) == 0)
-      return s->scheme->needs[role] & cpl_extras[i].need || (cpl_extras[i].always && cpl_session_has(s, role, extra));
+      return (s->scheme->needs[role] | s->further[role]) & cpl_extras[i].need ||
+             (cpl_extras[i].always && cpl_session_has(s, role, extra));
   return false;
 }
 

@@ -56,6 +56,7 @@ typedef struct {
   A(WITHIN, tdm_wrench, mean, loop->nbody)               /* mean load over the window, once DEM has solved */          \
   A(WITHIN, tdm_wrench, load, loop->nbody *TDM_LOAD_MAX) /* polynomial for MBD, row i: body i */                       \
   A(WITHIN, tdm_wrench, packed, loop->nbody *TDM_LOAD_MAX) /* the same without gaps, as it is sent */                  \
+  A(CARRIED, tdm_wrench, external, loop->nbody) /* loads on MBD's bodies from elsewhere, held: cpl_loop_press */       \
   V(CARRIED, int, nload) /* coefficients of the load; of the last window until there are new ones */                   \
   /* the mechanism at t0, if the scheme needs it; points into its block */                                             \
   V(CARRIED, tdm_proxy, proxy)                                                                                         \
@@ -105,6 +106,9 @@ typedef struct cpl_loop {
 /* Set up the loop after both solvers are READY; cpl_loop_free lets go of it whatever happened. */
 tdm_status cpl_loop_init(cpl_loop *loop, const cpl_settings *settings, cpl_session *session, tdm_error *err);
 void cpl_loop_free(cpl_loop *loop);
+
+/* From now on these loads (nbody) of somebody else's act on MBD's bodies, beside DEM's; between windows. */
+void cpl_loop_press(cpl_loop *loop, const tdm_wrench *external);
 
 bool cpl_loop_done(const cpl_loop *loop);
 

@@ -46,17 +46,18 @@ set(mbd
   "app"
   "main.c")
 set(coupler
-  "settings page choice"
+  "settings page choice export/guest"
   "session"
   "state"
   "loop estimate"
   "observe scheme"
   "run live results"
-  "cells contents trial conform"
-  "advise study conform/rules"
+  "cells contents trial conform export/serve"
+  "advise study export conform/rules"
   "calibrate verify"
   "report"
   "sweep"
+  "help.h"
   "main.c")
 # the program that starts all of them
 set(knows_all coupler/main.c)
