@@ -240,6 +240,7 @@ static tdm_status make(export *x, tdm_error *err) {
   cpl_pack *pack = NULL;
   if (cpl_stage_load(&x->stage, x->side, x->options->scene, x->options->set, err) != TDM_OK)
     return err->status;
+  x->stage.talks = true;
   if (cpl_stage_start(&x->stage, roles, programs, err) != TDM_OK ||
       cpl_scene_files_make(&x->files, x->side, x->stage.scene.root, err) != TDM_OK) {
     tdm_scene_locate(&x->stage.scene, err);

@@ -267,7 +267,66 @@ START_TEST(processes_that_die) {
 }
 END_TEST
 
+/* The tool dies, between steps or (its solver hanging) in one: all that it had started ends. */
+START_TEST(tools_that_die) {
+  char words[256];
+  int line[2], go[2];
+  pid_t solver = 0;
+  setup();
+  pack("");
+  ck_assert_int_eq(pipe(line) | pipe(go), 0);
+  const pid_t tool = fork();
+  if (tool == 0) {
+    master m;
+    open_fmu(&m);
+    initialize(&m, 0.05);
+    if (write(line[1], m.fmu->dir, sizeof m.fmu->dir) < 0 || read(go[0], words, 1) < 0)
+      _exit(1);
+    if (_i == 1) /* its solver was stopped */
+      m.fmu->version->step(m.fmu, 0, 1e-2, true);
+    while (true)
+      pause();
+  }
+  ck_assert_int_eq(read(line[0], words, TDM_FMI_DIR_MAX), TDM_FMI_DIR_MAX);
+  strcat(words, "/resources/bin/tandem-dem");
+  ck_assert_int_eq(find_processes(words, &solver), 1);
+  if (_i == 1)
+    kill(solver, SIGSTOP);
+  ck_assert_int_eq(write(go[1], "", 1), 1);
+  usleep(300000);
+  kill(tool, SIGKILL);
+  ck_assert_int_eq(waitpid(tool, NULL, 0), tool);
+  teardown(); /* waits for the end of all, and for what was unpacked to go */
+}
+END_TEST
+
+/* An instance that has failed can be reset, and runs as at first. */
+START_TEST(is_reset) {
+  fmi2_status (*reset)(fmi2_instance);
+  double first[2];
+  master m;
+  setup();
+  pack("");
+  open_fmu(&m);
+  *(void **)&reset = dlsym(m.fmu->library, "fmi2Reset");
+  for (int k = 0; k < 2; k++) {
+    initialize(&m, 0.05);
+    m.t = 0;
+    step(&m, 2e-3);
+    first[k] = get(&m, "plate-1.force.z");
+    set(&m, "plate-1.orientation.w", 0);
+    ck_assert_int_eq(m.fmu->version->step(m.fmu, 2e-3, 1e-3, true), 3);
+    ck_assert_int_eq(reset(m.fmu->instance), FMI2_OK);
+  }
+  ck_assert_double_eq(first[0], first[1]);
+  ck_assert_double_lt(first[0], -5);
+  m.fmu->running = false;
+  close_fmu(&m);
+  teardown();
+}
+END_TEST
+
 #define ROWS(table) (int)(sizeof table / sizeof table[0])
 TEST_MAIN_ROWS("export", {keeps_the_rules, ROWS(kinds)}, {rules_are_looked_at, 1}, {is_reproducible, 1},
                {packs_files, 1}, {mistakes_are_named, ROWS(mistakes)}, {no_instance, 1}, {steps_that_do_not_fit, 2},
-               {processes_that_die, 2})
+               {processes_that_die, 2}, {tools_that_die, 2}, {is_reset, 1})

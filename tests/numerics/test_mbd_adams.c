@@ -97,11 +97,11 @@ static void expect_axis(const char *path, int k, double x, double z) {
 /* ---- against Adams' tables ---- */
 
 static const char *const published[] = {
-    "Cylindrical_Case01", "Cylindrical_Case02", "Cylindrical_Case03", "Distance_Case01",  "Distance_Case02",
-    "Distance_Case03",    "LinActuator_Case01", "LinActuator_Case02", "Prismatic_Case01", "Prismatic_Case02",
-    "Prismatic_Case03",   "Revolute_Case01",    "Revolute_Case02",    "RotSpring_Case01", "Spherical_Case01",
-    "Spherical_Case02",   "TranSpring_Case01",  "TranSpring_Case02",  "Universal_Case01", "Universal_Case02",
-    "Universal_Case03"};
+    "Cylindrical_Case01",  "Cylindrical_Case02",  "Cylindrical_Case03",  "Distance_Case01",   "Distance_Case02",
+    "Distance_Case03",     "LinActuator_Case01",  "LinActuator_Case02",  "Prismatic_Case01",  "Prismatic_Case02",
+    "Prismatic_Case03",    "RevSpherical_Case01", "RevSpherical_Case02", "Revolute_Case01",   "Revolute_Case02",
+    "RotSpring_Case01",    "Spherical_Case01",    "Spherical_Case02",    "TranSpring_Case01", "TranSpring_Case02",
+    "TranSpringCB_Case01", "TranSpringCB_Case02", "Universal_Case01",    "Universal_Case02",  "Universal_Case03"};
 enum { NPUBLISHED = sizeof published / sizeof published[0] };
 
 START_TEST(test_published) {

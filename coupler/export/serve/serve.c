@@ -1,8 +1,9 @@
 /* tandem-serve RESOURCES: the process behind an instance of an exported FMU. It starts the FMU's solvers, plays the
  * server to them, and answers the FMU's binary (guest/link.h) until that hangs up. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#define _GNU_SOURCE /* close_range */
+#define _GNU_SOURCE /* close_range, POLLRDHUP, asprintf */
 #include "coupler/export/serve/perform.h"
+#include "protocol/base/interrupt.h"
 #include "protocol/base/log.h"
 #include "protocol/math/gsl_errors.h"
 #include "protocol/scene/remark.h"
@@ -12,6 +13,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -272,6 +274,15 @@ static bool answer(server *s, const guest_message *m) {
   return has_inputs ? answer_outputs(s, m->kind) : guest_send(LINE, m->kind, GUEST_OK, NULL, NULL, 0);
 }
 
+/* The tool may hang up, or die, while a step is under way: then that is given up. */
+static void *watch_line(void *nothing) {
+  struct pollfd line = {.fd = LINE, .events = POLLRDHUP};
+  while (poll(&line, 1, -1) < 0 && errno == EINTR)
+    continue;
+  tdm_interrupted = 1;
+  return nothing;
+}
+
 static void serve(server *s) {
   guest_message m = {0};
   struct pollfd line = {.fd = LINE, .events = POLLIN};
@@ -305,6 +316,9 @@ int main(int argc, char **argv) {
   make_executable();
   server s = {.dir = argv[1], .told = json_object()};
   tdm_remarks_open(&s.remarks);
+  pthread_t watch;
+  if (pthread_create(&watch, NULL, watch_line, NULL) == 0)
+    pthread_detach(watch);
   if (read_facts(&s, &err) == TDM_OK && load(&s, &err) == TDM_OK)
     serve(&s);
   else

@@ -38,7 +38,7 @@ tdm_status cpl_stage_open(cpl_stage *s, tdm_error *err) {
     return err->status;
   s->alone = (cpl_scheme){.name = "export", .interpolation = TDM_HERMITE};
   s->session.scheme = &s->alone;
-  tdm_progress_begin(&s->session.progress, 0, "", true);
+  tdm_progress_begin(&s->session.progress, 0, "", !s->talks);
   return TDM_OK;
 }
 
@@ -97,6 +97,7 @@ tdm_status cpl_stage_start(cpl_stage *s, unsigned roles, const char *const progr
   for (int r = 0; r < CPL_NROLE && err->status == TDM_OK; r++)
     if (roles & 1u << r)
       cpl_session_assign(&s->session, (cpl_role)r, &s->scene, err);
+  tdm_progress_end(&s->session.progress);
   if (err->status == TDM_OK && s->side == CPL_EXPORT_BOTH)
     cpl_session_compare(&s->session);
   return err->status;

@@ -16,6 +16,7 @@ typedef struct {
   cpl_session session;
   cpl_private own; /* of the socket and the logs */
   bool open;       /* the session */
+  bool talks;      /* what solvers are at until they are READY goes to the terminal; false at first */
 } cpl_stage;
 
 /* Read the scene as the side needs it. Freed by cpl_stage_free, also after an error. */
