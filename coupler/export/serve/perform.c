@@ -267,13 +267,14 @@ static tdm_status step_both(cpl_performance *p, double h, const double *input, b
 tdm_status cpl_perform_step(cpl_performance *p, double t, double h, const double *input, bool *refused,
                             tdm_error *err) {
   const double slack = 1e-3 * p->stage->settings.dt;
-  *refused = false;
-  if (!(h > 0) || !isfinite(t) || !isfinite(h) || fabs(t - p->now.t) > fmax(slack, 1e-9 * fabs(t))) {
-    *refused = true;
+  *refused = true;
+  if (!(h > 0) || !isfinite(h))
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "a communication step of %g s; its length must be above 0", h);
+  if (!(fabs(t - p->now.t) <= fmax(slack, 1e-9 * fabs(t))))
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-                    "a communication step from %.9g s by %.9g s, counted from the start; the last one ended at %.9g s",
-                    t, h, p->now.t);
-  }
+                    "a communication step begins %.9g s after the start, but the last one ended %.9g s after it", t,
+                    p->now.t);
+  *refused = false;
   return p->stage->side == CPL_EXPORT_DEM   ? step_dem(p, h, input, refused, err)
          : p->stage->side == CPL_EXPORT_MBD ? step_mbd(p, h, input, err)
                                             : step_both(p, h, input, refused, err);
