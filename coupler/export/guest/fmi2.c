@@ -207,7 +207,8 @@ FMI2(fmi2_status, SetFMUstate, fmi2_instance c, fmi2_kept state) {
 }
 
 FMI2(fmi2_status, FreeFMUstate, fmi2_instance c, fmi2_kept *state) {
-  guest_forget(GUEST(c), (guest_kept **)state);
+  if (state)
+    guest_forget(GUEST(c), (guest_kept **)state);
   return FMI2_OK;
 }
 

@@ -181,7 +181,8 @@ FMI3(fmi3_status, SetFMUState, fmi3_instance c, fmi3_kept state) {
 }
 
 FMI3(fmi3_status, FreeFMUState, fmi3_instance c, fmi3_kept *state) {
-  guest_forget(GUEST(c), (guest_kept **)state);
+  if (state)
+    guest_forget(GUEST(c), (guest_kept **)state);
   return FMI3_OK;
 }
 
