@@ -258,10 +258,11 @@ static void close_part(const group *g, int i, squares *s) {
   const cpl_trace_row *first = cpl_part_row(p, 0), *last = cpl_part_row(p, p->n - 1);
   const double time = last->t - first->t, half_window = 0.5 * p->trace->end.t / (double)p->trace->windows;
   const double jolt = last->jolt[p->k] - first->jolt[p->k], slip = last->slip[p->k] - first->slip[p->k];
-  double mean[2] = {0}, square[2] = {0};
+  double mean[2] = {0}, square[2] = {0}, made = 0;
   for (int row = 1; row < p->n; row++) {
     const cpl_trace_row *r = cpl_part_row(p, row);
     const double h = r->t - cpl_part_row(p, row - 1)->t, value[2] = {r->way[p->k], r->rate[p->k]};
+    made += h / time * r->made;
     for (int j = 0; j < 2; j++) {
       mean[j] += h * value[j];
       square[j] += h * value[j] * value[j];
@@ -270,9 +271,11 @@ static void close_part(const group *g, int i, squares *s) {
   add_shift(p, g->motion[i], g->energy[i], s->coupling);
   s->coupling[0] += slip + half_window * half_window * jolt;
   s->coupling[1] += jolt;
+  /* the right motion has less energy by what the exchange made: both together are as far apart as they can be */
+  const double farthest = pow(1 + sqrt(fmax(0, 1 - made / g->energy[i])), 2);
   for (int j = 0; j < 2; j++) {
     s->spread[j] = fmax(0, square[j] / time - mean[j] * mean[j] / (time * time));
-    s->coupling[j] /= time;
+    s->coupling[j] = fmin(s->coupling[j], farthest * square[j]) / time;
     s->fill[j] /= time;
   }
   s->local = jolt / time;

@@ -103,6 +103,16 @@ START_TEST(ends_that_are_apart) {
 }
 END_TEST
 
+/* Ends ten times as far apart as the body is fast: neither it nor the right one, which has no more energy (the exchange
+ * made none), goes so fast. */
+START_TEST(no_error_is_more_than_both_motions) {
+  const cpl_error e = estimate(4000, 1e-3, (faults){.other_speed = 10 * start * w});
+  ck_assert_double_le(e.of[CPL_VELOCITY].coupling, 2.1 * start * w / sqrt(2));
+  ck_assert_double_ge(e.of[CPL_VELOCITY].coupling, start * w / sqrt(2));
+  ck_assert_double_le(e.of[CPL_POSITION].coupling, 2.1 * start * sqrt(1.5)); /* from where it starts */
+}
+END_TEST
+
 START_TEST(rows_are_left_out_without_a_change) {
   /* the same run in 4000 windows and in 64000, of which every 16th is kept */
   const faults late = {.delay = 1e-3};
@@ -344,5 +354,6 @@ START_TEST(too_little_to_say) {
 END_TEST
 
 TEST_MAIN("estimate", a_run_without_faults, a_load_that_is_late, jitter_of_the_load, ends_that_are_apart,
-          rows_are_left_out_without_a_change, rows_at_output_times, an_axis_of_its_own, blows_at_other_times,
-          a_bed_that_pushes_back, a_body_that_is_tied_to_another, blows_of_single_grains, too_little_to_say)
+          no_error_is_more_than_both_motions, rows_are_left_out_without_a_change, rows_at_output_times,
+          an_axis_of_its_own, blows_at_other_times, a_bed_that_pushes_back, a_body_that_is_tied_to_another,
+          blows_of_single_grains, too_little_to_say)
