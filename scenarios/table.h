@@ -48,6 +48,7 @@ tdm_status scn_multi_hydrogel(cpl_verify *v, tdm_error *err);
 tdm_status scn_multi_rubber(cpl_verify *v, tdm_error *err);
 tdm_status scn_multi_mixture(cpl_verify *v, tdm_error *err);
 tdm_status scn_multi_glass(cpl_verify *v, tdm_error *err);
+tdm_status scn_multi_plate(cpl_verify *v, tdm_error *err);
 tdm_status scn_multi_liggghts(cpl_verify *v, tdm_error *err);
 
 /* bodies alone, mbd/ */

@@ -87,6 +87,10 @@ bool cpl_verify_full(const cpl_verify *v) {
   return v->options->full;
 }
 
+int cpl_verify_jobs(const cpl_verify *v) {
+  return v->options->jobs ? v->options->jobs : cpl_jobs_processors();
+}
+
 /* ---- many runs ---- */
 
 void cpl_verify_case_set(cpl_verify_case *c, const char *format, ...) {
@@ -183,7 +187,7 @@ tdm_status cpl_verify_run_many(cpl_verify *v, int n, cpl_verify_case *c, int at_
   for (int i = 0; i < n; i++)
     case_dir(v, c[i].name, c[i].dir, sizeof c[i].dir);
   make_bed(v, n, c);
-  int jobs = at_once ? at_once : v->options->jobs ? v->options->jobs : cpl_jobs_processors();
+  int jobs = at_once ? at_once : cpl_verify_jobs(v);
   cpl_jobs_run(&(cpl_jobs){n, jobs, &m, begin_case, work_case, end_case});
   munmap(left, size);
   return tdm_interrupted ? tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted") : TDM_OK;
@@ -202,13 +206,9 @@ static cpl_run_result total_of(const cpl_cells *cells) {
   return total;
 }
 
-static int jobs_of(const cpl_verify *v) {
-  return v->options->jobs ? v->options->jobs : cpl_jobs_processors();
-}
-
 tdm_status cpl_verify_cells(cpl_verify *v, cpl_cells *cells, tdm_error *err) {
   cells->out = v->dir;
-  cells->jobs = jobs_of(v);
+  cells->jobs = cpl_verify_jobs(v);
   cells->quiet = true;
   cells->scenarios = v->options->scenario;
   memcpy(cells->solver, v->options->solver, sizeof cells->solver);
@@ -228,7 +228,7 @@ tdm_status cpl_verify_study(cpl_verify *v, const char *file, const cpl_verify_pa
                             tdm_error *err) {
   char name[512], path[4096], dir[4352];
   cpl_study_options options = {.out = dir,
-                               .jobs = jobs_of(v),
+                               .jobs = cpl_verify_jobs(v),
                                .scenarios = v->options->scenario,
                                .set = part->set,
                                .only = part->only,

@@ -72,6 +72,9 @@ const char *cpl_verify_name(const cpl_verify *v);
 /* What is measured from now on was measured in this run. */
 void cpl_verify_about(cpl_verify *v, const cpl_verify_case *c);
 
+/* How many runs at a time the command says: --jobs, or as many as there are processors. */
+int cpl_verify_jobs(const cpl_verify *v);
+
 /* --full: everything, however long it takes. */
 bool cpl_verify_full(const cpl_verify *v);
 
