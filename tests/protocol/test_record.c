@@ -75,7 +75,8 @@ END_TEST
 
 START_TEST(bad_records) {
   setup("");
-  ck_assert_int_eq(command("truncate -s -3 %s/record.tnd", dir), 0);
+  /* in the middle: whose message is the last one depends on time */
+  ck_assert_int_eq(command("sh -c 'cd %s && truncate -s $(($(stat -c %%s record.tnd) / 2 + 3)) record.tnd'", dir), 0);
   ck_assert_int_eq(run_played("played", "dem", "--set coupling.timeout=5"), 1);
   expect_output("the record is cut, or damaged");
   write_file(dir, "record.tnd", "nothing");
