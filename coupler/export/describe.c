@@ -104,21 +104,21 @@ static void put_unit(FILE *out, const char *name) {
   fputs("/></Unit>\n", out);
 }
 
+/* Whether an earlier variable, or time, has the same unit. */
+static bool is_seen(const cpl_description *d, int i) {
+  bool seen = strcmp(d->variable[i].unit, "s") == 0;
+  for (int k = 0; k < i && !seen; k++)
+    seen = strcmp(d->variable[k].unit, d->variable[i].unit) == 0;
+  return seen;
+}
+
 /* Each unit once; time's is always there. */
 static void put_units(FILE *out, const cpl_description *d) {
-  const char *seen[128] = {"s"};
-  int nseen = 1;
   fputs("  <UnitDefinitions>\n", out);
-  put_unit(out, seen[0]);
-  for (int i = 0; i < d->nvariable; i++) {
-    int k = 0;
-    while (k < nseen && strcmp(seen[k], d->variable[i].unit) != 0)
-      k++;
-    if (k < nseen || !d->variable[i].unit[0] || nseen == sizeof seen / sizeof seen[0])
-      continue;
-    seen[nseen++] = d->variable[i].unit;
-    put_unit(out, d->variable[i].unit);
-  }
+  put_unit(out, "s");
+  for (int i = 0; i < d->nvariable; i++)
+    if (d->variable[i].unit[0] && !is_seen(d, i))
+      put_unit(out, d->variable[i].unit);
   fputs("  </UnitDefinitions>\n", out);
 }
 

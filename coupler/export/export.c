@@ -5,6 +5,7 @@
  *   resources/scene.json, files/      the scene, resolved, and the files that it names
  *   resources/fmu.json                side, token, variables; of dem the bodies as mbd told them
  *   resources/bin/                    tandem-serve and tandem's solvers
+ *   documentation/licenses/           tandem's licence, and where the source is
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/export/export.h"
@@ -15,17 +16,26 @@
 #include "coupler/export/serve/stage.h"
 #include "protocol/app/find.h"
 #include "protocol/math/hash.h"
+#include "protocol/version.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-/* The binary, as the build has made it (coupler/CMakeLists.txt). */
-__asm__(".pushsection .rodata,\"a\"\n.global cpl_guest_binary\ncpl_guest_binary:\n.incbin \"" CPL_GUEST
-        "\"\n.global cpl_guest_binary_end\ncpl_guest_binary_end:\n.byte 0\n.popsection\n");
-extern const char cpl_guest_binary[], cpl_guest_binary_end[];
+/* Files that this program carries in itself: the binary, as the build has made it, and the licence
+ * (coupler/CMakeLists.txt). */
+#define CARRY(symbol, file)                                                                                       \
+  __asm__(".pushsection .rodata,\"a\"\n.global " #symbol "\n" #symbol ":\n.incbin \"" file "\"\n.global " #symbol \
+          "_end\n" #symbol "_end:\n.byte 0\n.popsection\n");                                                      \
+  extern const char symbol[], symbol##_end[]
+CARRY(cpl_guest_binary, CPL_GUEST);
+CARRY(cpl_license, CPL_LICENSE);
+
+static const char source_note[] =
+    "The programs of this FMU that are called tandem are version " TDM_VERSION " of tandem, under the GNU General\n"
+    "Public License, version 3 or later (license.txt). Their source is that of this version of tandem, from where\n"
+    "tandem itself came. Whoever hands this FMU on sees to it that those who get it can have the source, too.\n";
 
 typedef struct {
   const cpl_export_options *options;
@@ -98,7 +108,7 @@ static cpl_description describe(const export *x) {
       .name = x->name,
       .title = json_string_value(json_object_get(x->stage.scene.root, "title")),
       .needs_tool = needs_tool,
-      .restores = session->further[CPL_MBD] & CPL_RESTORE,
+      .restores = x->stage.restores,
       .derives = x->side != CPL_EXPORT_DEM && session->mobility.Y,
       .has_flag = x->side == CPL_EXPORT_DEM,
       .end = s->time_end,
@@ -126,25 +136,70 @@ static json_t *make_facts(export *x) {
   json_t *starts = json_array();
   for (int i = 0; i < cpl_export_ninput(&l); i++)
     json_array_append_new(starts, json_real(x->variable[i].start));
-  json_t *facts = json_pack("{s:s, s:i, s:i, s:b, s:o, s:O}", "side", cpl_export_sides[x->side], "inputs",
-                            cpl_export_ninput(&l), "outputs", cpl_export_noutput(&l), "mobility",
-                            x->side != CPL_EXPORT_DEM && x->stage.session.mobility.Y != NULL, "starts", starts, "files",
-                            x->files.files);
+  json_t *facts = json_pack("{s:s, s:i, s:i, s:i, s:b, s:o, s:O}", "side", cpl_export_sides[x->side], "inputs",
+                            cpl_export_ninput(&l), "outputs", cpl_export_noutput(&l), "outputs_of_a_body", l.output,
+                            "mobility", x->side != CPL_EXPORT_DEM && x->stage.session.mobility.Y != NULL, "starts",
+                            starts, "files", x->files.files);
   if (facts && x->side == CPL_EXPORT_DEM)
     json_object_set_new(facts, "bodies", told_bodies(x));
   return facts;
 }
 
-/* The same scene of the same programs has the same token. */
-static void make_token(export *x) {
-  const char *const texts[] = {x->description, x->scene, x->facts};
-  uint64_t h[2] = {TDM_HASH_START, ~TDM_HASH_START};
+/* The programs that are packed; returns their number, 1 + CPL_NROLE at most. */
+static int list_programs(const export *x, const char *name[1 + CPL_NROLE]) {
+  int n = 0;
+  name[n++] = "tandem-serve";
+  for (int r = 0; r < CPL_NROLE; r++)
+    if (cpl_export_has(x->side, (cpl_role)r) && !x->stage.settings.command[r])
+      name[n++] = x->options->solver[r].executable;
+  return n;
+}
+
+static tdm_status find_program(char *path, size_t size, const char *name, tdm_error *err) {
+  return tdm_find_program(path, size, name)
+             ? TDM_OK
+             : tdm_fail(err, TDM_ERR_FILE, NULL, "%s is neither beside this program nor on PATH; install it", name);
+}
+
+static void hash_bytes(uint64_t h[2], const void *bytes, size_t n) {
   for (int k = 0; k < 2; k++)
-    for (int i = 0; i < 3; i++)
-      h[k] = tdm_hash_bytes(h[k], texts[i], strlen(texts[i]));
+    h[k] = tdm_hash_bytes(h[k], bytes, n);
+}
+
+static tdm_status hash_file(uint64_t h[2], const char *path, tdm_error *err) {
+  char block[1 << 16];
+  size_t n;
+  FILE *f = fopen(path, "rb");
+  while (f && (n = fread(block, 1, sizeof block, f)) > 0)
+    hash_bytes(h, block, n);
+  const bool failed = !f || ferror(f);
+  if (f)
+    fclose(f);
+  return failed ? tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be read, and is to be packed", path) : TDM_OK;
+}
+
+/* The same contents have the same token, others another one: of texts, files, programs. */
+static tdm_status make_token(export *x, tdm_error *err) {
+  const char *const texts[] = {x->description, x->scene, x->facts};
+  const char *program[1 + CPL_NROLE], *file;
+  char path[4096];
+  json_t *name;
+  uint64_t h[2] = {TDM_HASH_START, ~TDM_HASH_START};
+  const int nprogram = list_programs(x, program);
+  for (int i = 0; i < 3; i++)
+    hash_bytes(h, texts[i], strlen(texts[i]));
+  hash_bytes(h, cpl_guest_binary, (size_t)(cpl_guest_binary_end - cpl_guest_binary));
+  json_object_foreach(x->files.source, file, name) {
+    if (hash_file(h, file, err) != TDM_OK)
+      return err->status;
+  }
+  for (int i = 0; i < nprogram; i++)
+    if (find_program(path, sizeof path, program[i], err) != TDM_OK || hash_file(h, path, err) != TDM_OK)
+      return err->status;
   snprintf(x->token, sizeof x->token, "{%08x-%04x-%04x-%04x-%012llx}", (unsigned)(h[0] >> 32),
            (unsigned)(h[0] >> 16) & 0xffff, (unsigned)h[0] & 0xffff, (unsigned)(h[1] >> 48),
            (unsigned long long)h[1] & 0xffffffffffff);
+  return TDM_OK;
 }
 
 static tdm_status write_texts(export *x, tdm_error *err) {
@@ -155,8 +210,7 @@ static tdm_status write_texts(export *x, tdm_error *err) {
   x->scene = json_dumps(x->files.scene, how);
   x->facts = json_dumps(facts, how);
   x->description = cpl_describe(&d);
-  if (facts && x->scene && x->facts && x->description) {
-    make_token(x);
+  if (facts && x->scene && x->facts && x->description && make_token(x, err) == TDM_OK) {
     json_object_set_new(facts, "token", json_string(x->token));
     d.token = x->token;
     free(x->facts);
@@ -165,22 +219,24 @@ static tdm_status write_texts(export *x, tdm_error *err) {
     x->description = cpl_describe(&d);
   }
   json_decref(facts);
-  return x->scene && x->facts && x->description ? TDM_OK : tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  return err->status != TDM_OK || (x->scene && x->facts && x->description)
+             ? err->status
+             : tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
 }
 
 /* ---- the archive ---- */
 
 static tdm_status pack_program(cpl_pack *pack, const char *name, tdm_error *err) {
   char path[4096], entry[128];
-  if (!tdm_find_program(path, sizeof path, name))
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s is neither beside this program nor on PATH; install it", name);
+  if (find_program(path, sizeof path, name, err) != TDM_OK)
+    return err->status;
   snprintf(entry, sizeof entry, "resources/bin/%s", name);
   return cpl_pack_file(pack, entry, path, true, err);
 }
 
 static tdm_status pack_all(const export *x, cpl_pack *pack, tdm_error *err) {
   char entry[256];
-  const char *file;
+  const char *file, *program[1 + CPL_NROLE];
   json_t *name;
   snprintf(entry, sizeof entry, "binaries/%s/%s.so", x->version == 2 ? CPL_PLATFORM2 : CPL_PLATFORM3, x->name);
   cpl_pack_bytes(pack, "modelDescription.xml", x->description, strlen(x->description), err);
@@ -195,11 +251,14 @@ static tdm_status pack_all(const export *x, cpl_pack *pack, tdm_error *err) {
     if (err->status == TDM_OK)
       cpl_pack_file(pack, entry, file, false, err);
   }
+  const int nprogram = list_programs(x, program);
+  for (int i = 0; i < nprogram && err->status == TDM_OK; i++)
+    pack_program(pack, program[i], err);
   if (err->status == TDM_OK)
-    pack_program(pack, "tandem-serve", err);
-  for (int r = 0; r < CPL_NROLE && err->status == TDM_OK; r++)
-    if (cpl_export_has(x->side, (cpl_role)r) && !x->stage.settings.command[r])
-      pack_program(pack, x->options->solver[r].executable, err);
+    cpl_pack_bytes(pack, "documentation/licenses/license.txt", cpl_license, (size_t)(cpl_license_end - cpl_license),
+                   err);
+  if (err->status == TDM_OK)
+    cpl_pack_bytes(pack, "documentation/licenses/source.txt", source_note, strlen(source_note), err);
   return err->status;
 }
 
@@ -238,7 +297,7 @@ static tdm_status make(export *x, tdm_error *err) {
                                            x->options->solver[CPL_DEM].executable};
   const unsigned roles = 1u << CPL_MBD | (cpl_export_has(x->side, CPL_DEM) ? 1u << CPL_DEM : 0);
   cpl_pack *pack = NULL;
-  if (cpl_stage_load(&x->stage, x->side, x->options->scene, x->options->set, err) != TDM_OK)
+  if (cpl_stage_load(&x->stage, x->side, roles, x->options->scene, x->options->set, err) != TDM_OK)
     return err->status;
   x->stage.talks = true;
   if (cpl_stage_start(&x->stage, roles, programs, err) != TDM_OK ||
@@ -256,10 +315,8 @@ static tdm_status make(export *x, tdm_error *err) {
 
 tdm_status cpl_export_fmu(const cpl_export_options *options, tdm_error *err) {
   export x = {.options = options};
-  struct stat is;
-  if (read_options(&x, err) == TDM_OK && !options->force && stat(x.file, &is) == 0)
-    tdm_fail(err, TDM_ERR_FILE, NULL, "%s is there already; give --force to replace it, or another --out", x.file);
-  if (err->status == TDM_OK && make(&x, err) == TDM_OK)
+  if (read_options(&x, err) == TDM_OK && cpl_pack_check(x.file, options->force, err) == TDM_OK &&
+      make(&x, err) == TDM_OK)
     print_export(&x);
   if (x.stage.open)
     cpl_stage_stop(&x.stage, err);

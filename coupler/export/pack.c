@@ -12,12 +12,19 @@ struct cpl_pack {
   zip_t *zip;
 };
 
-static const time_t epoch = 631152000; /* of all entries: 1990 */
+/* The date of all entries, as zip archives have it, in no time zone: 1 January 1990, 0:00. */
+enum { DOS_TIME = 0, DOS_DATE = (1990 - 1980) << 9 | 1 << 5 | 1 };
+
+tdm_status cpl_pack_check(const char *file, bool force, tdm_error *err) {
+  if (force || access(file, F_OK) != 0)
+    return TDM_OK;
+  return tdm_fail(err, TDM_ERR_FILE, NULL, "%s is there already; give --force to replace it, or another --out", file);
+}
 
 tdm_status cpl_pack_open(cpl_pack **pack, const char *file, bool force, tdm_error *err) {
   int why = 0;
-  if (!force && access(file, F_OK) == 0)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s is there already; give --force to replace it, or another --out", file);
+  if (cpl_pack_check(file, force, err) != TDM_OK)
+    return err->status;
   cpl_pack *p = calloc(1, sizeof *p);
   if (!p)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
@@ -37,7 +44,7 @@ tdm_status cpl_pack_open(cpl_pack **pack, const char *file, bool force, tdm_erro
 static tdm_status add(cpl_pack *p, const char *name, zip_source_t *source, bool program, tdm_error *err) {
   const zip_uint32_t mode = (S_IFREG | (program ? 0755 : 0644)) << 16;
   const zip_int64_t index = source ? zip_file_add(p->zip, name, source, ZIP_FL_ENC_UTF_8) : -1;
-  if (index >= 0 && zip_file_set_mtime(p->zip, (zip_uint64_t)index, epoch, 0) == 0 &&
+  if (index >= 0 && zip_file_set_dostime(p->zip, (zip_uint64_t)index, DOS_TIME, DOS_DATE, 0) == 0 &&
       zip_file_set_external_attributes(p->zip, (zip_uint64_t)index, 0, ZIP_OPSYS_UNIX, mode) == 0)
     return TDM_OK;
   if (index < 0)

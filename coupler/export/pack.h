@@ -10,7 +10,10 @@
 
 typedef struct cpl_pack cpl_pack;
 
-/* Begin a file; one that is there is refused unless `force`. It appears under its name, whole, with cpl_pack_close. */
+/* A file that is there is refused unless `force`: for who wants to know before much is done. */
+tdm_status cpl_pack_check(const char *file, bool force, tdm_error *err);
+
+/* Begin a file, which is checked so. It appears under its name, whole, with cpl_pack_close. */
 tdm_status cpl_pack_open(cpl_pack **pack, const char *file, bool force, tdm_error *err);
 
 /* Add an entry from memory (borrowed until the end), or from a file. */

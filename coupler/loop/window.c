@@ -18,6 +18,15 @@ static long limit_turn(const cpl_loop *loop, long n) {
   return (double)n <= limit ? n : limit > 1 ? (long)limit : 1;
 }
 
+/* Work of the loads from elsewhere on a body over the window [J]. They are held: of a moment it is that about the axis
+ * by which the body has turned, and a window's turn is below 1 rad. */
+static double work_from_elsewhere(const cpl_loop *loop, int i) {
+  const tdm_state *from = &loop->state_start[i], *to = &loop->state_end[i];
+  const tdm_wrench *held = &loop->external[i];
+  return tdm_dot(held->force, tdm_sub(to->pose.position, from->pose.position)) +
+         tdm_dot(held->moment, tdm_quat_turn(from->pose.orientation, to->pose.orientation));
+}
+
 /* Works until the end of the window; those of its start where a solver does not tell them, or a body is prescribed,
  * whose work is the drivers' affair. */
 static cpl_exchange exchange_of(const cpl_loop *loop) {
@@ -31,7 +40,7 @@ static cpl_exchange exchange_of(const cpl_loop *loop) {
   x.made += mbd->energy->exchanged - x.exchanged;
   x.exchanged = mbd->energy->exchanged;
   for (int i = 0; i < loop->nbody; i++) {
-    x.made -= dem->body[i].work + dem->body[i].blending;
+    x.made -= dem->body[i].work + dem->body[i].blending + work_from_elsewhere(loop, i);
     x.worked += fabs(dem->body[i].work);
   }
   return x;

@@ -114,6 +114,9 @@ bool cpl_session_has(const cpl_session *session, cpl_role role, const char *capa
  * "dem-first; with a given coupling.n lommen, hold". Returns out. */
 const char *cpl_session_schemes(const cpl_session *session, char *out, size_t size);
 
+/* Whether the mobility of all coupled bodies fits into a message. */
+bool cpl_session_fits_mobility(const cpl_session *session);
+
 /* Whether SAVE and RESTORE come in this run: the scheme needs them, or windows that are too long are taken back. */
 bool cpl_session_restores(const cpl_session *session);
 

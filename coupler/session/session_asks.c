@@ -124,16 +124,24 @@ static bool goes_without(const cpl_scheme *scheme) {
   return !(scheme->needs[CPL_MBD] & CPL_MOBILITY);
 }
 
-/* The reduced model of all bodies must fit into a message; its size goes with the square of their number. */
-static tdm_status check_size(const cpl_session *s, tdm_error *err) {
+/* Bodies of this run whose reduced model fits into a message; its size goes with the square of their number. */
+static int count_fitting(const cpl_session *s) {
   const size_t room = TDM_FRAME_MAX - (1 << 20); /* the rest of a message: states, samples */
   int most = s->settings->nbody;
-  char others[256];
-  if (!(s->scheme->needs[CPL_MBD] & CPL_MOBILITY))
-    return TDM_OK;
   while (8 * tdm_mobility_doubles(&(tdm_mobility){.nbody = most, .nfree = TDM_FREE_MAX}) > room)
     most--;
-  if (most == s->settings->nbody)
+  return most;
+}
+
+bool cpl_session_fits_mobility(const cpl_session *s) {
+  return count_fitting(s) == s->settings->nbody;
+}
+
+/* The scheme's messages have room for the bodies. */
+static tdm_status check_size(const cpl_session *s, tdm_error *err) {
+  const int most = count_fitting(s);
+  char others[256];
+  if (!(s->scheme->needs[CPL_MBD] & CPL_MOBILITY) || most == s->settings->nbody)
     return TDM_OK;
   return tdm_fail(
       err, TDM_ERR_SCENE, "coupling.bodies",

@@ -77,7 +77,8 @@ static void set_flag(master *m) {
   ck_assert_msg(tdm_fmu_set_start(m->fmu, v, value, "", &m->err) == TDM_OK, "%s", m->err.message);
 }
 
-/* A master that moves the bodies as tandem run did gets the same loads, bit for bit. */
+/* A master that moves the bodies as tandem run did gets the same loads, bit for bit, whatever the scene says of paths.
+ */
 START_TEST(dem_pushes_as_in_a_run) {
   exchange x;
   master m;
@@ -85,7 +86,7 @@ START_TEST(dem_pushes_as_in_a_run) {
   double most = 0;
   setup();
   record(&x, "");
-  pack(_i == 0 ? "--fmi 2" : "--fmi 3");
+  pack(_i == 0 ? "--fmi 2" : "--fmi 3 --set coupling.interpolation=linear");
   open_fmu(&m);
   set_flag(&m);
   initialize(&m, 0.05);
@@ -155,44 +156,18 @@ END_TEST
 
 /* ---- mbd ---- */
 
-#define VECTOR(name) "[\"box." name ".x\",\"box." name ".y\",\"box." name ".z\"]"
-#define QUATERNION "[\"box.orientation.w\",\"box.orientation.x\",\"box.orientation.y\",\"box.orientation.z\"]"
-#define BOX_AS_FMU                                                                                                                                                   \
-  "'mbd={\"bodies\":[{\"name\":\"box\",\"mass\":100,\"inertia\":[21.7,21.7,10.7],\"inputs\":{\"force\":" VECTOR(                                                     \
-      "forc"                                                                                                                                                         \
-      "e") ",\"moment\":" VECTOR("moment") "},\"outputs\":{\"position\":" VECTOR("position") ",\"orientation\":{"                                                    \
-                                                                                             "\"quaternion\""                                                        \
-                                                                                             ":" QUATERNION                                                          \
-                                                                                             "},\"velocity\":" VECTOR(                                               \
-                                                                                                 "velocity") ",\"angu"                                               \
-                                                                                                             "lar_"                                                  \
-                                                                                                             "velocit"                                               \
-                                                                                                             "y\""                                                   \
-                                                                                                             ":" VECTOR(                                             \
-                                                                                                                 "an"                                                \
-                                                                                                                 "gu"                                                \
-                                                                                                                 "la"                                                \
-                                                                                                                 "r_"                                                \
-                                                                                                                 "ve"                                                \
-                                                                                                                 "lo"                                                \
-                                                                                                                 "ci"                                                \
-                                                                                                                 "t"                                                 \
-                                                                                                                 "y") ",\"acceleration\":" VECTOR("accelerat"        \
-                                                                                                                                                  "ion") ","         \
-                                                                                                                                                         "\""        \
-                                                                                                                                                         "an"        \
-                                                                                                                                                         "gu"        \
-                                                                                                                                                         "la"        \
-                                                                                                                                                         "r_"        \
-                                                                                                                                                         "ac"        \
-                                                                                                                                                         "ce"        \
-                                                                                                                                                         "le"        \
-                                                                                                                                                         "ra"        \
-                                                                                                                                                         "ti"        \
-                                                                                                                                                         "on"        \
-                                                                                                                                                         "\""        \
-                                                                                                                                                         ":" VECTOR( \
-                                                                                                                                                             "angular_acceleration") "}}]}'"
+/* The body of spring_damper as one of tandem-fmu, by the names that export gives to its variables. clang-format off,
+ * which would tear the strings. */
+/* clang-format off */
+#define VECTOR(name) "\"" name "\": [\"box." name ".x\", \"box." name ".y\", \"box." name ".z\"]"
+#define QUATERNION "\"orientation\": {\"quaternion\": [\"box.orientation.w\", \"box.orientation.x\", " \
+                   "\"box.orientation.y\", \"box.orientation.z\"]}"
+#define BOX_AS_FMU \
+  "'mbd={\"bodies\": [{\"name\": \"box\", \"mass\": 100, \"inertia\": [21.7, 21.7, 10.7], " \
+  "\"inputs\": {" VECTOR("force") ", " VECTOR("moment") "}, " \
+  "\"outputs\": {" VECTOR("position") ", " QUATERNION ", " VECTOR("velocity") ", " VECTOR("angular_velocity") ", " \
+                  VECTOR("acceleration") ", " VECTOR("angular_acceleration") "}}]}'"
+/* clang-format on */
 
 /* nse of columns z and vz of body_box.csv against the closed form. */
 static void judge_box(double nse[2]) {
@@ -384,7 +359,58 @@ START_TEST(accelerations_follow_loads) {
 }
 END_TEST
 
+/* From now on lacking_mbd, which FMUs find on PATH, lacks a capability. */
+static void lack(const char *capability) {
+  char path[4096];
+  snprintf(path, sizeof path, TANDEM_TEST_DIR ":%s", getenv("PATH"));
+  ck_assert_int_eq(setenv("LACKS", capability, 1) | setenv("PATH", path, 1), 0);
+}
+
+/* Multibody solvers that tell a part of what tandem-mbd does: outputs are where the FMU says that they are. */
+START_TEST(solvers_that_lack_something) {
+  static const char *const lacks[] = {"acceleration", "mobility", "restore"};
+  static const char *const sides[] = {"mbd", "both", "both --set coupling.scheme=hold"};
+  char options[256];
+  master m;
+  setup();
+  lack(lacks[_i % 3]);
+  snprintf(options, sizeof options, "--side %s --set coupling.solvers.mbd=lacking_mbd", sides[_i / 3]);
+  pack(options);
+  open_fmu(&m);
+  ck_assert_int_eq(m.fmu->description.keeps_states, _i % 3 != 2);
+  ck_assert_int_eq(m.fmu->description.gives_derivatives, _i % 3 == 2);
+  set(&m, "deck.force.z", 3);
+  initialize(&m, 0.05);
+  step(&m, 1e-3);
+  step(&m, 1e-3);
+  ck_assert_double_lt(fabs(get(&m, "deck.position.z")), 1e-5);
+  ck_assert_double_eq(get(&m, "deck.orientation.w"), 1);
+  ck_assert_double_gt(fabs(get(&m, "deck.velocity.z")), 1e-4);
+  ck_assert_ptr_null(_i % 3 == 0 ? tdm_description_find(&m.fmu->description, "deck.acceleration.z") : NULL);
+  close_fmu(&m);
+  teardown();
+}
+END_TEST
+
+/* What the multibody solver lacks does not matter to the particles. */
+START_TEST(particles_keep_states_without_mbd) {
+  master m;
+  void *kept = NULL;
+  setup();
+  lack("restore");
+  pack("--set coupling.solvers.mbd=lacking_mbd");
+  open_fmu(&m);
+  initialize(&m, 0.05);
+  step(&m, 1e-3);
+  ck_assert_msg(tdm_fmu_keep(m.fmu, &kept, &m.err) == TDM_OK, "%s", m.err.message);
+  tdm_fmu_forget(m.fmu, &kept);
+  close_fmu(&m);
+  teardown();
+}
+END_TEST
+
 #define ROWS(table) (int)(sizeof table / sizeof table[0])
 TEST_MAIN_ROWS("exported", {dem_pushes_as_in_a_run, 2}, {dem_in_a_masters_mechanism, 1}, {mbd_in_tandems_own_run, 1},
                {mbd_conforms, 1}, {both_moves_as_in_a_run, ROWS(couplings)}, {both_takes_loads, ROWS(couplings)},
-               {instances_and_states, 4}, {accelerations_follow_loads, 2})
+               {instances_and_states, 4}, {accelerations_follow_loads, 2}, {solvers_that_lack_something, 9},
+               {particles_keep_states_without_mbd, 1})

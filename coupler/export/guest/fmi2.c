@@ -38,7 +38,7 @@ FMI2(const char *, GetVersion, void) {
 }
 
 FMI2(fmi2_status, SetDebugLogging, fmi2_instance c, int on, size_t n, const char *const *categories) {
-  (void)c, (void)on, (void)n, (void)categories; /* only faults and warnings are told, always */
+  (void)c, (void)on, (void)n, (void)categories; /* what the solvers remark is told, always */
   return FMI2_OK;
 }
 
@@ -51,11 +51,10 @@ FMI2(fmi2_instance, Instantiate, const char *name, int kind, const char *guid, c
     return NULL;
   i->callbacks = callbacks;
   snprintf(i->name, sizeof i->name, "%s", name ? name : "");
-  guest_path_of(resources ? resources : "", folder, sizeof folder);
   guest teller = {.say = say, .owner = i};
   if (kind != FMI2_CO_SIMULATION)
     guest_fail(&teller, GUEST_ERROR, "this FMU is for co-simulation, not for model exchange");
-  else
+  else if (guest_path_of(&teller, resources ? resources : "", folder, sizeof folder))
     i->g = guest_make(say, i, guid, folder);
   if (i->g)
     return i;

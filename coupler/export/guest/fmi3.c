@@ -32,7 +32,7 @@ FMI3(const char *, GetVersion, void) {
 }
 
 FMI3(fmi3_status, SetDebugLogging, fmi3_instance c, bool on, size_t n, const char *const *categories) {
-  (void)c, (void)on, (void)n, (void)categories; /* only faults and warnings are told, always */
+  (void)c, (void)on, (void)n, (void)categories; /* what the solvers remark is told, always */
   return FMI3_OK;
 }
 
@@ -45,11 +45,10 @@ FMI3(fmi3_instance, InstantiateCoSimulation, const char *name, const char *token
   if (!i)
     return NULL;
   *i = (instance){.logger = logger, .environment = environment};
-  guest_path_of(resources ? resources : "", folder, sizeof folder);
   guest teller = {.say = say, .owner = i};
   if (events || nrequired > 0)
     guest_fail(&teller, GUEST_ERROR, "this FMU has no event mode and no intermediate variables");
-  else
+  else if (guest_path_of(&teller, resources ? resources : "", folder, sizeof folder))
     i->g = guest_make(say, i, token, folder);
   if (i->g)
     return i;

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupler/export/guest/guest.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -22,32 +23,38 @@ guest_status guest_lacks(guest *g, const char *function) {
   return guest_fail(g, GUEST_ERROR, "%s: this FMU has no such variables, and does not claim that capability", function);
 }
 
-void guest_path_of(const char *uri, char *out, size_t size) {
+static unsigned hex_digit(char c) {
+  return (unsigned)(isdigit((unsigned char)c) ? c - '0' : tolower((unsigned char)c) - 'a' + 10);
+}
+
+bool guest_path_of(guest *g, const char *uri, char *out, size_t size) {
   size_t n = 0;
   const char *at = uri;
-  if (strncmp(at, "file:", 5) == 0) {
+  const bool is_uri = strncmp(at, "file:", 5) == 0;
+  if (is_uri) {
     at += 5;
     if (strncmp(at, "//", 2) == 0) { /* an authority, empty or this machine */
       at += 2;
       const char *slash = strchr(at, '/');
       at = slash ? slash : at;
     }
-    for (; *at && n + 1 < size; n++) {
-      unsigned byte = 0;
-      if (*at == '%' && sscanf(at + 1, "%2x", &byte) == 1) {
-        out[n] = (char)byte;
-        at += 3;
-      } else {
-        out[n] = *at++;
-      }
-    }
-  } else {
-    for (; *at && n + 1 < size; n++)
-      out[n] = *at++;
+  }
+  for (; *at && n + 1 < size; n++) {
+    const bool is_coded = is_uri && *at == '%' && isxdigit((unsigned char)at[1]) && isxdigit((unsigned char)at[2]);
+    out[n] = is_coded ? (char)(hex_digit(at[1]) << 4 | hex_digit(at[2])) : *at;
+    at += is_coded ? 3 : 1;
+  }
+  if (*at) {
+    guest_fail(g, GUEST_ERROR,
+               "the path of the FMU's resources has %zu characters or more, of %zu that it may have: "
+               "unpack it elsewhere; it is %.200s...",
+               size, size - 1, uri);
+    return false;
   }
   while (n > 1 && out[n - 1] == '/')
     n--;
   out[n] = 0;
+  return true;
 }
 
 /* ---- questions ---- */
@@ -94,6 +101,15 @@ static guest_status take_outputs(guest *g) {
   return g->answer.status;
 }
 
+/* Back to before the solvers were started; what they have kept is gone. */
+static guest_status stop_solvers(guest *g) {
+  const guest_status status = ask(g, GUEST_STOP, NULL, 0);
+  memset(g->slot, 0, sizeof g->slot);
+  g->started = false;
+  g->run++;
+  return status;
+}
+
 /* ---- life ---- */
 
 static bool make_room(guest *g) {
@@ -121,7 +137,6 @@ static void begin(guest *g) {
   memcpy(g->input, g->first, g->ninput * sizeof *g->input);
   memcpy(g->known, g->first, g->ninput * sizeof *g->known);
   memset(g->output, 0, g->noutput * sizeof *g->output);
-  memset(g->slot, 0, sizeof g->slot);
   g->phase = GUEST_INSTANTIATED;
   g->started = g->stale = g->at_end = g->lost = false;
   g->start = g->t = 0;
@@ -182,7 +197,7 @@ guest_status guest_enter(guest *g, double start, bool has_stop, double stop) {
 static guest_status be_started(guest *g) {
   if (g->started && !(g->stale && g->starts_anew))
     return GUEST_OK;
-  if (g->started && ask(g, GUEST_STOP, NULL, 0) != GUEST_OK)
+  if (g->started && stop_solvers(g) != GUEST_OK)
     return GUEST_ERROR;
   double *number = calloc(g->ninput + 2, sizeof *number);
   if (!number)
@@ -210,13 +225,13 @@ guest_status guest_leave(guest *g) {
 
 guest_status guest_terminate(guest *g) {
   g->phase = GUEST_ENDED;
-  return g->host.fd >= 0 && g->started && !g->lost ? ask(g, GUEST_STOP, NULL, 0) : GUEST_OK;
+  return g->host.fd >= 0 && g->started && !g->lost ? stop_solvers(g) : GUEST_OK;
 }
 
 guest_status guest_reset(guest *g) {
   if (g->host.fd < 0)
     return guest_fail(g, GUEST_ERROR, "tandem-serve has ended; free this instance and make another one");
-  const guest_status status = g->started ? ask(g, GUEST_STOP, NULL, 0) : GUEST_OK;
+  const guest_status status = g->started ? stop_solvers(g) : GUEST_OK;
   if (status == GUEST_OK)
     begin(g);
   return status;
@@ -323,6 +338,10 @@ guest_status guest_step(guest *g, double t, double h) {
     return guest_fail(g, GUEST_ERROR, "this instance has failed; reset it, or free it");
   if (g->phase != GUEST_STEPPING)
     return guest_fail(g, GUEST_ERROR, "steps come after initialization and before the end");
+  if (t + h > g->stop + 1e-6 * h + 1e-9 * fabs(g->stop)) /* never where there is none: NaN */
+    return guest_fail(g, GUEST_ERROR,
+                      "a communication step from %.9g s to %.9g s leads beyond the stop time of the experiment, %.9g s",
+                      t, t + h, g->stop);
   double *number = calloc(g->ninput + 2, sizeof *number);
   if (!number)
     return guest_fail(g, GUEST_ERROR, "out of memory");
@@ -353,47 +372,91 @@ static void copy_kept(guest *g, double *block, bool back) {
     memcpy(back ? part[i] : block, back ? block : part[i], n[i] * sizeof *block);
 }
 
-guest_status guest_keep(guest *g, guest_kept **kept) {
-  if (g->phase != GUEST_STEPPING || g->lost)
-    return guest_fail(g, GUEST_ERROR, "states can be kept between steps only");
-  guest_kept *k = *kept;
-  if (!k) {
-    int slot = 0;
-    while (slot < GUEST_SLOTS_MAX && g->slot[slot])
-      slot++;
-    if (slot == GUEST_SLOTS_MAX)
-      return guest_fail(g, GUEST_ERROR, "%d states are kept already; free some of them", GUEST_SLOTS_MAX);
-    k = calloc(1, sizeof *k);
-    double *number = calloc(count_kept(g) + 1, sizeof *number);
-    if (!k || !number) {
-      free(k);
-      free(number);
-      return guest_fail(g, GUEST_ERROR, "out of memory");
-    }
-    *k = (guest_kept){.slot = slot, .number = number};
+static guest_kept *make_kept(const guest *g) {
+  guest_kept *k = calloc(1, sizeof *k);
+  double *number = calloc(count_kept(g) + 1, sizeof *number);
+  if (k && number) {
+    *k = (guest_kept){.slot = -1, .number = number};
+    return k;
   }
-  const guest_status status = ask(g, GUEST_KEEP, &(double){k->slot}, 1);
+  free(k);
+  free(number);
+  return NULL;
+}
+
+static void free_kept(guest_kept *k) {
+  free(k->number);
+  free(k);
+}
+
+/* The slot that a state has in the solvers as they run now; -1: none. */
+static int slot_of(const guest *g, const guest_kept *k) {
+  return k && k->run == g->run ? k->slot : -1;
+}
+
+static int free_slot(const guest *g) {
+  int slot = 0;
+  while (slot < GUEST_SLOTS_MAX && g->slot[slot])
+    slot++;
+  return slot;
+}
+
+guest_status guest_keep(guest *g, guest_kept **kept) {
+  if (g->phase == GUEST_ENDED || g->lost)
+    return guest_fail(g, GUEST_ERROR, "the state of an instance that has ended, or has failed, cannot be kept");
+  const bool steps = g->phase == GUEST_STEPPING;
+  const int old = slot_of(g, *kept), slot = !steps ? -1 : old >= 0 ? old : free_slot(g);
+  if (slot == GUEST_SLOTS_MAX)
+    return guest_fail(g, GUEST_ERROR, "%d states are kept already; free some of them", GUEST_SLOTS_MAX);
+  guest_kept *k = *kept ? *kept : make_kept(g);
+  if (!k)
+    return guest_fail(g, GUEST_ERROR, "out of memory");
+  const guest_status status = steps ? ask(g, GUEST_KEEP, &(double){slot}, 1) : GUEST_OK;
   if (status > GUEST_WARNING) {
-    if (!*kept) {
-      free(k->number);
-      free(k);
-    }
+    if (!*kept)
+      free_kept(k);
     return status;
   }
-  g->slot[k->slot] = true;
-  k->t = g->t;
+  if (old >= 0)
+    g->slot[old] = false;
+  if (slot >= 0)
+    g->slot[slot] = true;
+  *k = (guest_kept){.phase = g->phase,
+                    .slot = slot,
+                    .run = g->run,
+                    .at_end = g->at_end,
+                    .start = g->start,
+                    .stop = g->stop,
+                    .t = g->t,
+                    .number = k->number};
   copy_kept(g, k->number, false);
   *kept = k;
   return GUEST_OK;
 }
 
 guest_status guest_go_back(guest *g, const guest_kept *k) {
-  if (!k || g->phase != GUEST_STEPPING || g->lost)
+  guest_status status = GUEST_OK;
+  if (!k)
     return guest_fail(g, GUEST_ERROR, "there is no state to go back to");
-  const guest_status status = ask(g, GUEST_RESTORE, &(double){k->slot}, 1);
+  if (k->slot >= 0 && (k->run != g->run || g->phase != GUEST_STEPPING || g->lost))
+    return guest_fail(g, GUEST_ERROR,
+                      "the state at %g s belongs to a run of the solvers that has ended (by a reset, an "
+                      "error, the end, or a state from before the first step); it can only be freed",
+                      k->t);
+  if (g->host.fd < 0)
+    return guest_fail(g, GUEST_ERROR, "tandem-serve has ended; free this instance and make another one");
+  if (k->slot >= 0)
+    status = ask(g, GUEST_RESTORE, &(double){k->slot}, 1);
+  else if (g->started)
+    status = stop_solvers(g);
   if (status > GUEST_WARNING)
     return status;
+  g->phase = k->phase;
+  g->at_end = k->at_end;
+  g->start = k->start;
+  g->stop = k->stop;
   g->t = k->t;
+  g->lost = false;
   copy_kept(g, k->number, true);
   return GUEST_OK;
 }
@@ -401,8 +464,9 @@ guest_status guest_go_back(guest *g, const guest_kept *k) {
 void guest_forget(guest *g, guest_kept **kept) {
   if (!*kept)
     return;
-  g->slot[(*kept)->slot] = false;
-  free((*kept)->number);
-  free(*kept);
+  const int slot = slot_of(g, *kept);
+  if (slot >= 0)
+    g->slot[slot] = false;
+  free_kept(*kept);
   *kept = NULL;
 }

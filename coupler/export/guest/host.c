@@ -4,6 +4,7 @@
 #include "coupler/export/guest/host.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -68,6 +69,15 @@ static int spawn(guest_host *host, const char *program, char *const *argv, int l
   return failure;
 }
 
+/* A file of a tool that has its standard files closed may have got their numbers, or LINE: give it a higher one. */
+static int above_line(int fd) {
+  if (fd < 0 || fd > LINE)
+    return fd;
+  const int above = fcntl(fd, F_DUPFD_CLOEXEC, LINE + 1);
+  close(fd);
+  return above;
+}
+
 int guest_host_start(guest_host *host, const char *resources, char *why, size_t size) {
   char program[4096];
   int line[2] = {-1, -1};
@@ -84,13 +94,18 @@ int guest_host_start(guest_host *host, const char *resources, char *why, size_t 
              program, strerror(errno));
     return 0;
   }
-  host->errors = memfd_create("tandem-serve", MFD_CLOEXEC);
-  if (host->errors < 0 || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, line) != 0) {
+  host->errors = above_line(memfd_create("tandem-serve", MFD_CLOEXEC));
+  const int made = host->errors >= 0 && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, line) == 0;
+  for (int i = 0; i < 2 && made; i++)
+    line[i] = above_line(line[i]);
+  host->fd = line[0];
+  if (line[0] < 0 || line[1] < 0) {
     snprintf(why, size, "no line to %s can be made: %s", program, strerror(errno));
+    if (line[1] >= 0)
+      close(line[1]);
     guest_host_end(host);
     return 0;
   }
-  host->fd = line[0];
   char *const argv[] = {program, (char *)resources, NULL};
   const int failure = spawn(host, program, argv, line[1]);
   close(line[1]);
@@ -136,8 +151,10 @@ void guest_host_last_words(guest_host *host, char *out, size_t size) {
 
 void guest_host_end(guest_host *host) {
   int status = 0;
-  if (host->fd >= 0)
+  if (host->fd >= 0) {
+    shutdown(host->fd, SHUT_RDWR); /* a process that the tool has forked may hold it, too */
     close(host->fd);
+  }
   if (!ended(host, 10, &status)) {
     kill(host->pid, SIGKILL); /* its solvers are killed with it */
     ended(host, 5, &status);

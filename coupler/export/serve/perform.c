@@ -136,24 +136,16 @@ void cpl_perform_free(cpl_performance *p) {
 
 /* ---- steps ---- */
 
-/* DEM steps of a step from t by h; 0: refused. */
+/* DEM steps of a step by h; 0: refused. */
 static uint64_t count_steps(const cpl_performance *p, double h, bool *refused, tdm_error *err) {
   const cpl_settings *s = &p->stage->settings;
   const double n = h / s->dt, whole = round(n);
-  const uint64_t done = p->looping ? p->loop.step1 : p->now.step, left = cpl_total_steps(s) - done;
-  *refused = true;
-  if (!(whole >= 1) || fabs(n - whole) > 1e-4)
+  *refused = !(whole >= 1) || fabs(n - whole) > 1e-4;
+  if (*refused)
     tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
              "a communication step of %.9g s is no whole number of DEM steps of %.9g s (time.dt); the nearest that "
              "fits is %.9g s",
              h, s->dt, fmax(whole, 1) * s->dt);
-  else if (whole > (double)left)
-    tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-             "a communication step of %.9g s leads beyond the end of the experiment, %.9g s after its start; give it a "
-             "later stop time",
-             h, s->time_end);
-  else
-    *refused = false;
   return *refused ? 0 : (uint64_t)whole;
 }
 
@@ -183,7 +175,10 @@ static tdm_status step_dem(cpl_performance *p, double h, const double *input, bo
   const double dt = p->stage->settings.dt;
   const int nbody = p->layout.nbody;
   const uint64_t n = count_steps(p, h, refused, err);
-  if (n == 0 || cpl_perform_states(&p->stage->settings, input, p->end, err) != TDM_OK)
+  if (n == 0)
+    return err->status;
+  *refused = cpl_perform_states(&p->stage->settings, input, p->end, err) != TDM_OK;
+  if (*refused)
     return err->status;
   for (int i = 0; i < nbody; i++) {
     p->start[i] = p->now.at[i];
@@ -242,6 +237,7 @@ static tdm_status step_both(cpl_performance *p, double h, const double *input, b
   static const cpl_observers nobody = {0};
   cpl_loop *loop = &p->loop;
   const bool adapts = p->stage->settings.adapt.on;
+  const cpl_too_long *too_long = &loop->too_long;
   const uint64_t n = count_steps(p, h, refused, err), end = loop->step1 + n;
   if (n == 0)
     return err->status;
@@ -249,10 +245,13 @@ static tdm_status step_both(cpl_performance *p, double h, const double *input, b
   loop->next_sample = end; /* the output interval is time.dt: one sample, at the end */
   while (loop->step1 < end) {
     const long wanted = adapts ? loop->n : p->stage->settings.n, left = (long)(end - loop->step1);
+    const uint64_t before = too_long->taken_back + too_long->kept;
     loop->n = wanted < left ? wanted : left;
     if (cpl_loop_advance(loop, &nobody, err) != TDM_OK)
       return err->status;
-    if (adapts && wanted > left) /* a window that was cut tells nothing of the next one's length */
+    const bool too_far = too_long->taken_back + too_long->kept > before;
+    if (adapts && wanted > left &&
+        !too_far) /* a window that was cut, and not too long, tells nothing of the next one */
       loop->n = wanted;
   }
   p->now.t = loop->t1;
@@ -266,7 +265,8 @@ static tdm_status step_both(cpl_performance *p, double h, const double *input, b
 
 tdm_status cpl_perform_step(cpl_performance *p, double t, double h, const double *input, bool *refused,
                             tdm_error *err) {
-  const double slack = 1e-3 * p->stage->settings.dt;
+  const cpl_settings *s = &p->stage->settings;
+  const double slack = 1e-3 * s->dt, end = (double)cpl_total_steps(s) * s->dt;
   *refused = true;
   if (!(h > 0) || !isfinite(h))
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "a communication step of %g s; its length must be above 0", h);
@@ -274,6 +274,11 @@ tdm_status cpl_perform_step(cpl_performance *p, double t, double h, const double
     return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
                     "a communication step begins %.9g s after the start, but the last one ended %.9g s after it", t,
                     p->now.t);
+  if (p->now.t + h > end + 2 * slack) /* the tool's stop time the FMU's binary looks at, and never comes here */
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                    "a communication step of %.9g s leads beyond the end of the scene (time.end), %.9g s after the "
+                    "start; give the experiment a stop time, or export the FMU with a later time.end",
+                    h, end);
   *refused = false;
   return p->stage->side == CPL_EXPORT_DEM   ? step_dem(p, h, input, refused, err)
          : p->stage->side == CPL_EXPORT_MBD ? step_mbd(p, h, input, err)

@@ -30,6 +30,7 @@ typedef struct {
   const char *token;
   cpl_export_side side;
   int ninput, noutput;
+  int stride;   /* outputs of a body */
   bool follows; /* accelerations follow the loads */
   const char **set;
 } fmu_facts;
@@ -77,18 +78,33 @@ static tdm_status read_facts(server *s, tdm_error *err) {
   s->facts.side = side < 0 ? CPL_EXPORT_DEM : (cpl_export_side)side;
   s->facts.ninput = (int)tdm_get_integer(&o, "inputs", TDM_REQUIRED_INT, 0);
   s->facts.noutput = (int)tdm_get_integer(&o, "outputs", TDM_REQUIRED_INT, 0);
+  s->facts.stride = (int)tdm_get_integer(&o, "outputs_of_a_body", TDM_REQUIRED_INT, 0);
   s->facts.follows = tdm_get_bool(&o, "mobility", false);
   if (err->status == TDM_OK && json_array_size(json_object_get(s->facts.json, "starts")) != (size_t)s->facts.ninput)
     tdm_object_fail(&o, "starts", "has not a number for each input");
   return err->status == TDM_OK ? read_files(s, err) : err->status;
 }
 
+/* The solvers that are part of it, flags 1 << role. */
+static unsigned roles_of(const server *s) {
+  unsigned roles = 0;
+  for (int r = 0; r < CPL_NROLE; r++)
+    roles |= cpl_export_has(s->facts.side, (cpl_role)r) ? 1u << r : 0;
+  return roles;
+}
+
 static tdm_status load(server *s, tdm_error *err) {
   char scene[4200];
+  cpl_settings *set = &s->stage.settings;
   snprintf(scene, sizeof scene, "%s/scene.json", s->dir);
-  if (cpl_stage_load(&s->stage, s->facts.side, scene, s->facts.set, err) == TDM_OK)
-    s->stage.settings.output_interval = s->stage.settings.dt; /* samples are taken at any step's end */
-  s->end = s->stage.settings.time_end;
+  if (cpl_stage_load(&s->stage, s->facts.side, roles_of(s), scene, s->facts.set, err) == TDM_OK)
+    set->output_interval = set->dt; /* samples are taken at any step's end */
+  if (s->facts.side != CPL_EXPORT_BOTH) {
+    set->interpolates = false; /* docs/fmu.md has the path, whatever the scene says */
+    set->adapt.on = true;      /* windows are the tool's steps, of any length */
+    set->adapt.n_min = 1;
+  }
+  s->end = set->time_end;
   return err->status;
 }
 
@@ -119,7 +135,7 @@ static bool greet(const server *s) {
   number[GUEST_NINPUT] = ninput;
   number[GUEST_NOUTPUT] = s->facts.noutput;
   number[GUEST_ACCELERATION] = TDM_STATE_DOUBLES;
-  number[GUEST_STRIDE] = s->facts.side == CPL_EXPORT_BOTH ? CPL_MOTION + CPL_LOAD : CPL_MOTION;
+  number[GUEST_STRIDE] = s->facts.stride;
   number[GUEST_NBODY] = s->facts.follows ? nbody : 0;
   number[GUEST_STARTS_ANEW] = s->facts.side == CPL_EXPORT_DEM;
   for (int i = 0; i < ninput; i++)
@@ -131,8 +147,9 @@ static bool greet(const server *s) {
 }
 
 static bool answer_error(guest_kind kind, guest_status status, const tdm_error *err) {
-  char text[TDM_PATH_MAX + TDM_MESSAGE_MAX + 4];
-  snprintf(text, sizeof text, "%s%s%s", err->path, err->path[0] ? ": " : "", err->message);
+  char text[TDM_PATH_MAX + TDM_MESSAGE_MAX + 80];
+  snprintf(text, sizeof text, "%s%s%s%s", err->path, err->path[0] ? ": " : "", err->message,
+           status == GUEST_DISCARD ? "; nothing was done, and the step may be tried again otherwise" : "");
   return guest_send(LINE, kind, status, text, NULL, 0);
 }
 
@@ -222,7 +239,7 @@ static tdm_status check_same(const server *s, tdm_error *err) {
   const cpl_export_layout l = cpl_export_layout_of(s->facts.side, &s->stage.session);
   const bool follows = s->facts.side != CPL_EXPORT_DEM && s->stage.session.mobility.Y;
   if (cpl_export_ninput(&l) == s->facts.ninput && cpl_export_noutput(&l) == s->facts.noutput &&
-      follows == s->facts.follows)
+      l.output == s->facts.stride && follows == s->facts.follows)
     return TDM_OK;
   return tdm_fail(err, TDM_ERR_VERSION, NULL,
                   "the solvers tell %d outputs of %d inputs, the FMU has %d of %d: they are others than those that it "
@@ -232,15 +249,24 @@ static tdm_status check_same(const server *s, tdm_error *err) {
 
 static tdm_status start(server *s, const double *number, tdm_error *err) {
   static const char *const programs[CPL_NROLE] = {[CPL_MBD] = "tandem-mbd", [CPL_DEM] = "tandem-dem"};
-  const unsigned roles = (cpl_export_has(s->facts.side, CPL_MBD) ? 1u << CPL_MBD : 0) |
-                         (cpl_export_has(s->facts.side, CPL_DEM) ? 1u << CPL_DEM : 0);
   const double *input = number + 2;
-  s->stage.settings.time_end = isfinite(number[0]) ? number[0] : s->end;
+  cpl_settings *set = &s->stage.settings;
+  const double longest = 9e14 * set->dt; /* steps are counted exactly; who says 1e20 s means no end */
+  set->time_end = isfinite(number[0]) ? fmin(number[0], longest) : s->end;
+  if (s->facts.side != CPL_EXPORT_BOTH)
+    set->n = (long)cpl_total_steps(set);
   json_object_clear(s->told);
   s->remarks = (tdm_remarks){0};
   if (s->facts.side == CPL_EXPORT_DEM && place_bodies(s, input, err) != TDM_OK)
     return err->status;
-  if (cpl_stage_start(&s->stage, roles, programs, err) != TDM_OK || check_same(s, err) != TDM_OK)
+  if (cpl_stage_start(&s->stage, roles_of(s), programs, err) != TDM_OK) {
+    const size_t n = strlen(err->message);
+    if (strstr(err->message, "dem.settle.store") || strcmp(err->path, "dem.settle.store") == 0)
+      snprintf(err->message + n, sizeof err->message - n,
+               "; the bed that is packed belongs to bodies that start where the FMU's start values have them");
+    return err->status;
+  }
+  if (check_same(s, err) != TDM_OK)
     return err->status;
   s->started = true;
   return cpl_perform_start(&s->performance, &s->stage, number[1] != 0, input, err);

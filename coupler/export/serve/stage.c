@@ -10,17 +10,17 @@
 
 static const double grace = 3; /* time that solvers get to end after FINISH [s] */
 
-tdm_status cpl_stage_load(cpl_stage *s, cpl_export_side side, const char *scene, const char *const *set,
+tdm_status cpl_stage_load(cpl_stage *s, cpl_export_side side, unsigned roles, const char *scene, const char *const *set,
                           tdm_error *err) {
   *s = (cpl_stage){.side = side};
   if (tdm_scene_load(&s->scene, scene, set, err) == TDM_OK &&
       cpl_settings_read(&s->settings, &s->scene, cpl_schemes, err) == TDM_OK)
     for (int r = 0; r < CPL_NROLE && err->status == TDM_OK; r++)
-      if (s->settings.by_hand[r] && cpl_export_has(side, (cpl_role)r)) {
+      if (s->settings.by_hand[r] && roles & 1u << r) {
         char path[64];
         snprintf(path, sizeof path, "coupling.solvers.%s", cpl_role_names[r]);
         tdm_fail(err, TDM_ERR_SCENE, path,
-                 "is null: an FMU starts its solvers itself; name a command, or leave it out");
+                 "is null: export and FMUs start the solvers themselves; name a command, or leave it out");
       }
   tdm_scene_locate(&s->scene, err);
   return err->status;
@@ -69,17 +69,21 @@ static tdm_status launch(cpl_stage *s, int role, const char *program, tdm_error 
 
 /* What the FMU tells beside what its exchange needs: accelerations, how loads change them, states that are kept. */
 static void ask_for_more(cpl_stage *s, unsigned roles) {
-  static const unsigned wanted[CPL_NROLE] = {[CPL_MBD] = CPL_ACCELERATION | CPL_MOBILITY};
-  bool restores = true;
+  cpl_session *session = &s->session;
+  bool all_restore = true;
+  s->restores = true;
   for (int r = 0; r < CPL_NROLE; r++) {
-    const bool is_part = cpl_export_has(s->side, (cpl_role)r) && roles & 1u << r;
-    for (int k = 0; k < CPL_NNEED && is_part; k++)
-      if (wanted[r] & 1u << k && cpl_session_has(&s->session, (cpl_role)r, cpl_need_names[k]))
-        s->session.further[r] |= 1u << k;
-    restores = restores && (!is_part || cpl_session_has(&s->session, (cpl_role)r, "restore"));
+    const bool restores = !(roles & 1u << r) || cpl_session_has(session, (cpl_role)r, "restore");
+    s->restores = s->restores && (restores || !cpl_export_has(s->side, (cpl_role)r));
+    all_restore = all_restore && restores;
   }
-  if (restores)
-    s->session.further[CPL_MBD] |= CPL_RESTORE; /* that is where the session looks */
+  if (all_restore)
+    session->further[CPL_MBD] |= CPL_RESTORE; /* that is where the session looks, for all */
+  if (s->side == CPL_EXPORT_DEM || !cpl_session_has(session, CPL_MBD, "acceleration"))
+    return;
+  session->further[CPL_MBD] |= CPL_ACCELERATION;
+  if (cpl_session_has(session, CPL_MBD, "mobility") && cpl_session_fits_mobility(session))
+    session->further[CPL_MBD] |= CPL_MOBILITY; /* without accelerations there is nothing that it changes */
 }
 
 tdm_status cpl_stage_start(cpl_stage *s, unsigned roles, const char *const program[CPL_NROLE], tdm_error *err) {

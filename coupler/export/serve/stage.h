@@ -16,12 +16,14 @@ typedef struct {
   cpl_session session;
   cpl_private own; /* of the socket and the logs */
   bool open;       /* the session */
+  bool restores;   /* the solvers of the side keep states, and were told that they will have to */
   bool talks;      /* what solvers are at until they are READY goes to the terminal; false at first */
 } cpl_stage;
 
-/* Read the scene as the side needs it. Freed by cpl_stage_free, also after an error. */
-tdm_status cpl_stage_load(cpl_stage *stage, cpl_export_side side, const char *scene, const char *const *set,
-                          tdm_error *err);
+/* Read the scene as the side needs it; `roles`, flags 1 << role, are those whose solvers will be started. Freed by
+ * cpl_stage_free, also after an error. */
+tdm_status cpl_stage_load(cpl_stage *stage, cpl_export_side side, unsigned roles, const char *scene,
+                          const char *const *set, tdm_error *err);
 
 /* Start the solvers of the roles, flags 1 << role, by their commands (the scene's, else `program`), and wait until they
  * are READY. With dem and without mbd, stage->bodies of cpl_stage_bodies comes first. */
