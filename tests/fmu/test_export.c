@@ -309,8 +309,8 @@ START_TEST(without_a_stop_time) {
   *(void **)&enter = dlsym(m.fmu->library, "fmi2EnterInitializationMode");
   *(void **)&leave = dlsym(m.fmu->library, "fmi2ExitInitializationMode");
   ck_assert_int_eq(set_up(m.fmu->instance, 0, 0, 0, 0, 0), FMI2_OK);
-  ck_assert_int_eq(enter(m.fmu->instance), FMI2_OK);
-  ck_assert_int_eq(leave(m.fmu->instance), FMI2_OK);
+  ck_assert_int_le(enter(m.fmu->instance), FMI2_WARNING);
+  ck_assert_int_le(leave(m.fmu->instance), FMI2_WARNING);
   step(&m, 0.04);
   ck_assert_int_eq(m.fmu->version->step(m.fmu, 0.04, 0.02, true), 2);
   expect_said(&m, "beyond the end of the scene (time.end), 0.05 s after the start");
@@ -385,9 +385,9 @@ START_TEST(states_before_steps) {
   *(void **)&leave = dlsym(m.fmu->library, "fmi2ExitInitializationMode");
   set(&m, input, 0.5);
   ck_assert_int_eq(v->keep(m.fmu, &made), 0);
-  ck_assert_int_eq(enter(m.fmu->instance), FMI2_OK);
+  ck_assert_int_le(enter(m.fmu->instance), FMI2_WARNING);
   ck_assert_int_eq(v->keep(m.fmu, &entered), 0);
-  ck_assert_int_eq(leave(m.fmu->instance), FMI2_OK);
+  ck_assert_int_le(leave(m.fmu->instance), FMI2_WARNING);
   step(&m, 5e-3);
   first = get(&m, output);
   ck_assert_int_eq(v->keep(m.fmu, &stepped), 0);
@@ -396,8 +396,8 @@ START_TEST(states_before_steps) {
     ck_assert_int_eq(v->go_back(m.fmu, k == 0 ? made : entered), 0);
     ck_assert_double_eq(get(&m, input), 0.5);
     if (k == 0)
-      ck_assert_int_eq(enter(m.fmu->instance), FMI2_OK);
-    ck_assert_int_eq(leave(m.fmu->instance), FMI2_OK);
+      ck_assert_int_le(enter(m.fmu->instance), FMI2_WARNING);
+    ck_assert_int_le(leave(m.fmu->instance), FMI2_WARNING);
     ck_assert_int_eq(v->go_back(m.fmu, stepped), 3);
     m.t = 0;
     step(&m, 5e-3);
