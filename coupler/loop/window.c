@@ -27,9 +27,7 @@ static double work_from_elsewhere(const cpl_loop *loop, int i) {
          tdm_dot(held->moment, tdm_quat_turn(from->pose.orientation, to->pose.orientation));
 }
 
-/* Works until the end of the window; those of its start where a solver does not tell them, or a body is prescribed,
- * whose work is the drivers' affair. */
-static cpl_exchange exchange_of(const cpl_loop *loop) {
+cpl_exchange cpl_loop_exchange(const cpl_loop *loop) {
   const tdm_result *mbd = &loop->result[CPL_MBD], *dem = &loop->result[CPL_DEM];
   cpl_exchange x = loop->exchange;
   for (int i = 0; i < loop->nbody; i++)
@@ -141,7 +139,7 @@ static tdm_status solve_adaptive(cpl_loop *loop, tdm_error *err) {
       loop->growth = (double)next / (double)loop->n;
       loop->n = next;
       if (status == TDM_OK)
-        loop->exchange = exchange_of(loop);
+        loop->exchange = cpl_loop_exchange(loop);
       return status;
     }
     count_too_long(loop, &loop->too_long.taken_back);
