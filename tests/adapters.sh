@@ -14,5 +14,6 @@ while read -r test package; do
     echo "-- $test: skipped; it needs the package $package, installed before CMake runs"
   fi
 done <<END
+test_liggghts libliggghts-dev
 test_yade yade
 END

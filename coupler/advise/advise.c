@@ -74,7 +74,7 @@ static void tell_method(cpl_advisor *v, cpl_formulation f) {
 /* The schemes that a solver may be able to take part in, the best first. */
 static tdm_status first_check(cpl_advisor *v, tdm_error *err) {
   static const char *const schemes[] = {"proxy", "dem-first", "lommen"};
-  const bool foreign = tdm_scene_value(v->t.loaded.root, "coupling.solvers");
+  const bool foreign = cpl_is_foreign(v->t.loaded.root, CPL_MBD) || cpl_is_foreign(v->t.loaded.root, CPL_DEM);
   for (int k = 0; k < 3; k++) {
     *err = (tdm_error){0};
     v->a.best = (cpl_candidate){v->t.settings.dt, 5, schemes[k], CPL_ONE_STEP, cpl_trials_tolerance(&v->t)};

@@ -188,7 +188,7 @@ static void take_facts(const json_t *root, const json_t *report, cpl_facts *f) {
  * does not keep it itself. */
 static bool shares_bed(const cpl_trials *t) {
   return tdm_scene_value(t->loaded.root, "dem.settle") && !tdm_scene_value(t->loaded.root, "dem.settle.store") &&
-         !tdm_scene_value(t->loaded.root, "coupling.solvers.dem");
+         !cpl_is_foreign(t->loaded.root, CPL_DEM);
 }
 
 /* Of the mean moment of inertia; 1 where a solver does not tell. Without memory all are. */
@@ -218,7 +218,7 @@ tdm_status cpl_trials_check(cpl_trials *t, const cpl_candidate *of, double speed
   snprintf(s.more[0], CPL_SETTING_LENGTH, "dem.expected_speed=%.6g", speed);
   if (shares_bed(t))
     s.set[s.n++] = bed;
-  if (speed > 0)
+  if (speed > 0 && !cpl_is_foreign(t->loaded.root, CPL_DEM))
     s.set[s.n++] = s.more[0];
   cpl_run_options run = {.scene = t->scene, .set = s.set, .out = dir, .force = true, .quiet = true, .check = true};
   memcpy(run.solver, t->solver, sizeof run.solver);
@@ -425,7 +425,7 @@ static double least_of(const json_t *radius) {
 double cpl_trials_smallest(const cpl_trials *t) {
   static const char *const lists[] = {"dem.particles", "dem.sources"};
   double least = INFINITY;
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 2 && !cpl_is_foreign(t->loaded.root, CPL_DEM); k++) {
     const json_t *list = tdm_scene_value(t->loaded.root, lists[k]);
     for (size_t i = 0; i < json_array_size(list); i++)
       least = fmin(least, least_of(json_object_get(json_array_get(list, i), "radius")));

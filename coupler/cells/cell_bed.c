@@ -31,8 +31,7 @@ static uint64_t bed_hash(json_t *root) {
 
 void cpl_cell_share_bed(const cpl_cells *cells, cpl_cell *cell, json_t *scene) {
   char file[4200];
-  bool ours = tdm_scene_value(scene, "dem.settle") && !tdm_scene_value(scene, key) &&
-              !tdm_scene_value(scene, "coupling.solvers.dem");
+  bool ours = tdm_scene_value(scene, "dem.settle") && !tdm_scene_value(scene, key) && !cpl_is_foreign(scene, CPL_DEM);
   uint64_t hash = ours ? bed_hash(scene) : 0;
   snprintf(file, sizeof file, "%s/bed_%016llx", cells->out, (unsigned long long)hash);
   if (hash) /* without memory every cell settles its own */

@@ -241,7 +241,8 @@ static void limit_threads(const cpl_cells *cells, cpl_cell *cell, const json_t *
   for (int k = 0; k < cell->nset; k++)
     if (strncmp(cell->set[k], path, strlen(path)) == 0 && cell->set[k][strlen(path)] == '=')
       return;
-  if (cells->jobs > 1 && cells->ncell > 1 && json_number_value(tdm_scene_value(scene, path)) > 1)
+  if (cells->jobs > 1 && cells->ncell > 1 && !cpl_is_foreign(scene, CPL_DEM) &&
+      json_number_value(tdm_scene_value(scene, path)) > 1)
     cpl_cell_add(cell, path, "1", err);
 }
 

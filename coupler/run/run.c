@@ -92,14 +92,14 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
   tdm_results_claim(&run->results, file, log, sizeof log);
   if (s->transport == CPL_INPROC) {
     if (s->command[role] || !run->options->solver[role].ops)
-      return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? "coupling.solvers" : "coupling.transport",
+      return tdm_fail(err, TDM_ERR_SCENE, s->command[role] ? s->solver_path[role] : "coupling.transport",
                       "a foreign solver cannot run as a thread; take \"ipc\" as coupling.transport");
     return cpl_launch_thread(child, run->options->solver[role].ops, endpoint, run->context, log, s->timeout, err);
   }
   const char *command = s->command[role] ? s->command[role] : run->options->solver[role].executable;
   cpl_launch_process(child, command, endpoint, name, log, s->timeout, err);
   if (err->status != TDM_OK && s->command[role])
-    snprintf(err->path, sizeof err->path, "coupling.solvers.%s", name);
+    snprintf(err->path, sizeof err->path, "%s", s->solver_path[role]);
   return err->status;
 }
 

@@ -1,6 +1,6 @@
 /* Solvers that the server starts itself: see launch.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#define _GNU_SOURCE /* pthread_timedjoin_np */
+#define _GNU_SOURCE /* pthread_timedjoin_np, environ */
 #include "coupler/session/launch.h"
 
 #include "protocol/app/find.h"
@@ -43,8 +43,34 @@ static void child_free(cpl_child *child) {
 
 /* ---- processes ---- */
 
+/* The environment with this program's folder first on PATH: "mpirun -n 2 tandem-liggghts" finds its last word there
+ * too. The caller frees it, one block; NULL: no memory. */
+static char **environment_with_folder(void) {
+  char self[4096];
+  const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+  self[length > 0 ? length : 0] = 0;
+  const char *slash = strrchr(self, '/'), *path = getenv("PATH");
+  const int folder = slash ? (int)(slash - self) : 0;
+  path = path ? path : "/usr/bin:/bin";
+  size_t n = 0, k = 0;
+  while (environ[n])
+    n++;
+  const size_t size = strlen("PATH=") + (size_t)folder + 1 + strlen(path) + 1;
+  char **all = malloc((n + 2) * sizeof *all + size);
+  if (!all)
+    return NULL;
+  char *own = (char *)(all + n + 2);
+  snprintf(own, size, "PATH=%.*s%s%s", folder, self, folder ? ":" : "", path);
+  all[k++] = own;
+  for (size_t i = 0; i < n; i++)
+    if (strncmp(environ[i], "PATH=", 5) != 0)
+      all[k++] = environ[i];
+  all[k] = NULL;
+  return all;
+}
+
 /* In the child, between fork and exec: only calls that are safe there. */
-static void become_solver(const char *path, char *const *argv, int log, pid_t server) {
+static void become_solver(const char *path, char *const *argv, char *const *environment, int log, pid_t server) {
   struct sigaction ignore = {.sa_handler = SIG_IGN};
   sigaction(SIGINT, &ignore, NULL);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -54,7 +80,7 @@ static void become_solver(const char *path, char *const *argv, int log, pid_t se
   dup2(null, 0);
   dup2(log, 1);
   dup2(log, 2);
-  execv(path, argv);
+  execve(path, argv, environment);
   static const char message[] = "cannot be executed\n";
   ssize_t ignored = write(2, message, sizeof message - 1);
   (void)ignored;
@@ -95,13 +121,17 @@ tdm_status cpl_launch_process(cpl_child **child, const char *command, const char
   argv[0] = path;
   memcpy(argv + n, options, sizeof options);
   cpl_child *c = calloc(1, sizeof *c);
-  if (!c) {
+  char **environment = environment_with_folder();
+  if (!c || !environment) {
     close(file);
+    free(c);
+    free(environment);
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
   }
   pid_t server = getpid(), pid = fork();
   if (pid == 0)
-    become_solver(path, argv, file, server);
+    become_solver(path, argv, environment, file, server);
+  free(environment);
   close(file);
   if (pid < 0) {
     free(c);

@@ -18,7 +18,7 @@ typedef struct cpl_child cpl_child;
 
 /* Start a process `command --connect endpoint --name name`, its output written to the file `log`. The child ignores
  * Ctrl-C (the server ends it in order) and is killed by the kernel when the server dies. `command` is a program, or one
- * with words behind it that blanks part ("mpirun -n 2 mysolver"). */
+ * with words behind it that blanks part ("mpirun -n 2 mysolver"); the folder of this program is first on its PATH. */
 tdm_status cpl_launch_process(cpl_child **child, const char *command, const char *endpoint, const char *name,
                               const char *log, double timeout, tdm_error *err);
 

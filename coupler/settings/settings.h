@@ -48,13 +48,14 @@ typedef struct {
   const struct cpl_scheme *fallback; /* for solvers that lack what the scheme needs, NULL: none */
   cpl_guard guard;
   cpl_transport_kind transport;
-  bool interpolates;               /* the scene says how; else the scheme does */
-  tdm_interpolation interpolation; /* of positions inside a window, on the DEM side */
-  double timeout;                  /* silence after which a solver counts as hanging [s] */
-  double join_timeout;             /* how long to wait for solvers that are started by hand [s] */
-  const char *address;             /* tcp: where to listen; the port may be "*" */
-  const char *command[CPL_NROLE];  /* of a foreign solver, NULL: tandem's own */
-  bool by_hand[CPL_NROLE];         /* somebody else starts this solver */
+  bool interpolates;                         /* the scene says how; else the scheme does */
+  tdm_interpolation interpolation;           /* of positions inside a window, on the DEM side */
+  double timeout;                            /* silence after which a solver counts as hanging [s] */
+  double join_timeout;                       /* how long to wait for solvers that are started by hand [s] */
+  const char *address;                       /* tcp: where to listen; the port may be "*" */
+  const char *command[CPL_NROLE];            /* of a foreign solver, NULL: tandem's own */
+  bool by_hand[CPL_NROLE];                   /* somebody else starts this solver */
+  char solver_path[CPL_NROLE][TDM_PATH_MAX]; /* where the scene says so, "": it does not */
   int nbody;
   cpl_body_names *body;   /* (nbody), owned */
   double output_interval; /* of the time histories [s] */
@@ -63,6 +64,9 @@ typedef struct {
 
 /* Whether a body of this name can have a file and a column: letters, digits, _ - . and no dot in front. */
 bool cpl_name_fits_file(const char *name);
+
+/* Whether the scene names a solver of its own for a role: then all else of the role's section is that solver's. */
+bool cpl_is_foreign(const json_t *root, cpl_role role);
 
 /* Read the server's sections. An error has its JSON path; tdm_scene_locate adds the place. */
 tdm_status cpl_settings_read(cpl_settings *settings, const tdm_scene *scene, const struct cpl_scheme *const *schemes,

@@ -72,20 +72,38 @@ static void read_address(cpl_settings *s, tdm_object *o) {
     tdm_object_fail(o, "address", "\"%s\" is no address on this machine; give tcp://127.0.0.1:PORT", s->address);
 }
 
-/* Foreign solvers: a command, or null for one that somebody else starts. */
-static void read_solvers(cpl_settings *s, tdm_object *coupling) {
-  tdm_object o = tdm_get_object(coupling, "solvers", false);
+/* A foreign solver: a command, or null for one that somebody else starts. */
+static void read_solver(cpl_settings *s, int role, tdm_object *o, const char *key) {
+  if (!tdm_has(o, key))
+    return;
+  tdm_path(s->solver_path[role], o, key, -1);
+  s->by_hand[role] = json_is_null(json_object_get(o->json, key));
+  if (!s->by_hand[role])
+    s->command[role] = tdm_get_string(o, key, NULL);
+  else if (s->transport != CPL_TCP)
+    tdm_object_fail(o, key, "is null: it is started by hand, which needs \"transport\": \"tcp\" and an \"address\"");
+}
+
+/* mbd.solver and dem.solver, the rest of whose sections is the solvers' own; or coupling.solvers, where they stood
+ * before. */
+static void read_solvers(cpl_settings *s, tdm_object *root) {
+  tdm_object coupling = tdm_object_open(json_object_get(root->json, "coupling"), "coupling", root->err);
+  tdm_object before = tdm_get_object(&coupling, "solvers", false);
   for (int r = 0; r < CPL_NROLE; r++) {
-    if (!tdm_has(&o, cpl_role_names[r]))
-      continue;
-    s->by_hand[r] = json_is_null(json_object_get(o.json, cpl_role_names[r]));
-    if (!s->by_hand[r])
-      s->command[r] = tdm_get_string(&o, cpl_role_names[r], NULL);
-    else if (s->transport != CPL_TCP)
-      tdm_object_fail(&o, cpl_role_names[r],
-                      "is null: it is started by hand, which needs \"transport\": \"tcp\" and an \"address\"");
+    tdm_object section = tdm_get_object(root, cpl_role_names[r], true);
+    read_solver(s, r, &before, cpl_role_names[r]);
+    if (tdm_has(&before, cpl_role_names[r]) && tdm_has(&section, "solver"))
+      tdm_object_fail(&before, cpl_role_names[r], "names the solver that %s.solver names too; remove this one",
+                      cpl_role_names[r]);
+    read_solver(s, r, &section, "solver");
   }
-  tdm_object_close(&o);
+  tdm_object_close(&before);
+}
+
+bool cpl_is_foreign(const json_t *root, cpl_role role) {
+  char before[32];
+  snprintf(before, sizeof before, "coupling.solvers.%s", cpl_role_names[role]);
+  return json_object_get(json_object_get(root, cpl_role_names[role]), "solver") || tdm_scene_value(root, before);
 }
 
 /* coupling.n: a number, or "auto", the default, with what coupling.auto says. */
@@ -201,7 +219,7 @@ static void read_coupling(cpl_settings *s, tdm_object *root) {
   s->join_timeout = tdm_get_number(&o, "join_timeout", 300, TDM_POSITIVE);
   read_guard(s, &o);
   read_address(s, &o);
-  read_solvers(s, &o);
+  tdm_has(&o, "solvers"); /* with the sections */
   read_bodies(s, &o);
   tdm_object_close(&o);
 }
@@ -244,8 +262,7 @@ tdm_status cpl_settings_read(cpl_settings *s, const tdm_scene *scene, const cpl_
   s->dt = time.dt;
   read_coupling(s, &root);
   read_output(s, &root, scene);
-  for (int r = 0; r < CPL_NROLE; r++)
-    tdm_get_object(&root, cpl_role_names[r], true);
+  read_solvers(s, &root);
   tdm_object_close(&root);
   return err->status;
 }

@@ -60,7 +60,7 @@ tdm_status cpl_repeat_check(const cpl_repeat_options *options, tdm_error *err) {
   if (load(&r, err) == TDM_OK)
     for (int role = 0; role < CPL_NROLE; role++)
       if (r.settings.by_hand[role])
-        tdm_fail(err, TDM_ERR_SCENE, "coupling.solvers",
+        tdm_fail(err, TDM_ERR_SCENE, r.settings.solver_path[role],
                  "%s is started by hand, so no part of the run can be repeated for --estimate; let tandem start it, or "
                  "leave --estimate out: the estimate from the exchange alone is in summary.json of every run",
                  cpl_role_names[role]);

@@ -25,7 +25,7 @@ static tdm_status look(const cpl_trial_options *o, scene_facts *facts, tdm_error
   tdm_scene scene = {0};
   if (tdm_scene_load(&scene, o->scene, o->set, err) == TDM_OK) {
     facts->settles = tdm_scene_value(scene.root, "dem.settle") && !tdm_scene_value(scene.root, "dem.settle.store") &&
-                     !tdm_scene_value(scene.root, "coupling.solvers.dem");
+                     !cpl_is_foreign(scene.root, CPL_DEM);
     const json_t *interval = tdm_scene_value(scene.root, "output.interval");
     facts->interval = json_is_number(interval) ? json_number_value(interval) : NAN;
   }

@@ -12,7 +12,7 @@
 
 static void usage(FILE *out) {
   fputs("tandem-player: plays a solver of an exchange that tandem run --record has stored\n\n"
-        "  \"coupling\": {\"solvers\": {\"dem\": \"tandem-player FILE\"}}\n"
+        "  \"dem\": {\"solver\": \"tandem-player FILE\", ...}\n"
         "      in a scene: the server starts it, and DEM's part comes from the record; \"mbd\" likewise.\n\n"
         "  tandem-player FILE --connect ENDPOINT --name NAME [--timeout SECONDS] [--role dem|mbd]\n"
         "      --role   default: NAME, as the server starts solvers by their role\n",

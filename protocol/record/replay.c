@@ -51,7 +51,7 @@ static tdm_status remark(replay *r, tdm_error *err) {
   if (r->report->differ > 0)
     json_array_append_new(
         all, json_pack("{s:s, s:s, s:s, s:s, s:I, s:f, s:f}", "event", "replay", "level", "warning", "path",
-                       r->role == 1 ? "coupling.solvers.dem" : "coupling.solvers.mbd", "message",
+                       r->role == 1 ? "dem.solver" : "mbd.solver", "message",
                        "what the other solver does is not as it was recorded: what is played does not answer to it",
                        "count", (json_int_t)1, "first_s", r->report->first, "last_s", r->report->first));
   json_t *message = json_pack("{s:o}", "remarks", all);

@@ -329,10 +329,13 @@ static const char *const solvers[] = {"mbd", "dem"};
 
 json_t *tdm_scene_section(const json_t *root, const char *role) {
   json_t *section = json_object_get(root, role), *gravity = json_object_get(root, "gravity");
-  if (!json_is_object(section) || !gravity || json_object_get(section, "gravity"))
+  const bool lacks_gravity = gravity && !json_object_get(section, "gravity");
+  if (!json_is_object(section) || !(lacks_gravity || json_object_get(section, "solver")))
     return json_incref(section);
   json_t *copy = json_copy(section);
-  json_object_set(copy, "gravity", gravity);
+  json_object_del(copy, "solver");
+  if (lacks_gravity)
+    json_object_set(copy, "gravity", gravity);
   return copy;
 }
 
@@ -343,6 +346,8 @@ void tdm_check_gravity(tdm_object *root) {
   for (int r = 0; r < 2 && !root->err->status; r++) {
     tdm_error none = {0}; /* what is wrong with a section is told by its reader */
     json_t *json = json_object_get(root->json, solvers[r]);
+    if (json_object_get(json, "solver")) /* whose own the section is */
+      continue;
     tdm_object section = tdm_object_open(json_is_object(json) ? json : NULL, solvers[r], &none);
     tdm_vec3 own = tdm_get_vec3(&section, "gravity", &all);
     if (!none.status && tdm_norm(tdm_sub(own, all)) > 0)

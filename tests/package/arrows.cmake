@@ -17,7 +17,7 @@ set(protocol
   "draw/program"
   "output")
 set(dem
-  "base"
+  "base foreign/liggghts"
   "numbers geometry search/method"
   "geometry/mesh geometry/wall"
   "geometry/shape model"

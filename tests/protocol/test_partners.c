@@ -239,6 +239,29 @@ START_TEST(a_deaf_solver_is_ended) {
 }
 END_TEST
 
+/* dem.solver: the rest of the section is that solver's, whatever tandem-dem would make of it. */
+START_TEST(a_section_names_its_solver) {
+  setup();
+  const char *const run = "env PATH=/usr/bin:/bin " TANDEM_BIN_DIR "/tandem run %s/scene.json --out %s/out --force "
+                          "--set 'coupling.solvers={}' --set time.end=0.01 %s";
+  ck_assert_msg(command(run, dir, dir, "--set dem.solver=" TANDEM_TEST_DIR "/dummy_solver") == 0, "%s", command_output);
+  ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=" TANDEM_TEST_DIR "/dummy_solver --set dem.settle=1"), 1);
+  expect_output("dem.settle: unknown key \"settle\"; known here: stiffness");
+  ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=7"), 1);
+  expect_output("dem.solver: must be a string");
+  ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=a --set coupling.solvers.dem=b"), 1);
+  expect_output("coupling.solvers.dem: names the solver that dem.solver names too");
+  ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=null"), 1);
+  expect_output("dem.solver: is null");
+  ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=no_such_solver"), 1);
+  expect_output("dem.solver: the solver \"no_such_solver\"");
+  /* the second word is beside tandem, which its PATH does not have */
+  ck_assert_int_eq(command(run, dir, dir, "--set 'dem.solver=env tandem-dem'"), 1);
+  expect_output("dem.stiffness: unknown key");
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(a_solver_that_is_not_there) {
   setup();
   ck_assert_int_eq(
@@ -290,5 +313,5 @@ END_TEST
 
 TEST_MAIN("partners", dummy_is_an_oscillator, unknown_key_of_a_foreign_section, a_scheme_that_a_solver_cannot_serve,
           faults_are_named, faults_of_mbd_are_named, names_of_channels_are_looked_at, remarks_of_a_foreign_solver,
-          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_solver_that_is_not_there,
-          a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
+          a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_section_names_its_solver,
+          a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)

@@ -104,8 +104,8 @@ static int usage(FILE *out, int status) {
   fputs("usage: tandem-fmu FILE.fmu                 what the FMU has: capabilities and variables\n"
         "       tandem-fmu FILE.fmu --connect ENDPOINT [--name NAME] [--timeout SECONDS]\n\n"
         "The FMU as the multibody side of a tandem co-simulation. In a scene:\n\n"
-        "  \"coupling\": {\"solvers\": {\"mbd\": \"tandem-fmu model.fmu\"}, ...}\n\n"
-        "Its section \"mbd\" says what the FMU's variables are: mbd/foreign/fmu/README.md.\n",
+        "  \"mbd\": {\"solver\": \"tandem-fmu model.fmu\", ...}\n\n"
+        "The rest of the section says what the FMU's variables are: mbd/foreign/fmu/README.md.\n",
         out);
   return status;
 }

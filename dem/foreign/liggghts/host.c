@@ -1,0 +1,299 @@
+/* LIGGGHTS, hosted: see host.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* fopencookie: LIGGGHTS speaks to a stream of ours */
+#include "dem/foreign/liggghts/host.h"
+
+#include "protocol/base/log.h"
+
+#include <assert.h>
+#include <liggghts/library.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { LINE = 2048 }; /* LIGGGHTS' longest command */
+
+typedef enum { OPEN, COMMAND, SCRIPT, VARIABLE, PARTICLES, END } order_kind;
+
+/* What rank 0 has all ranks do. */
+typedef struct {
+  order_kind kind;
+  char text[LINE];
+} order;
+
+static struct {
+  void *lammps; /* NULL: not started */
+  int rank, ranks;
+  tdm_participant *participant; /* rank 0's */
+  pthread_t pulse;
+  bool pulses, ends;
+  pthread_mutex_t lock; /* of the participant and of what follows */
+  const char *doing;    /* the order that LIGGGHTS works on; NULL: none */
+  const char *path;     /* in the scene */
+  bool aloud;
+  char last[LINE]; /* line that it has printed, or begun */
+  size_t length;   /* of what it has begun */
+  char before[LINE];
+} host = {.lock = PTHREAD_MUTEX_INITIALIZER, .path = ""};
+
+/* ---- the end that LIGGGHTS makes ---- */
+
+/* Send an error to the server, and leave: LIGGGHTS cannot go on. The lock is held. */
+static void give_up(const char *format, ...) __attribute__((noreturn, format(printf, 1, 2)));
+
+static void give_up(const char *format, ...) {
+  tdm_error err = {0};
+  char message[TDM_MESSAGE_MAX], quoted[TDM_MESSAGE_MAX];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(message, sizeof message, format, args);
+  va_end(args);
+  tdm_utf8_clean(message);
+  tdm_fail(&err, host.path[0] ? TDM_ERR_SCENE : TDM_ERR_NUMERIC, host.path, "%s", message);
+  tdm_log(TDM_LOG_ERROR, "liggghts", "message=%s", tdm_log_quote(quoted, sizeof quoted, message));
+  tdm_participant_finalize(&host.participant, &err);
+  fflush(stderr);
+  _exit(1); /* under mpirun this ends the other ranks too */
+}
+
+/* LIGGGHTS' own errors: "ERROR: what (../file.cpp:12)", "ERROR on proc 1: …". */
+static bool is_error(const char *line) {
+  return strncmp(line, "ERROR", 5) == 0 && (strstr(line, ".cpp:") || strstr(line, ".h:"));
+}
+
+/* But for that about what NAME_mesh does on purpose: it gives a mesh that it moves a reference point. */
+static bool is_warning(const char *line) {
+  return strncmp(line, "WARNING", 7) == 0 && !strstr(line, "has been scaled, moved, or rotated");
+}
+
+/* A whole line that LIGGGHTS has printed. */
+static void heard(char *line) {
+  if (host.aloud || is_error(line) || is_warning(line))
+    dprintf(1, "%s\n", line);
+  if (is_error(line) && host.before[0])
+    give_up("LIGGGHTS: %.500s; before that: %.300s", line, host.before);
+  else if (is_error(line))
+    give_up("LIGGGHTS: %.700s", line);
+  if (is_warning(line))
+    tdm_remark(TDM_WARNING, "liggghts", host.path, NAN, "LIGGGHTS: %.700s", line);
+  if (host.aloud && line[strspn(line, " ")])
+    memcpy(host.before, line, LINE);
+}
+
+/* The stream that LIGGGHTS prints to. */
+static ssize_t hear(void *cookie, const char *text, size_t size) {
+  (void)cookie;
+  pthread_mutex_lock(&host.lock);
+  for (size_t k = 0; k < size; k++) {
+    const bool ends = text[k] == '\n';
+    if (!ends && host.length < LINE - 1)
+      host.last[host.length++] = text[k];
+    if (!ends)
+      continue;
+    host.last[host.length] = 0;
+    host.length = 0;
+    heard(host.last);
+  }
+  pthread_mutex_unlock(&host.lock);
+  return (ssize_t)size;
+}
+
+static void on_exit_in_order(void) {
+  if (host.rank == 0 && host.doing)
+    give_up("LIGGGHTS ended the process in: %.500s", host.doing);
+}
+
+/* ---- signs of life ---- */
+
+static void *pulse(void *argument) {
+  (void)argument;
+  tdm_log_open(stderr, "dem");
+  for (bool ends = false; !ends;) {
+    nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    pthread_mutex_lock(&host.lock);
+    ends = host.ends;
+    if (!ends && host.doing && tdm_participant_alive(host.participant) != TDM_OK) {
+      tdm_log(TDM_LOG_INFO, "finished", "cause=\"the server wants no more, or is gone\"");
+      _exit(1);
+    }
+    pthread_mutex_unlock(&host.lock);
+  }
+  return NULL;
+}
+
+static void work_begins(const char *what) {
+  if (host.rank > 0)
+    return;
+  pthread_mutex_lock(&host.lock);
+  host.doing = what;
+  host.before[0] = 0;
+  pthread_mutex_unlock(&host.lock);
+}
+
+static void work_ends(void) {
+  if (host.rank > 0)
+    return;
+  pthread_mutex_lock(&host.lock);
+  host.doing = NULL;
+  pthread_mutex_unlock(&host.lock);
+}
+
+/* ---- orders ---- */
+
+static void start_lammps(void) {
+  static char *argv[] = {(char *)"liggghts", (char *)"-log", (char *)"none", NULL};
+  lammps_open(3, argv, MPI_COMM_WORLD, &host.lammps);
+}
+
+/* Do an order on this rank. */
+static double obey(const order *o) {
+  double value = NAN;
+  double *got;
+  switch (o->kind) {
+  case OPEN:
+    start_lammps();
+    break;
+  case COMMAND:
+    lammps_command(host.lammps, o->text);
+    break;
+  case SCRIPT:
+    lammps_file(host.lammps, o->text);
+    break;
+  case VARIABLE:
+    got = lammps_extract_variable(host.lammps, (char *)o->text, (char *)"all");
+    if (got)
+      value = *got;
+    free(got);
+    break;
+  case PARTICLES:
+    value = lammps_get_natoms(host.lammps);
+    break;
+  case END:
+    if (host.lammps)
+      lammps_close(host.lammps);
+    host.lammps = NULL;
+    break;
+  }
+  return value;
+}
+
+/* Rank 0: have all ranks do it. */
+static double give(const order *o) {
+  MPI_Request request;
+  if (host.ranks > 1) { /* as the others wait for it */
+    MPI_Ibcast((void *)o, sizeof *o, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
+  }
+  work_begins(o->text);
+  const double value = obey(o);
+  work_ends();
+  return value;
+}
+
+/* The next order, without taking a processor from those that have something to do. */
+static void wait_for_order(order *o) {
+  const double begin = tdm_clock();
+  MPI_Request request;
+  int there = 0;
+  MPI_Ibcast(o, sizeof *o, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+  while (MPI_Test(&request, &there, MPI_STATUS_IGNORE) == MPI_SUCCESS && !there)
+    if (tdm_clock() - begin > 2e-4)
+      nanosleep(&(struct timespec){.tv_nsec = 20000}, NULL);
+}
+
+void lig_host_follow(void) {
+  static order o;
+  do {
+    wait_for_order(&o);
+    obey(&o);
+  } while (o.kind != END);
+  MPI_Finalize();
+}
+
+/* ---- begin and end ---- */
+
+int lig_host_begin(int *argc, char ***argv, int *ranks) {
+  int threads;
+  MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &threads);
+  MPI_Comm_rank(MPI_COMM_WORLD, &host.rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &host.ranks);
+  *ranks = host.ranks;
+  return host.rank;
+}
+
+tdm_status lig_host_open(tdm_participant *participant, tdm_error *err) {
+  FILE *stream = fopencookie(NULL, "w", (cookie_io_functions_t){.write = hear});
+  host.participant = participant;
+  if (!stream)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  setvbuf(stream, NULL, _IOLBF, LINE);
+  fflush(stdout);
+  stdout = stream; /* LIGGGHTS takes it as its screen; without one it crashes when it reads a mesh */
+  if (pthread_create(&host.pulse, NULL, pulse, NULL) != 0)
+    return tdm_fail(err, TDM_ERR_SYSTEM, NULL, "cannot start a thread");
+  host.pulses = true;
+  atexit(on_exit_in_order);
+  give(&(order){.kind = OPEN, .text = "start"});
+  return TDM_OK;
+}
+
+void lig_host_end(void) {
+  if (host.pulses) {
+    pthread_mutex_lock(&host.lock);
+    host.ends = true;
+    pthread_mutex_unlock(&host.lock);
+    pthread_join(host.pulse, NULL);
+    host.pulses = false;
+  }
+  host.aloud = false;
+  host.participant = NULL;
+  give(&(order){.kind = END, .text = "end"});
+  MPI_Finalize();
+}
+
+void lig_host_at(const char *path, bool aloud) {
+  fflush(stdout);
+  host.path = path;
+  host.aloud = aloud;
+}
+
+/* ---- for the solver ---- */
+
+void lig_host_command(const char *format, ...) {
+  order o = {.kind = COMMAND};
+  va_list args;
+  va_start(args, format);
+  const int n = vsnprintf(o.text, sizeof o.text, format, args);
+  va_end(args);
+  assert(n < (int)sizeof o.text);
+  (void)n;
+  give(&o);
+}
+
+void lig_host_script(const char *file) {
+  order o = {.kind = SCRIPT};
+  snprintf(o.text, sizeof o.text, "%s", file);
+  give(&o);
+}
+
+bool lig_host_fix_value(const char *fix, int i, double *value) {
+  double *got = lammps_extract_fix(host.lammps, fix, 0, 1, i, 0);
+  if (got)
+    *value = *got;
+  free(got);
+  return got != NULL;
+}
+
+bool lig_host_variable(const char *variable, double *value) {
+  order o = {.kind = VARIABLE};
+  snprintf(o.text, sizeof o.text, "%s", variable);
+  *value = give(&o);
+  return *value == *value;
+}
+
+double lig_host_particles(void) {
+  return give(&(order){.kind = PARTICLES, .text = "count"});
+}

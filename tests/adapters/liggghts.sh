@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# tandem-liggghts with LIGGGHTS: rules, numbers, faults. CMake makes the program test_liggghts of it, which adapters.sh
+# runs. See dem/foreign/liggghts/README.md.
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -euo pipefail
+cd "@PROJECT_SOURCE_DIR@"
+PATH=@CMAKE_RUNTIME_OUTPUT_DIRECTORY@:@PROJECT_BINARY_DIR@/tests:$PATH
+scenes=dem/foreign/liggghts/scenes
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+
+# conform OPTIONS…: `tandem conform`; no rule may be broken
+conform() {
+  tandem conform "$@" -- tandem-liggghts >"$out/conform.txt" 2>&1 || { cat "$out/conform.txt"; return 1; }
+  tail -1 "$out/conform.txt"
+}
+
+# run SCENE NAME OPTIONS…: `tandem run` with results in $out/NAME
+run() {
+  local scene=$1 name=$2
+  shift 2
+  tandem run "$scene" --out "$out/$name" "$@" >"$out/$name.txt" 2>&1 || { cat "$out/$name.txt"; return 1; }
+}
+
+# refused TEXT OPTIONS…: `tandem run` with these ends with an error that has TEXT, in time
+refused() {
+  local text=$1 status=0
+  shift
+  timeout 300 tandem run "$@" --out "$out/refused" --force >"$out/refused.txt" 2>&1 || status=$?
+  [ "$status" = 1 ] && grep -qF -- "$text" "$out/refused.txt" && return
+  echo "exit status $status, no \"$text\" in:"
+  cat "$out/refused.txt"
+  return 1
+}
+
+# at_least NAME VALUE LIMIT, at_most NAME VALUE LIMIT: a number, and what it must be
+at_least() { awk -v name="$1" -v x="$2" -v y="$3" 'BEGIN {print "  " name, x, "(at least " y ")"; exit !(x >= y)}'; }
+at_most() { awk -v name="$1" -v x="$2" -v y="$3" 'BEGIN {print "  " name, x, "(at most " y ")"; exit !(x <= y)}'; }
+
+# nse NAME DIR: of position and velocity of the box of [L18] Section 3.3, at least 0.999 each
+nse() {
+  local x v
+  read -r x v < <(measure spring_damper "$2")
+  at_least "spring_damper, $1: nse of x" "$x" 0.999
+  at_least "spring_damper, $1: nse of v" "$v" 0.999
+}
+
+# errors of the velocities at a mass ratio; the restitution, 0.5 in theory, tells what the infinite wall mass does
+collision() {
+  local mass=$1 particle body e momentum
+  run "$scenes/collision.json" "m_p=$mass" --set "parameters.mass=$mass"
+  read -r particle body e momentum < <(measure collision "$out/m_p=$mass" "$mass")
+  at_most "collision, m_c/m_p = $(awk "BEGIN {print 10/$mass}"): |error| of the particle's velocity [%]" "${particle#-}" 1
+  at_most "the same of the cube's" "${body#-}" 1
+  echo "  restitution $e, momentum $momentum"
+}
+
+# what the exchange costs a window beyond LIGGGHTS' own stepping; printed, as no test is judged by its time
+overhead() {
+  awk -F'[:,]' '/"windows"/ {n = $2} /"dem_exchange"/ {e = $2} /"dem":/ && !w {w = $2}
+    END {printf "  exchange: %.0f us a window\n", 1e6*e/n}' "$1/summary.json"
+}
+
+faults() {
+  local box=$scenes/spring_damper.json
+  printf 'units si\natom_style granular\nfrobnicate 3\n' >"$out/wrong.in"
+  refused 'Unknown command: frobnicate' "$box" --set "dem.script.file=$out/wrong.in"
+  sed 's/^fix  *box .*//' "$scenes/spring_damper.in" >"$out/no_mesh.in"
+  refused 'dem.script' "$box" --set "dem.script.file=$out/no_mesh.in"
+  sed 's/^fix  *wall .*//; s/^fix  *box .*//' "$scenes/spring_damper.in" >"$out/no_wall.in"
+  refused 'makes no mesh "box"' "$box" --set "dem.script.file=$out/no_wall.in" --set dem.script.variables.settle=1
+  printf 'quit\n' >"$out/quit.in"
+  refused 'LIGGGHTS ended the process' "$box" --set "dem.script.file=$out/quit.in"
+  refused 'no_such.stl' "$box" --set 'dem.bodies[0].mesh.file=no_such.stl'
+  refused 'no_such.in' "$box" --set dem.script.file=no_such.in
+  refused 'unknown key "scripts"' "$box" --set 'dem.scripts={}'
+  refused 'is not coupled' "$box" --set 'dem.bodies[0].name=crate'
+  refused 'no equal-style variable' "$box" --set 'dem.channels[0].variable=nothing' --set dem.script.variables.settle=1
+  refused 'capability "interface"' "$box" --set coupling.fallback=proxy
+}
+
+# killed while it works: a named error, nothing left
+killed() {
+  local status=0 pid solver
+  tandem run "$scenes/spring_damper.json" --set dem.script.variables.settle=100000000 --out "$out/killed" \
+    >"$out/killed.txt" 2>&1 &
+  pid=$!
+  until solver=$(pgrep -P $pid -x tandem-liggghts); do sleep 0.1; done
+  kill -KILL "$solver"
+  wait $pid || status=$?
+  [ "$status" = 1 ] && grep -q 'dem.*killed by signal 9' "$out/killed.txt" || { cat "$out/killed.txt"; return 1; }
+}
+
+conform "$scenes/spring_damper.json" --set dem.script.variables.settle=3000
+faults
+killed
+for scheme in lommen dem-first; do
+  run "$scenes/spring_damper.json" "$scheme" --set "coupling.scheme=$scheme"
+  nse "$scheme" "$out/$scheme"
+  overhead "$out/$scheme"
+done
+for mass in 0.01 0.02 0.1; do
+  collision $mass
+done
+run "$scenes/spring_damper.json" two_ranks --set "dem.solver=mpirun --oversubscribe -n 2 tandem-liggghts" \
+  --set coupling.scheme=dem-first --set time.end=1
+nse "dem-first, two ranks, 1 s" "$out/two_ranks"
