@@ -76,7 +76,7 @@ faults() {
   refused 'no_such.in' "$box" --set dem.script.file=no_such.in
   refused 'unknown key "scripts"' "$box" --set 'dem.scripts={}'
   refused 'is not coupled' "$box" --set 'dem.bodies[0].name=crate'
-  refused 'no equal-style variable' "$box" --set 'dem.channels[0].variable=nothing' --set dem.script.variables.settle=1
+  refused 'dem.channels: ' "$box" --set 'dem.channels[0].variable=nothing' --set dem.script.variables.settle=1
   refused 'capability "interface"' "$box" --set coupling.fallback=proxy
 }
 

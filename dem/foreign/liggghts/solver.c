@@ -166,7 +166,9 @@ static tdm_status give_channels(solver *s, tdm_error *err) {
       return tdm_fail(err, TDM_ERR_SCENE, "dem.channels", "too many for a command of LIGGGHTS; take fewer");
     s->channel[k] = c->channel;
   }
+  lig_host_at("dem.channels", true);
   lig_host_command("thermo_style custom step%s", words);
+  lig_host_at("dem.script", true);
   lig_host_command("thermo_modify lost %s norm no", s->section.may_lose ? "ignore" : "error");
   lig_host_command("thermo 1000000000");
   return TDM_OK;
@@ -220,6 +222,7 @@ static tdm_status take_over(solver *s, const tdm_assignment *a, tdm_error *err) 
   if (check_meshes(s, a, err) != TDM_OK || give_channels(s, err) != TDM_OK)
     return err->status;
   lig_host_command("variable tandem_step equal step");
+  lig_host_command("variable tandem_mass equal mass(all)");
   for (int i = 0; i < s->section.nbody; i++)
     give_mover(s, i);
   lig_host_command("timestep 1e-20");
@@ -244,9 +247,11 @@ static tdm_status take_over(solver *s, const tdm_assignment *a, tdm_error *err) 
   return TDM_OK;
 }
 
-static json_t *report_of(const solver *s) {
-  return json_pack("{s:s, s:i, s:f, s:s}", "script", s->section.script, "ranks", ranks, "particles",
-                   lig_host_particles(), "wall_mass", "infinite: contacts take the particle's mass alone");
+static json_t *report_of(void) {
+  double mass = 0;
+  lig_host_variable("tandem_mass", &mass);
+  return json_pack("{s:i, s:f, s:{s:f}, s:s}", "ranks", ranks, "particles", lig_host_particles(), "fill", "mass", mass,
+                   "wall_mass", "infinite: contacts take the particle's mass alone");
 }
 
 static bool make_room(solver *s) {
@@ -279,7 +284,7 @@ static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready,
   lig_host_command("echo none");
   if (take_over(s, a, err) != TDM_OK)
     return err->status;
-  s->report = report_of(s);
+  s->report = report_of();
   lig_host_at("", false);
   tdm_remark(TDM_NOTICE, "wall_mass", "coupling.bodies", a->time_start,
              "LIGGGHTS takes coupled bodies for walls of infinite mass: their contacts are damped by the particle's "
