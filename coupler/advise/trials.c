@@ -79,6 +79,9 @@ int cpl_candidate_settings(const cpl_candidate *of, const json_t *root,
   snprintf(out[n++], CPL_SETTING_LENGTH, "time.dt=%.15g", of->dt);
   snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.n=%s", cpl_candidate_n(of, windows));
   snprintf(out[n++], CPL_SETTING_LENGTH, "coupling.scheme=\"%s\"", of->scheme);
+  out[n][0] = 0;
+  if (cpl_is_foreign(root, CPL_MBD))
+    return n;
   snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.formulation=\"%s\"", one_step ? "one_step" : "ggl");
   if (low || tdm_scene_value(root, "mbd.corrector"))
     snprintf(out[n++], CPL_SETTING_LENGTH, "mbd.corrector=\"%s\"", low ? "modified" : "original");

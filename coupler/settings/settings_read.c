@@ -84,15 +84,17 @@ static void read_solver(cpl_settings *s, int role, tdm_object *o, const char *ke
     tdm_object_fail(o, key, "is null: it is started by hand, which needs \"transport\": \"tcp\" and an \"address\"");
 }
 
-/* mbd.solver and dem.solver, the rest of whose sections is the solvers' own; or coupling.solvers, where they stood
- * before. */
+/* mbd.solver and dem.solver; or coupling.solvers, where they stood before. */
 static void read_solvers(cpl_settings *s, tdm_object *root) {
   tdm_object coupling = tdm_object_open(json_object_get(root->json, "coupling"), "coupling", root->err);
   tdm_object before = tdm_get_object(&coupling, "solvers", false);
   for (int r = 0; r < CPL_NROLE; r++) {
     tdm_object section = tdm_get_object(root, cpl_role_names[r], true);
     read_solver(s, r, &before, cpl_role_names[r]);
-    if (tdm_has(&before, cpl_role_names[r]) && tdm_has(&section, "solver"))
+    tdm_has(&section, "solver");
+    if (!tdm_section_solver(section.json))
+      continue;
+    if (tdm_has(&before, cpl_role_names[r]))
       tdm_object_fail(&before, cpl_role_names[r], "names the solver that %s.solver names too; remove this one",
                       cpl_role_names[r]);
     read_solver(s, r, &section, "solver");
@@ -103,7 +105,7 @@ static void read_solvers(cpl_settings *s, tdm_object *root) {
 bool cpl_is_foreign(const json_t *root, cpl_role role) {
   char before[32];
   snprintf(before, sizeof before, "coupling.solvers.%s", cpl_role_names[role]);
-  return json_object_get(json_object_get(root, cpl_role_names[role]), "solver") || tdm_scene_value(root, before);
+  return tdm_section_solver(json_object_get(root, cpl_role_names[role])) || tdm_scene_value(root, before);
 }
 
 /* coupling.n: a number, or "auto", the default, with what coupling.auto says. */

@@ -327,13 +327,19 @@ json_t *tdm_get_array(tdm_object *o, const char *key, bool required) {
 
 static const char *const solvers[] = {"mbd", "dem"};
 
+json_t *tdm_section_solver(const json_t *section) {
+  json_t *solver = json_object_get(section, "solver");
+  return json_is_object(solver) ? NULL : solver;
+}
+
 json_t *tdm_scene_section(const json_t *root, const char *role) {
   json_t *section = json_object_get(root, role), *gravity = json_object_get(root, "gravity");
   const bool lacks_gravity = gravity && !json_object_get(section, "gravity");
-  if (!json_is_object(section) || !(lacks_gravity || json_object_get(section, "solver")))
+  if (!json_is_object(section) || !(lacks_gravity || tdm_section_solver(section)))
     return json_incref(section);
   json_t *copy = json_copy(section);
-  json_object_del(copy, "solver");
+  if (tdm_section_solver(section))
+    json_object_del(copy, "solver");
   if (lacks_gravity)
     json_object_set(copy, "gravity", gravity);
   return copy;
@@ -346,7 +352,7 @@ void tdm_check_gravity(tdm_object *root) {
   for (int r = 0; r < 2 && !root->err->status; r++) {
     tdm_error none = {0}; /* what is wrong with a section is told by its reader */
     json_t *json = json_object_get(root->json, solvers[r]);
-    if (json_object_get(json, "solver")) /* whose own the section is */
+    if (json_is_string(tdm_section_solver(json))) /* then the section is that solver's own */
       continue;
     tdm_object section = tdm_object_open(json_is_object(json) ? json : NULL, solvers[r], &none);
     tdm_vec3 own = tdm_get_vec3(&section, "gravity", &all);

@@ -48,8 +48,12 @@ tdm_status tdm_scene_read(tdm_scene *scene, const char *file, tdm_error *err);
  * must exist. */
 tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *err);
 
-/* The section of a solver ("mbd", "dem") as the solver gets it: with the scene's own "gravity" where the section has
- * none. A new reference; NULL when there is no such section. */
+/* What a section names under "solver" as the program that it is for (borrowed): a command, or null for one that
+ * somebody else starts. NULL: nothing; an object there is a setting of the solver itself. */
+json_t *tdm_section_solver(const json_t *section);
+
+/* The section of a solver ("mbd", "dem") as the solver gets it: without that name, and with the scene's own "gravity"
+ * where the section has none. A new reference; NULL when there is no such section. */
 json_t *tdm_scene_section(const json_t *root, const char *role);
 
 /* The value at `path` (borrowed), NULL when there is none. */

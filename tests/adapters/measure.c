@@ -5,37 +5,18 @@
  *                               (scenarios/collision)
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupler/results/table.h"
 #include "scenarios/collision/collision.h"
-#include "scenarios/spring_damper/reference.h"
+#include "scenarios/table.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static tdm_status spring_damper(const char *dir, tdm_error *err) {
-  static const scn_spring_damper_parameters theory = {
-      .mass = 361.8, .damping = 500, .stiffness = 5000, .preload = 100, .gravity = 9.81}; /* scene.json */
-  char file[4096];
-  cpl_table body = {0};
-  snprintf(file, sizeof file, "%s/body_box.csv", dir);
-  cpl_table_read(&body, file, err);
-  const double *t = err->status ? NULL : cpl_table_column(&body, "time", err);
-  const double *z = t ? cpl_table_column(&body, "z", err) : NULL, *vz = z ? cpl_table_column(&body, "vz", err) : NULL;
-  double *curve = vz ? calloc(4 * (size_t)body.nrow, sizeof *curve) : NULL;
-  if (vz && !curve)
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  if (curve) {
-    double *x = curve, *v = x + body.nrow, *exact_x = v + body.nrow, *exact_v = exact_x + body.nrow;
-    for (int i = 0; i < body.nrow; i++) {
-      x[i] = -z[i]; /* downward */
-      v[i] = -vz[i];
-      scn_spring_damper_exact(&theory, t[i], &exact_x[i], &exact_v[i]);
-    }
-    printf("%.6f %.6f\n", cpl_nse(x, exact_x, body.nrow), cpl_nse(v, exact_v, body.nrow));
-  }
-  free(curve);
-  cpl_table_free(&body);
+  cpl_comparison c = {0};
+  if (scn_spring_damper_compare(dir, &c, err) == TDM_OK)
+    printf("%.6f %.6f\n", cpl_comparison_nse(&c, &c.curve[0]), cpl_comparison_nse(&c, &c.curve[1]));
+  cpl_comparison_free(&c);
   return err->status;
 }
 

@@ -262,6 +262,28 @@ START_TEST(a_section_names_its_solver) {
 }
 END_TEST
 
+/* mbd.solver as an object is the integrator's settings, coupled and alone. */
+START_TEST(settings_of_the_integrator_are_no_command) {
+  setup();
+  ck_assert_msg(command("tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=dummy_solver "
+                        "--set time.end=0.01 --set mbd.solver.relative_tolerance=1e-9",
+                        dir, dir) == 0,
+                "%s", command_output);
+  ck_assert_int_eq(command("tandem run %s/scene.json --out %s/out --force --set coupling.solvers.dem=dummy_solver "
+                           "--set time.end=0.01 --set mbd.solver.relative_tolerance=7",
+                           dir, dir),
+                   1);
+  expect_output("mbd.solver.relative_tolerance: is 7");
+  write_file(dir, "alone.json",
+             "{\"time\": {\"end\": 0.01, \"dt\": 1e-3}, \"mbd\": {\"solver\": {\"max_order\": 9},"
+             "\"bodies\": [{\"name\": \"mass\", \"mass\": 1, \"inertia\": [1, 1, 1], "
+             "\"position\": [0, 0, 0]}]}}\n");
+  ck_assert_int_eq(command("tandem-mbd run %s/alone.json --out %s/out --force", dir, dir), 1);
+  expect_output("mbd.solver.max_order: must be 1 to 5");
+  directory_remove(dir);
+}
+END_TEST
+
 START_TEST(a_solver_that_is_not_there) {
   setup();
   ck_assert_int_eq(
@@ -314,4 +336,5 @@ END_TEST
 TEST_MAIN("partners", dummy_is_an_oscillator, unknown_key_of_a_foreign_section, a_scheme_that_a_solver_cannot_serve,
           faults_are_named, faults_of_mbd_are_named, names_of_channels_are_looked_at, remarks_of_a_foreign_solver,
           a_fast_turn_is_refused, what_was_computed_is_kept, a_deaf_solver_is_ended, a_section_names_its_solver,
-          a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers, a_solver_without_a_server_gives_up)
+          settings_of_the_integrator_are_no_command, a_solver_that_is_not_there, a_server_that_dies_takes_its_solvers,
+          a_solver_without_a_server_gives_up)

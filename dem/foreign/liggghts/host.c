@@ -37,6 +37,10 @@ static struct {
   char last[LINE]; /* line that it has printed, or begun */
   size_t length;   /* of what it has begun */
   char before[LINE];
+  unsigned long printed, orders; /* bytes; orders so far */
+  void (*listener)(void *arg, const char *line);
+  void *listener_arg;
+  double running; /* [s] */
 } host = {.lock = PTHREAD_MUTEX_INITIALIZER, .path = ""};
 
 /* ---- the end that LIGGGHTS makes ---- */
@@ -74,19 +78,24 @@ static void heard(char *line) {
   if (host.aloud || is_error(line) || is_warning(line))
     dprintf(1, "%s\n", line);
   if (is_error(line) && host.before[0])
-    give_up("LIGGGHTS: %.500s; before that: %.300s", line, host.before);
+    give_up("LIGGGHTS: %.500s; the line before: %.300s", line, host.before);
   else if (is_error(line))
     give_up("LIGGGHTS: %.700s", line);
   if (is_warning(line))
     tdm_remark(TDM_WARNING, "liggghts", host.path, NAN, "LIGGGHTS: %.700s", line);
-  if (host.aloud && line[strspn(line, " ")])
+  if (!host.aloud)
+    return;
+  if (line[strspn(line, " ")])
     memcpy(host.before, line, LINE);
+  if (host.listener)
+    host.listener(host.listener_arg, line);
 }
 
 /* The stream that LIGGGHTS prints to. */
 static ssize_t hear(void *cookie, const char *text, size_t size) {
   (void)cookie;
   pthread_mutex_lock(&host.lock);
+  host.printed += size;
   for (size_t k = 0; k < size; k++) {
     const bool ends = text[k] == '\n';
     if (!ends && host.length < LINE - 1)
@@ -102,20 +111,34 @@ static ssize_t hear(void *cookie, const char *text, size_t size) {
 }
 
 static void on_exit_in_order(void) {
+  pthread_mutex_lock(&host.lock);
   if (host.rank == 0 && host.doing)
     give_up("LIGGGHTS ended the process in: %.500s", host.doing);
+  pthread_mutex_unlock(&host.lock);
 }
 
 /* ---- signs of life ---- */
 
+/* Something that changes as LIGGGHTS gets on: bytes that it prints, orders, steps since it built its neighbour lists.
+ */
+static unsigned long progress(void) {
+  const int *steps = host.lammps ? lammps_extract_global(host.lammps, "ago") : NULL;
+  return host.printed + 4099UL * host.orders +
+         16777259UL * (unsigned long)(steps ? *(const volatile int *)steps + 1 : 0);
+}
+
 static void *pulse(void *argument) {
   (void)argument;
+  unsigned long before = 0;
   tdm_log_open(stderr, "dem");
   for (bool ends = false; !ends;) {
     nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
     pthread_mutex_lock(&host.lock);
     ends = host.ends;
-    if (!ends && host.doing && tdm_participant_alive(host.participant) != TDM_OK) {
+    const unsigned long now = ends || !host.doing ? before : progress();
+    const bool lives = now != before;
+    before = now;
+    if (lives && tdm_participant_alive(host.participant) != TDM_OK) {
       tdm_log(TDM_LOG_INFO, "finished", "cause=\"the server wants no more, or is gone\"");
       _exit(1);
     }
@@ -129,6 +152,7 @@ static void work_begins(const char *what) {
     return;
   pthread_mutex_lock(&host.lock);
   host.doing = what;
+  host.orders++;
   host.before[0] = 0;
   pthread_mutex_unlock(&host.lock);
 }
@@ -260,6 +284,16 @@ void lig_host_at(const char *path, bool aloud) {
   host.aloud = aloud;
 }
 
+void lig_host_listen(void (*listener)(void *arg, const char *line), void *arg) {
+  fflush(stdout);
+  host.listener = listener;
+  host.listener_arg = arg;
+}
+
+double lig_host_running(void) {
+  return host.running;
+}
+
 /* ---- for the solver ---- */
 
 void lig_host_command(const char *format, ...) {
@@ -270,7 +304,10 @@ void lig_host_command(const char *format, ...) {
   va_end(args);
   assert(n < (int)sizeof o.text);
   (void)n;
+  const double begin = tdm_clock();
   give(&o);
+  if (strncmp(o.text, "run ", 4) == 0)
+    host.running += tdm_clock() - begin;
 }
 
 void lig_host_script(const char *file) {

@@ -17,20 +17,35 @@ static bool is_id(const char *name) {
   return *name && strlen(name) < 64;
 }
 
-/* A file that can be read, and whose name LIGGGHTS can take as one word. */
-static const char *get_file(tdm_object *o) {
-  const char *name = tdm_get_string(o, "file", NULL), *why = NULL;
+/* A file that can be read, and whose name LIGGGHTS can take as one word; errors at the key. */
+static void check_file(tdm_object *o, const char *key, const char *name) {
+  const char *why = NULL;
   if (o->err->status != TDM_OK)
-    return name;
+    return;
   FILE *f = tdm_open_input(name, false, &why);
   if (!f)
-    tdm_object_fail(o, "file", "%s: %s", name, why);
+    tdm_object_fail(o, key, "%s: %s", name, why);
   else if (strpbrk(name, "\"' \t&#$") || strlen(name) > 200) /* it copies the name of a mesh to 256 bytes */
-    tdm_object_fail(o, "file", "%s: LIGGGHTS takes names of up to 200 characters without blanks, quotes, $, & and #",
+    tdm_object_fail(o, key, "%s: LIGGGHTS takes names of up to 200 characters without blanks, quotes, $, & and #",
                     name);
   if (f)
     fclose(f);
+}
+
+static const char *get_file(tdm_object *o) {
+  const char *name = tdm_get_string(o, "file", NULL);
+  check_file(o, "file", name);
   return name;
+}
+
+/* Variables that tandem-liggghts gives the script by itself. */
+static bool is_taken(const lig_section *s, const char *name) {
+  bool taken = strcmp(name, "dt") == 0 || strcmp(name, "gravity") == 0 || strncmp(name, "tandem_", 7) == 0;
+  for (int i = 0; i < s->nbody && !taken; i++) {
+    const size_t n = strlen(s->body[i].name);
+    taken = strncmp(name, s->body[i].name, n) == 0 && strcmp(name + n, "_mesh") == 0;
+  }
+  return taken;
 }
 
 static void read_script(lig_section *s, tdm_object *dem) {
@@ -44,6 +59,8 @@ static void read_script(lig_section *s, tdm_object *dem) {
     const char *text = json_string_value(value);
     if (!is_id(key))
       tdm_object_fail(&variables, key, "a variable of LIGGGHTS has a name of letters, digits and _");
+    else if (is_taken(s, key))
+      tdm_object_fail(&variables, key, "is a variable that tandem-liggghts gives the script itself; take another name");
     else if (!json_is_number(value) && !json_is_boolean(value) && !text)
       tdm_object_fail(&variables, key, "must be a number, a text, true or false");
     else if (text && (strpbrk(text, "\"'\n$") || !*text || strlen(text) > 1000))
@@ -58,6 +75,8 @@ static void read_mesh(lig_body *b, tdm_object *entry) {
   tdm_object o = tdm_get_object(entry, "mesh", false);
   if (!told && !b->mesh)
     tdm_object_fail(entry, "mesh", "is missing, and mbd names no file of this body either; give {\"file\": \"…\"}");
+  if (!told)
+    check_file(entry, "mesh", b->mesh);
   if (told) {
     b->mesh = get_file(&o);
     b->scale = tdm_get_number(&o, "scale", 1, TDM_POSITIVE);

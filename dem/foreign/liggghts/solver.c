@@ -12,6 +12,7 @@
 #include "dem/foreign/liggghts/host.h"
 #include "dem/foreign/liggghts/motion.h"
 #include "dem/foreign/liggghts/section.h"
+#include "protocol/base/log.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,16 +23,17 @@ enum { VALUE = 160 };
 
 static int ranks; /* of this process' program */
 
-/* A variable: one component of a body's velocity, or of its rate of turn. */
+/* An equal-style variable: one component of a body's velocity, or of its rate of turn. */
 typedef struct {
   int body, component; /* 0 to 2: velocity along x, y, z; 3 to 5: rate */
   char value[VALUE];
-} variable;
+} mover_value;
 
 /* What is known of a coupled body. */
 typedef struct {
   tdm_pose place; /* of its mesh now */
   bool turns;     /* it has movers that turn it */
+  bool touches;   /* the script has a wall/gran for it */
   tdm_wrench sum; /* of its loads since the start; and up to the window, and to the last sample */
   tdm_wrench sum_window, sum_sampled;
   tdm_wrench mean; /* of the last sample */
@@ -46,13 +48,18 @@ typedef struct {
   long sampled; /* up to the last sample */
   bool fresh;   /* LIGGGHTS is to set itself up before the next step */
   body_state *body;
-  int nvariable;
-  variable *variable; /* (nvariable) in LIGGGHTS' order; room for 6 nbody */
+  int nvalue;
+  mover_value *value; /* (nvalue) in LIGGGHTS' order; room for 6 nbody */
   lig_motion *motion; /* (nbody) through the window */
   tdm_wrench *load;   /* (nbody) at the start */
   tdm_channel *channel;
   double *initial;
   json_t *report;
+  bool other_units, takes_gravity; /* of the script */
+  int nwarning;
+  tdm_warning *warning;    /* (nwarning) room for nbody + 1 */
+  double working, running; /* time in windows, and in their commands "run" [s] */
+  unsigned long nwindow;
 } solver;
 
 /* ---- LIGGGHTS' numbers ---- */
@@ -95,7 +102,7 @@ static void look_at_loads(solver *s) {
 
 /* ---- start ---- */
 
-/* The words that make a body's mesh, as a variable of the script, in the order in which LIGGGHTS takes them. */
+/* The variable NAME_mesh: what fix mesh/surface/stress needs for a body, in the order in which LIGGGHTS takes it. */
 static void give_mesh(const lig_body *b, const tdm_assigned_body *assigned) {
   static const double pi_of_liggghts = 3.14159265; /* which it takes degrees with */
   const tdm_pose at = assigned->state.pose;
@@ -128,6 +135,45 @@ static void give_variables(const solver *s, const tdm_assignment *a) {
       lig_host_command("variable %s index %.17g", key,
                        json_is_number(value) ? json_number_value(value) : (double)json_is_true(value));
   }
+}
+
+static bool has_word(const char *line, const char *word) {
+  const size_t n = strlen(word);
+  for (const char *at = line; (at = strstr(at, word)) != NULL; at += n)
+    if ((at == line || at[-1] == ' ') && strchr(" \t", at[n]))
+      return true; /* also at the end of the line: strchr finds its 0 */
+  return false;
+}
+
+/* A line of the script, as LIGGGHTS reads it, and again with its variables put in. */
+static void hear_script(void *self, const char *line) {
+  solver *s = self;
+  char units[32];
+  s->takes_gravity |= strstr(line, "${gravity}") != NULL;
+  if (sscanf(line, " units %31s", units) == 1)
+    s->other_units = strcmp(units, "si") != 0;
+  if (strstr(line, "wall/gran"))
+    for (int i = 0; i < s->section.nbody; i++)
+      s->body[i].touches |= has_word(line, s->section.body[i].name);
+}
+
+/* What LIGGGHTS would not say: other units, a body that no particle feels, a gravity that nobody takes. */
+static tdm_status look_through(solver *s, tdm_error *err) {
+  if (s->other_units)
+    return tdm_fail(err, TDM_ERR_SCENE, "dem.script", "%s takes other units than si, and tandem only those",
+                    s->section.script);
+  for (int i = 0; i < s->section.nbody; i++)
+    if (!s->body[i].touches)
+      tdm_warning_set(&s->warning[s->nwarning++], "dem.script",
+                      "no fix wall/gran of %s names the mesh \"%s\": particles pass through it", s->section.script,
+                      s->section.body[i].name);
+  const double size = s->section.has_gravity ? tdm_norm(s->section.gravity) : 0;
+  if (size > 0 && !s->takes_gravity)
+    tdm_warning_set(&s->warning[s->nwarning++], "dem.script",
+                    "%s does not take the scene's gravity of %g m/s2; the line for it: fix gravity all gravity "
+                    "${gravity}",
+                    s->section.script, size);
+  return TDM_OK;
 }
 
 /* Each coupled body has its mesh, and it stands where it should. */
@@ -175,16 +221,16 @@ static tdm_status give_channels(solver *s, tdm_error *err) {
 }
 
 /* Give LIGGGHTS a variable, or its new value. */
-static void give_variable(const variable *v) {
-  lig_host_command("variable tandem_%d_%c%c equal %s", v->body, v->component < 3 ? 'v' : 'w', "xyz"[v->component % 3],
-                   v -> value);
+static void give_variable(const mover_value *v) {
+  static const char *const name[] = {"vx", "vy", "vz", "wx", "wy", "wz"};
+  lig_host_command("variable tandem_%d_%s equal %s", v->body, name[v->component], v->value);
 }
 
 /* Three more, from component `first` on. */
 static void add_variables(solver *s, int body, int first) {
   for (int k = first; k < first + 3; k++) {
-    s->variable[s->nvariable] = (variable){.body = body, .component = k, .value = "0.0"};
-    give_variable(&s->variable[s->nvariable++]);
+    s->value[s->nvalue] = (mover_value){.body = body, .component = k, .value = "0.0"};
+    give_variable(&s->value[s->nvalue++]);
   }
 }
 
@@ -197,13 +243,13 @@ static void give_mover(solver *s, int i) {
 }
 
 static void give_turning(solver *s, int i) {
-  static const char *const axis[] = {"1 0 0", "0 1 0", "0 0 1"};
+  static const char *const axis[] = {"1 0 0", "0 1 0", "0 0 1"}, *const name[] = {"wx", "wy", "wz"};
   const tdm_vec3 c = s->body[i].place.position;
   add_variables(s, i, 3);
   for (int k = 0; k < 3; k++)
-    lig_host_command("fix tandem_%d_turn_%c all move/mesh mesh %s rotate/variable origin %.17g %.17g %.17g axis %s "
-                     "omega v_tandem_%d_w%c",
-                     i, "xyz"[k], s -> section.body[i].name, c.x, c.y, c.z, axis[k], i, "xyz"[k]);
+    lig_host_command("fix tandem_%d_%s all move/mesh mesh %s rotate/variable origin %.17g %.17g %.17g axis %s omega "
+                     "v_tandem_%d_%s",
+                     i, name[k], s->section.body[i].name, c.x, c.y, c.z, axis[k], i, name[k]);
   s->body[i].turns = true;
   s->fresh = true;
 }
@@ -256,12 +302,13 @@ static json_t *report_of(void) {
 
 static bool make_room(solver *s) {
   s->body = calloc((size_t)s->section.nbody + 1, sizeof *s->body);
-  s->variable = calloc(6 * (size_t)s->section.nbody + 1, sizeof *s->variable);
+  s->value = calloc(6 * (size_t)s->section.nbody + 1, sizeof *s->value);
   s->motion = calloc((size_t)s->section.nbody + 1, sizeof *s->motion);
+  s->warning = calloc((size_t)s->section.nbody + 1, sizeof *s->warning);
   s->load = calloc((size_t)s->section.nbody + 1, sizeof *s->load);
   s->channel = calloc((size_t)s->section.nchannel + 1, sizeof *s->channel);
   s->initial = calloc((size_t)s->section.nchannel + 1, sizeof *s->initial);
-  return s->body && s->variable && s->motion && s->load && s->channel && s->initial;
+  return s->body && s->warning && s->value && s->motion && s->load && s->channel && s->initial;
 }
 
 static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready, tdm_participant *p, tdm_error *err) {
@@ -279,10 +326,13 @@ static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready,
   if (lig_host_open(p, err) != TDM_OK)
     return err->status;
   give_variables(s, a);
+  lig_host_command("units si"); /* where the script says nothing */
   lig_host_command("echo screen");
+  lig_host_listen(hear_script, s);
   lig_host_script(s->section.script);
+  lig_host_listen(NULL, NULL);
   lig_host_command("echo none");
-  if (take_over(s, a, err) != TDM_OK)
+  if (look_through(s, err) != TDM_OK || take_over(s, a, err) != TDM_OK)
     return err->status;
   s->report = report_of();
   lig_host_at("", false);
@@ -293,7 +343,9 @@ static tdm_status create(void **self, const tdm_assignment *a, tdm_ready *ready,
                        .nchannel = s->section.nchannel,
                        .channel = s->channel,
                        .initial = s->initial,
-                       .gravity = s->section.has_gravity ? &s->section.gravity : NULL,
+                       .nwarning = s->nwarning,
+                       .warning = s->warning,
+                       .gravity = s->takes_gravity ? &s->section.gravity : NULL,
                        .report = s->report};
   return TDM_OK;
 }
@@ -302,10 +354,14 @@ static void destroy(void *self) {
   solver *s = self;
   if (!s)
     return;
+  if (s->nwindow > 0)
+    tdm_log(TDM_LOG_INFO, "cost", "windows=%lu beside_run_us=%.3g", s->nwindow,
+            1e6 * (s->working - s->running) / (double)s->nwindow);
   lig_section_free(&s->section);
   free(s->body);
-  free(s->variable);
+  free(s->value);
   free(s->motion);
+  free(s->warning);
   free(s->load);
   free(s->channel);
   free(s->initial);
@@ -316,7 +372,7 @@ static void destroy(void *self) {
 /* ---- windows ---- */
 
 /* The value of a variable in this window; whether it is another than before. */
-static bool set_variable(variable *v, const lig_motion *m, double before) {
+static bool set_variable(mover_value *v, const lig_motion *m, double before) {
   const int k = v->component % 3;
   const double c0 = (&m->c[0].x)[k], c1 = (&m->c[1].x)[k], c2 = (&m->c[2].x)[k];
   char value[VALUE];
@@ -346,10 +402,10 @@ static void begin_window(solver *s, const tdm_step *in) {
   }
   const double before = s->first + (double)s->nstep; /* LIGGGHTS' number of the step before the window's first */
   bool changes = false;
-  for (int k = 0; k < s->nvariable; k++)
-    changes |= set_variable(&s->variable[k], &s->motion[s->variable[k].body], before);
-  for (int k = 0; k < s->nvariable && changes; k++)
-    give_variable(&s->variable[k]);
+  for (int k = 0; k < s->nvalue; k++)
+    changes |= set_variable(&s->value[k], &s->motion[s->value[k].body], before);
+  for (int k = 0; k < s->nvalue && changes; k++)
+    give_variable(&s->value[k]);
 }
 
 static void run(solver *s, long n) {
@@ -385,6 +441,7 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *out, tdm_erro
   if (in->nstate != s->section.nbody)
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "STEP has states of %d bodies, ASSIGN had %d", in->nstate,
                     s->section.nbody);
+  const double begin = tdm_clock(), run_before = lig_host_running();
   const long start = s->nstep, end = start + (long)in->nstep;
   begin_window(s, in);
   for (int i = 0; i < s->section.nbody; i++)
@@ -403,6 +460,9 @@ static tdm_status step(void *self, const tdm_step *in, tdm_result *out, tdm_erro
     look_at_mesh(s, i);
     s->body[i].place.orientation = in->end[i].pose.orientation;
   }
+  s->nwindow++;
+  s->working += tdm_clock() - begin;
+  s->running += lig_host_running() - run_before;
   return TDM_OK;
 }
 
