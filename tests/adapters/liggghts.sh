@@ -96,6 +96,24 @@ faults() {
   refused 'capability "interface"' "$box" --set coupling.fallback=proxy
 }
 
+# A sphere in a box that turns about all axes, and moves: after some impacts both are where tandem-dem has them.
+turning() {
+  local own='{"materials": [{"name": "a", "density": 1000, "young_modulus": 1e7, "poisson_ratio": 0.25}],
+    "pairs": [{"materials": ["a", "a"], "restitution": 0.9, "friction": 0.3}],
+    "contact": {"wall_mass": 1e8, "tail": "keep"},
+    "bodies": [{"name": "box", "material": "a",
+      "shapes": [{"type": "box", "size": [0.4, 0.3, 0.32], "side": "inside"}]}],
+    "particles": [{"type": "list", "material": "a", "radius": 0.05, "positions": [[1.02, 0.49, -0.21]],
+      "velocity": [0.9, 0.6, -0.7]}]}'
+  run "$scenes/turning.json" turning
+  run "$scenes/turning.json" turning_own --set "dem=$own"
+  judge "turning box: largest difference from tandem-dem of position [m] and quaternion" \
+    "$(paste -d, "$out/turning/body_box.csv" "$out/turning_own/body_box.csv" |
+      awk -F, 'NR > 1 {for (i = 2; i <= 8; i++) {d = $i - $(i + NF/2); d = d < 0 ? -d : d; if (d > most) most = d}}
+        END {print most + 0}')" "<=" 2e-3
+  judge "and as much must it have turned" "$(tail -1 "$out/turning/body_box.csv" | cut -d, -f8)" ">=" 0.5
+}
+
 # killed while it works: a named error, nothing left
 killed() {
   local status=0 pid solver
@@ -113,6 +131,7 @@ killed() {
 conform "$scenes/spring_damper.json" --set dem.script.variables.settle=3000
 faults
 killed
+turning
 for scheme in lommen dem-first; do
   run "$scenes/spring_damper.json" "$scheme" --set "coupling.scheme=$scheme"
   nse "$scheme" "$out/$scheme"
