@@ -246,7 +246,7 @@ START_TEST(a_section_names_its_solver) {
                           "--set 'coupling.solvers={}' --set time.end=0.01 %s";
   ck_assert_msg(command(run, dir, dir, "--set dem.solver=" TANDEM_TEST_DIR "/dummy_solver") == 0, "%s", command_output);
   ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=" TANDEM_TEST_DIR "/dummy_solver --set dem.settle=1"), 1);
-  expect_output("dem.settle: unknown key \"settle\"; known here: stiffness");
+  expect_output("dem.settle: solver (dummy 1.0): unknown key \"settle\"; known here: stiffness");
   ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=7"), 1);
   expect_output("dem.solver: must be a string");
   ck_assert_int_eq(command(run, dir, dir, "--set dem.solver=a --set coupling.solvers.dem=b"), 1);
@@ -257,7 +257,7 @@ START_TEST(a_section_names_its_solver) {
   expect_output("dem.solver: the solver \"no_such_solver\"");
   /* the second word is beside tandem, which its PATH does not have */
   ck_assert_int_eq(command(run, dir, dir, "--set 'dem.solver=env tandem-dem'"), 1);
-  expect_output("dem.stiffness: unknown key");
+  expect_output("dem.materials: dem (tandem-dem ");
   directory_remove(dir);
 }
 END_TEST
@@ -273,7 +273,7 @@ START_TEST(settings_of_the_integrator_are_no_command) {
                            "--set time.end=0.01 --set mbd.solver.relative_tolerance=7",
                            dir, dir),
                    1);
-  expect_output("mbd.solver.relative_tolerance: is 7");
+  expect_output("mbd.solver.relative_tolerance: mbd (tandem-mbd 0.1.0): is 7");
   write_file(dir, "alone.json",
              "{\"time\": {\"end\": 0.01, \"dt\": 1e-3}, \"mbd\": {\"solver\": {\"max_order\": 9},"
              "\"bodies\": [{\"name\": \"mass\", \"mass\": 1, \"inertia\": [1, 1, 1], "

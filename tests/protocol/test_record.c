@@ -53,7 +53,7 @@ END_TEST
 START_TEST(another_side_is_told) {
   setup("");
   ck_assert_msg(run_played("played", "dem", "--set mbd.forces[0].stiffness=600") == 0, "%s", command_output);
-  expect_output("coupling.solvers.dem");
+  expect_output("dem.solver");
   expect_output("what the other solver does is not as it was recorded");
   ck_assert_int_eq(command("grep -q '\"replay\"' %s/played/summary.json", dir), 0);
   teardown();
