@@ -11,15 +11,15 @@
 /* A plate on a hinge and a torsional spring, and two balls on it, neither above the hinge. */
 static const char plate[] =
     "{'time':{'end':0.4,'dt':1e-4},'gravity':[0,0,-9.81],\n"
-    "'coupling':{'n':5,'scheme':'dem-first','bodies':[{'mbd':'plate','dem':'plate'}],\n"
-    "'solvers':{'dem':'tandem-yade'}},'output':{'interval':1e-3},\n"
+    "'coupling':{'n':5,'scheme':'dem-first','bodies':[{'mbd':'plate','dem':'plate'}]},\n"
+    "'output':{'interval':1e-3},\n"
     "'mbd':{'bodies':[{'name':'plate','mass':2,'inertia':[0.1,0.2,0.3],'position':[0.1,0,0]}],\n"
     "'joints':[{'name':'hinge','type':'revolute','bodies':['ground','plate'],'point':[0,0,0],'axis':[0,1,0]}],\n"
     "'forces':[{'name':'spring','type':'torsional_spring_damper','joint':'hinge','stiffness':100,'damping':1}]},\n"
-    "'dem':{'script':'%s/plate.py','parameters':{'friction':0.5}}}\n";
+    "'dem':{'solver':'tandem-yade','script':{'file':'plate.py','variables':{'friction':0.5}}}}\n";
 
 static const char script[] =
-    "plate, p = tandem.bodies['plate'], tandem.parameters\n"
+    "plate, p = tandem.bodies['plate'], tandem.variables\n"
     "m = O.materials.append(FrictMat(young=1e7, poisson=0.25, density=1000, frictionAngle=atan(p['friction'])))\n"
     "corners = [plate.position + Vector3(x, y, 0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]\n"
     "ids = O.bodies.append([facet([corners[k] for k in c], material=m) for c in ((0, 1, 2), (0, 2, 3))])\n"
@@ -34,7 +34,7 @@ static const char script[] =
 
 /* The same of tandem-dem. */
 #define OWN_DEM                                                                                                  \
-  "--set coupling.solvers.dem=tandem-dem --set "                                                                 \
+  "--set "                                                                                                       \
   "'dem={\"materials\":[{\"name\":\"a\",\"density\":1000,\"young_modulus\":1e7,\"poisson_ratio\":0.25}],"        \
   "\"pairs\":[{\"materials\":[\"a\",\"a\"],\"restitution\":0.2,\"friction\":0.5}],"                              \
   "\"contact\":{\"wall_mass\":1e8},\"bodies\":[{\"name\":\"plate\",\"material\":\"a\",\"shapes\":[{\"type\":"    \
@@ -45,11 +45,7 @@ static const char script[] =
 static const char *dir;
 
 static void setup(void) {
-  char text[4096];
-  dir = directory_make();
-  snprintf(text, sizeof text, plate, dir);
-  double_quotes(text);
-  write_file(dir, "scene.json", text);
+  dir = directory_with_scene(plate);
   write_file(dir, "plate.py", script);
 }
 
@@ -66,7 +62,7 @@ START_TEST(conforms) {
   setup();
   ck_assert_msg(command("tandem conform %s/scene.json --timeout 120 -- tandem-yade", dir) == 0, "%s", command_output);
   expect_output("as dem");
-  expect_output("0 broken, 7 not claimed, 0 not seen");
+  expect_output("0 broken, 11 not claimed, 0 not seen");
   teardown();
 }
 END_TEST
@@ -128,7 +124,7 @@ END_TEST
 static const struct {
   const char *add, *options, *told[3]; /* lines behind the script's */
 } faults[] = {
-    {"", "--set dem.script=none.py", {"dem.script", "there is no such file"}},
+    {"", "--set dem.script.file=none.py", {"dem.script.file", "there is no such file"}},
     {"", "--set dem.scrpt=1", {"dem.scrpt", "unknown key"}},
     {"", "--set coupling.bodies[0].dem=none", {"dem.script", "line 1", "none is called \"plate\""}},
     {"coupled = {'other': ids}\n", "", {"coupling.bodies[0].dem", "not in the dictionary coupled"}},

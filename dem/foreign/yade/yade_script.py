@@ -16,7 +16,7 @@ import types
 
 from tandem_participant import ProtocolError, SceneError
 
-KEYS = ("solver", "script", "parameters", "gravity")
+KEYS = ("solver", "script", "gravity")
 PREAMBLE = """
 from yade import *
 from yade import geom, pack, utils
@@ -48,32 +48,43 @@ def boot(threads):
 
 
 class Section:
-    """dem: script (a path), parameters (whatever the script wants). solver is the server's key, gravity that of the
-    scene's root."""
+    """dem: script (file, a path; variables, whatever the script wants). solver is the server's key, gravity that of
+    the scene's root."""
 
     def __init__(self, scene):
-        unknown = [key for key in scene if key not in KEYS and not key.startswith("$")]
-        if unknown:
-            raise SceneError("dem." + unknown[0], "unknown key; tandem-yade has script and parameters")
+        self._check_keys("dem", scene, KEYS)
         self.gravity = scene.get("gravity")
-        self.parameters = scene.get("parameters", {})
-        if not isinstance(self.parameters, dict):
-            raise SceneError("dem.parameters", "give an object: names and values for the script")
-        self.script, self.text = self._read(scene.get("script"))
+        if self.gravity is not None and not (isinstance(self.gravity, list) and len(self.gravity) == 3 and
+                                             all(isinstance(g, (int, float)) for g in self.gravity)):
+            raise SceneError("dem.gravity", "give three numbers [m/s2], or leave it to the scene's root")
+        script = scene.get("script")
+        if not isinstance(script, dict):
+            raise SceneError("dem.script", 'give {"file": a Yade script, "variables": {names and values for it}}')
+        self._check_keys("dem.script", script, ("file", "variables"))
+        self.variables = script.get("variables", {})
+        if not isinstance(self.variables, dict):
+            raise SceneError("dem.script.variables", "give an object: names and values for the script")
+        self.script, self.text = self._read(script.get("file"))
+
+    @staticmethod
+    def _check_keys(path, json, keys):
+        unknown = [key for key in json if key not in keys and not key.startswith("$")]
+        if unknown:
+            raise SceneError("%s.%s" % (path, unknown[0]), "unknown key; tandem-yade has %s there" % ", ".join(keys))
 
     @staticmethod
     def _read(path):
         """Path and text of the script."""
         if not isinstance(path, str) or not path:
-            raise SceneError("dem.script", "give the path of a Yade script")
+            raise SceneError("dem.script.file", "give the path of a Yade script")
         if not os.path.isfile(path):
-            raise SceneError("dem.script", "%s: there is no such file; relative names start at the folder that tandem "
-                             "runs in, %s" % (path, os.getcwd()))
+            raise SceneError("dem.script.file", "%s: there is no such file; relative names start at the scene's folder"
+                             % path)
         try:
             with open(path, encoding="utf-8") as file:
                 return path, file.read()
         except (OSError, UnicodeError) as error:
-            raise SceneError("dem.script", "%s: cannot be read: %s" % (path, error)) from None
+            raise SceneError("dem.script.file", "%s: cannot be read: %s" % (path, error)) from None
 
 
 class Bodies(dict):
@@ -84,13 +95,13 @@ class Bodies(dict):
 
 
 class Given:
-    """What the script sees as `tandem`: parameters (a dictionary), dt, start, end [s], gravity (a vector, or None if
+    """What the script sees as `tandem`: variables (a dictionary), dt, start, end [s], gravity (a vector, or None if
     the scene has none), and bodies: by name, where each coupled body is at the start: mass, inertia (9 numbers, about
     the centre of mass, body axes), position, orientation, velocity, angular_velocity (of Yade's types)."""
 
     def __init__(self, section, assignment):
         from yade import Quaternion, Vector3
-        self.parameters = section.parameters
+        self.variables = section.variables
         self.dt, self.start, self.end = assignment.dt, assignment.start, assignment.end
         self.gravity = Vector3(*section.gravity) if section.gravity else None
         self.bodies = Bodies()

@@ -1,11 +1,11 @@
 # A closed box with spheres in it, settled and, if `press` is given, pressed by its lid, for tandem-yade.
 #
-# tandem.parameters: size, center (of the box, from its centre of mass, body axes), radius, count, total_mass,
+# tandem.variables: size, center (of the box, from its centre of mass, body axes), radius, count, total_mass,
 # young_modulus, restitution, friction, press [N]
 # SPDX-License-Identifier: GPL-3.0-or-later
 import random
 
-p = tandem.parameters
+p = tandem.variables
 box, dt = tandem.bodies["box"], tandem.dt
 size, center, radius = Vector3(*p["size"]), Vector3(*p.get("center", (0, 0, 0))), p["radius"]
 up = max(range(3), key=lambda k: -tandem.gravity[k])  # the axis along which the box stands
