@@ -16,12 +16,9 @@ tdm_status cpl_stage_load(cpl_stage *s, cpl_export_side side, unsigned roles, co
   if (tdm_scene_load(&s->scene, scene, set, err) == TDM_OK &&
       cpl_settings_read(&s->settings, &s->scene, cpl_schemes, err) == TDM_OK)
     for (int r = 0; r < CPL_NROLE && err->status == TDM_OK; r++)
-      if (s->settings.by_hand[r] && roles & 1u << r) {
-        char path[64];
-        snprintf(path, sizeof path, "coupling.solvers.%s", cpl_role_names[r]);
-        tdm_fail(err, TDM_ERR_SCENE, path,
+      if (s->settings.by_hand[r] && roles & 1u << r)
+        tdm_fail(err, TDM_ERR_SCENE, s->settings.solver_path[r],
                  "is null: export and FMUs start the solvers themselves; name a command, or leave it out");
-      }
   tdm_scene_locate(&s->scene, err);
   return err->status;
 }
@@ -63,7 +60,7 @@ static tdm_status launch(cpl_stage *s, int role, const char *program, tdm_error 
   cpl_launch_process(&s->session.partner[role].child, command, tdm_transport_endpoint(s->session.transport),
                      cpl_role_names[role], log, s->settings.timeout, err);
   if (err->status != TDM_OK && s->settings.command[role])
-    snprintf(err->path, sizeof err->path, "coupling.solvers.%s", cpl_role_names[role]);
+    snprintf(err->path, sizeof err->path, "%s", s->settings.solver_path[role]);
   return err->status;
 }
 
