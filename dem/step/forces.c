@@ -24,7 +24,7 @@ static void add_energy(dem_data *d, dem_share share, double dt) {
 }
 
 static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
   for (int c = 0; c < d->lists.nchunk; c++)
     integrator->end(d, c, dt);
 }
@@ -56,34 +56,53 @@ static dem_loop_task task_of(dem_data *d, int chunk, bool settling) {
                          .wall_end = d->lists.walls.chunk[chunk + 1]};
 }
 
+typedef void (*chunk_work)(dem_data *d, int chunk, bool settling);
+
+/* Of all chunks, on all threads. One thread does not start OpenMP, which takes as long as some ten contacts. */
+static void each_chunk(dem_data *d, bool settling, chunk_work work) {
+  if (d->work.nthread == 1)
+    for (int c = 0; c < d->lists.nchunk; c++)
+      work(d, c, settling);
+  else
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
+    for (int c = 0; c < d->lists.nchunk; c++)
+      work(d, c, settling);
+}
+
+static void sum_own(dem_data *d, int chunk, bool settling) {
+  dem_loop_task task = task_of(d, chunk, settling);
+  d->model->sum_loops->pairs(&task);
+  d->model->sum_loops->walls(&task);
+}
+
+static void sum_crossings(dem_data *d, int chunk, bool settling) {
+  const size_t nsum = (size_t)d->model->nsum;
+  const dem_crossings *x = &d->lists.crossings;
+  (void)settling;
+  for (int k = x->chunk[chunk]; k < x->chunk[chunk + 1]; k++) {
+    const size_t slot = (size_t)dem_crossing_slot(d, x->order[k]), particle = (size_t)x->particle[x->order[k]];
+    for (size_t q = 0; q < nsum; q++)
+      d->work.contact_sum[particle * nsum + q] += d->work.contact_sum[slot * nsum + q];
+  }
+}
+
 /* Sums over the contacts of each particle, of laws that have them: of all contacts, with the geometry that the forces
  * will see. Reactions from other chunks come after those of the particle's own, as forces do. */
 static void sum_contacts(dem_data *d, bool settling) {
-  const dem_model *m = d->model;
-  const dem_crossings *x = &d->lists.crossings;
-  const size_t nsum = (size_t)m->nsum;
-  memset(d->work.contact_sum, 0, dem_push_count(d) * nsum * sizeof *d->work.contact_sum);
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    dem_loop_task task = task_of(d, c, settling);
-    m->sum_loops->pairs(&task);
-    m->sum_loops->walls(&task);
-  }
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++)
-    for (int k = x->chunk[c]; k < x->chunk[c + 1]; k++) {
-      size_t slot = (size_t)dem_crossing_slot(d, x->order[k]), particle = (size_t)x->particle[x->order[k]];
-      for (size_t q = 0; q < nsum; q++)
-        d->work.contact_sum[particle * nsum + q] += d->work.contact_sum[slot * nsum + q];
-    }
+  memset(d->work.contact_sum, 0, dem_push_count(d) * (size_t)d->model->nsum * sizeof *d->work.contact_sum);
+  each_chunk(d, settling, sum_own);
+  each_chunk(d, settling, sum_crossings);
 }
 
-static void share_notes(dem_data *d, bool settling) {
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    dem_loop_task task = task_of(d, c, settling);
-    d->model->noting->share(&task);
-  }
+static void write_notes(dem_data *d, int chunk, bool settling) {
+  dem_loop_task task = task_of(d, chunk, settling);
+  d->model->noting->write.pairs(&task);
+  d->model->noting->write.walls(&task);
+}
+
+static void share_notes(dem_data *d, int chunk, bool settling) {
+  dem_loop_task task = task_of(d, chunk, settling);
+  d->model->noting->share(&task);
 }
 
 /* the notes anew from what came of them; by how much a force changed at most, share of the largest */
@@ -111,19 +130,37 @@ double dem_forces_unsettled(dem_data *d) {
 static void take_notes(dem_data *d, bool settling) {
   const dem_noting *noting = d->model->noting;
   assert(d->work.notes.valid);
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    dem_loop_task task = task_of(d, c, settling);
-    noting->write.pairs(&task);
-    noting->write.walls(&task);
-  }
-  share_notes(d, settling);
+  each_chunk(d, settling, write_notes);
+  each_chunk(d, settling, share_notes);
   for (long times = noting->iterations(d->model); times > 1 && notes_again(d, settling) > noting->tolerance(d->model);
        times--)
-    share_notes(d, settling);
+    each_chunk(d, settling, share_notes);
 }
 
-/* One thread ends the step of each chunk at once, while it is in the cache: what other chunks add to it came before. */
+/* A chunk's forces, by a task like `all`; how many of its contacts touch. One thread ends the step of each chunk at
+ * once, while it is in the cache: what other chunks add to it came before. */
+static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all, const dem_integrator *integrator) {
+  const dem_model *m = d->model;
+  dem_loop_task task = *all;
+  task.chunk = chunk;
+  task.wall_first = d->lists.walls.chunk[chunk];
+  task.wall_end = d->lists.walls.chunk[chunk + 1];
+  task.load = &d->work.chunk_load[(size_t)chunk * (size_t)m->nload];
+  memset(task.load, 0, (size_t)m->nload * sizeof *task.load);
+  m->loops->pairs(&task);
+  if (m->geometry_loads)
+    geometry_loads(&task);
+  else
+    m->wall_loops->walls(&task);
+  d->work.chunk_flux[chunk] = task.flux;
+  if (integrator && d->work.nthread == 1) {
+    dem_time_spent(d->work.timers, DEM_PHASE_CONTACTS);
+    integrator->end(d, chunk, task.dt);
+    dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
+  }
+  return task.touching;
+}
+
 void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {
   const dem_model *m = d->model;
   if (m->sum_loops)
@@ -131,29 +168,16 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
   if (m->noting)
     take_notes(d, settling);
   d->work.among = true;
-  tdm_vec3 *entry_force = dem_traction_entries(d);
+  const dem_loop_task all = {
+      .model = m, .data = d, .settling = settling, .dt = dt, .share = share, .entry_force = dem_traction_entries(d)};
   long touching = 0;
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    dem_loop_task task = {.model = m, .data = d, .chunk = c, .settling = settling, .dt = dt, .share = share};
-    task.wall_first = d->lists.walls.chunk[c];
-    task.wall_end = d->lists.walls.chunk[c + 1];
-    task.load = &d->work.chunk_load[(size_t)c * (size_t)m->nload];
-    task.entry_force = entry_force;
-    memset(task.load, 0, (size_t)m->nload * sizeof *task.load);
-    m->loops->pairs(&task);
-    if (m->geometry_loads)
-      geometry_loads(&task);
-    else
-      m->wall_loops->walls(&task);
-    touching += task.touching;
-    d->work.chunk_flux[c] = task.flux;
-    if (integrator && d->work.nthread == 1) {
-      dem_time_spent(d->work.timers, DEM_PHASE_CONTACTS);
-      integrator->end(d, c, dt);
-      dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
-    }
-  }
+  if (d->work.nthread == 1)
+    for (int c = 0; c < d->lists.nchunk; c++)
+      touching += chunk_forces(d, c, &all, integrator);
+  else
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) reduction(+ : touching)
+    for (int c = 0; c < d->lists.nchunk; c++)
+      touching += chunk_forces(d, c, &all, integrator);
   if (integrator && d->work.nthread > 1)
     end_chunks(d, integrator, dt);
   d->state.ncontact = touching;

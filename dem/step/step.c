@@ -80,22 +80,34 @@ static void turn_particles(dem_data *d, int chunk, double h) {
     d->state.orientation[i] = tdm_quat_turned(d->state.orientation[i], tdm_scale(h, d->state.pace[i].spin));
 }
 
-/* Kick and drift of the particles, forces zeroed. Returns the largest way since the lists were made, squared [m2]; NaN:
- * a position is no number. */
+/* Kick and drift of a chunk, forces zeroed; the largest way since the lists were made, squared [m2]. */
+static double move_chunk(dem_data *d, const substeps *p, const dem_stride *stride, int chunk) {
+  const double moved2 = p->integrator->begin(d, chunk, stride);
+  if (d->model->oriented)
+    turn_particles(d, chunk, p->h);
+  return moved2;
+}
+
+/* The same of all; NaN: a position is no number. One thread does not start OpenMP, which takes a microsecond. */
 static double move_particles(dem_data *d, const dem_step_task *s, const substeps *p, uint64_t j) {
   if (p->two)
     dem_forces_swap(d);
   dem_stride stride = {p->h, p->two ? (double)j * p->h - 0.5 * s->dt : 0, dem_lists_shift(d)};
   double moved2 = 0;
   bool numbers = true;
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(max : moved2) reduction(&& : numbers)
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    double r2 = p->integrator->begin(d, c, &stride);
-    if (d->model->oriented)
-      turn_particles(d, c, p->h);
-    numbers = numbers && r2 >= 0;
-    moved2 = r2 > moved2 ? r2 : moved2;
-  }
+  if (d->work.nthread == 1)
+    for (int c = 0; c < d->lists.nchunk; c++) {
+      const double r2 = move_chunk(d, p, &stride, c);
+      numbers = numbers && r2 >= 0;
+      moved2 = r2 > moved2 ? r2 : moved2;
+    }
+  else
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) reduction(max : moved2) reduction(&& : numbers)
+    for (int c = 0; c < d->lists.nchunk; c++) {
+      const double r2 = move_chunk(d, p, &stride, c);
+      numbers = numbers && r2 >= 0;
+      moved2 = r2 > moved2 ? r2 : moved2;
+    }
   dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
   return numbers ? moved2 : NAN;
 }
