@@ -166,7 +166,7 @@ static rig *pressed_block(const char *law, const char *factor, bool repeats) {
                    : "{'type': 'box', 'side': 'inside', 'size': [0.0784, 0.0784, 0.0784],"
                      " 'center': [0.0392, 0.0392, 0.0392]}",
            places);
-  return rig_make(scene_json(text), 1e-5, 0, NULL);
+  return rig_make(scene_json("%s", text), 1e-5, 0, NULL);
 }
 
 /* Without friction the contacts' forces along their lines are all there is: they add up to the force on each particle,
