@@ -45,7 +45,8 @@ static tdm_status add(cpl_pack *p, const char *name, zip_source_t *source, bool 
   const zip_uint32_t mode = (zip_uint32_t)(S_IFREG | (program ? 0755 : 0644)) << 16;
   const zip_int64_t index = source ? zip_file_add(p->zip, name, source, ZIP_FL_ENC_UTF_8) : -1;
   if (index >= 0 && zip_file_set_dostime(p->zip, (zip_uint64_t)index, DOS_TIME, DOS_DATE, 0) == 0 &&
-      zip_file_set_external_attributes(p->zip, (zip_uint64_t)index, 0, ZIP_OPSYS_UNIX, mode) == 0)
+      zip_file_set_external_attributes(p->zip, (zip_uint64_t)index, 0, ZIP_OPSYS_UNIX, mode) == 0 &&
+      zip_set_file_compression(p->zip, (zip_uint64_t)index, ZIP_CM_DEFLATE, 1) == 0) /* quick */
     return TDM_OK;
   if (index < 0)
     zip_source_free(source);
