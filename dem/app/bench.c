@@ -29,7 +29,7 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: tandem-dem bench [--particles N [--radius R] | --bed FILE] [--box L] [--dt S] [--steps N]\n"
+    "usage: tandem-dem bench [--particles N [--radius R] | --bed FILE] [--box L] [--mesh FILE] [--dt S] [--steps N]\n"
     "                        [--skin M] [--threads N] [--law NORMAL[/TANGENTIAL[/ROLLING[/COHESION]]]] [--simd NAME] "
     "[--search NAME] "
     "[--frozen]\n"
@@ -38,6 +38,7 @@ static const char usage[] =
     "               folder)\n"
     "  --radius     of these: R or SMALLEST,LARGEST [m] (0.005)\n"
     "  --box L      side of the floor [m]; walls at 0 and L (default: what a made bed has, else from the particles)\n"
+    "  --mesh FILE  an STL file [m] in place of the floor and the walls\n"
     "  --frozen     forces and histories only, particles do not move\n";
 
 enum { LAW_PARTS = 4 };
@@ -45,7 +46,7 @@ static const dem_family part_family[LAW_PARTS] = {DEM_FAMILY_NORMAL, DEM_FAMILY_
                                                   DEM_FAMILY_COHESION};
 
 typedef struct {
-  const char *bed, *json, *simd, *search;
+  const char *bed, *json, *simd, *search, *mesh;
   char law[LAW_PARTS][32]; /* by part_family, empty: not given */
   int particles, threads;
   double radius[2]; /* of a made bed [m] */
@@ -103,6 +104,8 @@ static bool read_option(options *o, const char *key, const char *value) {
     o->bed = value;
   else if (!strcmp(key, "--json"))
     o->json = value;
+  else if (!strcmp(key, "--mesh"))
+    o->mesh = value;
   else if (!strcmp(key, "--law"))
     return split_law(o, value);
   else if (!strcmp(key, "--simd"))
@@ -221,7 +224,15 @@ static void add_law(json_t *scene, dem_family family, const char *name) {
     json_object_set_new(pair, "friction", json_real(0.5));
 }
 
-/* The floor and four walls of side L with the material of the peers' bed, no particles. */
+/* the floor and four walls of side L, or a mesh */
+static json_t *walls_of(const options *o) {
+  if (o->mesh)
+    return json_pack("{s:s, s:s}", "type", "mesh", "file", o->mesh);
+  return json_pack("{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}", "type", "box", "side", "inside", "size", o->box, o->box,
+                   1e3, "center", 0.5 * o->box, 0.5 * o->box, 500.0, "open", "+z");
+}
+
+/* The walls with the material of the peers' bed, no particles. */
 static json_t *box_scene(const options *o) {
   static const char *const without[LAW_PARTS] = {"hertz", "mindlin", "none", "none"};
   json_t *s = json_pack("{s:[f,f,f], s:[{s:s, s:f, s:f, s:f}], s:[{s:[s,s], s:f}], s:{}}", "gravity", 0.0, 0.0, -9.81,
@@ -232,9 +243,7 @@ static json_t *box_scene(const options *o) {
   if (o->skin > 0)
     json_object_set_new(s, "skin", json_real(o->skin));
   json_object_set_new(s, "bodies",
-                      json_pack("[{s:s, s:s, s:[{s:s, s:s, s:[f,f,f], s:[f,f,f], s:[s]}]}]", "name", "box", "material",
-                                "a", "shapes", "type", "box", "side", "inside", "size", o->box, o->box, 1e3, "center",
-                                0.5 * o->box, 0.5 * o->box, 500.0, "open", "+z"));
+                      json_pack("[{s:s, s:s, s:[o]}]", "name", "box", "material", "a", "shapes", walls_of(o)));
   if (o->simd)
     json_object_set_new(s, "simd", json_string(o->simd));
   if (o->search)
@@ -387,7 +396,7 @@ static tdm_status make_bed(bed *b, char name[PATH_MAX], const options *o, tdm_er
   fprintf(stderr, "settling %d particles; the bed is kept in %s\n", o->particles, name);
   options plain = *o;
   memset(plain.law, 0, sizeof plain.law);
-  plain.simd = plain.search = NULL;
+  plain.simd = plain.search = plain.mesh = NULL;
   plain.skin = 0;
   plain.dt = 0.0172 * o->radius[0]; /* a fifth of the Rayleigh step */
   engine e = {0};

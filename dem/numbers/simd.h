@@ -114,10 +114,14 @@ DEM_INLINE void vd_sphere_difference(const dem_sphere *s, const int *i, const in
   vd_transpose8(out);
 }
 
-DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+DEM_INLINE void vd_records(const double *of, const int *i, vd out[8]) {
   for (int l = 0; l < 8; l++)
-    out[l] = vd_load(&s[i[l]].position.x);
+    out[l] = vd_load(of + 8 * (size_t)i[l]);
   vd_transpose8(out);
+}
+
+DEM_INLINE vd vd_lanes(const double *of, const int *i) {
+  return _mm512_setr_pd(of[i[0]], of[i[1]], of[i[2]], of[i[3]], of[i[4]], of[i[5]], of[i[6]], of[i[7]]);
 }
 
 DEM_INLINE vd vd_radii(const dem_sphere *s, const int *i) {
@@ -263,13 +267,17 @@ DEM_INLINE void vd_sphere_difference(const dem_sphere *s, const int *i, const in
   vd_transpose4(out + 4);
 }
 
-DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+DEM_INLINE void vd_records(const double *of, const int *i, vd out[8]) {
   for (int l = 0; l < 4; l++) {
-    out[l] = vd_load(&s[i[l]].position.x);
-    out[4 + l] = vd_load(&s[i[l]].velocity.x);
+    out[l] = vd_load(of + 8 * (size_t)i[l]);
+    out[4 + l] = vd_load(of + 8 * (size_t)i[l] + 4);
   }
   vd_transpose4(out);
   vd_transpose4(out + 4);
+}
+
+DEM_INLINE vd vd_lanes(const double *of, const int *i) {
+  return _mm256_setr_pd(of[i[0]], of[i[1]], of[i[2]], of[i[3]]);
 }
 
 DEM_INLINE vd vd_radii(const dem_sphere *s, const int *i) {
@@ -409,12 +417,16 @@ DEM_INLINE void vd_sphere_difference(const dem_sphere *s, const int *i, const in
   }
 }
 
-DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+DEM_INLINE void vd_records(const double *of, const int *i, vd out[8]) {
   DEM_LANES(l) {
-    const double *a = &s[i[l]].position.x;
+    const double *a = of + 8 * (size_t)i[l];
     for (int q = 0; q < 8; q++)
       out[q][l] = a[q];
   }
+}
+
+DEM_INLINE vd vd_lanes(const double *of, const int *i) {
+  return (vd){of[i[0]], of[i[1]], of[i[2]], of[i[3]]};
 }
 
 DEM_INLINE vd vd_radii(const dem_sphere *s, const int *i) {
@@ -468,7 +480,8 @@ DEM_INLINE void vd_push_pairs(dem_push *push, const int *i, const int *j, const 
 /* What the three above give:
  * vd_sphere_difference  columns dx dy dz dr dvx dvy dvz (i less j) and the sum of the inverse masses
  * vd_rotor_sum          columns of the sums of the surface velocities and of the radii
- * vd_spheres            columns of the records of spheres: position, radius, velocity, 1/mass
+ * vd_records            columns of records of eight doubles each
+ * vd_lanes              numbers of an array
  * vd_radii              of the spheres
  * vd_push_forces        as vd_push_pairs, without twist
  * vd_push_walls         particles i get force f and twist t, the wall's load -f and -m, lane after lane
@@ -476,12 +489,27 @@ DEM_INLINE void vd_push_pairs(dem_push *push, const int *i, const int *j, const 
  * vd_ratio_single       a/b with the precision of a float, for small corrections
  */
 
+/* columns of the records of spheres: position, radius, velocity, 1/mass */
+DEM_INLINE void vd_spheres(const dem_sphere *s, const int *i, vd out[8]) {
+  vd_records(&s->position.x, i, out);
+}
+
 /* ---- vectors in space, lane by lane ---- */
 
 typedef struct {
   vd x, y, z;
 } vd3;
 
+DEM_INLINE vd3 vd3_set(tdm_vec3 a) {
+  return (vd3){vd_set(a.x), vd_set(a.y), vd_set(a.z)};
+}
+/* m a, as tdm_m3_mul */
+DEM_INLINE vd3 vd3_turn(const tdm_mat3 *m, vd3 a) {
+  vd r[3];
+  for (int k = 0; k < 3; k++)
+    r[k] = vd_set(m->m[k][0]) * a.x + vd_set(m->m[k][1]) * a.y + vd_set(m->m[k][2]) * a.z;
+  return (vd3){r[0], r[1], r[2]};
+}
 DEM_INLINE vd3 vd3_scale(vd s, vd3 a) {
   return (vd3){s * a.x, s * a.y, s * a.z};
 }

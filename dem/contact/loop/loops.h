@@ -33,7 +33,8 @@
  * particles works out what each of their contacts gives each other, for laws in which places and directions count. Laws
  * without either pay nothing.
  *
- * apply.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops.
+ * apply.h has what pairs and walls share, pair_loop.h and wall_loop.h the loops, part_loop.h that over the triangles of
+ * meshes (triangles.h), batch.h the contacts with walls that are gathered.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LOOP_LOOPS_H

@@ -78,14 +78,16 @@ DEM_KERNEL void note_planes(dem_loop_task *task, size_t begin, size_t end, note_
 
 DEM_KERNEL void note_batch(dem_loop_task *task, batch *b, note_kernel *what) {
   dem_data *d = task->data;
-  dem_contact c = batch_contact(task, b, (row){0});
-  double lane[DEM_NOTES][DEM_W];
+  batch_motion motion;
+  dem_contact c = batch_contact(task, b, (row){0}, &motion);
+  double lane[DEM_NOTES][DEM_W], history[DEM_LAW_COLUMNS + 1][DEM_W];
   vd h[DEM_LAW_COLUMNS + 1];
+  batch_load_history(d, b, note_history(task->model), DEM_LAW_COLUMNS, history);
   for (int q = 0; q < DEM_LAW_COLUMNS; q++)
-    h[q] = vd_load(b->history[note_history(task->model) + q]);
+    h[q] = vd_load(history[q]);
   dem_note note;
   what(&c, h, &note);
-  write_notes(lane[0], DEM_W, &c, vd_load(b->number[ARM]), &note);
+  write_notes(lane[0], DEM_W, &c, motion.arm, &note);
   const int written = note.again ? DEM_NOTE_SIDE : DEM_NOTE_OVERLAP;
   for (int l = 0; l < b->count; l++)
     for (int q = 0; q < written; q++)

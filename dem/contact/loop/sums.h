@@ -68,13 +68,11 @@ DEM_KERNEL void sum_planes(dem_loop_task *task, size_t begin, size_t end, sum_ke
 }
 
 DEM_KERNEL void sum_batch(dem_loop_task *task, batch *b, sum_kernel *contribution) {
-  dem_contact c = batch_contact(task, b, (row){0});
+  batch_motion motion;
+  dem_contact c = batch_contact(task, b, (row){0}, &motion);
   vd of[DEM_LAW_SUMS];
-  int slot[DEM_W];
-  for (int l = 0; l < DEM_W; l++) /* lanes without a contact add nothing to the particle of the first */
-    slot[l] = task->data->lists.walls.entry[b->entry[l < b->count ? l : 0]].particle;
   contribution(&c, of);
-  add_sums(task->data, &c, slot, of, NULL, NULL);
+  add_sums(task->data, &c, b->particle, of, NULL, NULL);
   b->count = 0;
 }
 

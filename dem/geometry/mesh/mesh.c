@@ -218,6 +218,41 @@ static tdm_status make_edges(dem_mesh *m) {
   return TDM_OK;
 }
 
+/* ---- for the contact loops ---- */
+
+static dem_triangle triangle_of(const dem_mesh *m, int face) {
+  const dem_face *f = &m->face[face];
+  int place[3] = {0, 1, 2}; /* of the corners in the face, ascending by vertex */
+  for (int i = 1; i < 3; i++)
+    for (int k = i; k > 0 && f->vertex[place[k]] < f->vertex[place[k - 1]]; k--) {
+      int swap = place[k];
+      place[k] = place[k - 1];
+      place[k - 1] = swap;
+    }
+  dem_triangle t = {.normal = f->normal, .unused = 0};
+  for (int k = 0; k < 3; k++) {
+    const int a = place[DEM_EDGE_FROM(k)], b = place[DEM_EDGE_TO(k)], at = (a + 1) % 3 == b ? a : b;
+    const dem_edge *e = &m->edge[f->edge[at]];
+    const int *sides = &m->edge_face[e->first];
+    t.corner[k] = m->vertex[f->vertex[place[k]]];
+    t.inward[k] = f->inward[at];
+    t.beyond[k] = e->count != 2 ? -1 : sides[0] == face ? sides[1] : sides[0];
+    t.origin = place[k] == 0 ? k : t.origin;
+  }
+  return t;
+}
+
+static tdm_status make_triangles(dem_mesh *m) {
+  dem_triangle *all = aligned_alloc(64, (size_t)m->nface * sizeof *all);
+  if (!all)
+    return TDM_ERR_MEMORY;
+  for (int t = 0; t < m->nface; t++)
+    all[t] = triangle_of(m, t);
+  m->triangle = all;
+  m->triangles = (dem_triangles){all, m->facet_cos};
+  return TDM_OK;
+}
+
 /* ---- the report ---- */
 
 /* what the whole file says of the surface */
@@ -301,7 +336,7 @@ static tdm_status build(dem_mesh *m, const tdm_stl *stl) {
     return TDM_ERR_MEMORY;
   set_normals(m);
   join_vertices(m);
-  if (make_edges(m))
+  if (make_edges(m) || make_triangles(m))
     return TDM_ERR_MEMORY;
   set_report(m);
   return dem_mesh_plant(m);
@@ -330,7 +365,7 @@ void dem_mesh_destroy(dem_mesh **mesh) {
   if (!m)
     return;
   void *arrays[] = {m->name,        m->vertex, m->face, m->edge, m->edge_face, m->vertex_first,
-                    m->vertex_face, m->flat,   m->rim,  m->node, m->order};
+                    m->vertex_face, m->flat,   m->rim,  m->node, m->order,     m->triangle};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);
@@ -339,6 +374,10 @@ void dem_mesh_destroy(dem_mesh **mesh) {
 
 const char *dem_mesh_name(const dem_mesh *m) {
   return m->name;
+}
+
+const dem_triangles *dem_mesh_triangles(const dem_mesh *m) {
+  return &m->triangles;
 }
 
 const dem_mesh_report *dem_mesh_figures(const dem_mesh *m) {

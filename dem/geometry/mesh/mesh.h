@@ -7,6 +7,7 @@
 #define DEM_GEOMETRY_MESH_MESH_H
 
 #include "dem/geometry/mesh/mesh_report.h"
+#include "dem/geometry/triangle.h"
 #include "protocol/surface/stl.h"
 
 #include <jansson.h>
@@ -27,6 +28,9 @@ json_t *dem_mesh_report_json(const dem_mesh *mesh); /* new reference */
 
 /* A number that depends on the surface: vertices, triangles, facet angle (FNV-1a). */
 unsigned long long dem_mesh_hash(const dem_mesh *mesh);
+
+/* All triangles, for the contact loops. */
+const dem_triangles *dem_mesh_triangles(const dem_mesh *mesh);
 
 /* Corners of a triangle and its unit normal. */
 void dem_mesh_triangle(const dem_mesh *mesh, int triangle, tdm_vec3 corner[3], tdm_vec3 *normal);

@@ -4,6 +4,7 @@
 #define DEM_GEOMETRY_MESH_MESH_DATA_H
 
 #include "dem/geometry/mesh/mesh_report.h"
+#include "dem/geometry/triangle.h"
 
 typedef enum { DEM_EDGE_OPEN, DEM_EDGE_FLAT, DEM_EDGE_CONVEX, DEM_EDGE_CONCAVE, DEM_EDGE_MANY } dem_edge_kind;
 
@@ -33,19 +34,21 @@ typedef struct {
 struct dem_mesh {
   char *name;
   int nface, nvertex, nedge;
-  tdm_vec3 *vertex;    /* (nvertex) */
-  dem_face *face;      /* (nface) */
-  dem_edge *edge;      /* (nedge) */
-  int *edge_face;      /* (3 nface) triangles of the edges */
-  int *vertex_first;   /* (nvertex + 1) into vertex_face */
-  int *vertex_face;    /* (3 nface) triangles of the vertices, ascending */
-  bool *flat;          /* (nvertex) all edges of the vertex are flat */
-  bool *rim;           /* (nvertex) the vertex has an open edge */
-  dem_mesh_node *node; /* (2 nface at most) */
-  int *order;          /* (nface) triangles leaf by leaf */
-  double facet_angle;  /* [rad] */
-  double facet_cos;    /* its cosine */
-  double crack;        /* width of what counts as a crack of the surface [m] */
+  tdm_vec3 *vertex;        /* (nvertex) */
+  dem_face *face;          /* (nface) */
+  dem_edge *edge;          /* (nedge) */
+  int *edge_face;          /* (3 nface) triangles of the edges */
+  int *vertex_first;       /* (nvertex + 1) into vertex_face */
+  int *vertex_face;        /* (3 nface) triangles of the vertices, ascending */
+  bool *flat;              /* (nvertex) all edges of the vertex are flat */
+  bool *rim;               /* (nvertex) the vertex has an open edge */
+  dem_mesh_node *node;     /* (2 nface at most) */
+  int *order;              /* (nface) triangles leaf by leaf */
+  dem_triangle *triangle;  /* (nface) for the contact loops */
+  dem_triangles triangles; /* these */
+  double facet_angle;      /* [rad] */
+  double facet_cos;        /* its cosine */
+  double crack;            /* width of what counts as a crack of the surface [m] */
   dem_mesh_report report;
 };
 

@@ -101,17 +101,52 @@ tdm_status dem_mesh_plant(dem_mesh *m) {
 
 /* ---- asking ---- */
 
+/* of x from low ... high; 0 where x is no number */
+static double outside(double x, double low, double high) {
+  double below = low - x, above = x - high, away = below > above ? below : above;
+  return away > 0 ? away : 0;
+}
+
 /* square of the distance of x from a box */
 static double box_distance2(const dem_mesh_node *node, tdm_vec3 x) {
-  double dx = fmax(0, fmax(node->low.x - x.x, x.x - node->high.x));
-  double dy = fmax(0, fmax(node->low.y - x.y, x.y - node->high.y));
-  double dz = fmax(0, fmax(node->low.z - x.z, x.z - node->high.z));
+  double dx = outside(x.x, node->low.x, node->high.x);
+  double dy = outside(x.y, node->low.y, node->high.y);
+  double dz = outside(x.z, node->low.z, node->high.z);
   return dx * dx + dy * dy + dz * dz;
 }
 
 static int by_number(const void *pa, const void *pb) {
   int a = *(const int *)pa, b = *(const int *)pb;
   return (a > b) - (a < b);
+}
+
+static void sort(int *number, int n) {
+  if (n > 32)
+    qsort(number, (size_t)n, sizeof *number, by_number);
+  for (int i = 1; i < n && n <= 32; i++) {
+    int moved = number[i], k = i;
+    for (; k > 0 && number[k - 1] > moved; k--)
+      number[k] = number[k - 1];
+    number[k] = moved;
+  }
+}
+
+bool dem_mesh_crosses(const dem_mesh *m, tdm_vec3 low, tdm_vec3 high) {
+  int stack[DEPTH_MAX], top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    int self = stack[--top];
+    const dem_mesh_node *node = &m->node[self];
+    if (node->low.x > high.x || node->low.y > high.y || node->low.z > high.z || node->high.x < low.x ||
+        node->high.y < low.y || node->high.z < low.z)
+      continue;
+    if (!node->right)
+      return true;
+    assert(top + 2 <= DEPTH_MAX);
+    stack[top++] = node->right;
+    stack[top++] = self + 1;
+  }
+  return false;
 }
 
 int dem_mesh_near(const dem_mesh *m, tdm_vec3 x, double range, int *out, int max) {
@@ -131,15 +166,15 @@ int dem_mesh_near(const dem_mesh *m, tdm_vec3 x, double range, int *out, int max
     }
     for (int i = 0; i < node->count; i++) {
       int t = m->order[node->first + i];
-      if (!(dem_mesh_nearest(m, t, x).distance2 < range2))
+      if (!(dem_mesh_distance2(m, t, x) < range2))
         continue;
       if (found < max)
         out[found] = t;
       found++;
     }
   }
-  if (found <= max && found > 1)
-    qsort(out, (size_t)found, sizeof *out, by_number);
+  if (found <= max)
+    sort(out, found);
   return found;
 }
 

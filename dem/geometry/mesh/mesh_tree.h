@@ -9,6 +9,9 @@
 /* Build the tree. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_mesh_plant(dem_mesh *mesh);
 
+/* May triangles be in the box? False: there are none. */
+bool dem_mesh_crosses(const dem_mesh *mesh, tdm_vec3 low, tdm_vec3 high);
+
 /* The triangles nearer to x than `range`, ascending. Returns how many there are; if that is more than `max`, out
  * holds nothing useful: call again with more room. */
 int dem_mesh_near(const dem_mesh *mesh, tdm_vec3 x, double range, int *out, int max);

@@ -51,6 +51,10 @@ static int triangles_of(const dem_wall *wall) {
   return dem_mesh_figures(wall->data)->triangles;
 }
 
+static bool crosses(const dem_wall *wall, tdm_vec3 low, tdm_vec3 high) {
+  return dem_mesh_crosses(wall->data, low, high);
+}
+
 static int near_triangles(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max) {
   return dem_mesh_near(wall->data, x, range, out, max);
 }
@@ -58,6 +62,10 @@ static int near_triangles(const dem_wall *wall, tdm_vec3 x, double range, int *o
 static int touches_of(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
                       dem_touch out[DEM_TOUCHES_MAX]) {
   return dem_mesh_contacts(wall->data, part, stride, n, x, radius, out, DEM_TOUCHES_MAX);
+}
+
+static const dem_triangles *lanes_of(const dem_wall *wall) {
+  return dem_mesh_triangles(wall->data);
 }
 
 static bool passes(const dem_wall *wall, int from, int to) {
@@ -111,8 +119,10 @@ const dem_shape dem_shape_mesh = {
     .box = box_of_mesh,
     .polygons = draw_mesh,
     .parts = triangles_of,
+    .crosses = crosses,
     .near = near_triangles,
     .touches = touches_of,
+    .triangles = lanes_of,
     .passes = passes,
     .file = file_of,
     .report = report_mesh,

@@ -15,6 +15,7 @@
 
 #include "dem/geometry/part.h"
 #include "dem/geometry/touch.h"
+#include "dem/geometry/triangle.h"
 #include "dem/geometry/wall/outline.h"
 #include "protocol/scene/scene.h"
 
@@ -136,10 +137,14 @@ struct dem_shape {
    * begins on `to`? */
   int (*parts)(const dem_wall *wall);
   tdm_vec3 (*middle)(const dem_wall *wall, int part); /* of a part, own axes; NULL: lists of walls have it as one */
+  bool (*crosses)(const dem_wall *wall, tdm_vec3 low, tdm_vec3 high); /* may parts be in that box? NULL: they may */
   int (*near)(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max);
   int (*touches)(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
                  dem_touch out[DEM_TOUCHES_MAX]);
   bool (*passes)(const dem_wall *wall, int from, int to);
+
+  /* The parts, where they are triangles of which geometry/triangle.h holds; NULL: the loops always ask `touches`. */
+  const dem_triangles *(*triangles)(const dem_wall *wall);
 
   /* Of a wall that is made of a file; NULL: it is not. The file's name; its figures for the report of the start (new
    * reference), with texts worth knowing appended to `notes`. */

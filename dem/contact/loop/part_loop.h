@@ -1,0 +1,260 @@
+/* Walls with parts, the triangles of a mesh, which a sphere may touch at several places. Where they are dem_triangles,
+ * DEM_W entries are looked at together, and dem_shape.touches is asked only where that leaves open what the contacts
+ * are. Only loops.h includes it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_CONTACT_LOOP_PART_LOOP_H
+#define DEM_CONTACT_LOOP_PART_LOOP_H
+
+#include "dem/contact/loop/batch.h"
+#include "dem/contact/loop/triangles.h"
+
+/* The entries of one particle with one wall, [begin, end), and those among them, ascending, that are contacts now. */
+typedef struct {
+  size_t begin, end;
+  int n;
+  size_t at[DEM_TOUCHES_MAX];
+  double gap[DEM_TOUCHES_MAX];
+  tdm_vec3 normal[DEM_TOUCHES_MAX]; /* world */
+} touching_parts;
+
+/* ---- histories ---- */
+
+static bool holds(const touching_parts *now, size_t k) {
+  for (int c = 0; c < now->n; c++)
+    if (now->at[c] == k)
+      return true;
+  return false;
+}
+
+static bool has_history(const dem_wall_contacts *list, size_t k, int ncolumn) {
+  for (int q = 0; q < ncolumn; q++)
+    if (list->history[(size_t)q * list->capacity + k] != 0)
+      return true;
+  return false;
+}
+
+/* Hand the history of a contact that ended on a part to the one that begins on a neighbour. */
+static void pass_histories(const dem_wall *wall, const dem_wall_contacts *list, const touching_parts *now,
+                           int ncolumn) {
+  for (int c = 0; c < now->n && ncolumn > 0; c++) {
+    const size_t to = now->at[c];
+    bool fresh = !has_history(list, to, ncolumn);
+    for (size_t from = now->begin; from < now->end && fresh; from++) {
+      if (!has_history(list, from, ncolumn) || holds(now, from) ||
+          !wall->shape->passes(wall, list->entry[from].part, list->entry[to].part))
+        continue;
+      for (int q = 0; q < ncolumn; q++) {
+        double *column = list->history + (size_t)q * list->capacity;
+        column[to] = column[from];
+        column[from] = 0;
+      }
+      fresh = false;
+    }
+  }
+}
+
+/* ---- the contacts of one particle ---- */
+
+/* as the shape says */
+static void ask_shape(const dem_data *d, const dem_wall *wall, const dem_wall_place *place, double reach,
+                      touching_parts *now) {
+  const dem_wall_entry *entry = d->lists.walls.entry;
+  const dem_sphere *s = &d->state.sphere[entry[now->begin].particle];
+  dem_touch found[DEM_TOUCHES_MAX];
+  now->n = wall->shape->touches(wall, &entry[now->begin].part, DEM_PART_STRIDE, (int)(now->end - now->begin),
+                                dem_wall_own(place, s->position), s->radius + reach, found);
+  size_t k = now->begin;
+  for (int c = 0; c < now->n; c++) { /* both ascend */
+    while (entry[k].part != found[c].part)
+      k++;
+    now->at[c] = k;
+    now->gap[c] = found[c].gap;
+    now->normal[c] = tdm_m3_mul(place->axes, found[c].normal);
+  }
+}
+
+/* into the batch; what does not touch any more loses its history */
+DEM_KERNEL void add_parts(dem_loop_task *task, batch *b, const touching_parts *now, const row r) {
+  const dem_wall_contacts *list = &task->data->lists.walls;
+  pass_histories(&task->model->wall[b->wall], list, now, r.ncolumn);
+  int next = 0;
+  for (size_t k = now->begin; k < now->end; k++) {
+    if (next < now->n && now->at[next] == k)
+      next++;
+    else
+      close_entry(list, k, r.ncolumn);
+  }
+  for (int c = 0; c < now->n; c++)
+    add_to_batch(task, b, now->at[c], now->gap[c], now->normal[c], r);
+}
+
+/* ---- entries looked at together ---- */
+
+enum { LOOK = 64, CLEAR_MAX = 4 }; /* entries; contacts of a particle that are made out here */
+
+/* Where an entry's nearest point is; else on the edge to this part, as dem_triangle.beyond. */
+enum { UNCLEAR = -1, APART = -2, INSIDE = -3, CORNER = -4 }; /* at corner k: CORNER - k */
+
+typedef struct {
+  size_t begin;
+  int at[LOOK];
+  double height[LOOK], normal[3][LOOK]; /* inside: of the centre over the triangle [m]; towards it, world */
+  double distance2[LOOK];               /* at a corner: of the centre from it [m2] */
+} look;
+
+/* what the lanes see */
+DEM_KERNEL void write_look(const dem_triangle *triangle, const int *part, const triangle_look *seen, int *at) {
+  const unsigned inside = vm_bits(seen->inside), unclear = vm_bits(seen->unclear);
+  unsigned any = inside | unclear, edge[3], corner[3];
+  for (int k = 0; k < 3; k++) {
+    edge[k] = vm_bits(seen->edge[k]), corner[k] = vm_bits(seen->corner[k]);
+    any |= edge[k] | corner[k];
+  }
+  for (int l = 0; l < DEM_W; l++)
+    at[l] = APART;
+  for (; any; any &= any - 1) {
+    const int l = __builtin_ctz(any);
+    at[l] = inside >> l & 1 ? INSIDE : UNCLEAR;
+    for (int k = 0; k < 3; k++)
+      if (edge[k] >> l & 1)
+        at[l] = triangle[part[l]].beyond[k];
+      else if (corner[k] >> l & 1)
+        at[l] = CORNER - k;
+  }
+}
+
+/* entries begin ... end, of whole particles, at most LOOK */
+static __attribute__((noinline)) void look_at_entries(const dem_data *d, const dem_triangle *triangle,
+                                                      const dem_wall_place *place, double reach, size_t begin,
+                                                      size_t end, look *out) {
+  const dem_wall_entry *entry = d->lists.walls.entry;
+  const tdm_mat3 back = tdm_m3_transpose(place->axes);
+  out->begin = begin;
+  for (size_t k = begin; k < end; k += DEM_W) {
+    const size_t to = k - begin;
+    int i[DEM_W], part[DEM_W];
+    for (int l = 0; l < DEM_W; l++) { /* the last one again, where there are no more */
+      const dem_wall_entry *e = &entry[k + (size_t)l < end ? k + (size_t)l : end - 1];
+      i[l] = e->particle, part[l] = e->part;
+    }
+    vd s[8];
+    vd_spheres(d->state.sphere, i, s);
+    vd3 own = vd3_turn(&back, vd3_sub((vd3){s[0], s[1], s[2]}, vd3_set(place->point)));
+    const triangle_look seen = look_at_triangles(triangle, part, own, s[3] + vd_set(reach));
+    write_look(triangle, part, &seen, out->at + to);
+    vd_store(out->distance2 + to, seen.distance2);
+    vd_store(out->height + to, seen.height);
+    vd3 normal = vd3_pick(vm_less(seen.height, vd_set(0)), vd3_scale(vd_set(-1), seen.normal), seen.normal);
+    normal = vd3_turn(&place->axes, normal);
+    vd_store(out->normal[0] + to, normal.x), vd_store(out->normal[1] + to, normal.y);
+    vd_store(out->normal[2] + to, normal.z);
+  }
+}
+
+static tdm_vec3 own_normal(const dem_data *d, const dem_triangle *triangle, const look *seen, size_t k) {
+  const tdm_vec3 n = triangle[d->lists.walls.entry[k].part].normal;
+  return seen->height[k - seen->begin] < 0 ? tdm_scale(-1, n) : n;
+}
+
+/* are no two contacts facets of one surface? */
+static bool all_apart(const dem_data *d, const dem_triangles *of, const look *seen, const touching_parts *now) {
+  for (int a = 0; a < now->n; a++)
+    for (int b = 0; b < a; b++)
+      if (!(tdm_dot(own_normal(d, of->triangle, seen, now->at[a]), own_normal(d, of->triangle, seen, now->at[b])) <
+            of->facet_cos))
+        return false;
+  return true;
+}
+
+/* Does entry k, whose nearest point is on an edge or at a corner, lead to one of the contacts? A corner does where that
+ * contact's triangle has it and is nearer. */
+static bool leads_to_contact(const dem_data *d, const dem_triangle *triangle, const look *seen,
+                             const touching_parts *now, size_t k) {
+  const dem_wall_entry *entry = d->lists.walls.entry;
+  const int at = seen->at[k - seen->begin];
+  for (int c = 0; c < now->n; c++) {
+    const int part = entry[now->at[c]].part;
+    if (at == part)
+      return true;
+    if (at > CORNER || !(now->gap[c] * now->gap[c] < seen->distance2[k - seen->begin]))
+      continue;
+    const tdm_vec3 corner = triangle[entry[k].part].corner[CORNER - at];
+    for (int q = 0; q < 3; q++) {
+      const tdm_vec3 *own = &triangle[part].corner[q];
+      if (own->x == corner.x && own->y == corner.y && own->z == corner.z)
+        return true;
+    }
+  }
+  return false;
+}
+
+/* Is it clear what the contacts of the particle with entries now->begin ... end are? */
+static bool clear_contacts(const dem_data *d, const dem_triangles *of, const look *seen, touching_parts *now) {
+  bool more = false;
+  now->n = 0;
+  for (size_t k = now->begin; k < now->end; k++) {
+    const size_t l = k - seen->begin;
+    if (seen->at[l] != INSIDE) {
+      more = more || seen->at[l] != APART;
+      continue;
+    }
+    if (now->n == CLEAR_MAX)
+      return false;
+    now->at[now->n] = k;
+    now->gap[now->n] = fabs(seen->height[l]);
+    now->normal[now->n++] = (tdm_vec3){seen->normal[0][l], seen->normal[1][l], seen->normal[2][l]};
+  }
+  for (size_t k = now->begin; k < now->end && more; k++) {
+    const int at = seen->at[k - seen->begin];
+    if (at != APART && at != INSIDE && !leads_to_contact(d, of->triangle, seen, now, k))
+      return false;
+  }
+  return now->n < 2 || all_apart(d, of, seen, now);
+}
+
+/* the entry after those of the particle of entry k */
+DEM_INLINE size_t next_particle(const dem_wall_entry *entry, size_t k, size_t end) {
+  size_t next = k + 1;
+  while (next < end && entry[next].particle == entry[k].particle)
+    next++;
+  return next;
+}
+
+/* the end of as many whole particles' entries from `begin` on as are looked at together; begin: there are too many */
+DEM_INLINE size_t end_of_look(const dem_wall_entry *entry, size_t begin, size_t end) {
+  if (end - begin <= LOOK)
+    return end;
+  size_t at = begin + LOOK;
+  while (at > begin && entry[at - 1].particle == entry[at].particle)
+    at--;
+  return at;
+}
+
+DEM_KERNEL void wall_with_parts(dem_loop_task *task, batch *b, size_t begin, size_t end, const row r) {
+  const dem_data *d = task->data;
+  const dem_wall *wall = &task->model->wall[b->wall];
+  const dem_wall_place *place = &d->state.wall[b->wall];
+  const dem_wall_entry *entry = d->lists.walls.entry;
+  const dem_triangles *of = wall->shape->triangles ? wall->shape->triangles(wall) : NULL;
+  const double reach = r.all_terms ? task->model->reach : 0;
+  look seen;
+  size_t looked = begin;
+  for (size_t k = begin, next; k < end; k = next) {
+    if (of && k == looked) {
+      looked = end_of_look(entry, k, end);
+      look_at_entries(d, of->triangle, place, reach, k, looked, &seen);
+    }
+    next = next_particle(entry, k, end);
+    const bool here = of && k < looked;
+    looked = looked < next ? next : looked;
+    if (left_out(task, &d->state.sphere[entry[k].particle], wall->body))
+      continue;
+    touching_parts now;
+    now.begin = k, now.end = next;
+    if (!here || !clear_contacts(d, of, &seen, &now))
+      ask_shape(d, wall, place, reach, &now);
+    add_parts(task, b, &now, r);
+  }
+}
+
+#endif

@@ -1,0 +1,109 @@
+/* Spheres and triangles, DEM_W couples at a time: where the nearest point lies. The same operations in the same order
+ * as dem_mesh_nearest (geometry/mesh/mesh_nearest.c). Only loops.h includes it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_CONTACT_LOOP_TRIANGLES_H
+#define DEM_CONTACT_LOOP_TRIANGLES_H
+
+#include "dem/contact/law/contact.h"
+#include "dem/geometry/triangle.h"
+
+_Static_assert(sizeof(dem_triangle) == 24 * sizeof(double), "three records of eight doubles");
+
+/* What is nearer than the radius; in no mask: it is not. */
+typedef struct {
+  vm inside;    /* the nearest point is inside the triangle */
+  vm edge[3];   /* on this edge */
+  vm corner[3]; /* at this corner */
+  vm unclear;   /* on the border between two of these */
+  vd height;    /* of the centre over the triangle [m] */
+  vd distance2; /* of the centre from the corner [m2] */
+  vd3 normal;   /* of the triangle, own axes */
+} triangle_look;
+
+/* of the lanes' triangles */
+typedef struct {
+  vd3 corner[3], normal, inward[3];
+  vd origin;
+} triangle_lanes;
+
+DEM_KERNEL triangle_lanes load_triangles(const dem_triangle *triangle, const int *part) {
+  vd q[24];
+  int record[DEM_W];
+  for (int b = 0; b < 3; b++) {
+    for (int l = 0; l < DEM_W; l++)
+      record[l] = 3 * part[l] + b;
+    vd_records(&triangle->corner[0].x, record, q + 8 * b);
+  }
+  triangle_lanes t = {.normal = {q[9], q[10], q[11]}, .origin = q[21]};
+  for (int k = 0; k < 3; k++) {
+    t.corner[k] = (vd3){q[3 * k], q[3 * k + 1], q[3 * k + 2]};
+    t.inward[k] = (vd3){q[12 + 3 * k], q[13 + 3 * k], q[14 + 3 * k]};
+  }
+  return t;
+}
+
+/* the nearest of three, so far */
+typedef struct {
+  vd distance2, which;
+  vm tie; /* two are */
+} nearest;
+
+DEM_KERNEL void look_at_one(nearest *of, int which, vd distance2) {
+  vm closer = vm_less(distance2, of->distance2);
+  of->tie = vm_or(vm_without(of->tie, closer), vm_equal(distance2, of->distance2));
+  of->distance2 = vd_pick(closer, distance2, of->distance2);
+  of->which = vd_pick(closer, vd_set(which), of->which);
+}
+
+/* The nearest point of the lanes that are outside is on an edge, else at a corner. in: over the plane of each edge. */
+DEM_KERNEL void look_at_edges(const triangle_lanes *t, vd3 x, const vd in[3], vm outside, vd radius2,
+                              triangle_look *out) {
+  const vm none = vm_without(outside, outside);
+  const vd far = vd_set(INFINITY);
+  nearest edge = {far, vd_set(0), none}, corner = edge;
+  for (int k = 0; k < 3; k++) {
+    vd3 from = t->corner[DEM_EDGE_FROM(k)], r = vd3_sub(x, from), along = vd3_sub(t->corner[DEM_EDGE_TO(k)], from);
+    vd length2 = vd3_dot(along, along), at = vd3_dot(r, along);
+    vm over = vm_and(vm_less(in[k], vd_set(0)), vm_and(vm_less(vd_set(0), at), vm_less(at, length2)));
+    vd3 d = vd3_sub(x, vd3_axpy(at / length2, along, from)), c = vd3_sub(x, t->corner[k]);
+    look_at_one(&edge, k, vd_pick(over, vd3_dot(d, d), far));
+    look_at_one(&corner, k, vd3_dot(c, c));
+  }
+  vm at_edge = vm_less(edge.distance2, far);
+  vm near = vm_and(outside, vm_less(vd_pick(at_edge, edge.distance2, corner.distance2), radius2));
+  vm tie = vm_or(vm_and(at_edge, edge.tie), vm_without(corner.tie, at_edge));
+  out->unclear = vm_or(out->unclear, vm_and(near, tie));
+  out->distance2 = corner.distance2;
+  vm clear = vm_without(near, out->unclear);
+  for (int k = 0; k < 3; k++) {
+    out->edge[k] = vm_and(vm_and(clear, at_edge), vm_equal(edge.which, vd_set(k)));
+    out->corner[k] = vm_and(vm_without(clear, at_edge), vm_equal(corner.which, vd_set(k)));
+  }
+}
+
+/* Spheres with the centre x, own axes, and triangles, by their parts. */
+DEM_KERNEL triangle_look look_at_triangles(const dem_triangle *triangle, const int *part, vd3 x, vd radius) {
+  const vm all = vm_first(DEM_W), none = vm_without(all, all);
+  const triangle_lanes t = load_triangles(triangle, part);
+  const vd radius2 = radius * radius;
+  triangle_look out = {.unclear = none, .edge = {none, none, none}, .corner = {none, none, none}};
+  out.normal = t.normal;
+  out.distance2 = vd_set(0);
+  vm within = all;
+  vd in[3];
+  for (int k = 0; k < 3; k++) {
+    in[k] = vd3_dot(vd3_sub(x, t.corner[DEM_EDGE_FROM(k)]), t.inward[k]);
+    within = vm_and(within, vm_less(vd_set(0), in[k]));
+    out.unclear = vm_or(out.unclear, vm_equal(in[k], vd_set(0)));
+  }
+  vd3 origin = vd3_pick(vm_less(t.origin, vd_set(0.5)), t.corner[0],
+                        vd3_pick(vm_less(t.origin, vd_set(1.5)), t.corner[1], t.corner[2]));
+  out.height = vd3_dot(vd3_sub(x, origin), t.normal);
+  out.inside = vm_and(within, vm_less(out.height * out.height, radius2));
+  vm outside = vm_without(all, within);
+  if (vm_any(outside))
+    look_at_edges(&t, x, in, outside, radius2, &out);
+  return out;
+}
+
+#endif
