@@ -3,10 +3,10 @@
 #include "dem/search/pairs.h"
 
 #include "dem/particles/particles.h"
+#include "dem/search/near_walls.h"
 #include "dem/search/order.h"
 #include "dem/search/search.h"
 #include "dem/state/crossings.h"
-#include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,13 +86,18 @@ static tdm_status carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
     return TDM_ERR_MEMORY;
   for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
     double *to = list->history + q * list->capacity, sign = columns->vectors >> q & 1 ? -1 : 1;
-    memcpy(column, to, before * sizeof *to);
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-    for (int c = 0; c < d->lists.nchunk; c++)
-      for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
-        int at = list->reaction_slot[k];
-        to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
-      }
+#pragma omp parallel num_threads(d->work.nthread) if (d->work.nthread > 1)
+    {
+#pragma omp for schedule(static)
+      for (size_t k = 0; k < before; k++)
+        column[k] = to[k];
+#pragma omp for schedule(static)
+      for (int c = 0; c < d->lists.nchunk; c++)
+        for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
+          int at = list->reaction_slot[k];
+          to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
+        }
+    }
   }
   return TDM_OK;
 }
@@ -180,144 +185,12 @@ static tdm_status build_pairs(dem_data *d, bool carry, const int *old) {
   return TDM_OK;
 }
 
-/* ---- walls ---- */
-
-static tdm_status append_wall(dem_data *d, dem_wall_entry entry) {
-  dem_wall_contacts *list = &d->lists.walls;
-  if (list->count == list->capacity) { /* histories come later */
-    size_t capacity = list->capacity + list->capacity / 2 + 256;
-    dem_wall_entry *grown = realloc(list->entry, capacity * sizeof *grown);
-    if (!grown)
-      return TDM_ERR_MEMORY;
-    list->entry = grown;
-    int ncolumn = d->model->columns.ncolumn;
-    free(list->history);
-    list->history = ncolumn > 0 ? malloc(capacity * (size_t)ncolumn * sizeof(double)) : NULL;
-    if (ncolumn > 0 && !list->history)
-      return TDM_ERR_MEMORY;
-    list->capacity = capacity;
-  }
-  list->entry[list->count++] = entry;
-  return TDM_OK;
-}
-
-static int compare_entries(const dem_wall_entry *a, const dem_wall_entry *b) {
-  int chunk_a = a->particle / DEM_CHUNK, chunk_b = b->particle / DEM_CHUNK;
-  if (chunk_a != chunk_b)
-    return chunk_a < chunk_b ? -1 : 1;
-  if (a->wall != b->wall)
-    return a->wall < b->wall ? -1 : 1;
-  if (a->particle != b->particle)
-    return a->particle < b->particle ? -1 : 1;
-  return a->part < b->part ? -1 : a->part > b->part;
-}
-
-static int by_entry(const void *a, const void *b) {
-  return compare_entries(a, b);
-}
-
-/* the histories of the contacts with walls, both lists ascending */
-static void carry_walls(dem_data *d, const dem_wall_contacts *before) {
-  dem_wall_contacts *list = &d->lists.walls;
-  size_t ncolumn = (size_t)d->model->columns.ncolumn, old = 0, nold = before ? before->count : 0;
-  for (size_t k = 0; k < list->count; k++) {
-    while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
-      old++;
-    bool same = old < nold && compare_entries(&before->entry[old], &list->entry[k]) == 0;
-    for (size_t q = 0; q < ncolumn; q++)
-      list->history[q * list->capacity + k] = same ? before->history[q * before->capacity + old] : 0;
-  }
-}
-
-/* the previous list with new numbers (NULL: the same); to ascend again it is sorted, histories with it */
-static tdm_status renumber_walls(dem_data *d, dem_wall_contacts *list, const int *now) {
-  size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
-  if (n == 0 || ncolumn == 0)
-    return TDM_OK;
-  struct {
-    dem_wall_entry entry;
-    int at;
-  } *key = malloc(n * sizeof *key);
-  double *copy = malloc(n * sizeof *copy);
-  for (size_t k = 0; key && k < n; k++) {
-    key[k].entry = list->entry[k];
-    if (now)
-      key[k].entry.particle = now[key[k].entry.particle];
-    key[k].at = (int)k;
-  }
-  if (key && copy) {
-    qsort(key, n, sizeof *key, by_entry);
-    for (size_t k = 0; k < n; k++)
-      list->entry[k] = key[k].entry;
-    for (size_t q = 0; q < ncolumn; q++) {
-      memcpy(copy, list->history + q * list->capacity, n * sizeof *copy);
-      for (size_t k = 0; k < n; k++)
-        list->history[q * list->capacity + k] = copy[key[k].at];
-    }
-  }
-  bool good = key && copy;
-  free(key);
-  free(copy);
-  return good ? TDM_OK : TDM_ERR_MEMORY;
-}
-
-/* the parts of wall w near particle i */
-static tdm_status list_parts(dem_data *d, int i, int w) {
-  const dem_wall *wall = &d->model->wall[w];
-  tdm_vec3 own = dem_wall_own(&d->state.wall[w], d->state.sphere[i].position);
-  double range = d->state.sphere[i].radius + d->model->reach + d->lists.skin;
-  int some[64], *near = some, n = wall->shape->near(wall, own, range, some, 64);
-  if (n > 64) {
-    near = malloc((size_t)n * sizeof *near);
-    if (!near)
-      return TDM_ERR_MEMORY;
-    wall->shape->near(wall, own, range, near, n);
-  }
-  tdm_status status = TDM_OK;
-  for (int k = 0; k < n && !status; k++)
-    status = append_wall(d, (dem_wall_entry){i, w, near[k]});
-  if (near != some)
-    free(near);
-  d->lists.margin[wall->body] = fmin(d->lists.margin[wall->body], d->lists.skin); /* what is not listed is farther */
-  return status;
-}
-
-static tdm_status list_wall(dem_data *d, int i, int w) {
-  const dem_model *m = d->model;
-  const dem_wall *wall = &m->wall[w];
-  const dem_sphere *s = &d->state.sphere[i];
-  if (wall->shape->near)
-    return list_parts(d, i, w);
-  double gap = dem_gap(d, i, w, NULL);
-  /* distance from where a contact acts; a plane ends one radius behind its surface */
-  double away = gap - s->radius - m->reach;
-  if (wall->endless)
-    away = fmax(away, -gap - s->radius);
-  if (away < d->lists.skin)
-    return append_wall(d, (dem_wall_entry){i, w, 0});
-  d->lists.margin[wall->body] = fmin(d->lists.margin[wall->body], away);
-  return TDM_OK;
-}
-
-static tdm_status build_walls(dem_data *d, const dem_wall_contacts *before) {
-  d->lists.walls.count = 0;
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    d->lists.walls.chunk[c] = d->lists.walls.count;
-    for (int w = 0; w < d->model->nwall; w++)
-      for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
-        if (list_wall(d, i, w))
-          return TDM_ERR_MEMORY;
-  }
-  d->lists.walls.chunk[d->lists.nchunk] = d->lists.walls.count;
-  carry_walls(d, before);
-  return TDM_OK;
-}
-
 /* ---- both ---- */
 
 /* note where everything is */
 static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int i = 0; i < d->state.nparticle; i++)
     d->lists.position_at_list[i] = d->state.sphere[i].position;
   memcpy(d->lists.length_at_list, d->state.domain.length, sizeof d->lists.length_at_list);
@@ -328,9 +201,13 @@ static void note_positions(dem_data *d) {
     d->lists.reach[b] = 0;
     if (m->body[b].coupled < 0 && !m->body[b].drive.given)
       continue;
-    for (int i = 0; i < d->state.nparticle; i++)
-      d->lists.reach[b] =
-          fmax(d->lists.reach[b], tdm_norm(tdm_sub(d->state.sphere[i].position, d->state.pose[b].position)));
+    double reach2 = 0;
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(max : reach2)
+    for (int i = 0; i < d->state.nparticle; i++) {
+      tdm_vec3 r = tdm_sub(d->state.sphere[i].position, d->state.pose[b].position);
+      reach2 = fmax(reach2, tdm_dot(r, r));
+    }
+    d->lists.reach[b] = sqrt(reach2);
   }
 }
 
@@ -373,7 +250,7 @@ static const int *sort_particles(dem_data *d, bool carry) {
   int *now = dem_scratch_take(&d->work.scratch, n * sizeof *now);
   for (size_t p = 0; good && now && p < n; p++)
     now[from[p]] = (int)p;
-  good = good && now && (!carry || !renumber_walls(d, &d->work.spare_walls, now));
+  good = good && now && (!carry || !dem_near_walls_renumber(d, &d->work.spare_walls, now));
   dem_scratch_back(&d->work.scratch, mark);
   d->state.since_sort = 0;
   return good ? from : NULL;
@@ -398,7 +275,7 @@ tdm_status dem_lists_build(dem_data *d) {
     old = sort_particles(d, carry);
     status = old ? TDM_OK : TDM_ERR_MEMORY;
   } else if (d->lists.stale && carry && d->lists.nchunk > 1) {
-    status = renumber_walls(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
+    status = dem_near_walls_renumber(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
   }
   note_positions(d);
   d->lists.nchunk = dem_chunks(d->state.nparticle);
@@ -409,7 +286,7 @@ tdm_status dem_lists_build(dem_data *d) {
   if (!status)
     status = dem_crossings_place(d);
   if (!status)
-    status = build_walls(d, carry ? &d->work.spare_walls : NULL);
+    status = dem_near_walls_build(d, carry ? &d->work.spare_walls : NULL);
   d->lists.valid = !status;
   d->lists.stale = false;
   d->lists.since_list = 0;

@@ -133,23 +133,28 @@ static tdm_status take(dem_bins *bins, dem_scratch *scratch, size_t n, size_t nc
   return TDM_OK;
 }
 
+/* Counting sort, which keeps the order; each thread has a part of the spheres. */
 typedef struct {
   dem_bins *bins;
   const dem_search_input *input;
   const int *member;
   int nthread;
+  size_t ncell;
+  int *at; /* (nthread x ncell) spheres of each part in each cell, then where its next one goes */
 } binning;
 
-static void find_cells(void *context, int t) {
+static void count_part(void *context, int t) {
   const binning *b = context;
   dem_bins *bins = b->bins;
-  int end = dem_search_part(bins->n, t + 1, b->nthread);
+  int *count = b->at + (size_t)t * b->ncell, end = dem_search_part(bins->n, t + 1, b->nthread);
+  memset(count, 0, b->ncell * sizeof *count);
   for (int k = dem_search_part(bins->n, t, b->nthread); k < end; k++) {
     tdm_vec3 p = sphere_of(b->input, b->member, k)->position;
     int x = bin(p.x, bins->low[0], bins->inverse[0], bins->count[0]);
     int y = bin(p.y, bins->low[1], bins->inverse[1], bins->count[1]);
     int z = bin(p.z, bins->low[2], bins->inverse[2], bins->count[2]);
     bins->cell[k] = (z * bins->count[1] + y) * bins->count[0] + x;
+    count[bins->cell[k]]++;
   }
 }
 
@@ -162,30 +167,38 @@ static void place(dem_bins *bins, const dem_search_input *input, const int *memb
   bins->r[at] = s->radius;
 }
 
+static void place_part(void *context, int t) {
+  const binning *b = context;
+  int *at = b->at + (size_t)t * b->ncell, end = dem_search_part(b->bins->n, t + 1, b->nthread);
+  for (int k = dem_search_part(b->bins->n, t, b->nthread); k < end; k++)
+    place(b->bins, b->input, b->member, k, at[b->bins->cell[k]]++);
+}
+
 tdm_status dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
   choose_grid(bins, input, member, n, edge);
-  size_t ncell = (size_t)bins->count[0] * (size_t)bins->count[1] * (size_t)bins->count[2];
-  if (take(bins, input->scratch, (size_t)n, ncell))
+  binning b = {bins, input, member, dem_search_threads(input, n), 1, NULL};
+  for (int a = 0; a < 3; a++)
+    b.ncell *= (size_t)bins->count[a];
+  if (take(bins, input->scratch, (size_t)n, b.ncell))
     return TDM_ERR_MEMORY;
   bins->n = n;
-  int nthread = dem_search_threads(input, n);
-  dem_search_parallel(nthread, find_cells, &(binning){bins, input, member, nthread});
-
-  /* counting sort, which keeps the order */
-  memset(bins->first, 0, (ncell + 1) * sizeof *bins->first);
-  for (int k = 0; k < n; k++)
-    bins->first[bins->cell[k]]++;
+  dem_scratch_mark mark = dem_scratch_now(input->scratch);
+  b.at = dem_scratch_take(input->scratch, (size_t)b.nthread * b.ncell * sizeof *b.at);
+  if (!b.at)
+    return TDM_ERR_MEMORY;
+  dem_search_parallel(b.nthread, count_part, &b);
   int at = 0;
-  for (size_t c = 0; c <= ncell; c++) {
-    int length = bins->first[c];
+  for (size_t c = 0; c < b.ncell; c++) {
     bins->first[c] = at;
-    at += length;
+    for (int t = 0; t < b.nthread; t++) {
+      int *next = &b.at[(size_t)t * b.ncell + c], length = *next;
+      *next = at;
+      at += length;
+    }
   }
-  for (int k = 0; k < n; k++)
-    place(bins, input, member, k, bins->first[bins->cell[k]]++);
-  /* every entry now stands at the start of the next cell: shift by one */
-  memmove(bins->first + 1, bins->first, ncell * sizeof *bins->first);
-  bins->first[0] = 0;
+  bins->first[b.ncell] = at;
+  dem_search_parallel(b.nthread, place_part, &b);
+  dem_scratch_back(input->scratch, mark);
   return TDM_OK;
 }
 
