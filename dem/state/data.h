@@ -301,6 +301,7 @@ typedef struct {
   /* an evaluation */
   tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
+  bool *ended;            /* (nchunk) the chunk's step ended with its forces */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
 

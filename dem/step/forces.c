@@ -137,9 +137,8 @@ static void take_notes(dem_data *d, bool settling) {
     each_chunk(d, settling, share_notes);
 }
 
-/* A chunk's forces, by a task like `all`; how many of its contacts touch. One thread ends the step of each chunk at
- * once, while it is in the cache: what other chunks add to it came before. */
-static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all, const dem_integrator *integrator) {
+/* A chunk's forces, by a task like `all`; how many of its contacts touch. */
+static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all) {
   const dem_model *m = d->model;
   dem_loop_task task = *all;
   task.chunk = chunk;
@@ -153,12 +152,66 @@ static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all, const
   else
     m->wall_loops->walls(&task);
   d->work.chunk_flux[chunk] = task.flux;
-  if (integrator && d->work.nthread == 1) {
-    dem_time_spent(d->work.timers, DEM_PHASE_CONTACTS);
-    integrator->end(d, chunk, task.dt);
-    dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
-  }
   return task.touching;
+}
+
+/* The first chunk of thread t: threads get about the same number of pairs and particles. */
+static int first_chunk(const dem_data *d, int t) {
+  const int nchunk = d->lists.nchunk, nthread = d->work.nthread;
+  const size_t *pairs = d->lists.pairs.chunk, particle = 2; /* particle: its work, in pairs */
+  const size_t all = pairs[nchunk] + particle * DEM_CHUNK * (size_t)nchunk;
+  int c = 0;
+  while (c < nchunk && (pairs[c] + particle * DEM_CHUNK * (size_t)c) * (size_t)nthread < all * (size_t)t)
+    c++;
+  return c;
+}
+
+/* crossings from chunks before this one: places ascend with the pairs */
+static int crossings_before(const dem_data *d, int chunk) {
+  const dem_pairs *list = &d->lists.pairs;
+  if (chunk == 0)
+    return 0;
+  for (size_t k = list->chunk[chunk]; k < list->count; k++)
+    if (list->reaction_slot[k] > d->state.nparticle)
+      return list->reaction_slot[k] - dem_crossing_slot(d, 0);
+  return d->lists.crossings.count;
+}
+
+/* Forces of the chunks of thread t. A chunk's step is ended at once, while it is in the cache, when all that others add
+ * to it comes from chunks before it of the same thread. */
+static long thread_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator, int t) {
+  const dem_crossings *x = &d->lists.crossings;
+  const int first = first_chunk(d, t), end = first_chunk(d, t + 1), foreign = crossings_before(d, first);
+  dem_timers *timers = d->work.nthread == 1 ? d->work.timers : NULL;
+  long touching = 0;
+  for (int c = first; c < end; c++) {
+    touching += chunk_forces(d, c, all);
+    d->work.ended[c] = integrator && (x->chunk[c] == x->chunk[c + 1] || x->order[x->chunk[c]] >= foreign);
+    if (!d->work.ended[c])
+      continue;
+    dem_time_spent(timers, DEM_PHASE_CONTACTS);
+    integrator->end(d, c, all->dt);
+    dem_time_spent(timers, DEM_PHASE_INTEGRATION);
+  }
+  return touching;
+}
+
+/* Forces of all chunks, and the end of their step. One thread does not start OpenMP. */
+static long all_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
+  const int nthread = d->work.nthread;
+  if (nthread == 1)
+    return thread_forces(d, all, integrator, 0);
+  long touching = 0;
+#pragma omp parallel for schedule(static, 1) num_threads(nthread) reduction(+ : touching)
+  for (int t = 0; t < nthread; t++)
+    touching += thread_forces(d, all, integrator, t);
+  if (!integrator)
+    return touching;
+#pragma omp parallel for schedule(dynamic) num_threads(nthread)
+  for (int c = 0; c < d->lists.nchunk; c++)
+    if (!d->work.ended[c])
+      integrator->end(d, c, all->dt);
+  return touching;
 }
 
 void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {
@@ -170,17 +223,7 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
   d->work.among = true;
   const dem_loop_task all = {
       .model = m, .data = d, .settling = settling, .dt = dt, .share = share, .entry_force = dem_traction_entries(d)};
-  long touching = 0;
-  if (d->work.nthread == 1)
-    for (int c = 0; c < d->lists.nchunk; c++)
-      touching += chunk_forces(d, c, &all, integrator);
-  else
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) reduction(+ : touching)
-    for (int c = 0; c < d->lists.nchunk; c++)
-      touching += chunk_forces(d, c, &all, integrator);
-  if (integrator && d->work.nthread > 1)
-    end_chunks(d, integrator, dt);
-  d->state.ncontact = touching;
+  d->state.ncontact = all_forces(d, &all, integrator);
   if (m->energy)
     add_energy(d, share, dt);
   for (int b = 0; b < m->nload; b++) {
