@@ -12,8 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cpl_rule *const tables[] = {cpl_rules_exchange, cpl_rules_mbd,   cpl_rules_mobility, cpl_rules_dem,
-                                         cpl_rules_proxy,    cpl_rules_state, cpl_rules_faults};
+static const cpl_rule *const tables[] = {cpl_rules_exchange, cpl_rules_mbd,   cpl_rules_mobility, cpl_rules_ahead,
+                                         cpl_rules_dem,      cpl_rules_path,  cpl_rules_proxy,    cpl_rules_gravity,
+                                         cpl_rules_state,    cpl_rules_faults};
 enum { NTABLE = sizeof tables / sizeof tables[0] };
 
 static const char *const words[] = {

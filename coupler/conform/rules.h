@@ -42,8 +42,8 @@ typedef struct {
 enum { CPL_OF_MBD = 1 << CPL_MBD, CPL_OF_DEM = 1 << CPL_DEM, CPL_OF_BOTH = CPL_OF_MBD | CPL_OF_DEM };
 
 /* Tables, each ended by a row without a name. */
-extern const cpl_rule cpl_rules_exchange[], cpl_rules_mbd[], cpl_rules_mobility[], cpl_rules_dem[], cpl_rules_proxy[],
-    cpl_rules_state[], cpl_rules_faults[];
+extern const cpl_rule cpl_rules_exchange[], cpl_rules_mbd[], cpl_rules_mobility[], cpl_rules_ahead[], cpl_rules_dem[],
+    cpl_rules_path[], cpl_rules_proxy[], cpl_rules_gravity[], cpl_rules_state[], cpl_rules_faults[];
 
 /* The rule is broken; printf's arguments say what came. The first fault of a rule stays. */
 void cpl_broken(cpl_verdict *verdict, const char *expected, const char *format, ...)

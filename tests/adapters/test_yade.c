@@ -62,7 +62,7 @@ START_TEST(conforms) {
   setup();
   ck_assert_msg(command("tandem conform %s/scene.json --timeout 120 -- tandem-yade", dir) == 0, "%s", command_output);
   expect_output("as dem");
-  expect_output("0 broken, 11 not claimed, 0 not seen");
+  expect_output("0 broken, 14 not claimed, 1 not seen");
   teardown();
 }
 END_TEST

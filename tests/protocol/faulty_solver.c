@@ -14,6 +14,8 @@
  *   channel, unit, twin   announce a channel of the name or unit FAULT_TEXT, or two of one name
  *   further    announces "matched_load" as well, and returns such a coefficient
  *   counts     returns a RESULT with other counts           late    returns the RESULT of another window
+ *   checkpoint   announces "checkpoint"; FAULT_TEXT says what it does to it: forgets (reads nothing), remembers (in the
+ * process, not in the file), lenient (takes files that are not there), or nothing wrong
  *   view       announces "view"; its answers are as FAULT_TEXT says: garbage, empty, kind (a snapshot where a scenery
  * is due), bodies (more than the scenery has) wordy      logs a line, then reports ERROR              deaf    ignores
  * FINISH and SIGTERM
@@ -34,6 +36,7 @@ static uint64_t fault_window;
 static tdm_transport *transport;
 static tdm_frame frame;
 static int nbody, is_mbd;
+static double state = 1, remembered; /* of "checkpoint": all that its loads depend on */
 
 static int is(const char *name) {
   return strcmp(fault, name) == 0;
@@ -118,6 +121,8 @@ static void answer_step(const tdm_header *header) {
   fill(&r, step.window >= fault_window);
   if (is("nan") && step.window >= fault_window)
     r.load[0].force.y = NAN;
+  if (is("checkpoint"))
+    r.load[0].force.x = state = 1.5 * state + (double)step.nstep;
   if (is_extra() && step.window >= fault_window) {
     r.body[0].moment[2].force.z = is("moments") ? NAN : 0;
     r.body[0].work = is("work") ? NAN : 0;
@@ -149,6 +154,29 @@ static void answer_step(const tdm_header *header) {
   send_frame();
   tdm_frame_free(&step_store);
   tdm_frame_free(&result_store);
+}
+
+static void answer_checkpoint(const tdm_header *header) {
+  const char *text = getenv("FAULT_TEXT") ? getenv("FAULT_TEXT") : "";
+  json_t *question = NULL;
+  tdm_control_read(header, &question, NULL);
+  const char *name = json_string_value(json_object_get(question, "file"));
+  const int writes = strcmp(json_string_value(json_object_get(question, "mode")), "write") == 0;
+  FILE *file = fopen(name, writes ? "wb" : "rb");
+  double kept = state;
+  const int good = file && (writes ? fwrite(&kept, sizeof kept, 1, file) : fread(&kept, sizeof kept, 1, file)) == 1;
+  if (file)
+    fclose(file);
+  if (strcmp(text, "remembers") == 0 && writes)
+    remembered = state;
+  if (!writes && strcmp(text, "forgets") != 0)
+    state = strcmp(text, "remembers") == 0 ? remembered : kept;
+  if (good || strcmp(text, "lenient") == 0)
+    send_json(TDM_CHECKPOINT, json_incref(question));
+  else
+    send_json(TDM_ERROR, json_pack("{s:s, s:s, s:s}", "status", "TDM_ERR_FILE", "path", "", "message", "no such file"));
+  json_decref(question);
+  send_frame();
 }
 
 static void answer_view(const tdm_header *header) {
@@ -231,8 +259,8 @@ int main(int argc, char **argv) {
     return 2;
   json_t *capabilities = is("further") ? json_pack("[s, s, s, s]", "interface", "energy", "proxy", "matched_load")
                          : is_extra()  ? json_pack("[s, s]", "interface", "energy")
-                         : is("view")  ? json_pack("[s]", "view")
-                                       : json_array();
+                         : is("view") || is("checkpoint") ? json_pack("[s]", fault)
+                                                          : json_array();
   send_json(TDM_HELLO, json_pack("{s:s, s:s, s:s, s:o}", "name", "faulty", "role", is_mbd ? "mbd" : "dem", "software",
                                  "faulty 1.0", "capabilities", capabilities));
   if (!window)
@@ -257,6 +285,8 @@ int main(int argc, char **argv) {
       answer_assign(&header);
     if (header.type == TDM_VIEW)
       answer_view(&header);
+    if (header.type == TDM_CHECKPOINT)
+      answer_checkpoint(&header);
     if (header.type == TDM_STEP)
       answer_step(&header);
     if ((header.type == TDM_FINISH || header.type == TDM_ERROR) && !is("deaf"))

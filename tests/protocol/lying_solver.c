@@ -77,6 +77,12 @@ static tdm_status create(void **self, const tdm_assignment *given, tdm_ready *re
     ((double *)ready->initial)[0] = 1e300;
   if (is("ready load"))
     ((tdm_wrench *)ready->load)[0].force.x = -1e151;
+  static const tdm_vec3 moon = {0, 0, -1.62};
+  static const bool all[4] = {true, true, true, true};
+  if (is("is on the moon"))
+    ready->gravity = &moon;
+  if (is("prescribes"))
+    ready->prescribed = all;
   if (is("starts"))
     ((tdm_wrench *)ready->load)[0].force.x = 1e5;
   return TDM_OK;
@@ -133,6 +139,16 @@ static void spoil_of_dem(tdm_result *r) {
 
 /* ---- what looks right ---- */
 
+/* A path ahead that is not the one that comes. */
+static void bend_path(tdm_nodes *path) {
+  for (int k = 0; k + 1 < path->nnode && is("strays ahead"); k++) /* but at its end */
+    path->state[k * path->nbody].pose.position.z += 1e-3;
+  for (int k = 0; k < path->nnode && is("turns ahead"); k++)
+    path->state[k * path->nbody].twist.angular.y += 1;
+  if (is("tells no path"))
+    path->nnode = 0;
+}
+
 static void bend_of_mbd(const tdm_step *in, tdm_result *r) {
   if (r->has_mobility)
     bend_model(&r->mobility);
@@ -152,6 +168,7 @@ static void bend_of_mbd(const tdm_step *in, tdm_result *r) {
       r->acceleration[k] *= 0.5;
   if (is("works twice"))
     r->energy->exchanged *= 2;
+  bend_path(&r->path);
 }
 
 static void bend_of_dem(tdm_result *r) {
@@ -228,6 +245,12 @@ static tdm_status step(void *self, const tdm_step *given, tdm_result *r, tdm_err
   if (is("straight"))
     bent.path.nnode = 0;
   tdm_state ends[2][4];
+  if (is("turns at once") && in->path.nnode == 1) /* rates of rotation vectors that are angular velocities */
+    for (int i = 0; i < 4 && i < in->nbody; i++) {
+      tdm_state *last = &bent.path.state[i];
+      const tdm_vec3 turn = tdm_quat_turn(in->start[i].pose.orientation, last->pose.orientation);
+      last->twist.angular = tdm_axpy(0.5, tdm_cross(turn, last->twist.angular), last->twist.angular);
+    }
   if (is("stiff"))
     for (int i = 0; i < 4 && i < in->nstate; i++) {
       ends[0][i] = in->start[i];

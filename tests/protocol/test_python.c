@@ -49,12 +49,12 @@ START_TEST(dummies_conform) {
                     0,
                 "%s", command_output);
   expect_output("as mbd");
-  expect_output("0 broken, 4 not claimed, 3 not seen");
+  expect_output("0 broken, 7 not claimed, 4 not seen");
   ck_assert_msg(command("tandem conform %s/scene.json -- " TANDEM_PYTHON " " TANDEM_PYTHON_DIR "/dummy_dem.py", dir) ==
                     0,
                 "%s", command_output);
   expect_output("as dem");
-  expect_output("0 broken, 10 not claimed, 2 not seen");
+  expect_output("0 broken, 13 not claimed, 3 not seen");
   teardown();
 }
 END_TEST

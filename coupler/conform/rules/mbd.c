@@ -309,49 +309,6 @@ static void test_mobility(cpl_candidate *c, cpl_verdict *v) {
   cpl_meeting_drop(&m);
 }
 
-/* The path ahead, under the load held, is the one that the next window takes. */
-static void test_ahead(cpl_candidate *c, cpl_verdict *v) {
-  cpl_meeting m;
-  tdm_result r;
-  if (!cpl_meeting_open(&m, c, v))
-    return;
-  const int n = m.settings.nbody;
-  tdm_wrench *load = calloc(3 * (size_t)n + 1, sizeof *load), *ramp = load + n; /* (nbody), (nbody x 2) */
-  tdm_state *told = calloc((size_t)n + 1, sizeof *told);
-  for (int i = 0; load && i < n && isfinite(m.session.body[i].mass); i++)
-    load[i].force = ramp[2 * i + 1].force =
-        tdm_v3(m.session.body[i].mass, m.session.body[i].mass, m.session.body[i].mass);
-  tdm_step step = cpl_meeting_next(&m, 5);
-  step.load = ramp;
-  step.nload = 2;
-  step.ahead = step.t1 + (step.t1 - step.t0);
-  bool good = load && told && cpl_meeting_solve(&m, &step, &r);
-  const int nnode = good ? r.path.nnode : 0;
-  const double until = nnode > 0 ? r.path.time[nnode - 1] : 0, from = step.t1;
-  if (nnode > 0)
-    memcpy(told, r.path.state + (size_t)(nnode - 1) * (size_t)n, (size_t)n * sizeof *told);
-  if (good && nnode == 0) {
-    cpl_not_seen(v, "the accelerations tell the path of this scene, so none is told");
-  } else if (good) {
-    step = cpl_meeting_next(&m, 5);
-    step.load = load;
-    step.nload = 1;
-    step.nsample = 1;
-    step.sample_time = &until;
-    good = cpl_meeting_solve(&m, &step, &r);
-  }
-  for (int i = 0; good && nnode > 0 && i < n; i++) {
-    const double off = tdm_norm(tdm_sub(told[i].pose.position, r.sample_state[i].pose.position));
-    const double way = (until - from) * tdm_norm(told[i].twist.velocity);
-    if (off > close * way + 1e-9)
-      cpl_broken(v, "the path ahead to be the one that it then takes", "body %d is %g m off, after a way of %g m", i,
-                 off, way);
-  }
-  free(load);
-  free(told);
-  cpl_meeting_drop(&m);
-}
-
 const cpl_rule cpl_rules_mbd[] = {{.name = "load",
                                    .section = "5",
                                    .roles = CPL_OF_MBD,
@@ -391,10 +348,4 @@ const cpl_rule cpl_rules_mbd[] = {{.name = "load",
                                    .capability = "energy",
                                    .text = "without load no energy is gained, gravity's counted",
                                    .test = test_energy},
-                                  {.name = "ahead",
-                                   .section = "8",
-                                   .roles = CPL_OF_MBD,
-                                   .capability = "ahead",
-                                   .text = "the path ahead is the one that it takes",
-                                   .test = test_ahead},
                                   {.name = NULL}};

@@ -3,6 +3,7 @@
 #include "coupler/conform/meeting.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,7 @@ static bool some(cpl_meeting *m, way how, int w, tdm_result *r) {
   const double time = step.t0 + 0.6 * (step.t1 - step.t0); /* what is summed up since then is part of the state */
   step.sample_time = &time;
   step.nsample = 1;
+  step.seen = cpl_claims(m->candidate, "view");
   for (int i = 0; i < n; i++) {
     const tdm_vec3 velocity = {0.01, 0, -0.01};
     start[i] = m->session.body[i].state;
@@ -79,6 +81,31 @@ static bool save_or_restore(cpl_meeting *m, bool save, int slot) {
   return err.status == TDM_OK;
 }
 
+static bool has_room(const cpl_meeting *m) {
+  if (m->settings.nbody > BODIES_MAX)
+    cpl_not_seen(m->verdict, "the scene has more coupled bodies than this test takes: 64");
+  return m->settings.nbody <= BODIES_MAX;
+}
+
+/* Three windows from `step` on, their arrays in *kept; a slot is saved on the way if `saves`. */
+static bool go_on(cpl_meeting *m, way how, uint64_t window, uint64_t step, bool saves, tdm_frame *kept) {
+  tdm_result r;
+  bool good = true;
+  m->window = window;
+  m->step = step;
+  for (int w = 1; good && w < 4; w++)
+    good = some(m, how, w, &r) && keep(m, kept) && (!saves || w != 2 || save_or_restore(m, true, 15));
+  return good;
+}
+
+static void compare(cpl_verdict *v, const char *expected, const tdm_frame *first, const tdm_frame *again) {
+  size_t at = 0;
+  while (at < first->size && at < again->size && first->data[at] == again->data[at])
+    at++;
+  if (at < first->size || at < again->size)
+    cpl_broken(v, expected, "they differ from byte %zu of %zu on", at, first->size);
+}
+
 /* Save, go on, go back, go on the same way: the same bits, also with a second slot between. */
 static void repeat(cpl_candidate *c, way how, cpl_verdict *v) {
   cpl_meeting m;
@@ -86,26 +113,12 @@ static void repeat(cpl_candidate *c, way how, cpl_verdict *v) {
   tdm_frame first = {0}, again = {0};
   if (!cpl_meeting_open(&m, c, v))
     return;
-  if (m.settings.nbody > BODIES_MAX) {
-    cpl_not_seen(v, "the scene has more coupled bodies than this test takes: 64");
-    cpl_meeting_drop(&m);
-    return;
-  }
-  bool good = some(&m, how, 0, &r) && save_or_restore(&m, true, 3);
+  bool good = has_room(&m) && some(&m, how, 0, &r) && save_or_restore(&m, true, 3);
   const uint64_t window = m.window, step = m.step;
-  for (int w = 1; good && w < 4; w++)
-    good = some(&m, how, w, &r) && keep(&m, &first) && (w != 2 || save_or_restore(&m, true, 15));
-  good = good && save_or_restore(&m, false, 3);
-  m.window = window;
-  m.step = step;
-  for (int w = 1; good && w < 4; w++)
-    good = some(&m, how, w, &r) && keep(&m, &again);
-  if (good && (first.size != again.size || memcmp(first.data, again.data, first.size) != 0)) {
-    size_t at = 0;
-    while (at < first.size && at < again.size && first.data[at] == again.data[at])
-      at++;
-    cpl_broken(v, "the same bits after RESTORE as after SAVE", "they differ from byte %zu of %zu on", at, first.size);
-  }
+  good = good && go_on(&m, how, window, step, true, &first) && save_or_restore(&m, false, 3) &&
+         go_on(&m, how, window, step, false, &again);
+  if (good)
+    compare(v, "the same bits after RESTORE as after SAVE", &first, &again);
   free(first.data);
   free(again.data);
   if (good)
@@ -130,6 +143,75 @@ static void test_empty_slot(cpl_candidate *c, cpl_verdict *v) {
   else if (err.status == TDM_ERR_LOST || err.status == TDM_ERR_TIMEOUT)
     cpl_broken(v, "ERROR to a RESTORE of a slot that nothing was saved under", "%s", err.message);
   cpl_meeting_drop(&m);
+}
+
+/* ---- checkpoints ---- */
+
+/* CHECKPOINT of a file, and its answer. */
+static tdm_status checkpoint(cpl_meeting *m, const char *mode, const char *file, tdm_error *err) {
+  tdm_header header;
+  tdm_frame frame = {0};
+  json_t *question = json_pack("{s:s, s:s}", "file", file, "mode", mode), *answer = NULL;
+  if (tdm_control_write(&frame, TDM_CHECKPOINT, 0, question, err) == TDM_OK && cpl_meeting_send(m, &frame) &&
+      cpl_session_wait(&m->session, m->candidate->role, TDM_CHECKPOINT, &header, err) == TDM_OK &&
+      tdm_control_read(&header, &answer, err) == TDM_OK && !json_equal(question, answer))
+    tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "an answer without \"file\" and \"mode\" as they were asked for");
+  json_decref(question);
+  json_decref(answer);
+  tdm_frame_free(&frame);
+  return err->status;
+}
+
+static bool write_or_read(cpl_meeting *m, const char *mode, const char *file) {
+  tdm_error err = {0};
+  if (checkpoint(m, mode, file, &err) != TDM_OK)
+    cpl_broken(m->verdict, "an answer to CHECKPOINT", "%s: %s", mode, err.message);
+  return err.status == TDM_OK;
+}
+
+/* Write, go on, read, go on the same way; and in another process, which reads before its first window. */
+static void test_checkpoint(cpl_candidate *c, cpl_verdict *v) {
+  char file[512];
+  cpl_meeting m;
+  tdm_result r;
+  tdm_frame first = {0}, again = {0}, elsewhere = {0};
+  snprintf(file, sizeof file, "%s/checkpoint", c->dir);
+  if (!cpl_meeting_open(&m, c, v))
+    return;
+  bool good = has_room(&m) && some(&m, ALONG, 0, &r) && write_or_read(&m, "write", file);
+  const uint64_t window = m.window, step = m.step;
+  good = good && go_on(&m, ALONG, window, step, false, &first) && write_or_read(&m, "read", file) &&
+         go_on(&m, ALONG, window, step, false, &again);
+  cpl_meeting_drop(&m);
+  if (good)
+    compare(v, "the same bits after a checkpoint is read as after it was written", &first, &again);
+  if (good && cpl_meeting_open(&m, c, v)) {
+    if (write_or_read(&m, "read", file) && go_on(&m, ALONG, window, step, false, &elsewhere))
+      compare(v, "the same bits in a run that continues from a checkpoint as in the one that wrote it", &first,
+              &elsewhere);
+    cpl_meeting_drop(&m);
+  }
+  remove(file);
+  free(first.data);
+  free(again.data);
+  free(elsewhere.data);
+}
+
+static void test_no_checkpoint(cpl_candidate *c, cpl_verdict *v) {
+  static const char *const modes[] = {"read", "write"};
+  char file[512];
+  snprintf(file, sizeof file, "%s/no_such_folder/checkpoint", c->dir);
+  for (int k = 0; k < 2; k++) {
+    cpl_meeting m;
+    tdm_error err = {0};
+    if (!cpl_meeting_open(&m, c, v))
+      return;
+    if (checkpoint(&m, modes[k], file, &err) == TDM_OK)
+      cpl_broken(v, "ERROR to a CHECKPOINT of a file that cannot be", "CHECKPOINT (%s)", modes[k]);
+    else if (err.status == TDM_ERR_LOST || err.status == TDM_ERR_TIMEOUT)
+      cpl_broken(v, "ERROR to a CHECKPOINT of a file that cannot be", "%s: %s", modes[k], err.message);
+    cpl_meeting_drop(&m);
+  }
 }
 
 /* ---- views ---- */
@@ -224,6 +306,18 @@ const cpl_rule cpl_rules_state[] = {{.name = "restore",
                                      .capability = "restore",
                                      .text = "RESTORE of an empty slot is an ERROR",
                                      .test = test_empty_slot},
+                                    {.name = "checkpoint",
+                                     .section = "9",
+                                     .roles = CPL_OF_BOTH,
+                                     .capability = "checkpoint",
+                                     .text = "a run goes on from its checkpoint bit for bit",
+                                     .test = test_checkpoint},
+                                    {.name = "checkpoint.none",
+                                     .section = "9",
+                                     .roles = CPL_OF_BOTH,
+                                     .capability = "checkpoint",
+                                     .text = "a CHECKPOINT that cannot be is an ERROR",
+                                     .test = test_no_checkpoint},
                                     {.name = "view",
                                      .section = "10",
                                      .roles = CPL_OF_BOTH,
