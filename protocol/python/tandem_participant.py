@@ -14,6 +14,7 @@ Numbers are plain lists of floats: a state is 13 of them (position, quaternion w
 load 6 (force, moment about the centre of mass); SI units, world axes. An exception inside the block becomes ERROR, with
 its text, and exit status 1.
 """
+import copy
 import json
 import math
 import signal
@@ -32,6 +33,7 @@ STEP_HEAD = struct.Struct("<ddQIIIIHHI")  # t0 t1 nstep, nbody nstate nload nsam
 RESULT_HEAD = struct.Struct("<ddIIIIIHH")
 HEARTBEAT_S = 0.5
 FRAME_MAX = 64 * 1024 * 1024
+REMARKS_MAX = 256
 EXTRAS = ["acceleration", "mobility", "interface", "energy", "matched_load"]  # flag 1 << k in RESULT
 
 
@@ -134,6 +136,8 @@ class Participant:
         self._keeper = None
         self._channels = 0
         self._begin = None
+        self.assignment = None
+        self._remarks, self._remarks_changed, self._remarks_kept = {}, False, {}
         self._send_json(HELLO, {"name": name or role, "role": role, "software": software,
                                 "capabilities": list(capabilities)})
 
@@ -159,6 +163,11 @@ class Participant:
 
     def _send_json(self, kind, message):
         self._send(kind, json.dumps(message, allow_nan=False).encode())
+
+    def _send_remarks(self):
+        if self._remarks_changed and self.assignment and self.assignment.remarks:
+            self._send_json(REMARKS, {"remarks": list(self._remarks.values())})
+            self._remarks_changed = False
 
     def _receive(self):
         """The next message that is no HEARTBEAT: its type and payload."""
@@ -207,8 +216,20 @@ class Participant:
         channels: {"name", "unit", "initial"}; more: acceleration, mobility, rest, energy, gravity ... as section 4 has
         them."""
         self._channels = len(channels)
+        self._send_remarks()
         self._send_json(READY, {"bodies": list(bodies), "loads": list(loads), "channels": list(channels),
                                 "warnings": list(warnings), "report": report or {}, **more})
+
+    def remark(self, event, message, level="notice", path="", t=None):
+        """What the user should know and what does not end the run: a "warning" makes results doubtful. path: in the
+        scene; t [s]. An event that comes again is counted; the first one's words stay. Goes before the next message."""
+        if event not in self._remarks and len(self._remarks) == REMARKS_MAX:
+            return
+        entry = self._remarks.setdefault(event, {"event": event, "level": level, "path": path, "message": message,
+                                                 "count": 0, "first_s": t})
+        entry["count"] += 1
+        entry["last_s"] = t
+        self._remarks_changed = True
 
     def keep(self, save, restore):
         """With the capability "restore": save(slot) and restore(slot) are called between windows; a KeyError of restore
@@ -235,6 +256,10 @@ class Participant:
             self._keeper[0 if kind == SAVE else 1](slot)
         except KeyError:
             raise ProtocolError("nothing was saved in slot %d" % slot) from None
+        if kind == SAVE:
+            self._remarks_kept[slot] = copy.deepcopy(self._remarks)
+        else:
+            self._remarks, self._remarks_changed = copy.deepcopy(self._remarks_kept[slot]), True
         self._send_json(kind, {"slot": slot})
 
     def _read_step(self, payload):
@@ -308,6 +333,7 @@ class Participant:
         values = [float(x) for part in parts for row in part for x in row]
         head = RESULT_HEAD.pack(r.t, time.monotonic() - self._begin, n, len(r.state), 1 if self.role == "dem" else 0,
                                 r.nsample, self._channels, flags, nfree)
+        self._send_remarks()
         self._send(RESULT, head + struct.pack("<%dd" % len(values), *values))
 
     def alive(self):
@@ -325,6 +351,7 @@ class Participant:
         if kind is not None and kind is not _Finished and kind is not _Given:
             status, path = getattr(error, "status", "TDM_ERR_SYSTEM"), getattr(error, "path", "")
             text = str(error) if isinstance(error, ProtocolError) else "%s: %s" % (kind.__name__, error)
+            self._send_remarks()
             self._send_json(ERROR, {"status": status, "path": path, "message": text})
             print(text, file=sys.stderr)
         self._socket.close()

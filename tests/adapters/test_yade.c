@@ -97,6 +97,7 @@ static pair compare(const char *name) {
 START_TEST(moves_as_with_own_dem) {
   setup();
   ck_assert_msg(run("") == 0, "%s", command_output);
+  expect_output("coupling.bodies: Yade's contact laws take coupled bodies for walls of infinite mass");
   ck_assert_msg(is_there(dir, "out", "dem.csv"), "no channels");
   ck_assert_msg(command("tandem run %s/scene.json --out %s/own " OWN_DEM, dir, dir) == 0, "%s", command_output);
   static const char *const loads[] = {"fz", "mx", "my"};
@@ -142,6 +143,15 @@ static const struct {
     {"O.engines[3].mask = 8\n", "", {"coupling.bodies[0].dem", "not where it was moved to"}},
     {"O.engines += [PyRunner(command='1 / 0', iterPeriod=20)]\n", "", {"an engine of Yade failed", "ZeroDivision"}},
     {"O.engines += [PyRunner(command='O.pause()', iterPeriod=20)]\n", "", {"Yade has ended the simulation"}},
+    /* one member among others, in a list and in a clump */
+    {"O.engines += [TranslationEngine(ids=ids[1:], translationAxis=(1, 0, 0), velocity=1)]\n",
+     "",
+     {"coupling.bodies[0].dem", "has body 1 of", "not where it was moved to"}},
+    {"two = [sphere((x, 0, -1), 0.05, material=m) for x in (0, 0.2)]\nids, parts = O.bodies.appendClumped(two)\n"
+     "coupled = {'plate': [0, ids]}\n"
+     "O.engines += [PyRunner(command='O.bodies[parts[1]].state.pos += (0, 0, 1e-3)', iterPeriod=1)]\n",
+     "",
+     {"coupling.bodies[0].dem", "not where it was moved to"}},
     {"O.bodies[2].state.pos = Vector3(0.2, 0.3, float('nan'))\n", "", {"finite"}},
     {"ids = O.bodies.append(wall(0, axis=2))\ncoupled = {'plate': [ids]}\n", "", {"it turns", "Wall"}},
     {"while True: pass\n", "--set coupling.timeout=5", {"no answer for 5 s"}},

@@ -101,6 +101,30 @@ START_TEST(faults_are_named) {
 }
 END_TEST
 
+/* A solver that remarks something in each of its 20 windows. */
+static const char chatty[] = "import sys\n"
+                             "from tandem_participant import Participant\n"
+                             "with Participant.from_arguments('dem', 'chatty 1') as p:\n"
+                             "    a = p.initialize()\n"
+                             "    p.ready(loads=[[0.0] * 6 for _ in a.bodies])\n"
+                             "    for step in p.steps():\n"
+                             "        p.remark('dust', 'it is dusty', 'warning', 'dem', step.t0)\n"
+                             "        p.advance(p.result(step))\n";
+
+START_TEST(remarks_are_told) {
+  char options[512];
+  setup();
+  write_file(dir, "chatty.py", chatty);
+  snprintf(options, sizeof options, "--set 'coupling.solvers.dem=" TANDEM_PYTHON " %s/chatty.py' --set coupling.n=100",
+           dir);
+  setenv("PYTHONPATH", TANDEM_PYTHON_DIR, 1);
+  ck_assert_msg(run(options) == 0, "%s", command_output);
+  expect_output("warning: dem: it is dusty");
+  expect_output("20 times, from t = 0 s to 1.9 s, first at dem");
+  teardown();
+}
+END_TEST
+
 START_TEST(poses) {
   ck_assert_msg(command("env PYTHONPATH=" TANDEM_PYTHON_DIR " " TANDEM_PYTHON " " TANDEM_TESTS_DIR
                         "/protocol/python_poses.py") == 0,
@@ -109,4 +133,4 @@ START_TEST(poses) {
 }
 END_TEST
 
-TEST_MAIN("python", dummies_conform, a_run_of_two, with_own_solvers, faults_are_named, poses)
+TEST_MAIN("python", dummies_conform, a_run_of_two, with_own_solvers, faults_are_named, remarks_are_told, poses)

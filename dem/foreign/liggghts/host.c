@@ -27,6 +27,8 @@ typedef struct {
 static struct {
   void *lammps; /* NULL: not started */
   int rank, ranks;
+  MPI_Comm errors;              /* of lines that other ranks send to rank 0 */
+  bool hears;                   /* rank 0's thread may take them */
   tdm_participant *participant; /* rank 0's */
   pthread_t pulse;
   bool pulses, ends;
@@ -37,6 +39,7 @@ static struct {
   char last[LINE]; /* line that it has printed, or begun */
   size_t length;   /* of what it has begun */
   char before[LINE];
+  char failure[LINE];            /* an error of another rank, "" if there is none */
   unsigned long printed, orders; /* bytes; orders so far */
   void (*listener)(void *arg, const char *line);
   void *listener_arg;
@@ -45,22 +48,53 @@ static struct {
 
 /* ---- the end that LIGGGHTS makes ---- */
 
-/* Send an error to the server, and leave: LIGGGHTS cannot go on. The lock is held. */
-static void give_up(const char *format, ...) __attribute__((noreturn, format(printf, 1, 2)));
+/* The kind of an error: of the scene, where it lies somewhere in it. */
+static tdm_status blame(void) {
+  return host.path[0] ? TDM_ERR_SCENE : TDM_ERR_NUMERIC;
+}
 
-static void give_up(const char *format, ...) {
-  tdm_error err = {0};
-  char message[TDM_MESSAGE_MAX], quoted[TDM_MESSAGE_MAX];
-  va_list args;
-  va_start(args, format);
-  vsnprintf(message, sizeof message, format, args);
-  va_end(args);
-  tdm_utf8_clean(message);
-  tdm_fail(&err, host.path[0] ? TDM_ERR_SCENE : TDM_ERR_NUMERIC, host.path, "%s", message);
-  tdm_log(TDM_LOG_ERROR, "liggghts", "message=%s", tdm_log_quote(quoted, sizeof quoted, message));
-  tdm_participant_finalize(&host.participant, &err);
+/* Send an error to the server, and leave: LIGGGHTS cannot go on. The lock is held. */
+static void give_up(tdm_error *err) __attribute__((noreturn));
+
+static void give_up(tdm_error *err) {
+  char quoted[TDM_MESSAGE_MAX];
+  tdm_log(TDM_LOG_ERROR, "liggghts", "message=%s", tdm_log_quote(quoted, sizeof quoted, err->message));
+  tdm_participant_finalize(&host.participant, err);
   fflush(stderr);
   _exit(1); /* under mpirun this ends the other ranks too */
+}
+
+/* By an error that LIGGGHTS has printed, on whatever rank. */
+static void give_up_by(const char *line) __attribute__((noreturn));
+
+static void give_up_by(const char *line) {
+  tdm_error err = {0};
+  tdm_fail(&err, blame(), host.path, "LIGGGHTS: %.500s%s%.300s", line, host.before[0] ? "; the line before: " : "",
+           host.before);
+  give_up(&err);
+}
+
+/* Another rank than 0: rank 0 tells the server, which ends this process; else LIGGGHTS does, after a while. */
+static void send_failure(const char *line) {
+  const double end = tdm_clock() + 5;
+  MPI_Request request;
+  int there = 0;
+  MPI_Isend((void *)line, (int)strlen(line) + 1, MPI_CHAR, 0, 0, host.errors, &request);
+  while (tdm_clock() < end) {
+    MPI_Test(&request, &there, MPI_STATUS_IGNORE); /* also where it has gone: rank 0 may not have taken it yet */
+    nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+  }
+}
+
+/* Rank 0: an error that another rank has sent. The lock is held. */
+static void hear_failure(void) {
+  int there = 0;
+  MPI_Status status;
+  if (!host.hears || host.failure[0] || MPI_Iprobe(MPI_ANY_SOURCE, 0, host.errors, &there, &status) != MPI_SUCCESS ||
+      !there)
+    return;
+  MPI_Recv(host.failure, LINE, MPI_CHAR, status.MPI_SOURCE, 0, host.errors, MPI_STATUS_IGNORE);
+  host.failure[LINE - 1] = 0;
 }
 
 /* LIGGGHTS' own errors: "ERROR: what (../file.cpp:12)", "ERROR on proc 1: …". */
@@ -77,10 +111,10 @@ static bool is_warning(const char *line) {
 static void heard(char *line) {
   if (host.aloud || is_error(line) || is_warning(line))
     dprintf(1, "%s\n", line);
-  if (is_error(line) && host.before[0])
-    give_up("LIGGGHTS: %.500s; the line before: %.300s", line, host.before);
+  if (is_error(line) && host.rank > 0)
+    send_failure(line);
   else if (is_error(line))
-    give_up("LIGGGHTS: %.700s", line);
+    give_up_by(line);
   if (is_warning(line))
     tdm_remark(TDM_WARNING, "liggghts", host.path, NAN, "LIGGGHTS: %.700s", line);
   if (!host.aloud)
@@ -112,8 +146,11 @@ static ssize_t hear(void *cookie, const char *text, size_t size) {
 
 static void on_exit_in_order(void) {
   pthread_mutex_lock(&host.lock);
-  if (host.rank == 0 && host.doing)
-    give_up("LIGGGHTS ended the process in: %.500s", host.doing);
+  if (host.rank == 0 && host.doing) {
+    tdm_error err = {0};
+    tdm_fail(&err, blame(), host.path, "LIGGGHTS ended the process in: %.500s", host.doing);
+    give_up(&err);
+  }
   pthread_mutex_unlock(&host.lock);
 }
 
@@ -135,6 +172,9 @@ static void *pulse(void *argument) {
     nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
     pthread_mutex_lock(&host.lock);
     ends = host.ends;
+    hear_failure();
+    if (host.failure[0] && host.doing)
+      give_up_by(host.failure);
     const unsigned long now = ends || !host.doing ? before : progress();
     const bool lives = now != before;
     before = now;
@@ -151,6 +191,8 @@ static void work_begins(const char *what) {
   if (host.rank > 0)
     return;
   pthread_mutex_lock(&host.lock);
+  if (host.failure[0])
+    give_up_by(host.failure);
   host.doing = what;
   host.orders++;
   host.before[0] = 0;
@@ -228,8 +270,20 @@ static void wait_for_order(order *o) {
       nanosleep(&(struct timespec){.tv_nsec = 20000}, NULL);
 }
 
+/* LIGGGHTS takes a stream of ours as its screen; without a screen it crashes when it reads a mesh. */
+static tdm_status listen_to_lammps(tdm_error *err) {
+  FILE *stream = fopencookie(NULL, "w", (cookie_io_functions_t){.write = hear});
+  if (!stream)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
+  setvbuf(stream, NULL, _IOLBF, LINE);
+  fflush(stdout);
+  stdout = stream;
+  return TDM_OK;
+}
+
 void lig_host_follow(void) {
   static order o;
+  listen_to_lammps(NULL);
   do {
     wait_for_order(&o);
     obey(&o);
@@ -241,21 +295,19 @@ void lig_host_follow(void) {
 
 int lig_host_begin(int *argc, char ***argv, int *ranks) {
   int threads;
-  MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &threads);
+  MPI_Init_thread(argc, argv, MPI_THREAD_MULTIPLE, &threads);
   MPI_Comm_rank(MPI_COMM_WORLD, &host.rank);
   MPI_Comm_size(MPI_COMM_WORLD, &host.ranks);
+  MPI_Comm_dup(MPI_COMM_WORLD, &host.errors);
+  host.hears = threads == MPI_THREAD_MULTIPLE && host.ranks > 1;
   *ranks = host.ranks;
   return host.rank;
 }
 
 tdm_status lig_host_open(tdm_participant *participant, tdm_error *err) {
-  FILE *stream = fopencookie(NULL, "w", (cookie_io_functions_t){.write = hear});
   host.participant = participant;
-  if (!stream)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "out of memory");
-  setvbuf(stream, NULL, _IOLBF, LINE);
-  fflush(stdout);
-  stdout = stream; /* LIGGGHTS takes it as its screen; without one it crashes when it reads a mesh */
+  if (listen_to_lammps(err) != TDM_OK)
+    return err->status;
   if (pthread_create(&host.pulse, NULL, pulse, NULL) != 0)
     return tdm_fail(err, TDM_ERR_SYSTEM, NULL, "cannot start a thread");
   host.pulses = true;

@@ -1,9 +1,10 @@
 /* LIGGGHTS, which this process hosts by its C library; one, on all ranks of an MPI program.
  *
  * Rank 0 is the participant, and what it orders here all ranks do: the others are in lig_host_follow until the end.
- * LIGGGHTS ends the process when something is wrong; what it says then goes to the server as ERROR before that. While
- * it gets on (it prints, or its steps go by), a thread gives the server signs of life, and ends the process when the
- * server is gone or wants no more. When LIGGGHTS hangs the server hears nothing, and ends it after coupling.timeout.
+ * LIGGGHTS ends the process when something is wrong; what it says then, on any rank, goes to the server as ERROR before
+ * that. While it gets on (it prints, or its steps go by), a thread gives the server signs of life, and ends the process
+ * when the server is gone or wants no more. When LIGGGHTS hangs the server hears nothing, and ends it after
+ * coupling.timeout.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_FOREIGN_LIGGGHTS_HOST_H

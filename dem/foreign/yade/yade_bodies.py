@@ -10,6 +10,7 @@ from tandem_participant import SceneError
 AXES = [Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)]
 ROUNDING = 1e-12  # what poses may be off by before they are set again, of their size [1]
 ASTRAY = 1e-6     # the same, for another hand that moves the body
+CHECKED = 100     # members that are looked at after a window
 
 
 def turn_between(a, b):
@@ -27,11 +28,13 @@ class CoupledBody:
         self.moved, self.loaded = self._resolve(ids, script)
         self.position, self.orientation = Vector3(*state[0:3]), Quaternion(*state[3:7])
         back = self.orientation.conjugate()
-        self.places = []  # (id, position from the centre of mass, orientation), body axes
+        self.places = []  # (id, position from the centre of mass, orientation), body axes; members of clumps too
+        for i in dict.fromkeys(self.moved + self.loaded):
+            state = O.bodies[i].state
+            self.places.append((i, back * (state.pos - self.position), back * state.ori))
         for i in self.moved:
-            body = O.bodies[i]
-            body.dynamic = False
-            self.places.append((i, back * (body.state.pos - self.position), back * body.state.ori))
+            O.bodies[i].dynamic = False
+        self.next = None  # member from which the next check goes on; None: all
         self.walls = [O.bodies[i].shape.axis for i in self.moved if type(O.bodies[i].shape).__name__ == "Wall"]
         self.start = self.orientation
         self.translation, self.rotation = TranslationEngine(), RotationEngine(rotateAroundZero=True)
@@ -71,11 +74,8 @@ class CoupledBody:
         """Set it somewhere, without a velocity of that."""
         self.position, self.orientation = position, orientation
         for i, place, turn in self.places:
-            body = O.bodies[i]
-            body.state.pos, body.state.ori = position + orientation * place, orientation * turn
-            for k, (at, ori) in (body.shape.members.items() if body.isClump else ()):
-                O.bodies[k].state.pos = body.state.pos + body.state.ori * at
-                O.bodies[k].state.ori = body.state.ori * ori
+            state = O.bodies[i].state
+            state.pos, state.ori = position + orientation * place, orientation * turn
 
     def begin(self, start, end, dt, nstep):
         """A window from state to state: the turn is the same in each of its steps."""
@@ -103,8 +103,19 @@ class CoupledBody:
         self.position, self.orientation = position, Quaternion(axis, k * angle) * first
 
     def check(self):
-        """After a window: whether Yade has moved it, and nobody else."""
-        i, place, turn = self.places[0]
+        """After a window: whether Yade has moved it, and nobody else. All members are looked at in the first window, then
+        up to CHECKED in each, in turn."""
+        astray = max(self._stray(*self.places[k]) for k in self._next_members())
+        if astray > ROUNDING:
+            self.put(self.position, self.orientation)
+
+    def _next_members(self):
+        n = len(self.places)
+        first, self.next = self.next, 0 if self.next is None else (self.next + CHECKED) % n
+        return range(n) if first is None else [(first + k) % n for k in range(min(n, CHECKED))]
+
+    def _stray(self, i, place, turn):
+        """How far a member is from where it should be, of its size [1]."""
         state = O.bodies[i].state
         off = (state.pos - self.position - self.orientation * place).norm() / (1 + self.position.norm())
         off += abs(turn_between(state.ori, self.orientation * turn)[1])
@@ -112,8 +123,7 @@ class CoupledBody:
             raise SceneError(self.path, 'Yade has body %d of "%s" at (%g, %g, %g), not where it was moved to: let no '
                              'other engine move it, and NewtonIntegrator leave no group out (mask)' %
                              (i, self.name, *state.pos))
-        if off > ROUNDING:
-            self.put(self.position, self.orientation)
+        return off
 
     def _off(self, position, orientation):
         return ((position - self.position).norm() / (1 + position.norm()) +

@@ -20,8 +20,8 @@ from yade.utils import PWaveTimeStep
 from tandem_participant import ProtocolError, SceneError
 from yade_bodies import CoupledBody
 
-NOTES = ["Yade's contact laws take a coupled body for one of infinite mass: where dampers go by the masses, the "
-         "restitution of its collisions is that with a wall that nothing moves"]
+WALL_MASS = ("Yade's contact laws take coupled bodies for walls of infinite mass: where dampers go by the masses, they "
+             "take the particle's alone, not the effective mass of both")
 
 
 class Means:
@@ -131,7 +131,9 @@ class Windows:
 
     def _ready(self, load):
         report = {"yade": yade.config.version, "script": self.script.path, "threads": O.numThreads,
-                  "fill": self._fill(), "bodies": {body.name: body.kinds() for body in self.bodies}, "notes": NOTES}
+                  "fill": self._fill(), "bodies": {body.name: body.kinds() for body in self.bodies},
+                  "wall_mass": "infinite: contacts take the particle's mass alone"}
+        self.participant.remark("wall_mass", WALL_MASS, path="coupling.bodies", t=self.assignment.start)
         values = self.script.channel_values()
         self.participant.ready(
             loads=load.tolist(), gravity=list(self.newton.gravity), warnings=self._warnings(), report=report,
