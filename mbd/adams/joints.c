@@ -199,6 +199,21 @@ static void couple(adm_model *m, const adm_statement *of, const char *type, cons
                                              b->name, key, adm_real(value)));
 }
 
+/* The same of any coordinates: those of translations count in metres. */
+static void couple_all(adm_model *m, const adm_statement *of, const adm_joint *const j[], const bool slides[],
+                       const double scale[], int n) {
+  char name[ADM_NAME_MAX];
+  json_t *joints = json_array(), *coordinates = json_array(), *scales = json_array();
+  for (int k = 0; k < n; k++) {
+    json_array_append_new(joints, json_string(j[k]->name));
+    json_array_append_new(coordinates, json_string(slides[k] ? "translation" : "angle"));
+    json_array_append_new(scales, adm_real(slides[k] ? scale[k] / m->units.length : scale[k]));
+  }
+  adm_name(of, "coupler", m->joints, name);
+  json_array_append_new(m->joints, json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", name, "type", "coupler", "joints",
+                                             joints, "coordinates", coordinates, "scales", scales));
+}
+
 /* Whether a joint's coordinate in a coupler is its translation: TYPE says T or R, else what the joint has. */
 static bool translates(const adm_joint *j, const char *type, int place) {
   for (const char *p = type; p && *p; p++)
@@ -207,11 +222,11 @@ static bool translates(const adm_joint *j, const char *type, int place) {
   return j->translates;
 }
 
-/* r1 q1 + r2 q2 = 0 of two joints' coordinates */
-static void add_coupler(adm_model *m, const adm_reader *r, const adm_joint *const j[2], const double scale[2]) {
+/* r1 q1 + r2 q2 (+ r3 q3) = 0 of n joints' coordinates */
+static void add_coupler(adm_model *m, const adm_reader *r, const adm_joint *const j[], const double scale[], int n) {
   const adm_attribute *type = adm_find(r, "TYPE");
-  bool slides[2];
-  for (int k = 0; k < 2; k++) {
+  bool slides[ADM_IDS_MAX] = {false};
+  for (int k = 0; k < n; k++) {
     slides[k] = translates(j[k], type ? type->value : NULL, k);
     if (slides[k] ? !j[k]->translates : !j[k]->turns) {
       adm_fail(r->dataset, r->of->line, r->err, "COUPLER/%ld: JOINT/%ld has no coordinate of that TYPE", r->of->id,
@@ -223,8 +238,8 @@ static void add_coupler(adm_model *m, const adm_reader *r, const adm_joint *cons
       adm_note(m, r->of, "counts the angle of JOINT/%ld from the start, where its markers are %g rad apart",
                j[k]->of->id, adm_angle(i, jm));
   }
-  if (slides[0] && slides[1])
-    adm_leave_out(m, r->of, "a scene couples no two translations");
+  if (n > 2 || (slides[0] && slides[1]))
+    couple_all(m, r->of, j, slides, scale, n);
   else if (!slides[0] && !slides[1])
     couple(m, r->of, "gear", j[0], j[1], "ratio", scale[1] / scale[0]);
   else {
@@ -281,45 +296,56 @@ static void add_rack(adm_model *m, const adm_reader *r) {
   couple(m, r->of, "rack_and_pinion", pinion, rack, "radius", sign[0] * sign[1] * (side > 0 ? 1 : -1) * radius);
 }
 
+/* COUPLER */
+static void read_coupler(adm_model *m, const adm_reader *r) {
+  const adm_statement *of = r->of;
+  const adm_joint *j[ADM_IDS_MAX] = {NULL};
+  long id[ADM_IDS_MAX] = {0};
+  double scale[ADM_IDS_MAX] = {1, 1, 1};
+  const int n = adm_ids(r, "JOINTS", 2, ADM_IDS_MAX, id);
+  const int given = adm_numbers(r, "SCALES", 1, n > 0 ? n : ADM_IDS_MAX, scale);
+  if (r->err->status)
+    return;
+  if (n == 0 || given == 0) { /* user subroutines */
+    adm_leave_out(m, of, "it has no JOINTS or no SCALES");
+    return;
+  }
+  if (n == 2 && given == 1) { /* that of the second */
+    scale[1] = scale[0];
+    scale[0] = 1;
+  } else if (given < n) {
+    adm_fail(r->dataset, of->line, r->err, "COUPLER/%ld has %d scales for %d joints; give one for each", of->id, given,
+             n);
+    return;
+  }
+  bool there = true;
+  for (int k = 0; k < n && !r->err->status; k++) {
+    j[k] = find_joint(m, id[k]);
+    there = there && j[k];
+    if (!has_joint(m, id[k]))
+      adm_fail(r->dataset, of->line, r->err, "COUPLER/%ld names JOINT/%ld, which the data set does not have", of->id,
+               id[k]);
+    else if (scale[k] == 0)
+      adm_fail(r->dataset, of->line, r->err, "COUPLER/%ld has a scale of zero; give another number", of->id);
+  }
+  if (!r->err->status && !there)
+    adm_leave_out(m, of, "it couples a joint that is left out");
+  else if (!r->err->status)
+    add_coupler(m, r, j, scale, n);
+}
+
 tdm_status adm_add_coupled(adm_model *m, const adm_statement *of, tdm_error *err) {
   static const char *const names[] = {"JOINTS", "SCALES", "TYPE", NULL};
   const bool coupler = strcmp(of->keyword, "COUPLER") == 0;
   adm_reader r;
   adm_open(&r, &m->dataset, of, coupler ? names : joint_names, err);
-  long id[ADM_IDS_MAX] = {0};
-  double scale[ADM_IDS_MAX] = {1, 1, 1};
-  if (!err->status && !coupler) {
-    if (adm_find(&r, "RACKPIN"))
-      add_rack(m, &r);
-    else { /* adm_add_joint's */
-      adm_close(&r);
-      return TDM_OK;
-    }
-  } else if (!err->status) {
-    const int n = adm_ids(&r, "JOINTS", 2, 3, id), given = adm_numbers(&r, "SCALES", 1, n > 0 ? n : 3, scale);
-    if (!err->status && (n == 0 || given == 0)) /* user subroutines */
-      adm_leave_out(m, of, "it has no JOINTS or no SCALES");
-    else if (n == 3)
-      adm_leave_out(m, of, "it couples three joints, a scene's couple two");
-    else if (!err->status) {
-      if (given == 1) { /* that of the second */
-        scale[1] = scale[0];
-        scale[0] = 1;
-      }
-      const adm_joint *const j[2] = {find_joint(m, id[0]), find_joint(m, id[1])};
-      for (int k = 0; k < 2; k++)
-        if (!has_joint(m, id[k]))
-          adm_fail(&m->dataset, of->line, err, "COUPLER/%ld names JOINT/%ld, which the data set does not have", of->id,
-                   id[k]);
-      if (!err->status && (scale[0] == 0 || scale[1] == 0))
-        adm_fail(&m->dataset, of->line, err, "COUPLER/%ld has a scale of zero; give another number", of->id);
-      else if (!err->status && (!j[0] || !j[1]))
-        adm_leave_out(m, of, "it couples a joint that is left out");
-      else if (!err->status)
-        add_coupler(m, &r, j, scale);
-    }
-  }
-  adm_note_unknown(m, &r);
+  const bool rack = !err->status && !coupler && adm_find(&r, "RACKPIN");
+  if (!err->status && coupler)
+    read_coupler(m, &r);
+  else if (rack)
+    add_rack(m, &r);
+  if (coupler || rack) /* else adm_add_joint's */
+    adm_note_unknown(m, &r);
   adm_close(&r);
   return err->status;
 }

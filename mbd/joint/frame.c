@@ -46,7 +46,7 @@ void mbd_joint_between(mbd_joint *joint) {
 
 double mbd_joint_read_mesh(mbd_joint *joint, tdm_object *o, const mbd_model *model, const unsigned coordinates[2],
                            const char *key, const char *what) {
-  mbd_read_joints(o, model, coordinates, joint->of);
+  mbd_read_joints(o, model, 2, coordinates, joint->of);
   double ratio = tdm_get_number(o, key, TDM_REQUIRED, TDM_ANY);
   if (o->err->status)
     return ratio;

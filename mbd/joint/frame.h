@@ -11,8 +11,8 @@ void mbd_joint_read_frame(mbd_joint *joint, tdm_object *o, const mbd_model *mode
 /* Bodies' arms and axes of a frame at one point with its axis along a unit vector. */
 void mbd_joint_set_frame(mbd_joint *joint, const mbd_model *model, tdm_vec3 point, tdm_vec3 axis);
 
-/* A joint that couples joint->of stands between their second bodies; its reaction counts at the second joint's point.
- */
+/* A joint that couples joint->of stands between the second bodies of the first two; its reaction counts at the second
+ * joint's point. */
 void mbd_joint_between(mbd_joint *joint);
 
 /* Read a joint that couples two others by a ratio: "joints", which have these coordinates, and the number `key`, which

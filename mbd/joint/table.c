@@ -17,6 +17,7 @@
   X(screw)                \
   X(gear)                 \
   X(rack_and_pinion)      \
+  X(coupler)              \
   X(revolute_spherical)   \
   X(point_in_plane)       \
   X(parallel_axes)

@@ -29,19 +29,21 @@ extern const mbd_coordinate_words mbd_coordinate_table[]; /* indexed by mbd_coor
 
 enum { MBD_HAS_ANGLE = 1 << MBD_ANGLE, MBD_HAS_TRANSLATION = 1 << MBD_TRANSLATION };
 
+enum { MBD_COUPLED_MAX = 3 }; /* joints that one joint couples */
+
 typedef struct {
   const char *name;            /* first: as tdm_types asks */
   size_t size;                 /* of the joint's own parameters [bytes], 0: it has none */
   int nrow;                    /* at most MBD_ROWS_MAX */
   const char *const *equation; /* (nrow) what each row holds, for messages */
   /* Read the joint's own keys (after name, type and bodies, which are set), fill the geometry and joint->own. One that
-   * couples two others reads these, and names the bodies that it stands between. */
+   * couples others reads these, and names the bodies that it stands between. */
   void (*read)(mbd_joint *joint, tdm_object *o, const mbd_model *model);
-  /* Append nrow rows; a and b are the joint's first and second body. A joint that couples two others is asked once for
+  /* Append nrow rows; a and b are the joint's first and second body. A joint that couples others is asked once for
    * each of them (rows->part), with that one's bodies; the rows add up. */
   void (*eval)(const mbd_joint *joint, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows);
   unsigned coordinates; /* set of MBD_HAS_... that outputs, drivers and forces may name */
-  bool couples;         /* stands between two other joints and has no bodies of its own */
+  bool couples;         /* stands between other joints and has no bodies of its own */
   bool counts;          /* its rows have an angle that is counted over turns */
   bool guides;          /* a body that it holds to the ground is free to move along its axis, which stays where it is */
 } mbd_joint_ops;
@@ -49,12 +51,13 @@ typedef struct {
 struct mbd_joint {
   char name[40];
   const mbd_joint_ops *ops;
-  int body[2];            /* MBD_GROUND: the fixed world */
-  int row;                /* its first row among those of all joints */
-  const mbd_joint *of[2]; /* the joints whose coordinates it couples, borrowed from the model; NULL: its own bodies */
-  tdm_vec3 arm[2];        /* joint point from each centre of mass, body axes [m] */
-  tdm_mat3 axes[2];       /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
-  void *own;              /* (ops->size) the type's own parameters, known to its file alone; owned by the model */
+  int body[2];                          /* MBD_GROUND: the fixed world */
+  int row;                              /* its first row among those of all joints */
+  const mbd_joint *of[MBD_COUPLED_MAX]; /* the joints whose coordinates it couples, borrowed from the model, NULL behind
+                                         * them; none: its own bodies */
+  tdm_vec3 arm[2];                      /* joint point from each centre of mass, body axes [m] */
+  tdm_mat3 axes[2]; /* columns e1, e2, e3 of the joint's triad in each body's axes; e3 is the joint axis */
+  void *own;        /* (ops->size) the type's own parameters, known to its file alone; owned by the model */
 };
 
 /* e1, e2 or e3 (k = 0, 1, 2) of side 0 or 1 in world axes, and the joint point's arm. */

@@ -67,13 +67,13 @@ typedef struct {
   mbd_guard_settings guard;
 } mbd_settings;
 
-/* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples two others has two, which add
- * up in the same rows. */
+/* A pair of bodies tied by a constraint. A joint or driver has one; a joint that couples others has one for each of
+ * them, which add up in the same rows. */
 typedef struct {
   const mbd_joint *joint;    /* the joint, or the one whose coordinate the driver drives or friction holds */
   const mbd_driver *driver;  /* NULL: the joint's own rows */
   const mbd_force *friction; /* whose row it is, which holds the joint's coordinate while it sticks; NULL: none's */
-  int index;                 /* 0, or 1 for the second pair of a joint that couples two */
+  int index;                 /* from 0 among the pairs of a joint that couples others */
   int turn;                  /* the joint whose angle is counted over turns for it, -1: none */
   int body[2], row;
 } mbd_part;

@@ -155,15 +155,13 @@ const mbd_joint *mbd_read_joint_coordinate(tdm_object *o, const mbd_model *model
   return j;
 }
 
-void mbd_read_joints(tdm_object *o, const mbd_model *model, const unsigned coordinates[2], const mbd_joint *out[2]) {
+int mbd_read_joints(tdm_object *o, const mbd_model *model, int most, const unsigned coordinates[],
+                    const mbd_joint *out[]) {
   json_t *array = tdm_get_array(o, "joints", true);
-  if (o->err->status)
-    return;
-  if (json_array_size(array) != 2) {
-    tdm_object_fail(o, "joints", "must name two joints, such as [\"shaft\", \"wheel\"]");
-    return;
-  }
-  for (int i = 0; i < 2 && !o->err->status; i++) {
+  const int n = (int)json_array_size(array);
+  if (!o->err->status && (n < 2 || n > most))
+    tdm_object_fail(o, "joints", "must name two%s joints, such as [\"shaft\", \"wheel\"]", most > 2 ? " or three" : "");
+  for (int i = 0; i < n && !o->err->status; i++) {
     char path[TDM_PATH_MAX];
     const char *name = json_string_value(json_array_get(array, (size_t)i));
     tdm_path(path, o, "joints", i);
@@ -171,9 +169,11 @@ void mbd_read_joints(tdm_object *o, const mbd_model *model, const unsigned coord
       out[i] = joint_of(model, name, coordinates[i], " that stands before this one", path, o->err);
     else
       tdm_fail(o->err, TDM_ERR_SCENE, path, "must be the name of a joint, in quotes");
+    for (int k = 0; k < i && !o->err->status; k++)
+      if (out[k] == out[i])
+        tdm_object_fail(o, "joints", "couples the joint \"%s\" to itself; name different joints", name);
   }
-  if (!o->err->status && out[0] == out[1])
-    tdm_object_fail(o, "joints", "couples the joint \"%s\" to itself; name two joints", out[0]->name);
+  return n;
 }
 
 /* ---- points and directions ---- */

@@ -27,8 +27,9 @@ const mbd_joint *mbd_read_joint(tdm_object *o, const char *key, const mbd_model 
 /* Read "joint" and, where it has both coordinates, "coordinate": "angle" or "translation". NULL after an error. */
 const mbd_joint *mbd_read_joint_coordinate(tdm_object *o, const mbd_model *model, mbd_coordinate *coordinate);
 
-/* Read "joints": two joints of which each must have a coordinate of its set. NULL after an error. */
-void mbd_read_joints(tdm_object *o, const mbd_model *model, const unsigned coordinates[2], const mbd_joint *out[2]);
+/* Read "joints": two of them, up to `most`, of which each must have a coordinate of its set. Returns how many. */
+int mbd_read_joints(tdm_object *o, const mbd_model *model, int most, const unsigned coordinates[],
+                    const mbd_joint *out[]);
 
 /* A point, required. */
 tdm_vec3 mbd_read_point(tdm_object *o, const mbd_model *model, const char *key);

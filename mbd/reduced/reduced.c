@@ -76,7 +76,7 @@ static void list_rows(const mbd_model *model, const mbd_data *data, mbd_reduced 
   r->freedom = 6 * r->nbody;
   for (int p = 0; p < model->npart; p++) {
     const mbd_part *part = &model->part[p];
-    const int nrow = part->index > 0                  ? 0 /* a second pair has none new */
+    const int nrow = part->index > 0                  ? 0 /* further pairs have none new */
                      : part->driver || part->friction ? 1
                                                       : part->joint->ops->nrow;
     if (r->place[part->body[part->body[0] == MBD_GROUND]] < 0)

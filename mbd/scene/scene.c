@@ -109,7 +109,7 @@ static size_t array_room(json_t *json, const char *key) {
 static void list_parts(mbd_model *m) {
   for (int i = 0; i < m->njoint; i++) {
     const mbd_joint *j = &m->joint[i];
-    for (int k = 0; k < (j->of[0] ? 2 : 1); k++) {
+    for (int k = 0; k == 0 || (k < MBD_COUPLED_MAX && j->of[k]); k++) {
       const mbd_joint *pair = j->of[0] ? j->of[k] : j;
       m->part[m->npart++] = (mbd_part){.joint = j,
                                        .index = k,
@@ -144,7 +144,8 @@ tdm_status mbd_model_read(mbd_model **model, json_t *json, bool coupled, tdm_err
   m->driver = calloc(array_room(json, "drivers"), sizeof *m->driver);
   m->force = calloc(array_room(json, "forces"), sizeof *m->force);
   m->friction = calloc(array_room(json, "forces"), sizeof *m->friction);
-  size_t parts = 2 * array_room(json, "joints") + array_room(json, "drivers") + array_room(json, "forces");
+  size_t parts =
+      MBD_COUPLED_MAX * array_room(json, "joints") + array_room(json, "drivers") + array_room(json, "forces");
   m->part = calloc(parts, sizeof *m->part);
   if (!m->body || !m->joint || !m->driver || !m->force || !m->friction || !m->part)
     return tdm_fail(err, TDM_ERR_MEMORY, "mbd", "no memory for the model");

@@ -239,9 +239,21 @@ START_TEST(test_couplers) {
   snprintf(text, sizeof text, "%sCOUPLER/1, JOINTS = 2, 9, SCALES = 4\nEND\n", more);
   import(text);
   expect_error("a.adm:15", "JOINT/9");
-  snprintf(text, sizeof text, "%sCOUPLER/1, JOINTS = 1, 2, 1, SCALES = 1, 2, 3\nEND\n", more);
+  static const char third[] = "PART/4,MASS=1,CM=41,IP=1,1,1\nMARKER/41\nJOINT/3,TRANS,I=41,J=1\n";
+  snprintf(text, sizeof text, "%s%sCOUPLER/1, JOINTS = 1, 2, 3, TYPE = R:R:T, SCALES = 1, 2, -3\nEND\n", more, third);
   import_good(text);
-  expect_left_out("couples three joints");
+  WORD("joints.3.type", "coupler");
+  WORD("joints.3.joints.2", "joint_3");
+  WORD("joints.3.coordinates.1", "angle");
+  WORD("joints.3.coordinates.2", "translation");
+  expect_number("joints.3.scales.2", -3);
+  snprintf(text, sizeof text, "%s%sCOUPLER/1, JOINTS = 2, 3, TYPE = T:T, SCALES = 2\nEND\n", more, third);
+  import_good(text);
+  WORD("joints.3.type", "coupler");
+  expect_number("joints.3.scales.1", 2);
+  snprintf(text, sizeof text, "%s%sCOUPLER/1, JOINTS = 1, 2, 3, SCALES = 1, 2\nEND\n", more, third);
+  import(text);
+  expect_error("a.adm:18", "2 scales for 3 joints");
   /* a rack 0.5 m below a pinion that turns about z and is the second body of its joint: x = 0.5 theta */
   import_good(START HINGE "PART/3,MASS=1,CM=31,IP=1,1,1\nMARKER/31,QP=0,-0.5,0,REULER=90D,90D,0\n"
                           "MARKER/3,PART=1,REULER=90D,90D,0\nJOINT/2,TRANS,I=31,J=3\n"

@@ -126,6 +126,52 @@ START_TEST(test_rack) {
 }
 END_TEST
 
+/* A moment on the first of two wheels and a weight, their angles and its place z coupled by s_k: with a multiplier m,
+ * I_k q_k'' = F_k + s_k m and sum s_k q_k'' = 0. And two weights on a pulley block: z_a + 2 z_b = 0. */
+START_TEST(test_coupler) {
+  const double s[] = {2, -3, 5}, size[] = {0.2, 3, 4}, load[] = {4, 0, -4 * 9.81}, end = 3;
+  double up = 0, down = 0, q[3];
+  run r;
+  run_open_good(&r,
+                "{'bodies':[{'name':'a','mass':1,'inertia':[1,1,0.2],'position':[0,0,0]},"
+                "{'name':'b','mass':1,'inertia':[2,2,3],'position':[1,0,0]},"
+                "{'name':'c','mass':4,'inertia':[1,1,1],'position':[2,0,0]}],"
+                "'joints':[{'name':'ja','type':'revolute','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]},"
+                "{'name':'jb','type':'revolute','bodies':['ground','b'],'point':[1,0,0],'axis':[0,0,1]},"
+                "{'name':'jc','type':'prismatic','bodies':['ground','c'],'point':[2,0,0],'axis':[0,0,1]},"
+                "{'name':'mesh','type':'coupler','joints':['ja','jb','jc'],'scales':[2,-3,5]}],"
+                "'forces':[{'name':'m','type':'wrench','body':'a','moment':[0,0,4]}]," TIGHT "}",
+                "");
+  ck_assert_int_eq((int)json_integer_value(json_object_get(r.ready.report, "degrees_of_freedom")), 2);
+  for (int k = 0; k < 3; k++) {
+    up -= s[k] * load[k] / size[k];
+    down += s[k] * s[k] / size[k];
+  }
+  for (int k = 0; k < 3; k++)
+    q[k] = 0.5 * end * end * (load[k] + s[k] * up / down) / size[k];
+  run_on(&r, end, 0.05);
+  CLOSE(run_value(&r, "joint.ja.angle"), q[0], 1e-7 * fabs(q[0]));
+  CLOSE(run_value(&r, "joint.jb.angle"), q[1], 1e-7 * fabs(q[1]));
+  CLOSE(run_value(&r, "joint.jc.translation"), q[2], 1e-7 * fabs(q[2]));
+  CLOSE(run_value(&r, "joint.mesh.mz"), s[1] * up / down, 1e-7 * fabs(up / down));
+  run_close(&r);
+  run_open_good(&r,
+                "{'bodies':[{'name':'a','mass':1,'inertia':[1,1,1],'position':[0,0,0]},"
+                "{'name':'b','mass':4,'inertia':[1,1,1],'position':[1,0,0]}],"
+                "'joints':[{'name':'ja','type':'prismatic','bodies':['ground','a'],'point':[0,0,0],'axis':[0,0,1]},"
+                "{'name':'jb','type':'cylindrical','bodies':['ground','b'],'point':[1,0,0],'axis':[0,0,1]},"
+                "{'name':'rope','type':'coupler','joints':['ja','jb'],'coordinates':['translation','translation'],"
+                "'scales':[1,2]}]," TIGHT "}",
+                "");
+  run_on(&r, 1, 0.05);
+  /* a_a = g (2 m_b - 4 m_a)/(m_b + 4 m_a), a_b = -a_a/2 */
+  const double a = 9.81 * (2 * 4 - 4 * 1) / (4 + 4 * 1.0);
+  CLOSE(run_value(&r, "joint.ja.translation"), 0.5 * a, 1e-8);
+  CLOSE(run_value(&r, "joint.jb.translation"), -0.25 * a, 1e-8);
+  run_close(&r);
+}
+END_TEST
+
 /* A mass on a rod in a circle: w^2 = g/(L cos b), tension m g/cos b, height and distance stay */
 START_TEST(test_conical_pendulum) {
   const double L = 0.8, b = 0.6, w = sqrt(9.81 / (L * cos(b))), turn = 2 * M_PI / w;
@@ -404,6 +450,6 @@ START_TEST(test_table_ends) {
 END_TEST
 
 TEST_MAIN_ROWS("mbd_joints", {test_screw, 1}, {test_gear, 2}, {test_fast_gear, 2}, {test_planet, 1}, {test_rack, 1},
-               {test_conical_pendulum, 1}, {test_rod_or_ball, 1}, {test_universal, 1}, {test_slopes, 1},
-               {test_point_in_plane, 1}, {test_parallel_axes, 1}, {test_link, 1}, {test_two_drivers, 1},
-               {test_prescribed_pose, 1}, {test_offset_law, 1}, {test_table_ends, 1})
+               {test_coupler, 1}, {test_conical_pendulum, 1}, {test_rod_or_ball, 1}, {test_universal, 1},
+               {test_slopes, 1}, {test_point_in_plane, 1}, {test_parallel_axes, 1}, {test_link, 1},
+               {test_two_drivers, 1}, {test_prescribed_pose, 1}, {test_offset_law, 1}, {test_table_ends, 1})

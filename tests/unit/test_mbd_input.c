@@ -9,6 +9,12 @@
 #define FORCE(rest) "{" BOX ",'forces':[{'name':'f'," rest "}]}"
 
 #define HINGE(type) "{'name':'hinge','type':'" type "','bodies':['ground','box'],'point':[0,0,0],'axis':[0,0,1]}"
+#define TWO_HINGES(rest)                                                                                               \
+  "{'bodies':[" BODY("box", "") "," BODY("b", "") "],'joints':[" HINGE(                                                \
+      "cylindrical") ",{'name':'h','type':"                                                                            \
+                     "'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},{'name':'c','type':'coupler'" \
+                     ",'joints':"                                                                                      \
+                     "['hinge','h']," rest "}]}"
 #define STEP "'motion':{'type':'constant_rate','rate':1,'start':'step'}"
 #define DRIVERS(rest) "{" BOX ",'joints':[" HINGE("revolute") "],'drivers':[" rest "]}"
 #define DRIVER(rest) DRIVERS("{'name':'motor'," rest "}")
@@ -252,6 +258,16 @@ static const bad_case cases[] = {
          "revolute") ",{'name':'h','type':'revolute','bodies':['ground','b'],'point':[0,0,0],'axis':[0,0,1]},"
                      "{'name':'g','type':'gear','joints':['hinge','h'],'ratio':0}]}",
      "", TDM_ERR_SCENE, "mbd.joints[2].ratio", "zero"},
+    {"{" BOX ",'joints':[" HINGE("cylindrical") ",{'name':'c','type':'coupler','joints':['hinge'],'scales':[1]}]}", "",
+     TDM_ERR_SCENE, "mbd.joints[1].joints", "two or three joints"},
+    {TWO_HINGES("'scales':[1,2]"), "", TDM_ERR_SCENE, "mbd.joints[2].coordinates", "\"hinge\" is cylindrical"},
+    {TWO_HINGES("'scales':[1,2],'coordinates':['angle','translation']"), "", TDM_ERR_SCENE, "mbd.joints[2].coordinates",
+     "\"h\" is revolute"},
+    {TWO_HINGES("'scales':[1,2],'coordinates':['angle']"), "", TDM_ERR_SCENE, "mbd.joints[2].coordinates",
+     "there are 2 joints"},
+    {TWO_HINGES("'scales':[1,0],'coordinates':['angle','angle']"), "", TDM_ERR_SCENE, "mbd.joints[2].scales",
+     "\"h\" is zero"},
+    {TWO_HINGES("'scales':[1],'coordinates':['angle','angle']"), "", TDM_ERR_SCENE, "mbd.joints[2].scales", ""},
     {"{'bodies':[{'name':'dot','mass':1,'inertia':[0,0,0],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,
      "mbd.bodies[0].inertia", "body \"dot\" would be a point"},
     {"{'bodies':[{'name':'air','mass':0,'inertia':[1,1,1],'position':[0,0,0]}]}", "", TDM_ERR_SCENE,

@@ -21,6 +21,11 @@
   "{" BODIES ",'joints':[{'name':'j','type':'" first "','bodies':['ground','a'],'point':[0.1,0.2,0.3],"          \
   "'axis':[1,2,-1]},{'name':'k','type':'" second "','bodies':['a','b'],'point':[0.3,0.1,-0.3],'axis':[0,2,-1]}," \
   "{'name':'p','type':'" type "','joints':['j','k']," rest "}]}"
+#define TRIO(rest)                                                                                                \
+  "{" BODIES ",'joints':[{'name':'j','type':'revolute','bodies':['ground','a'],'point':[0.1,0.2,0.3],"            \
+  "'axis':[1,2,-1]},{'name':'k','type':'cylindrical','bodies':['a','b'],'point':[0.3,0.1,-0.3],'axis':[0,2,-1]}," \
+  "{'name':'l','type':'prismatic','bodies':['ground','b'],'point':[0.3,0.1,-0.3],'axis':[0,2,-1]},"               \
+  "{'name':'p','type':'coupler'," rest "}]}"
 #define DRIVER(type, bodies, axes, motion)                                                                    \
   "{" BODIES ",'joints':[{'name':'j','type':'revolute','bodies':" bodies ",'point':[0.1,0.2,0.3]," axes "}]," \
   "'drivers':[{'name':'d','type':'" type "','joint':'j','motion':{" motion "}}]}"
@@ -57,6 +62,8 @@ static const char *const scenes[] = {
     PAIR("revolute", "cylindrical", "gear", "'ratio':1.7"),
     PAIR("cylindrical", "revolute", "gear", "'ratio':-2"),
     PAIR("revolute", "prismatic", "rack_and_pinion", "'radius':0.3"),
+    TRIO("'joints':['j','k','l'],'coordinates':['angle','translation','translation'],'scales':[2,-1.5,0.7]"),
+    TRIO("'joints':['k','j'],'coordinates':['angle','angle'],'scales':[3,1]"),
     DRIVER("rotational_motor", "['a','b']", "'axis':[1,2,-1]",
            "'type':'constant_rate','rate':3,'start':'smooth','rise':0.5"),
     DRIVER("rotational_motor", "['ground','b']", "'axis':[1,2,-1]", "'type':'constant_rate','rate':-7,'start':'step'"),
