@@ -121,6 +121,8 @@ static const char *reference(const json_t *node) {
 }
 
 static const json_t *resolve(const json_t *node) {
+  const json_t *own = json_object_get(node, "else"); /* a section of tandem's own solver, not of another's */
+  node = own ? own : node;
   const char *name = reference(node);
   return name ? json_object_get(json_object_get(schema, "definitions"), name) : node;
 }
