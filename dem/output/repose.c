@@ -60,7 +60,7 @@ static double flank(const profile *p, int sign) {
   if (n >= 3)
     gsl_fit_linear(u, 1, z, 1, n, &c0, &slope, &cov00, &cov01, &cov11, &sum);
   free(u);
-  return atan(-sign * slope) * 180 / M_PI;
+  return tdm_degrees(atan(-sign * slope));
 }
 
 dem_repose dem_repose_of(const tdm_snapshot *s, int along) {

@@ -5,12 +5,24 @@
 #include <math.h>
 #include <string.h>
 
+/* What pushes back below or above a limit: k d^exponent at d beyond it. Units of the data set. */
+typedef struct {
+  double limit, k, exponent;
+  bool below;
+  const adm_joint *joint; /* of an angle: the one that has it */
+  double forward;         /* -1: the joint counts it the other way */
+} stop;
+
+enum { STOPS_MAX = 4 };
+
 /* Force or torque of I and J on their distance or angle x (Adams' sign: a positive one pushes them apart, or turns I
- * forward): constant + by_x x + by_rate xdot + what the splines give. Units of the data set. */
+ * forward): constant + by_x x + by_rate xdot + what the splines and stops give. Units of the data set. */
 typedef struct {
   double constant, by_x, by_rate;
   const adm_term *spline[2]; /* of x, of xdot; NULL: none */
   double sign;               /* -1: x is counted from I to J */
+  int nstop;
+  stop stop[STOPS_MAX];
 } law;
 
 /* ---- between two parts ---- */
@@ -64,10 +76,17 @@ static json_t *begin(adm_model *m, const adm_statement *of, const char *prefix, 
   return json_pack("{s:s, s:s}", "name", name, "type", type);
 }
 
-static void add_translational(adm_model *m, const adm_statement *of, const int marker[2], const law *l) {
-  json_t *force = begin(m, of, "spring", "spring_damper");
+/* A force along the line of two markers. */
+static json_t *begin_line(adm_model *m, const adm_statement *of, const char *prefix, const char *type,
+                          const int marker[2]) {
+  json_t *force = begin(m, of, prefix, type);
   json_object_set_new(force, "bodies", adm_bodies(m, marker));
   json_object_set_new(force, "points", json_pack("[o, o]", adm_place(m, marker[1], -1), adm_place(m, marker[0], -1)));
+  return force;
+}
+
+static void add_translational(adm_model *m, const adm_statement *of, const int marker[2], const law *l) {
+  json_t *force = begin_line(m, of, "spring", "spring_damper", marker);
   add_coefficients(m, of, force, l, m->units.length, m->units.force, "free_length", 0);
   json_array_append_new(m->forces, force);
 }
@@ -78,6 +97,71 @@ static void add_rotational(adm_model *m, const adm_statement *of, const int mark
   json_object_set_new(force, "bodies", adm_bodies(m, marker));
   json_object_set_new(force, "axis", adm_place(m, marker[1], 2));
   add_coefficients(m, of, force, l, 1, torque, "free_angle", -adm_angle(&m->marker[marker[0]], &m->marker[marker[1]]));
+  json_array_append_new(m->forces, force);
+}
+
+/* ---- stops ---- */
+
+/* The joint that turns the parts of I and J about the z axis of J; NULL: none. forward: as the law has it. */
+static const adm_joint *joint_between(const adm_model *m, const int marker[2], double *forward) {
+  const int of_i = m->marker[marker[0]].part, of_j = m->marker[marker[1]].part;
+  for (int k = 0; k < m->njoint; k++) {
+    const adm_joint *j = &m->joint[k];
+    const int first = m->marker[j->marker[0]].part, second = m->marker[j->marker[1]].part;
+    const bool same = first == of_i && second == of_j, swapped = first == of_j && second == of_i;
+    const double along = tdm_dot(adm_axis(&m->marker[j->marker[1]], 2), adm_axis(&m->marker[marker[1]], 2));
+    *forward = (same ? 1 : -1) * (along > 0 ? 1 : -1);
+    if (j->turns && (same || swapped) && fabs(along) > 1 - 1e-9)
+      return j;
+  }
+  return NULL;
+}
+
+/* A term that pushes back beyond a limit of x, sign: of x in it. NULL, or why it cannot be. */
+static const char *add_stop(const adm_model *m, law *l, const adm_term *t, double sign, const int marker[2],
+                            bool rotational) {
+  const double a = sign * t->a;
+  stop s = {
+      .limit = t->b / a, .k = fabs(t->factor) * pow(fabs(a), t->exponent), .exponent = t->exponent, .below = a > 0};
+  if (s.below != (t->factor > 0))
+    return "has an IMPACT that pulls where a scene's stops push";
+  if (l->nstop == STOPS_MAX)
+    return "has more than four limits";
+  if (rotational && !(s.joint = joint_between(m, marker, &s.forward)))
+    return "has an IMPACT of an angle that no joint of its two parts has";
+  if (!rotational && s.limit <= 0)
+    return s.below ? NULL : "has an IMPACT above a distance that is not greater than 0";
+  if (!rotational && !s.below && s.exponent != 2)
+    return "has an IMPACT above a distance with an exponent other than 2, which a scene's cable does not have";
+  l->stop[l->nstop++] = s;
+  return NULL;
+}
+
+/* Between two spheres below a distance; above it by a cable whose force sets in with the square, k s^2. */
+static void write_stop_of_distance(adm_model *m, const adm_statement *of, const int marker[2], const stop *s) {
+  const double from = m->units.length * s->limit, smoothing = 1000 * from;
+  const double k = s->k * m->units.force / pow(m->units.length, s->exponent);
+  json_t *force = begin_line(m, of, "stop", s->below ? "bump" : "cable", marker);
+  json_object_set_new(force, "stiffness", adm_real(s->below ? k : 2 * smoothing * k));
+  if (s->below) {
+    json_object_set_new(force, "radii", json_pack("[o, o]", adm_real(0.5 * from), adm_real(0.5 * from)));
+    json_object_set_new(force, "exponent", adm_real(s->exponent));
+  } else {
+    json_object_set_new(force, "free_length", adm_real(from));
+    json_object_set_new(force, "smoothing", adm_real(smoothing));
+  }
+  json_array_append_new(m->forces, force);
+}
+
+static void write_stop_of_angle(adm_model *m, const adm_statement *of, const int marker[2], const stop *s) {
+  const double start = adm_angle(&m->marker[marker[0]], &m->marker[marker[1]]);
+  json_t *force = begin(m, of, "stop", "stop");
+  json_object_set_new(force, "joint", json_string(s->joint->name));
+  json_object_set_new(force, "coordinate", json_string("angle"));
+  json_object_set_new(force, s->below == (s->forward > 0) ? "lower" : "upper",
+                      adm_real(s->forward * (s->limit - start)));
+  json_object_set_new(force, "stiffness", adm_real(s->k * m->units.force * m->units.length));
+  json_object_set_new(force, "exponent", adm_real(s->exponent));
   json_array_append_new(m->forces, force);
 }
 
@@ -130,8 +214,9 @@ static const char *add_wrench(adm_model *m, const adm_statement *of, const int m
 
 /* ---- SFORCE ---- */
 
-/* One term of a function of the markers I and J (their identifiers) into the law; NULL, or why it cannot be. */
-static const char *add_term(const adm_model *m, law *l, const adm_term *t, const long pair[2], bool rotational) {
+/* One term of a function of the markers I and J into the law; NULL, or why it cannot be. */
+static const char *add_term(const adm_model *m, law *l, const adm_term *t, const int marker[2], bool rotational) {
+  const long pair[2] = {m->marker[marker[0]].of->id, m->marker[marker[1]].of->id};
   static const char other[] =
       "depends on something other than the distance or the angle of its own markers and its rate";
   const adm_measure x = rotational ? ADM_AZ : ADM_DM, rate = rotational ? ADM_WZ : ADM_VR;
@@ -145,6 +230,8 @@ static const char *add_term(const adm_model *m, law *l, const adm_term *t, const
     return other;
   const double sign = rotational && backward ? -1 : 1;
   const int k = t->measure == rate;
+  if (t->kind == ADM_IMPACT)
+    return add_stop(m, l, t, sign, marker, rotational);
   if (t->kind == ADM_MEASURE)
     *(k == 0 ? &l->by_x : &l->by_rate) += sign * t->factor;
   else if (!adm_find_spline(m->spline, m->nspline, t->spline))
@@ -160,7 +247,6 @@ static const char *add_term(const adm_model *m, law *l, const adm_term *t, const
 
 static const char *add_function(adm_model *m, const adm_statement *of, const int marker[2], bool rotational,
                                 bool action_only, const adm_form *form) {
-  const long pair[2] = {m->marker[marker[0]].of->id, m->marker[marker[1]].of->id};
   law l = {0};
   bool changes = false;
   for (int i = 0; i < form->n; i++)
@@ -174,16 +260,17 @@ static const char *add_function(adm_model *m, const adm_statement *of, const int
     return "changes with the time along the line of two markers; a scene has such forces on one body alone, as "
            "ACTIONONLY gives";
   for (int i = 0; i < form->n; i++) {
-    const char *why = form->term[i].factor != 0 ? add_term(m, &l, &form->term[i], pair, rotational) : NULL;
+    const char *why = form->term[i].factor != 0 ? add_term(m, &l, &form->term[i], marker, rotational) : NULL;
     if (why)
       return why;
   }
   if ((l.spline[0] && l.by_x != 0) || (l.spline[1] && l.by_rate != 0))
     return "has a spline and a linear term of the same quantity";
-  if (rotational)
-    add_rotational(m, of, marker, &l);
-  else
-    add_translational(m, of, marker, &l);
+  const bool springs = l.constant != 0 || l.by_x != 0 || l.by_rate != 0 || l.spline[0] || l.spline[1];
+  if (springs || l.nstop == 0)
+    (rotational ? add_rotational : add_translational)(m, of, marker, &l);
+  for (int i = 0; i < l.nstop; i++)
+    (rotational ? write_stop_of_angle : write_stop_of_distance)(m, of, marker, &l.stop[i]);
   return NULL;
 }
 

@@ -38,8 +38,8 @@ static adm_form constant(double x) {
 
 static bool alike(const adm_term *a, const adm_term *b) {
   return a->kind == b->kind && a->power == b->power && a->a == b->a && a->b == b->b && a->spline == b->spline &&
-         a->akima == b->akima && a->measure == b->measure && a->marker[0] == b->marker[0] &&
-         a->marker[1] == b->marker[1];
+         a->akima == b->akima && a->exponent == b->exponent && a->measure == b->measure &&
+         a->marker[0] == b->marker[0] && a->marker[1] == b->marker[1];
 }
 
 static void add_term(parser *p, adm_form *form, const adm_term *term) {
@@ -221,6 +221,35 @@ static adm_form spline(parser *p, const char *name, const arguments *a) {
   return (adm_form){.n = 1, .term = {term}};
 }
 
+/* One side of IMPACT or BISTOP: way k (way (limit - x))^e, with k, e and the damping behind the argument `last`. way: 1
+ * below the limit, -1 above it. */
+static adm_form one_side(parser *p, const char *name, const arguments *a, double way, int limit, int last) {
+  adm_term term;
+  linear(p, &a->form[0], name, &term);
+  const double from = number_of(p, &a->form[limit], "a limit"), k = number_of(p, &a->form[last + 1], "a stiffness"),
+               e = number_of(p, &a->form[last + 2], "an exponent"), c = number_of(p, &a->form[last + 3], "a damping");
+  if (!p->failed && (term.a == 0 || (term.measure != ADM_DM && term.measure != ADM_AZ)))
+    refuse(p, "has %s of something other than a distance DM or an angle AZ", name);
+  if (!p->failed && c != 0)
+    refuse(p, "has %s with damping, which a scene's stops have in another form", name);
+  if (!p->failed && !(k >= 0 && e >= 1))
+    refuse(p, "has %s with a stiffness below 0 or an exponent below 1", name);
+  term.kind = ADM_IMPACT;
+  term.factor = way * k;
+  term.a *= way;
+  term.b = way * (from - term.b);
+  term.exponent = e;
+  return (adm_form){.n = 1, .term = {term}};
+}
+
+/* IMPACT(x, xdot, x1, k, e, cmax, d) and BISTOP(x, xdot, x1, x2, k, e, cmax, d) without damping */
+static adm_form impact(parser *p, const char *name, const arguments *a) {
+  if (a->n == 7)
+    return one_side(p, name, a, 1, 2, 2);
+  const adm_form below = one_side(p, name, a, 1, 2, 3), above = one_side(p, name, a, -1, 3, 3);
+  return sum(p, &below, 1, &above);
+}
+
 /* POLY(x, x0, a0, a1, ...): a0 + a1 (x - x0) + ... */
 static adm_form poly(parser *p, const arguments *a) {
   adm_form s = sum(p, &a->form[0], -1, &a->form[1]), out = {0};
@@ -270,9 +299,10 @@ static adm_form choice(parser *p, const arguments *a) {
 static const struct {
   const char *name;
   int least, most;
-} functions[] = {{"SIN", 1, 1},   {"COS", 1, 1}, {"STEP", 5, 5}, {"STEP5", 5, 5}, {"AKISPL", 3, 4}, {"CUBSPL", 3, 4},
-                 {"POLY", 3, 16}, {"SHF", 6, 6}, {"IF", 4, 4},   {"MIN", 2, 2},   {"MAX", 2, 2},    {"MOD", 2, 2},
-                 {"ATAN2", 2, 2}, {"DM", 2, 2},  {"VR", 2, 3},   {"AZ", 2, 2},    {"WZ", 2, 3},     {NULL, 0, 0}};
+} functions[] = {{"SIN", 1, 1},    {"COS", 1, 1},   {"STEP", 5, 5},   {"STEP5", 5, 5},  {"AKISPL", 3, 4},
+                 {"CUBSPL", 3, 4}, {"POLY", 3, 16}, {"SHF", 6, 6},    {"IF", 4, 4},     {"MIN", 2, 2},
+                 {"MAX", 2, 2},    {"MOD", 2, 2},   {"ATAN2", 2, 2},  {"DM", 2, 2},     {"VR", 2, 3},
+                 {"AZ", 2, 2},     {"WZ", 2, 3},    {"IMPACT", 7, 7}, {"BISTOP", 8, 8}, {NULL, 0, 0}};
 
 static adm_form of_two(parser *p, const char *name, const arguments *a) {
   const double x = number_of(p, &a->form[0], "MIN, MAX, MOD or ATAN2 of something"),
@@ -312,6 +342,8 @@ static adm_form call(parser *p, const char *name, const arguments *a) {
     return shf(p, a);
   if (strcmp(name, "IF") == 0)
     return choice(p, a);
+  if (strcmp(name, "IMPACT") == 0 || strcmp(name, "BISTOP") == 0)
+    return impact(p, name, a);
   return a->n == 2 ? of_two(p, name, a) : spline(p, name, a);
 }
 

@@ -1,7 +1,8 @@
 /* Function expressions of an Adams data set, as far as a scene can hold them: a sum of terms, each a number times
  *
  *   a power of the time, a sine of it, a smooth step of it, a spline of it,
- *   the distance of two markers, its rate, the angle or the rate of rotation between them.
+ *   the distance of two markers, its rate, the angle or the rate of rotation between them,
+ *   a power of how far that distance or angle is beyond a limit (IMPACT, BISTOP).
  *
  * Numbers are in the data set's units, angles in radians, until a term is written.
  */
@@ -14,12 +15,13 @@
 #include <jansson.h>
 
 typedef enum {
-  ADM_POWER,  /* t^n */
-  ADM_SINE,   /* sin(a t + b) */
-  ADM_STEP,   /* from 0 at t = a to 1 at t = b by the cubic 3 s^2 - 2 s^3 */
-  ADM_STEP5,  /* the same by 10 s^3 - 15 s^4 + 6 s^5 */
-  ADM_SPLINE, /* SPLINE/id of a t + b, or of a x + b where x is a measure */
-  ADM_MEASURE /* of two markers */
+  ADM_POWER,   /* t^n */
+  ADM_SINE,    /* sin(a t + b) */
+  ADM_STEP,    /* from 0 at t = a to 1 at t = b by the cubic 3 s^2 - 2 s^3 */
+  ADM_STEP5,   /* the same by 10 s^3 - 15 s^4 + 6 s^5 */
+  ADM_SPLINE,  /* SPLINE/id of a t + b, or of a x + b where x is a measure */
+  ADM_MEASURE, /* of two markers */
+  ADM_IMPACT   /* (b - a x)^exponent of a measure x where that is positive, else 0 */
 } adm_term_kind;
 
 typedef enum { ADM_TIME, ADM_DM, ADM_VR, ADM_AZ, ADM_WZ } adm_measure;
@@ -31,7 +33,8 @@ typedef struct {
   double a, b;         /* as above */
   long spline;         /* ADM_SPLINE: its identifier */
   bool akima;          /* ADM_SPLINE: Akima's, else a cubic spline */
-  adm_measure measure; /* ADM_MEASURE, ADM_SPLINE */
+  double exponent;     /* ADM_IMPACT */
+  adm_measure measure; /* ADM_MEASURE, ADM_SPLINE, ADM_IMPACT */
   long marker[2];      /* I, J of the measure */
 } adm_term;
 

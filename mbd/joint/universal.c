@@ -19,7 +19,7 @@ static void read(mbd_joint *joint, tdm_object *o, const mbd_model *model) {
     tdm_object_fail(o, tdm_has(o, "axes") ? "axes" : "axis",
                     "the two axes of a universal joint must be perpendicular, but stand at %.6g degrees; give \"axes\" "
                     "with one for each body, the arms of the cross",
-                    acos(fmin(1, fmax(-1, dot))) * 180 / M_PI);
+                    tdm_degrees(acos(fmin(1, fmax(-1, dot)))));
 }
 
 static void eval(const mbd_joint *j, const mbd_kin *a, const mbd_kin *b, mbd_rows *rows) {

@@ -89,6 +89,11 @@ static inline tdm_vec3 tdm_translation(tdm_vec3 x, tdm_vec3 x0) {
   return tdm_sub(x, x0);
 }
 
+/* [L18] Eq. 16: an angle [rad] in degrees. */
+static inline double tdm_degrees(double angle) {
+  return angle * 180 / 3.14159265358979323846; /* strict C has no M_PI */
+}
+
 /* Body point (body axes, from the centre of mass) to world. */
 tdm_vec3 tdm_pose_point(tdm_pose pose, tdm_vec3 body_point);
 

@@ -97,11 +97,12 @@ static void expect_axis(const char *path, int k, double x, double z) {
 /* ---- against Adams' tables ---- */
 
 static const char *const published[] = {
-    "Cylindrical_Case01",  "Cylindrical_Case02",  "Cylindrical_Case03",  "Distance_Case01",   "Distance_Case02",
-    "Distance_Case03",     "LinActuator_Case01",  "LinActuator_Case02",  "Prismatic_Case01",  "Prismatic_Case02",
-    "Prismatic_Case03",    "RevSpherical_Case01", "RevSpherical_Case02", "Revolute_Case01",   "Revolute_Case02",
-    "RotSpring_Case01",    "Spherical_Case01",    "Spherical_Case02",    "TranSpring_Case01", "TranSpring_Case02",
-    "TranSpringCB_Case01", "TranSpringCB_Case02", "Universal_Case01",    "Universal_Case02",  "Universal_Case03"};
+    "Cylindrical_Case01", "Cylindrical_Case02",  "Cylindrical_Case03",  "Distance_Case01",     "Distance_Case02",
+    "Distance_Case03",    "LinActuator_Case01",  "LinActuator_Case02",  "Prismatic_Case01",    "Prismatic_Case02",
+    "Prismatic_Case03",   "RevSpherical_Case01", "RevSpherical_Case02", "Revolute_Case01",     "Revolute_Case02",
+    "RotSpring_Case01",   "RotSpring_Case02",    "TranSpringCB_Case03", "TranSpringCB_Case04", "Spherical_Case01",
+    "Spherical_Case02",   "TranSpring_Case01",   "TranSpring_Case02",   "TranSpringCB_Case01", "TranSpringCB_Case02",
+    "Universal_Case01",   "Universal_Case02",    "Universal_Case03"};
 enum { NPUBLISHED = sizeof published / sizeof published[0] };
 
 START_TEST(test_published) {
@@ -383,7 +384,52 @@ START_TEST(test_forces) {
   expect_number("forces.0.damping.2", 0.3);
   expect_number("forces.0.preload.0", -7);
   import_good(START "SFORCE/1, TRANS, I=21, J=1, FUNCTION = IMPACT(DM(21,1),VR(21,1),1,1E5,1.5,1,1E-3)\nEND\n");
-  expect_left_out("line 11: SFORCE/1: its FUNCTION has the function IMPACT");
+  expect_left_out("line 11: SFORCE/1: its FUNCTION has IMPACT with damping");
+  import_good(START "SFORCE/1, TRANS, I=21, J=1, FUNCTION = -IMPACT(DM(21,1),VR(21,1),1,1E5,1.5,0,1)\nEND\n");
+  expect_left_out("pulls where a scene's stops push");
+  import_good(START "SFORCE/1, ROT, I=22, J=1, FUNCTION = IMPACT(AZ(22,1),WZ(22,1,1),1,1E5,1.5,0,1)\nEND\n");
+  expect_left_out("no joint of its two parts has");
+  forget();
+  directory_remove(dir);
+}
+END_TEST
+
+/* Limits of distances and angles: on either side, of markers that are turned and joints that count the other way */
+START_TEST(test_stops) {
+  dir = directory_make();
+  import_good("x\nUNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND\nPART/1,GROUND\nMARKER/1\n"
+              "PART/2,MASS=2,CM=21,IP=1E6,2E6,2.5E6\nMARKER/21,QP=1000,0,0\nSFORCE/1, TRANS, I=21, J=1\n"
+              ", FUNCTION = -3*VR(21,1) + BISTOP(DM(1,21), VR(1,21), 800, 1500, 1E-4, 2, 0, 1)\nEND\n");
+  WORD("forces.0.type", "spring_damper");
+  WORD("forces.1.type", "bump");
+  expect_number("forces.1.radii.0", 0.4);
+  expect_number("forces.1.stiffness", 100);
+  expect_number("forces.1.exponent", 2);
+  WORD("forces.2.type", "cable");
+  expect_number("forces.2.free_length", 1.5);
+  const double smoothing = json_number_value(at("forces.2.smoothing")); /* k s^2/2e */
+  ck_assert_double_eq_tol(json_number_value(at("forces.2.stiffness")) / (2 * smoothing), 100, 1e-10);
+  /* the joint counts from part 2 to the ground, and its markers are 20 degrees apart at the start */
+  import_good(START
+              "MARKER/24, REULER = 20D, 0, 0\nJOINT/1, REV, I = 1, J = 24\n"
+              "SFORCE/1, ROT, I=24, J=1, FUNCTION = BISTOP(AZ(24,1), WZ(24,1,1), -10D, 50D, 7, 1.5, 0, 1)\nEND\n");
+  WORD("forces.0.type", "stop");
+  WORD("forces.0.joint", "joint_1");
+  expect_number("forces.0.upper", M_PI / 6);
+  WORD("forces.1.type", "stop");
+  expect_number("forces.1.lower", -M_PI / 6);
+  expect_number("forces.1.stiffness", 7);
+  import_good(START HINGE "SFORCE/1, ROT, I=22, J=1, FUNCTION = -IMPACT(-AZ(22,1), 0, -1, 7, 1, 0, 1)\nEND\n");
+  expect_number("forces.0.upper", 1);
+  import_good(START "SFORCE/1, TRANS, I=21, J=1, FUNCTION = -IMPACT(-DM(21,1),-VR(21,1),-1,7,1.5,0,1)\nEND\n");
+  expect_left_out("exponent other than 2");
+  forget();
+  directory_remove(dir);
+}
+END_TEST
+
+START_TEST(test_contact_is_left_out) {
+  dir = directory_make();
   import_good(START HINGE "CONTACT/1, IGEOM=1, JGEOM=2\nEND\n");
   expect_left_out("CONTACT/1");
   forget();
@@ -558,5 +604,5 @@ START_TEST(test_garbled) {
 END_TEST
 
 TEST_MAIN_ROWS("mbd_adams", {test_published, NPUBLISHED}, {test_units, 1}, {test_part, 1}, {test_joints, 1},
-               {test_couplers, 1}, {test_laws, 1}, {test_motions, 1}, {test_forces, 1}, {test_wrong, 1},
-               {test_command, 1}, {test_file, 1}, {test_garbled, 1})
+               {test_couplers, 1}, {test_laws, 1}, {test_motions, 1}, {test_forces, 1}, {test_stops, 1},
+               {test_contact_is_left_out, 1}, {test_wrong, 1}, {test_command, 1}, {test_file, 1}, {test_garbled, 1})

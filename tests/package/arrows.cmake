@@ -68,7 +68,7 @@ set(most 10)
 set(families
   dem/contact/normal dem/contact/tangential dem/contact/rolling dem/contact/twisting dem/contact/cohesion
   dem/contact/multi
-  mbd/joint mbd/force mbd/driver coupler/scheme coupler/observe protocol/motion)
+  mbd/joint mbd/force mbd/driver coupler/scheme coupler/observe coupler/conform/rules protocol/motion)
 # two files that are a floor of their own: a participant, a command
 set(other_sizes mbd/adapter mbd/app)
 

@@ -162,6 +162,7 @@ START_TEST(points_and_their_velocities) {
   tdm_vec3 v = tdm_point_velocity(&s, p);
   ck_assert_double_lt(tdm_norm(tdm_sub(v, tdm_v3(0.5 - 2, 0, 0))), close_enough);
   tdm_vec3 t = tdm_translation(tdm_v3(1, 1, 1), tdm_v3(0, 1, 2)); /* [L18] Eq. 15 */
+  ck_assert_double_eq_tol(tdm_degrees(-M_PI / 3), -60, 1e-13);    /* Eq. 16 */
   ck_assert_double_lt(tdm_norm(tdm_sub(t, tdm_v3(1, 0, -1))), close_enough);
 }
 END_TEST
