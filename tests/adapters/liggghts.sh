@@ -8,6 +8,7 @@ PATH=@CMAKE_RUNTIME_OUTPUT_DIRECTORY@:@PROJECT_BINARY_DIR@/tests:$PATH
 scenes=dem/foreign/liggghts/scenes
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
+two_ranks=(--set 'dem.solver=mpirun --oversubscribe -n 2 tandem-liggghts')
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 # conform OPTIONS…: `tandem conform`; no rule may be broken
@@ -86,8 +87,7 @@ faults() {
   refused "does not take the scene's gravity" "$box" --set "dem.script.file=$out/no_gravity.in" --strict \
     --set dem.script.variables.settle=1
   refused 'take another name' "$box" --set dem.script.variables.dt=1
-  refused 'Unknown command: frobnicate' "$box" --set "dem.script.file=$out/wrong.in" \
-    --set 'dem.solver=mpirun --oversubscribe -n 2 tandem-liggghts'
+  refused 'Unknown command: frobnicate' "$box" --set "dem.script.file=$out/wrong.in" "${two_ranks[@]}"
   refused 'no_such.stl' "$box" --set 'dem.bodies[0].mesh.file=no_such.stl'
   refused 'no_such.in' "$box" --set dem.script.file=no_such.in
   refused 'unknown key "scripts"' "$box" --set 'dem.scripts={}'
@@ -114,23 +114,55 @@ turning() {
   judge "and as much must it have turned" "$(tail -1 "$out/turning/body_box.csv" | cut -d, -f8)" ">=" 0.5
 }
 
-# killed while it works: a named error, nothing left
-killed() {
-  local status=0 pid solver
-  tandem run "$scenes/spring_damper.json" --set dem.script.variables.settle=100000000 --out "$out/killed" \
-    >"$out/killed.txt" 2>&1 &
+# hit SIGNAL RANK TEXT OPTIONS…: a signal to a rank while LIGGGHTS works ends the run in time, with an error that has
+# TEXT, and leaves no process
+hit() {
+  local signal=$1 rank=$2 text=$3 status=0 pid tandem children ranks=()
+  shift 3
+  timeout 120 tandem run "$scenes/spring_damper.json" --set dem.script.variables.settle=100000000 --out "$out/hit" \
+    --force "$@" >"$out/hit.txt" 2>&1 &
   pid=$!
-  for _ in $(seq 600); do
-    solver=$(pgrep -P $pid -x tandem-liggghts) && break || sleep 0.1
+  until [ "${#ranks[@]}" -gt "$rank" ] || ! kill -0 $pid; do
+    sleep 0.1
+    tandem=$(pgrep -P $pid) && children=$(pgrep -d, -P "$tandem") || continue
+    mapfile -t ranks < <(pgrep -x tandem-liggghts -P "$children" || pgrep -x tandem-liggghts -P "$tandem")
   done
-  kill -KILL "$solver"
+  sleep 2
+  kill "-$signal" "${ranks[$rank]}"
   wait $pid || status=$?
-  [ "$status" = 1 ] && grep -q 'dem.*killed by signal 9' "$out/killed.txt" || { cat "$out/killed.txt"; return 1; }
+  [ "$status" = 1 ] && grep -q -- "$text" "$out/hit.txt" || { cat "$out/hit.txt"; return 1; }
+  for pid in "${ranks[@]}" ${children//,/ }; do
+    ! kill -0 "$pid" 2>/dev/null || { echo "process $pid is left"; return 1; }
+  done
+}
+
+# An error of LIGGGHTS on a rank that is not 0: only there are particles, with more neighbours than the lists take
+faulty_rank() {
+  {
+    printf '%s\n' 'units si' 'atom_style granular' 'atom_modify map array' 'boundary f f f' 'newton off' \
+      'communicate single vel yes' 'processors 1 1 2' 'region domain block -1 1 -1 1 -1 1 units box' \
+      'create_box 1 domain' 'neighbor 0.01 bin' 'neigh_modify delay 0 one 2 page 20' \
+      'fix young all property/global youngsModulus peratomtype 1e7' \
+      'fix poisson all property/global poissonsRatio peratomtype 0.2' \
+      'fix restitution all property/global coefficientRestitution peratomtypepair 1 0.5' \
+      'fix friction all property/global coefficientFriction peratomtypepair 1 0.5' \
+      'pair_style gran model hertz tangential history' 'pair_coeff * *' 'timestep ${dt}'
+    for place in '0 0' '0.1 0' '0 0.1' '0.1 0.1' '-0.1 0' '0 -0.1'; do
+      echo "create_atoms 1 single $place 0.5 units box"
+    done
+    printf '%s\n' 'set group all diameter 0.1 density 1000' 'fix integrate all nve/sphere' 'run 10'
+  } >"$out/crowded.in"
+  refused 'LIGGGHTS: ERROR on proc 1: Neighbor list overflow' "$scenes/spring_damper.json" \
+    --set "dem.script.file=$out/crowded.in" "${two_ranks[@]}"
 }
 
 conform "$scenes/spring_damper.json" --set dem.script.variables.settle=3000
 faults
-killed
+faulty_rank
+hit KILL 0 'dem.*killed by signal 9'
+hit KILL 0 'dem.*ended before the run did' "${two_ranks[@]}"
+hit KILL 1 'dem.*ended before the run did' "${two_ranks[@]}"
+hit STOP 1 'dem.*no answer for 5 s' "${two_ranks[@]}" --set coupling.timeout=5
 turning
 for scheme in lommen dem-first; do
   run "$scenes/spring_damper.json" "$scheme" --set "coupling.scheme=$scheme"
@@ -140,6 +172,5 @@ done
 for mass in 0.01 0.02 0.1; do
   collision $mass
 done
-run "$scenes/spring_damper.json" two_ranks --set "dem.solver=mpirun --oversubscribe -n 2 tandem-liggghts" \
-  --set coupling.scheme=dem-first --set time.end=1
+run "$scenes/spring_damper.json" two_ranks "${two_ranks[@]}" --set coupling.scheme=dem-first --set time.end=1
 nse "dem-first, two ranks, 1 s" "$out/two_ranks"
