@@ -203,15 +203,15 @@ static void couple(adm_model *m, const adm_statement *of, const char *type, cons
 static void couple_all(adm_model *m, const adm_statement *of, const adm_joint *const j[], const bool slides[],
                        const double scale[], int n) {
   char name[ADM_NAME_MAX];
-  json_t *joints = json_array(), *coordinates = json_array(), *scales = json_array();
+  json_t *coupled = json_array(), *coordinates = json_array(), *scales = json_array();
   for (int k = 0; k < n; k++) {
-    json_array_append_new(joints, json_string(j[k]->name));
+    json_array_append_new(coupled, json_string(j[k]->name));
     json_array_append_new(coordinates, json_string(slides[k] ? "translation" : "angle"));
     json_array_append_new(scales, adm_real(slides[k] ? scale[k] / m->units.length : scale[k]));
   }
   adm_name(of, "coupler", m->joints, name);
   json_array_append_new(m->joints, json_pack("{s:s, s:s, s:o, s:o, s:o}", "name", name, "type", "coupler", "joints",
-                                             joints, "coordinates", coordinates, "scales", scales));
+                                             coupled, "coordinates", coordinates, "scales", scales));
 }
 
 /* Whether a joint's coordinate in a coupler is its translation: TYPE says T or R, else what the joint has. */

@@ -36,7 +36,7 @@ static uint64_t fault_window;
 static tdm_transport *transport;
 static tdm_frame frame;
 static int nbody, is_mbd;
-static double state = 1, remembered; /* of "checkpoint": all that its loads depend on */
+static double counter = 1, remembered; /* of "checkpoint": all that its loads depend on */
 
 static int is(const char *name) {
   return strcmp(fault, name) == 0;
@@ -122,7 +122,7 @@ static void answer_step(const tdm_header *header) {
   if (is("nan") && step.window >= fault_window)
     r.load[0].force.y = NAN;
   if (is("checkpoint"))
-    r.load[0].force.x = state = 1.5 * state + (double)step.nstep;
+    r.load[0].force.x = counter = 1.5 * counter + (double)step.nstep;
   if (is_extra() && step.window >= fault_window) {
     r.body[0].moment[2].force.z = is("moments") ? NAN : 0;
     r.body[0].work = is("work") ? NAN : 0;
@@ -163,14 +163,14 @@ static void answer_checkpoint(const tdm_header *header) {
   const char *name = json_string_value(json_object_get(question, "file"));
   const int writes = strcmp(json_string_value(json_object_get(question, "mode")), "write") == 0;
   FILE *file = fopen(name, writes ? "wb" : "rb");
-  double kept = state;
+  double kept = counter;
   const int good = file && (writes ? fwrite(&kept, sizeof kept, 1, file) : fread(&kept, sizeof kept, 1, file)) == 1;
   if (file)
     fclose(file);
   if (strcmp(text, "remembers") == 0 && writes)
-    remembered = state;
+    remembered = counter;
   if (!writes && strcmp(text, "forgets") != 0)
-    state = strcmp(text, "remembers") == 0 ? remembered : kept;
+    counter = strcmp(text, "remembers") == 0 ? remembered : kept;
   if (good || strcmp(text, "lenient") == 0)
     send_json(TDM_CHECKPOINT, json_incref(question));
   else

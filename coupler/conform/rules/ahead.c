@@ -72,11 +72,19 @@ static bool follow(cpl_meeting *m, const tdm_wrench *load, const outlook *o, dou
   return cpl_meeting_solve(m, &step, r);
 }
 
-/* Where a body goes on with the accelerations that are told. */
-static tdm_vec3 parabola(const outlook *o, int i, double t) {
+/* A prescribed body that goes on with the accelerations that are told, without a path, must be where it then is. */
+static void compare_parabola(const outlook *o, int i, double t, const tdm_state *is, double speed, double spin,
+                             cpl_verdict *v) {
   const double *a = o->acceleration + 6 * (size_t)i, h = t - o->from;
-  return tdm_axpy(0.5 * h * h, tdm_v3(a[0], a[1], a[2]),
-                  tdm_axpy(h, o->start[i].twist.velocity, o->start[i].pose.position));
+  const tdm_state *start = &o->start[i];
+  const tdm_vec3 way = tdm_axpy(0.5 * h, tdm_v3(a[0], a[1], a[2]), start->twist.velocity);
+  const tdm_vec3 turn = tdm_axpy(0.5 * h, tdm_v3(a[3], a[4], a[5]), start->twist.angular);
+  const tdm_quat due = tdm_quat_turned(start->pose.orientation, tdm_scale(h, turn));
+  const double off = tdm_norm(tdm_sub(tdm_axpy(h, way, start->pose.position), is->pose.position));
+  const double turned = tdm_norm(tdm_quat_turn(due, is->pose.orientation));
+  if (off > far * h * speed + 1e-9 || turned > far * h * spin + 1e-9)
+    cpl_broken(v, "a path ahead where accelerations do not tell it", "none; body %d is %g m and %g rad off after %g s",
+               i, off, turned, h);
 }
 
 /* What was told of body i against what came of it. */
@@ -92,10 +100,8 @@ static void compare(const cpl_meeting *m, const outlook *o, int i, const double 
   for (int j = 0; j < r->nsample; j++) {
     const tdm_state is = r->sample_state[j * r->nbody + i];
     if (o->path.nnode == 0) {
-      const double off = o->acceleration ? tdm_norm(tdm_sub(parabola(o, i, time[j]), is.pose.position)) : 0;
-      if (m->session.prescribed && m->session.prescribed[i] && off > far * h * speed + 1e-9)
-        cpl_broken(v, "a path ahead where accelerations do not tell it", "none; body %d is %g m off after %g s", i, off,
-                   h);
+      if (o->acceleration && m->session.prescribed && m->session.prescribed[i])
+        compare_parabola(o, i, time[j], &is, speed, spin, v);
       continue;
     }
     const tdm_state told = tdm_nodes_at(&o->path, i, &o->start[i], o->from, time[j]);
