@@ -97,7 +97,7 @@ static pair compare(const char *name) {
 START_TEST(moves_as_with_own_dem) {
   setup();
   ck_assert_msg(run("") == 0, "%s", command_output);
-  expect_output("coupling.bodies: Yade's contact laws take coupled bodies for walls of infinite mass");
+  expect_output("Yade's contact laws take coupled bodies for walls of infinite mass");
   ck_assert_msg(is_there(dir, "out", "dem.csv"), "no channels");
   ck_assert_msg(command("tandem run %s/scene.json --out %s/own " OWN_DEM, dir, dir) == 0, "%s", command_output);
   static const char *const loads[] = {"fz", "mx", "my"};

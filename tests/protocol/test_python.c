@@ -119,7 +119,7 @@ START_TEST(remarks_are_told) {
            dir);
   setenv("PYTHONPATH", TANDEM_PYTHON_DIR, 1);
   ck_assert_msg(run(options) == 0, "%s", command_output);
-  expect_output("warning: dem: it is dusty");
+  expect_output("dem: it is dusty");
   expect_output("20 times, from t = 0 s to 1.9 s, first at dem");
   teardown();
 }
