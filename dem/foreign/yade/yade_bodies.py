@@ -30,8 +30,8 @@ class CoupledBody:
         back = self.orientation.conjugate()
         self.places = []  # (id, position from the centre of mass, orientation), body axes; members of clumps too
         for i in dict.fromkeys(self.moved + self.loaded):
-            state = O.bodies[i].state
-            self.places.append((i, back * (state.pos - self.position), back * state.ori))
+            at = O.bodies[i].state
+            self.places.append((i, back * (at.pos - self.position), back * at.ori))
         for i in self.moved:
             O.bodies[i].dynamic = False
         self.next = None  # member from which the next check goes on; None: all
