@@ -144,7 +144,7 @@ static const struct {
     {"O.engines += [PyRunner(command='1 / 0', iterPeriod=20)]\n", "", {"an engine of Yade failed", "ZeroDivision"}},
     {"O.engines += [PyRunner(command='O.pause()', iterPeriod=20)]\n", "", {"Yade has ended the simulation"}},
     /* one member among others, in a list and in a clump */
-    {"O.engines += [TranslationEngine(ids=ids[1:], translationAxis=(1, 0, 0), velocity=1)]\n",
+    {"O.engines += [PyRunner(command='O.bodies[ids[1]].state.pos += (0, 0, 1e-3)', iterPeriod=1)]\n",
      "",
      {"coupling.bodies[0].dem", "has body 1 of", "not where it was moved to"}},
     {"two = [sphere((x, 0, -1), 0.05, material=m) for x in (0, 0.2)]\nids, parts = O.bodies.appendClumped(two)\n"
