@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Adapters for solvers that others wrote, each with the Debian package that it needs: what is not installed is named and
-# left out. usage: tests/adapters.sh [BUILD]
+# Adapters for solvers that others wrote, and tandem-dem on MPI, each with the Debian package that it needs: what is not
+# installed is named and left out. usage: tests/adapters.sh [BUILD]
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -16,4 +16,5 @@ while read -r test package; do
 done <<END
 test_liggghts libliggghts-dev
 test_yade yade
+test_ranks libopenmpi-dev (with openmpi-bin)
 END

@@ -1,6 +1,7 @@
 /* The engine's life: create, save and restore, destroy. See dem.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/engine.h"
+#include "dem/adapter/orders.h"
 
 #include "dem/base/energy.h"
 #include "dem/bodies/walls.h"
@@ -11,6 +12,7 @@
 #include "dem/scene/keys.h"
 #include "dem/scene/scene.h"
 #include "dem/settle/settle.h"
+#include "dem/state/homes.h"
 #include "dem/step/forces.h"
 #include "dem/store/state_file.h"
 #include "dem/watch/check.h"
@@ -95,6 +97,7 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
   dem_settled settled = {.rest = true, .pressed = true};
   if (place_particles(e, &settled, &nbehind, err))
     return err->status;
+  dem_unite(d, DEM_WHOLE);
   dem_energy_begin(&d->state.energy);
   dem_guard_begin(d);
   dem_energy_balance_begin(d);
@@ -128,6 +131,19 @@ tdm_status dem_engine_check_proxy(const dem_engine *e, tdm_error *err) {
       e->model->integrator->name);
 }
 
+/* Refuse what several ranks cannot do. */
+static tdm_status check_ranks(const dem_model *m, tdm_error *err) {
+  static const char cure[] = "cannot be shared among ranks; run it on one rank, with as many threads as you like";
+  if (!dem_orders_ranks())
+    return TDM_OK;
+  if (m->sum_loops || m->noting)
+    return tdm_fail(err, TDM_ERR_SCENE, "dem.contact.multi_contact", "a law of contacts that act on each other %s",
+                    cure);
+  if (m->energy && m->domain.repeats)
+    return tdm_fail(err, TDM_ERR_SCENE, "dem.energy", "the energies of a box that repeats %s", cure);
+  return TDM_OK;
+}
+
 static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {
   if (dem_channels_make(&e->channels, e->model, err))
     return err->status;
@@ -139,34 +155,19 @@ static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_
   e->proxy = dem_proxy_create(e->model, assignment);
   if (!e->data || !e->load || !e->initial || !e->before || !e->proxy)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", e->model->nparticle);
+  dem_homes_begin(e->data, dem_orders_ranks());
   return dem_forces_begin(e->data, err);
 }
 
-tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignment, tdm_participant *participant,
-                             tdm_error *err) {
-  assert(!*engine);
-  tdm_gsl_return_errors();
-  tdm_memory_watch_json();
-  const unsigned long before = tdm_memory_notes();
-  dem_engine *e = calloc(1, sizeof *e);
-  if (!e)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM engine");
-  e->participant = participant;
-  if (!dem_model_read(&e->model, assignment, err) && !(assignment->proxy && dem_engine_check_proxy(e, err)) &&
-      !allocate(e, assignment, err))
-    start(e, err);
-  if (tdm_memory_since(before, "dem", err)) {
-    dem_engine_destroy(&e);
+static tdm_status make(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {
+  if (dem_model_read(&e->model, assignment, err) || check_ranks(e->model, err) ||
+      (assignment->proxy && dem_engine_check_proxy(e, err)) || allocate(e, assignment, err))
     return err->status;
-  }
-  *engine = e;
-  return TDM_OK;
+  return start(e, err);
 }
 
-void dem_engine_destroy(dem_engine **engine) {
+static void let_go(dem_engine **engine) {
   dem_engine *e = *engine;
-  if (!e)
-    return;
   for (int k = 0; k < TDM_SLOTS_MAX; k++)
     dem_data_destroy(&e->slot[k]);
   json_decref(e->report.json);
@@ -182,6 +183,36 @@ void dem_engine_destroy(dem_engine **engine) {
   *engine = NULL;
 }
 
+tdm_status dem_engine_create(dem_engine **engine, const tdm_assignment *assignment, tdm_participant *participant,
+                             tdm_error *err) {
+  assert(!*engine);
+  tdm_gsl_return_errors();
+  tdm_memory_watch_json();
+  dem_orders_create(assignment);
+  const unsigned long before = tdm_memory_notes();
+  dem_engine *e = calloc(1, sizeof *e);
+  if (!e) {
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM engine");
+    return dem_orders_done(err);
+  }
+  e->participant = participant;
+  make(e, assignment, err);
+  tdm_memory_since(before, "dem", err);
+  if (dem_orders_done(err)) {
+    let_go(&e);
+    return err->status;
+  }
+  *engine = e;
+  return TDM_OK;
+}
+
+void dem_engine_destroy(dem_engine **engine) {
+  if (!*engine)
+    return;
+  dem_orders_give(DEM_ORDER_DESTROY, 0);
+  let_go(engine);
+}
+
 const dem_start *dem_engine_start(const dem_engine *e) {
   return &e->start;
 }
@@ -195,28 +226,37 @@ const dem_data *dem_engine_data(const dem_engine *e) {
 tdm_status dem_engine_save(dem_engine *e, int slot, tdm_error *err) {
   assert(slot >= 0 && slot < TDM_SLOTS_MAX);
   dem_data **kept = &e->slot[slot];
+  dem_orders_give(DEM_ORDER_SAVE, slot);
   if (!*kept)
     *kept = dem_data_create(e->model);
   if (!*kept || dem_data_copy(*kept, e->data))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->state.nparticle);
-  return TDM_OK;
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->state.nparticle);
+  return dem_orders_done(err);
 }
 
 tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
   assert(slot >= 0 && slot < TDM_SLOTS_MAX);
   if (!e->slot[slot])
     return tdm_fail(err, TDM_ERR_PROTOCOL, NULL, "RESTORE of slot %d, in which nothing was saved", slot);
+  dem_orders_give(DEM_ORDER_RESTORE, slot);
   if (dem_data_copy(e->data, e->slot[slot]))
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->state.nparticle);
-  return TDM_OK;
+    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->state.nparticle);
+  dem_homes_restored(e->data);
+  return dem_orders_done(err);
 }
 
 /* ---- what there is to see ---- */
 
 tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *err) {
-  return dem_view_scenery(&e->view, e->data, scenery, err);
+  dem_orders_give(DEM_ORDER_SCENERY, 0);
+  dem_unite(e->data, DEM_PLACES);
+  dem_view_scenery(&e->view, e->data, scenery, err);
+  return dem_orders_done(err);
 }
 
 tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
-  return dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
+  dem_orders_give(DEM_ORDER_SNAPSHOT, snapshot->with_contacts);
+  dem_unite(e->data, DEM_WHOLE);
+  dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
+  return dem_orders_done(err);
 }

@@ -1,10 +1,12 @@
 /* A window of the engine: its steps, and the samples of the outputs. See dem.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/engine.h"
+#include "dem/adapter/orders.h"
 
 #include "dem/flow/flow.h"
 #include "dem/flow/screening.h"
 #include "dem/particles/container.h"
+#include "dem/state/homes.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
@@ -62,6 +64,7 @@ static void sample_step(dem_engine *e, const dem_window *w, bool last, double t,
                         const dem_outcome *out) {
   double from = 0;
   for (; *sample < w->nsample && (last || w->sample_time[*sample] <= t + 1e-6 * dt); ++*sample) {
+    dem_unite(e->data, DEM_WHOLE);
     double share = dem_share_of_step(w->sample_time[*sample], t, dt);
     if (share > from)
       sum_loads(e->data, share - from, fixed);
@@ -95,13 +98,15 @@ static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *t
   for (task->k = 1; task->k <= w->nstep; task->k++) {
     const bool last = task->k == w->nstep;
     task->time = step_time(d, w, task->k, dt);
-    if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1)
+    if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1) {
+      dem_unite(d, DEM_WHOLE);
       dem_channels_sample(&e->channels, d, e->before);
+    }
     d->work.traction.wanted = e->model->triangle_forces && last && w->seen;
     if (dem_step(d, task, err))
       return err->status;
     sample_step(e, w, last, task->time, dt, task->sums->fixed, &sample, out);
-    if (tdm_participant_alive(e->participant))
+    if (dem_homes_alive(d, e->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", task->time);
   }
   return TDM_OK;
@@ -117,6 +122,7 @@ static void conclude(dem_engine *e, const dem_window *w, const dem_outcome *out)
   if (out->energy)
     *out->energy = dem_energy_balance_look(e->data);
   if (w->t1 >= m->time_end - 1e-3 * m->dt) {
+    dem_unite(e->data, DEM_WHOLE);
     dem_guard_end(e->data, w->t1);
     dem_flow_end(e->data, w->t1);
   }
@@ -141,11 +147,17 @@ static tdm_status advance(dem_engine *e, const dem_window *w, const dem_outcome 
     return err->status;
   conclude(e, w, out);
   e->time = w->t1;
-  return dem_check_finite(e->data, w->t1, err) ? err->status : dem_view_watch(&e->view, e->data, err);
+  if (dem_check_finite(e->data, w->t1, err))
+    return err->status;
+  if (e->view.looks)
+    dem_unite(e->data, DEM_PLACES);
+  return dem_view_watch(&e->view, e->data, err);
 }
 
 tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
+  dem_orders_advance(w, out, e->model->ncoupled);
   const unsigned long before = tdm_memory_notes();
   advance(e, w, out, err);
-  return tdm_memory_since(before, "dem", err);
+  tdm_memory_since(before, "dem", err);
+  return dem_orders_done(err);
 }

@@ -3,6 +3,7 @@
 #include "dem/flow/blocking.h"
 
 #include "dem/geometry/screen/screen.h"
+#include "dem/state/homes.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
@@ -96,6 +97,7 @@ void dem_blocking_look(dem_data *d, double t) {
   const dem_screening_def *s = &d->model->screening;
   if (!s->watched || d->state.nstep % s->every != 0)
     return;
+  dem_unite(d, DEM_PLACES);
   for (int i = 0; i < d->state.nparticle; i++)
     note(d, i, t);
   count(d, t);

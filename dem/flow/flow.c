@@ -10,6 +10,7 @@
 #include "dem/flow/traces.h"
 #include "dem/particles/container.h"
 #include "dem/particles/particles.h"
+#include "dem/state/homes.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
 #include "protocol/math/random.h"
@@ -156,6 +157,7 @@ static tdm_status run_source(dem_data *d, const dem_source *s, dem_source_state 
   advance_due(d->model, s, now, t, ROUND_OFF * dt);
   if (now->made == now->due)
     return TDM_OK;
+  dem_unite(d, DEM_PLACES);
   dem_free_space space;
   if (open_space(&space, d, s, dt))
     return TDM_ERR_MEMORY;
@@ -215,20 +217,32 @@ static void count_out(dem_data *d, int s, int i) {
   dem_screening_count(d, s, i);
 }
 
+/* Home particles are looked at; are there any to go on any rank? Then all of the state is known to all. */
+static bool any_gone(dem_data *d, int *gone, bool here) {
+  if (!dem_homes_any(d, here))
+    return false;
+  dem_unite(d, DEM_WHOLE);
+  dem_unite_particles(d, gone, sizeof *gone);
+  return true;
+}
+
 static tdm_status run_sinks(dem_data *d) {
   int *gone = d->work.number; /* scratch */
   dem_zone zone[DEM_SINKS_MAX];
-  long many = 0;
+  bool any = false;
   for (int s = 0; s < d->model->nsink; s++)
     zone[s] = dem_zone_now(d, s);
-  for (int i = 0; i < d->state.nparticle; i++) {
+  dem_parted(d, DEM_MOTION); /* sinks note contacts of home particles */
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
     gone[i] = taker(d, zone, i);
-    if (gone[i] < 0)
-      continue;
-    count_out(d, gone[i], i);
-    many++;
+    any = any || gone[i] >= 0;
   }
-  return many > 0 ? dem_data_remove(d, gone) : TDM_OK;
+  if (!any_gone(d, gone, any))
+    return TDM_OK;
+  for (int i = 0; i < d->state.nparticle; i++)
+    if (gone[i] >= 0)
+      count_out(d, gone[i], i);
+  return dem_data_remove(d, gone);
 }
 
 tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
@@ -249,18 +263,21 @@ tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
 
 tdm_status dem_flow_leave(dem_data *d) {
   int *gone = d->work.number; /* scratch */
-  uint64_t many = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
+  bool any = false;
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
     bool out = false;
     for (int a = 0; a < 3; a++) {
       double x = (&d->state.sphere[i].position.x)[a] - d->state.domain.low[a];
       out = out || (!d->state.domain.periodic[a] && (x < 0 || x > d->state.domain.length[a]));
     }
     gone[i] = out ? 0 : -1;
-    many += out;
+    any = any || out;
   }
-  d->state.ledger.left += many;
-  return many > 0 ? dem_data_remove(d, gone) : TDM_OK;
+  if (!any_gone(d, gone, any))
+    return TDM_OK;
+  for (int i = 0; i < d->state.nparticle; i++)
+    d->state.ledger.left += gone[i] >= 0;
+  return dem_data_remove(d, gone);
 }
 
 /* ---- balances ---- */

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/particles/container.h"
 
+#include "dem/state/homes.h"
 #include "protocol/scene/remark.h"
 
 #include <inttypes.h>
@@ -91,6 +92,8 @@ static void watch(dem_data *d, int k, uint64_t left, double t) {
 }
 
 void dem_containers_step(dem_data *d, double t) {
+  if (d->model->ncontainer > 0)
+    dem_unite(d, DEM_PLACES);
   for (int k = 0; k < d->model->ncontainer; k++) {
     count_inside(d, k);
     watch(d, k, d->state.container[k].entered - d->state.container[k].number, t);

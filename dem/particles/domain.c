@@ -22,7 +22,7 @@ void dem_domain_begin(dem_data *d) {
   d->state.strain_steps = 0;
   dem_domain_put(d);
   if (d->model->domain.repeats)
-    dem_domain_wrap(d);
+    dem_domain_wrap(d, 0, d->state.nparticle);
 }
 
 void dem_domain_strain(dem_data *d, double dt) {
@@ -57,10 +57,10 @@ static void shift(dem_data *d, int i, int axis, double k) {
     (&d->state.memory[i].velocity.x)[axis] += way - speed * d->state.memory_dt;
 }
 
-void dem_domain_wrap(dem_data *d) {
+void dem_domain_wrap(dem_data *d, int first, int end) {
   for (int a = 0; a < 3; a++) {
     double low = d->state.domain.low[a], high = low + d->state.domain.length[a];
-    for (int i = 0; d->state.domain.periodic[a] && i < d->state.nparticle; i++) {
+    for (int i = first; d->state.domain.periodic[a] && i < end; i++) {
       double x = (&d->state.sphere[i].position.x)[a];
       if (x >= low && x < high)
         continue;

@@ -7,6 +7,7 @@
 #include "dem/search/order.h"
 #include "dem/search/search.h"
 #include "dem/state/crossings.h"
+#include "dem/state/homes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -257,9 +258,11 @@ static const int *sort_particles(dem_data *d, bool carry) {
 }
 
 tdm_status dem_lists_build(dem_data *d) {
+  bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
+  const bool stay = d->lists.valid && !d->lists.stale && !sort; /* particles and contacts have the homes they had */
+  dem_unite(d, stay ? DEM_PLACES : DEM_WHOLE);
   if (choose_search(d))
     return TDM_ERR_MEMORY;
-  bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
   if (d->lists.valid)
     adapt_skin(d, sort);
   dem_wall_contacts walls = d->lists.walls;

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/settle/bed.h"
 
+#include "dem/state/homes.h"
 #include "dem/store/state_file.h"
 
 #include <errno.h>
@@ -22,6 +23,7 @@ typedef struct {
 tdm_status dem_bed_read(dem_data *d, dem_settled *out, bool *found, tdm_error *err) {
   const char *name = d->model->settle.store;
   *found = access(name, F_OK) == 0 || errno != ENOENT;
+  *found = !dem_homes_any(d, !*found); /* on every rank */
   figures f = {0};
   if (!*found || dem_state_read(d, DEM_STATE_BED, name, key, &f, sizeof f, err))
     return err->status;
@@ -41,7 +43,12 @@ tdm_status dem_bed_check_writable(const dem_model *m, tdm_error *err) {
   return TDM_OK;
 }
 
-tdm_status dem_bed_write(const dem_data *d, const dem_settled *settled, tdm_error *err) {
+tdm_status dem_bed_write(dem_data *d, const dem_settled *settled, tdm_error *err) {
   const figures f = {settled->rest, settled->pressed, settled->dt, settled->time, settled->speed};
-  return dem_state_write(d, d->model->settle.store, key, &f, sizeof f, err);
+  dem_unite(d, DEM_WHOLE);
+  if (dem_homes_writes(d))
+    dem_state_write(d, d->model->settle.store, key, &f, sizeof f, err);
+  if (dem_homes_any(d, err->status) && !err->status)
+    tdm_fail(err, TDM_ERR_FILE, key, "\"%s\" could not be written by rank 0", d->model->settle.store);
+  return err->status;
 }

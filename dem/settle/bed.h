@@ -25,6 +25,6 @@ tdm_status dem_bed_read(dem_data *data, dem_settled *settled, bool *found, tdm_e
 tdm_status dem_bed_check_writable(const dem_model *model, tdm_error *err);
 
 /* Write the bed to settle.store. */
-tdm_status dem_bed_write(const dem_data *data, const dem_settled *settled, tdm_error *err);
+tdm_status dem_bed_write(dem_data *data, const dem_settled *settled, tdm_error *err);
 
 #endif

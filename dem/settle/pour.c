@@ -6,6 +6,7 @@
 #include "dem/model/cells.h"
 #include "dem/particles/field.h"
 #include "dem/particles/particles.h"
+#include "dem/state/homes.h"
 #include "protocol/math/random.h"
 
 #include <stdio.h>
@@ -134,6 +135,7 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   dem_free_space room;
   tdm_vec3 low, high;
   uint64_t before = d->state.ledger.created;
+  dem_unite(d, DEM_PLACES);
   world_box(p, &low, &high);
   tdm_status status = dem_free_space_open(&room, d, low, high, p->largest);
   if (!status) {

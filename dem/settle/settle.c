@@ -5,15 +5,16 @@
 #include "dem/bodies/walls.h"
 #include "dem/settle/bed.h"
 #include "dem/settle/pour.h"
+#include "dem/state/homes.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"
 
 static double fastest(const dem_data *d) {
   double v2 = 0;
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++)
     v2 = fmax(v2, tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity));
-  return sqrt(v2);
+  return sqrt(dem_homes_largest(d, v2));
 }
 
 /* take a share of all velocities away: nothing else stops a sphere that rolls in a hollow */
@@ -29,7 +30,7 @@ static tdm_status step(dem_data *d, uint64_t k, double dt, tdm_participant *p, c
   if (dem_step(d, &(dem_step_task){.dt = dt, .settling = true}, err))
     return err->status;
   drag(d, d->model->settle.drag * dt);
-  if (tdm_participant_alive(p))
+  if (dem_homes_alive(d, p))
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while %s", what);
   return k % 1024 == 0 ? dem_check_finite(d, (double)k * dt, err) : TDM_OK;
 }
@@ -70,9 +71,10 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
 }
 
 /* step, and how long it must be quiet: longer than a particle lingers at the top of a bounce */
-static tdm_status choose_times(const dem_data *d, dem_settled *out, double *quiet, tdm_error *err) {
+static tdm_status choose_times(dem_data *d, dem_settled *out, double *quiet, tdm_error *err) {
   const dem_model *m = d->model;
   dem_limits limits;
+  dem_unite(d, DEM_WHOLE);
   if (dem_limits_now(d, &limits, err))
     return err->status;
   out->dt = m->settle.dt > 0 ? m->settle.dt : fmin(0.2 * limits.rayleigh, limits.contact / 30);
@@ -119,6 +121,7 @@ static const double press_speed = 0.05; /* of a lid on its way [m/s] */
  * deviation from the wanted force, as a share of it. */
 static double move_lids(dem_data *d, double dt) {
   double worst = 0;
+  dem_unite(d, DEM_PLACES | DEM_CONTACTS);
   for (int k = 0; k < d->model->nbox; k++) {
     const dem_box *box = &d->model->box[k];
     if (box->lid < 0 || !(box->press > 0))
@@ -168,6 +171,7 @@ static bool any_press(const dem_model *m) {
 static tdm_status settle_and_close(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   if (settle(d, p, out, err))
     return err->status;
+  dem_unite(d, DEM_PLACES);
   dem_lids_place(d);
   if (!any_press(d->model))
     return TDM_OK;

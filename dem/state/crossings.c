@@ -6,6 +6,7 @@ tdm_status dem_crossings_place(dem_data *d) {
   dem_pairs *list = &d->lists.pairs;
   dem_crossings *x = &d->lists.crossings;
   int count = 0;
+  d->work.homes.planned = false;
   for (int c = 0; c < d->lists.nchunk - 1; c++)
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
       count += list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;

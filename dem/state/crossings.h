@@ -1,5 +1,5 @@
 /* The seam between chunks: all that one chunk needs of others, and gives to others. Chunks that live in other processes
- * will meet here.
+ * meet here (homes.h).
  *
  * A contact belongs to the chunk of its first particle, i; its second, j > i, may belong to a later chunk: then the
  * contact crosses. Between two builds of the lists (search/pairs.c) the crossings are the same, unless particles go.
@@ -41,6 +41,7 @@ tdm_status dem_crossings_place(dem_data *d);
 /* There are no crossings until the lists are built next. */
 static inline void dem_crossings_forget(dem_data *d) {
   d->lists.crossings.count = 0;
+  d->work.homes.planned = false;
   memset(d->lists.crossings.chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *d->lists.crossings.chunk);
 }
 

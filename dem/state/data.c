@@ -257,6 +257,7 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
+  dem_homes *homes = &d->work.homes;
   void *arrays[] = {d->lists.pairs.one,
                     d->lists.pairs.other,
                     d->lists.pairs.reaction_slot,
@@ -276,6 +277,19 @@ void dem_data_destroy(dem_data **data) {
                     d->work.notes.first,
                     d->work.notes.place,
                     d->work.notes.room,
+                    homes->immigrants.item,
+                    homes->immigrants.first,
+                    homes->visitors.item,
+                    homes->visitors.first,
+                    homes->returning.item,
+                    homes->returning.first,
+                    homes->returned.item,
+                    homes->returned.first,
+                    homes->chunk,
+                    homes->mail,
+                    homes->out,
+                    homes->in,
+                    homes->sums,
                     d->work.particle_block,
                     d->work.block};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)

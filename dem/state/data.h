@@ -13,6 +13,7 @@
 #include "dem/base/energy.h"
 #include "dem/base/mobility.h"
 #include "dem/base/near.h"
+#include "dem/base/ranks.h"
 #include "dem/base/scratch.h"
 #include "dem/base/sphere.h"
 #include "dem/base/timers.h"
@@ -293,10 +294,38 @@ typedef struct {
   double length_at_list[3]; /* lengths of the box [m] */
 } dem_lists;
 
+/* Numbers of particles or of places, rank by rank: those of rank r are item[first[r]] ... item[first[r + 1] - 1]. */
+typedef struct {
+  int *item;  /* (capacity) */
+  int *first; /* (size + 1) */
+  int capacity;
+} dem_parcels;
+
+/* What this rank and others tell each other (homes.h); all 0 in a process that is alone. */
+typedef struct {
+  const dem_ranks *ranks; /* borrowed; NULL: alone */
+  unsigned united;        /* what is the same on all ranks now (DEM_PLACES ...) */
+  bool planned;           /* the rest is for the present crossings */
+  bool visiting;          /* particles are on their way to those that they visit */
+  bool stop, stopped;     /* this rank wants to end; one wanted to at the last step */
+  dem_parcels immigrants; /* home particles that visit another rank */
+  dem_parcels visitors;   /* particles of another rank that visit this one */
+  dem_parcels returning;  /* places of this rank's reactions on visitors */
+  dem_parcels returned;   /* places of other ranks' reactions on immigrants */
+  int *chunk;             /* (home chunks) home chunks, those without visitors first; NULL: alone */
+  int ninner;             /* chunks without visitors */
+  dem_mail *mail;         /* (size) */
+  char *out, *in;         /* (room) what goes and comes [bytes] */
+  double *sums;           /* (nsums) of the chunks, as they are gathered */
+  size_t room, nsums;
+  double spent; /* time in exchanges with other ranks, waiting for them included [s] */
+} dem_homes;
+
 /* The workspace: memory, sums by chunk and whatever else means nothing between two steps. Never copied or stored. */
 typedef struct {
   int nthread;
   dem_timers *timers; /* borrowed; NULL: not measured */
+  dem_homes homes;
 
   /* an evaluation */
   tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */

@@ -7,6 +7,7 @@
 #include "dem/bodies/walls.h"
 #include "dem/search/pairs.h"
 #include "dem/state/crossings.h"
+#include "dem/state/homes.h"
 #include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
@@ -25,7 +26,7 @@ static void add_energy(dem_data *d, dem_share share, double dt) {
 
 static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread)
-  for (int c = 0; c < d->lists.nchunk; c++)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
     integrator->end(d, c, dt);
 }
 
@@ -196,9 +197,38 @@ static long thread_forces(dem_data *d, const dem_loop_task *all, const dem_integ
   return touching;
 }
 
+/* Forces of the chunks homes.chunk[first ... end - 1] of this rank. */
+static long some_forces(dem_data *d, int first, int end, const dem_loop_task *all) {
+  const int *chunk = d->work.homes.chunk;
+  long touching = 0;
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
+  for (int k = first; k < end; k++)
+    touching += chunk_forces(d, chunk[k], all);
+  return touching;
+}
+
+/* Forces of the chunks of this rank, those without visitors while visitors are on their way; then the end of their
+ * step, when the reactions of other ranks are there. */
+static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
+  const int inner = d->work.homes.ninner;
+  long touching = some_forces(d, 0, inner, all);
+  dem_visitors_end(d);
+  touching += some_forces(d, inner, dem_home_end(d) - dem_home_first(d), all);
+  dem_parted(d, DEM_MOTION | DEM_FORCES | DEM_CONTACTS);
+  dem_reactions_return(d);
+  if (all->entry_force)
+    dem_unite_walls(d, all->entry_force, sizeof *all->entry_force);
+  touching = dem_homes_sums(d, touching);
+  if (integrator)
+    end_chunks(d, integrator, all->dt);
+  return touching;
+}
+
 /* Forces of all chunks, and the end of their step. One thread does not start OpenMP. */
 static long all_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
   const int nthread = d->work.nthread;
+  if (!dem_alone(d))
+    return home_forces(d, all, integrator);
   if (nthread == 1)
     return thread_forces(d, all, integrator, 0);
   long touching = 0;
@@ -279,6 +309,7 @@ void dem_forces_frozen(dem_data *d, double dt) {
 }
 
 void dem_forces_again(dem_data *d, bool settling, double dt) {
+  dem_unite(d, DEM_PLACES | DEM_MOTION);
   memset(d->state.push + d->state.nparticle, 0,
          (dem_push_count(d) - (size_t)d->state.nparticle) * sizeof *d->state.push);
   for (int i = 0; i < d->state.nparticle; i++) {
@@ -299,7 +330,7 @@ void dem_forces_again(dem_data *d, bool settling, double dt) {
 
 tdm_status dem_forces_now(dem_data *d, bool settling, tdm_error *err) {
   dem_walls_put(d);
-  if (dem_lists_build(d) || dem_traction_reserve(d) || dem_notes_reserve(d))
+  if (dem_lists_build(d) || dem_homes_plan(d) || dem_traction_reserve(d) || dem_notes_reserve(d))
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the neighbour lists");
   dem_forces_again(d, settling, 0);
   return TDM_OK;

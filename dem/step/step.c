@@ -7,6 +7,7 @@
 #include "dem/flow/flow.h"
 #include "dem/particles/domain.h"
 #include "dem/search/pairs.h"
+#include "dem/state/homes.h"
 #include "dem/state/notes.h"
 #include "dem/step/unsettled.h"
 #include "dem/watch/energy_balance.h"
@@ -39,7 +40,7 @@ static substeps substeps_of(const dem_data *d, const dem_step_task *s) {
 /* half a kick of the slow forces */
 static void kick(dem_data *d, const substeps *p, double dt) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
     p->integrator->kick(d, c, dt);
 }
 
@@ -95,29 +96,33 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
   dem_stride stride = {p->h, p->two ? (double)j * p->h - 0.5 * s->dt : 0, dem_lists_shift(d)};
   double moved2 = 0;
   bool numbers = true;
+  const int first = dem_home_first(d), end = dem_home_end(d);
   if (d->work.nthread == 1)
-    for (int c = 0; c < d->lists.nchunk; c++) {
+    for (int c = first; c < end; c++) {
       const double r2 = move_chunk(d, p, &stride, c);
       numbers = numbers && r2 >= 0;
       moved2 = r2 > moved2 ? r2 : moved2;
     }
   else
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) reduction(max : moved2) reduction(&& : numbers)
-    for (int c = 0; c < d->lists.nchunk; c++) {
+    for (int c = first; c < end; c++) {
       const double r2 = move_chunk(d, p, &stride, c);
       numbers = numbers && r2 >= 0;
       moved2 = r2 > moved2 ? r2 : moved2;
     }
+  dem_parted(d, DEM_WHOLE);
   dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
-  return numbers ? moved2 : NAN;
+  moved2 = dem_homes_largest(d, numbers ? moved2 : INFINITY); /* a way has no infinite square: farthest() */
+  return isfinite(moved2) ? moved2 : NAN;
 }
 
 static tdm_status find_contacts(dem_data *d, double moved2, double h) {
   if (d->model->domain.repeats)
-    dem_domain_wrap(d);
+    dem_domain_wrap(d, dem_home_first_particle(d), dem_home_end_particle(d));
   uint64_t before = d->lists.nrebuild;
-  if (dem_lists_update(d, moved2))
+  if (dem_lists_update(d, moved2) || dem_homes_plan(d))
     return TDM_ERR_MEMORY;
+  dem_visitors_begin(d);
   if (d->lists.nrebuild != before) /* a particle that moves far in a step makes new lists */
     dem_guard_note_leap(d, h);
   tdm_status status = dem_traction_reserve(d);
@@ -207,8 +212,11 @@ tdm_status dem_step(dem_data *d, const dem_step_task *s, tdm_error *err) {
   count_step(d, s);
 
   /* what others want of the step: sums over the window, the guard, sources and sinks */
-  if (s->sums)
+  if (s->sums) {
+    if (d->model->fixes)
+      dem_unite(d, DEM_FORCES);
     dem_window_sums_add(s->sums, d, s->k, s->n, s->path);
+  }
   if (s->guard && watch(d, s, err))
     return err->status;
   return s->flow ? dem_flow(d, s->time, s->dt, err) : TDM_OK;

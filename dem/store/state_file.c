@@ -7,6 +7,7 @@
 #include "dem/particles/domain.h"
 #include "dem/particles/field.h"
 #include "dem/search/pairs.h"
+#include "dem/state/homes.h"
 #include "dem/store/fingerprint.h"
 #include "protocol/math/hash.h"
 #include "protocol/scene/input.h"
@@ -404,6 +405,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   if (damaged)
     return refuse(r, err, "is damaged");
   dem_walls_put(d);
+  dem_united(d);
   d->lists.valid = false;  /* histories of before are not these */
   d->state.since_sort = 0; /* the order is the one that was saved */
   d->lists.skin = c.skin;

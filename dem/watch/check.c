@@ -3,6 +3,7 @@
 #include "dem/watch/check.h"
 
 #include "dem/particles/domain.h"
+#include "dem/state/homes.h"
 #include "dem/state/wall_gap.h"
 #include "dem/watch/limits.h"
 
@@ -144,13 +145,14 @@ static void name_partner(const dem_data *d, int i, char out[256]) {
     }
 }
 
-tdm_status dem_check_finite(const dem_data *d, double t, tdm_error *err) {
+tdm_status dem_check_finite(dem_data *d, double t, tdm_error *err) {
   /* anything that is not finite makes the sum not finite */
   tdm_vec3 sum = {0, 0, 0};
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++)
     sum = tdm_add(sum, tdm_add(tdm_add(d->state.sphere[i].position, d->state.pace[i].velocity), d->state.pace[i].spin));
-  if (isfinite(sum.x + sum.y + sum.z))
+  if (!dem_homes_any(d, !isfinite(sum.x + sum.y + sum.z)))
     return TDM_OK;
+  dem_unite(d, DEM_WHOLE);
   for (int i = 0; i < d->state.nparticle; i++) {
     char path[TDM_PATH_MAX];
     int n;

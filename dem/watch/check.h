@@ -18,6 +18,6 @@ tdm_status dem_check_step(const dem_data *data, double dt, const char *path, tdm
 void dem_where(const dem_data *data, int i, char path[TDM_PATH_MAX], int *number);
 
 /* TDM_ERR_NUMERIC when a particle's position or velocity is not finite at time t [s]. */
-tdm_status dem_check_finite(const dem_data *data, double t, tdm_error *err);
+tdm_status dem_check_finite(dem_data *data, double t, tdm_error *err);
 
 #endif

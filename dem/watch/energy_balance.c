@@ -6,6 +6,7 @@
 #include "dem/contact/law/theory.h"
 #include "dem/particles/domain.h"
 #include "dem/particles/field.h"
+#include "dem/state/homes.h"
 #include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
@@ -201,6 +202,7 @@ tdm_energy dem_energy_balance_look(dem_data *d) {
       .kinetic = NAN, .stored = NAN, .supplied = d->state.energy_balance.flow + d->state.energy_balance.driven};
   if (d->state.nstep < d->state.energy_balance.next_look || !dem_energy_balance_known(m))
     return e;
+  dem_unite(d, DEM_WHOLE);
   dem_stored_energy now = dem_stored_energy_now(d);
   d->state.energy_balance.next_look = d->state.nstep + (uint64_t)(m->guard.every > 0 ? m->guard.every : DEM_LOOK_STEPS);
   e.kinetic = now.kinetic;

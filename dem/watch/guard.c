@@ -4,6 +4,7 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/particles/domain.h"
+#include "dem/state/homes.h"
 #include "dem/state/wall_gap.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"
@@ -31,19 +32,31 @@ static tdm_status tell(dem_data *d, dem_guard_kind kind, const char *path, const
 
 /* ---- leaps ---- */
 
+/* Does particle i leap farther than any since they were told? How far. */
+static bool leaps(const dem_data *d, int i, double dt, double *way) {
+  *way = dt * tdm_norm(d->state.pace[i].velocity);
+  return *way > d->state.sphere[i].radius && *way > d->state.guard.leap;
+}
+
 void dem_guard_note_leap(dem_data *d, double dt) {
-  for (int i = 0; i < d->state.nparticle; i++) {
-    double way = dt * tdm_norm(d->state.pace[i].velocity);
-    if (way > d->state.sphere[i].radius && way > d->state.guard.leap) {
+  double way;
+  bool any = false;
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end && !any; i++)
+    any = leaps(d, i, dt, &way);
+  if (!dem_homes_any(d, any))
+    return;
+  dem_unite(d, DEM_MOTION);
+  for (int i = 0; i < d->state.nparticle; i++)
+    if (leaps(d, i, dt, &way)) {
       d->state.guard.leaper = d->state.id[i] + 1;
       d->state.guard.leap = way;
     }
-  }
 }
 
 static tdm_status look_at_leap(dem_data *d, double t, tdm_error *err) {
   char path[TDM_PATH_MAX] = "dem", text[TDM_MESSAGE_MAX];
   int n = 0, i = 0;
+  dem_unite(d, DEM_PLACES);
   while (i < d->state.nparticle && d->state.id[i] + 1 != d->state.guard.leaper)
     i++;
   tdm_vec3 x = {NAN, NAN, NAN};
@@ -153,16 +166,19 @@ static tdm_status look_at_lost(dem_data *d, double t, tdm_error *err) {
  * an oscillation need not show at the ends of steps */
 static double speed_of_bodies(const dem_data *d, double t, int *which) {
   const dem_model *m = d->model;
+  const dem_wall_contacts *list = &d->lists.walls;
   double fastest = 0;
   for (int b = 0; b < m->nbody; b++) {
     const dem_drive *drive = &m->body[b].drive;
     bool moves = drive->given && t > drive->start && t <= drive->end;
     double speed = moves ? dem_drive_speed(drive, 0) : tdm_norm(d->state.twist[b].velocity);
     double spin = tdm_norm(moves ? drive->angular : d->state.twist[b].angular), reach = 0;
-    for (size_t k = 0; spin > 0 && k < d->lists.walls.count; k++)
+    for (size_t k = list->chunk[dem_home_first(d)]; spin > 0 && k < list->chunk[dem_home_end(d)]; k++)
       if (m->wall[d->lists.walls.entry[k].wall].body == b)
         reach = fmax(reach, tdm_norm(tdm_sub(d->state.sphere[d->lists.walls.entry[k].particle].position,
                                              d->state.pose[b].position)));
+    if (spin > 0)
+      reach = dem_homes_largest(d, reach);
     if (speed + spin * reach > fastest) {
       fastest = speed + spin * reach;
       *which = b;
@@ -189,11 +205,13 @@ static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_
   if (d->state.nstep < g->pace_next)
     return TDM_OK;
   double fastest2 = 0, smallest = INFINITY;
-  for (int i = 0; i < d->state.nparticle; i++) {
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
     fastest2 = fmax(fastest2, tdm_dot(d->state.sphere[i].velocity, d->state.sphere[i].velocity));
     smallest = fmin(smallest, d->state.sphere[i].radius);
   }
   int body = 0;
+  fastest2 = dem_homes_largest(d, fastest2);
+  smallest = -dem_homes_largest(d, -smallest);
   double fastest = sqrt(fastest2), bodies = speed_of_bodies(d, t, &body);
   double speed = fastest + fmax(fastest, bodies), unseen = fmax(0.1, 1 - d->model->guard.overlap) * smallest;
   g->way += (double)(d->state.nstep - g->pace_step) * dt * speed;
@@ -207,6 +225,7 @@ static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_
 
 static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err) {
   dem_limits now;
+  dem_unite(d, DEM_WHOLE);
   if (dem_limits_now(d, &now, err))
     return err->status;
   double eigen = DEM_EIGEN_SHARE * now.eigen, contact = DEM_CONTACT_SHARE_MOST * now.contact;
@@ -238,6 +257,7 @@ static bool can_judge(const dem_data *d, double t, double dt) {
 static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   dem_guard_state *g = &d->state.guard;
   uint64_t flow = d->state.ledger.created + d->state.ledger.removed;
+  dem_unite(d, DEM_WHOLE);
   dem_stored_energy e = dem_stored_energy_now(d);
   double all = e.kinetic + e.potential + e.elastic;
   if (!g->judging || g->flow != flow) {
@@ -267,6 +287,7 @@ tdm_status dem_guard_proxy(dem_data *d, const dem_proxy *proxy, double t, double
   double rate2;
   if (every == 0 || d->state.nstep % every != 0)
     return TDM_OK;
+  dem_unite(d, DEM_WHOLE);
   if (dem_proxy_rate2(proxy, d, &rate2, err))
     return err->status;
   double limit = DEM_EIGEN_SHARE * 2 / sqrt(rate2);
@@ -293,6 +314,7 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
     return err->status;
   if (look || due) {
     d->state.guard.way = 0;
+    dem_unite(d, DEM_PLACES);
     dem_rim_look(d, t);
     if (look_at_overlaps(d, t, err) || look_at_lost(d, t, err))
       return err->status;

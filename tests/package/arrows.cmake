@@ -29,7 +29,7 @@ set(dem
   "settle contact/multi output"
   "adapter"
   "app"
-  "main.c")
+  "main.c ranks")
 set(mbd
   "adams linear shape"
   "model"

@@ -1,0 +1,38 @@
+/* The processes that share a run (ranks), as the engine sees them: which one this is, and what they can tell each
+ * other. Who has such processes fills this in (dem/ranks/mpi.c). All ranks call the same operations in the same order,
+ * except `abandon`. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_BASE_RANKS_H
+#define DEM_BASE_RANKS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What goes to another rank and comes from it in an exchange. */
+typedef struct {
+  int rank;              /* the other one */
+  const void *send;      /* (sent) */
+  void *receive;         /* (received) */
+  size_t sent, received; /* [bytes]; 0: nothing */
+} dem_mail;
+
+enum { DEM_RANKS_MAX = 4096 };
+
+typedef struct dem_ranks {
+  int rank, size; /* this one, 0 ... size - 1; how many, at most DEM_RANKS_MAX */
+  /* Entries first[r] ... first[r + 1] - 1 of the array, of `size` bytes each, become what they are on rank r. */
+  void (*gather)(void *array, size_t size, const int *first);
+  /* Each of n numbers becomes the largest of all ranks. */
+  void (*largest)(double *x, int n);
+  /* Start to exchange n letters, one for each other rank; and wait until all have come and gone. */
+  void (*begin)(const dem_mail *mail, int n);
+  void (*finish)(void);
+  /* `size` bytes become those of rank 0. Who waits for long sleeps. */
+  void (*broadcast)(void *data, size_t size);
+  /* *x becomes the largest of all ranks. False: not all have come here within `patience` [s]; < 0: wait for ever. */
+  bool (*meet)(int *x, double patience);
+  /* End all ranks, with a message on standard error. Does not return. */
+  void (*abandon)(const char *message);
+} dem_ranks;
+
+#endif

@@ -1,0 +1,82 @@
+/* What a rank does over time: see trace.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/ranks/trace.h"
+
+#include "protocol/base/log.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEPT = 100000 }; /* exchanges; of those behind them only the sums */
+
+typedef struct {
+  double came, began, ended; /* [s]: waits, exchanges, works on */
+} visit;
+
+static struct {
+  const char *file; /* NULL: nothing is measured */
+  int rank;
+  void (*barrier)(void);
+  visit *visit; /* (KEPT) */
+  visit now;
+  long count;
+  double start, exchange, wait; /* [s] */
+} trace;
+
+void dem_trace_begin(int rank, void (*barrier)(void)) {
+  trace.file = getenv("TANDEM_RANKS_TRACE");
+  if (!trace.file)
+    return;
+  trace.rank = rank;
+  trace.barrier = barrier;
+  trace.visit = malloc(KEPT * sizeof *trace.visit);
+  if (!trace.visit)
+    trace.file = NULL;
+  barrier();
+  trace.start = tdm_clock();
+}
+
+void dem_trace_enter(void) {
+  if (!trace.file)
+    return;
+  trace.now.came = tdm_clock();
+  trace.barrier();
+  trace.now.began = tdm_clock();
+}
+
+void dem_trace_leave(void) {
+  if (!trace.file)
+    return;
+  trace.now.ended = tdm_clock();
+  trace.wait += trace.now.began - trace.now.came;
+  trace.exchange += trace.now.ended - trace.now.began;
+  if (trace.count < KEPT)
+    trace.visit[trace.count] = trace.now;
+  trace.count++;
+}
+
+void dem_trace_end(void) {
+  if (!trace.file)
+    return;
+  char name[4096];
+  const double end = tdm_clock(), all = end - trace.start;
+  snprintf(name, sizeof name, "%s.%d", trace.file, trace.rank);
+  FILE *f = fopen(name, "w");
+  if (!f) {
+    fprintf(stderr, "tandem-dem: warning: %s cannot be written: %s\n", name, strerror(errno));
+    return;
+  }
+  fprintf(f, "begin_s,end_s,what\n");
+  double from = 0;
+  for (long k = 0; k < trace.count && k < KEPT; k++) {
+    const visit *v = &trace.visit[k];
+    fprintf(f, "%.7f,%.7f,compute\n%.7f,%.7f,wait\n%.7f,%.7f,exchange\n", from, v->came - trace.start,
+            v->came - trace.start, v->began - trace.start, v->began - trace.start, v->ended - trace.start);
+    from = v->ended - trace.start;
+  }
+  fprintf(f, "all,%.6f,%.6f,%.6f\n", all - trace.exchange - trace.wait, trace.exchange, trace.wait);
+  fclose(f);
+  free(trace.visit);
+}

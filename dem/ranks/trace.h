@@ -1,0 +1,22 @@
+/* What a rank does over time: works, tells others, waits for them. Measured where the environment asks for it, as
+ *   TANDEM_RANKS_TRACE=FILE: rank r writes FILE.r, "begin_s,end_s,what" from the start of the program on, and a last
+ *   line with the sums "all,compute_s,exchange_s,wait_s"
+ * Waiting is told from exchanging by a barrier before each exchange, which costs a little; without the variable there
+ * is none. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_RANKS_TRACE_H
+#define DEM_RANKS_TRACE_H
+
+#include <stdbool.h>
+
+/* Begin for rank `rank`; `barrier` waits until all ranks are there. */
+void dem_trace_begin(int rank, void (*barrier)(void));
+
+/* Around each exchange: before it (waits for the others), and after. */
+void dem_trace_enter(void);
+void dem_trace_leave(void);
+
+/* Write the file. */
+void dem_trace_end(void);
+
+#endif

@@ -1,0 +1,395 @@
+/* What ranks tell each other of the state: see homes.h. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/state/homes.h"
+
+#include "dem/state/crossings.h"
+#include "protocol/base/log.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
+  d->work.homes.ranks = ranks;
+  d->work.homes.planned = false;
+  dem_united(d);
+}
+
+/* ---- whole arrays ---- */
+
+/* what the entries of an array belong to: particles, or entries of a list whose chunks begin where `chunk` says */
+static void gather(dem_data *d, void *array, size_t size, const size_t *chunk) {
+  dem_homes *s = &d->work.homes;
+  int first[DEM_RANKS_MAX + 1];
+  if (!array || size == 0)
+    return;
+  for (int r = 0; r <= s->ranks->size; r++) {
+    const int c = dem_chunk_of_rank(d, r);
+    first[r] = chunk ? (int)chunk[c] : dem_chunk_start(d, c);
+  }
+  const double begin = tdm_clock();
+  s->ranks->gather(array, size, first);
+  s->spent += tdm_clock() - begin;
+}
+
+void dem_unite_particles(dem_data *d, void *array, size_t size) {
+  if (!dem_alone(d))
+    gather(d, array, size, NULL);
+}
+
+void dem_unite_walls(dem_data *d, void *array, size_t size) {
+  if (!dem_alone(d))
+    gather(d, array, size, d->lists.walls.chunk);
+}
+
+/* the arrays of particles: of the places those that tell them, else the others */
+static void gather_particles(dem_data *d, bool places) {
+#define X(field, n, name)                                                                                \
+  if (((const void *)d->field == d->state.sphere || (const void *)d->field == d->state.rotor) == places) \
+    gather(d, d->field, (size_t)(n) * sizeof *d->field, NULL);
+  DEM_PARTICLE_STATE(X)
+#undef X
+}
+
+static void gather_forces(dem_data *d) {
+#define X(field, name) gather(d, d->field, sizeof *d->field, NULL);
+  DEM_FORCE_STATE(X)
+#undef X
+}
+
+static void gather_histories(dem_data *d) {
+  const dem_pairs *p = &d->lists.pairs;
+  const dem_wall_contacts *w = &d->lists.walls;
+  for (size_t q = 0; q < (size_t)d->model->columns.ncolumn; q++) {
+    if (p->history)
+      gather(d, p->history + q * p->capacity, sizeof *p->history, p->chunk);
+    if (w->history)
+      gather(d, w->history + q * w->capacity, sizeof *w->history, w->chunk);
+  }
+}
+
+void dem_unite(dem_data *d, unsigned what) {
+  dem_homes *s = &d->work.homes;
+  what &= ~s->united;
+  if (!s->ranks || !what)
+    return;
+  if (what & DEM_PLACES)
+    gather_particles(d, true);
+  if (what & DEM_MOTION)
+    gather_particles(d, false);
+  if (what & DEM_FORCES)
+    gather_forces(d);
+  if (what & DEM_CONTACTS)
+    gather_histories(d);
+  s->united |= what;
+}
+
+/* ---- numbers ---- */
+
+double dem_homes_largest(const dem_data *d, double x) {
+  if (!dem_alone(d))
+    d->work.homes.ranks->largest(&x, 1);
+  return x;
+}
+
+bool dem_homes_any(const dem_data *d, bool here) {
+  return dem_alone(d) ? here : dem_homes_largest(d, here) > 0;
+}
+
+tdm_status dem_homes_alive(dem_data *d, tdm_participant *p) {
+  dem_homes *s = &d->work.homes;
+  const tdm_status status = tdm_participant_alive(p);
+  if (!s->ranks)
+    return status;
+  s->stop = s->stop || status;
+  return s->stopped ? TDM_ERR_INTERRUPTED : TDM_OK;
+}
+
+/* ---- who visits whom ---- */
+
+/* the rank whose home a chunk belongs to */
+static int rank_of(const dem_data *d, int chunk) {
+  return (int)((long)chunk * d->work.homes.ranks->size / d->lists.nchunk);
+}
+
+static int rank_of_crossing(const dem_data *d, int place) {
+  return rank_of(d, d->lists.crossings.particle[place] / DEM_CHUNK);
+}
+
+static tdm_status reserve(dem_parcels *p, int size, int count) {
+  if (!p->first)
+    p->first = malloc(((size_t)size + 1) * sizeof *p->first);
+  if (!p->first)
+    return TDM_ERR_MEMORY;
+  if (count <= p->capacity && p->item)
+    return TDM_OK;
+  const int capacity = count + count / 4 + 64;
+  int *item = realloc(p->item, (size_t)capacity * sizeof *item);
+  if (!item)
+    return TDM_ERR_MEMORY;
+  p->item = item;
+  p->capacity = capacity;
+  return TDM_OK;
+}
+
+/* With whom rank `from`'s crossing at this place is shared, as this rank sees it; -1: it is none of its business. */
+static int partner(const dem_data *d, int from, int place) {
+  const int here = d->work.homes.ranks->rank, to = rank_of_crossing(d, place);
+  if (from == to)
+    return -1;
+  return from == here ? to : to == here ? from : -1;
+}
+
+/* The places of crossings that leave this rank (mine) or come to it, by the other rank, ascending; those of rank r's
+ * own chunks are place[r] ... place[r + 1] - 1. */
+static tdm_status collect(const dem_data *d, const int *place, bool mine, dem_parcels *out) {
+  const int size = d->work.homes.ranks->size, here = d->work.homes.ranks->rank;
+  const int low = mine ? here : 0, high = mine ? here + 1 : here; /* reactions go to later chunks */
+  int count = 0;
+  for (int p = place[low]; p < place[high]; p++)
+    count += mine ? rank_of_crossing(d, p) != here : rank_of_crossing(d, p) == here;
+  if (reserve(out, size, count))
+    return TDM_ERR_MEMORY;
+  memset(out->first, 0, ((size_t)size + 1) * sizeof *out->first);
+  for (int r = low; r < high; r++)
+    for (int p = place[r], with; p < place[r + 1]; p++)
+      if ((with = partner(d, r, p)) >= 0)
+        out->first[with + 1]++;
+  for (int r = 0; r < size; r++)
+    out->first[r + 1] += out->first[r];
+  for (int r = high - 1; r >= low; r--) /* filled from the ends */
+    for (int p = place[r + 1] - 1, with; p >= place[r]; p--)
+      if ((with = partner(d, r, p)) >= 0)
+        out->item[--out->first[with + 1]] = p;
+  for (int r = 0; r < size; r++) /* first[r + 1] is now where rank r begins */
+    out->first[r] = out->first[r + 1];
+  out->first[size] = count;
+  return TDM_OK;
+}
+
+static int ascending(const void *a, const void *b) {
+  const int x = *(const int *)a, y = *(const int *)b;
+  return (x > y) - (x < y);
+}
+
+/* the particles of crossings, each once for a rank, ascending */
+static tdm_status particles_of(const dem_data *d, const dem_parcels *places, dem_parcels *out) {
+  const int size = d->work.homes.ranks->size;
+  if (reserve(out, size, places->first[size]))
+    return TDM_ERR_MEMORY;
+  int n = 0;
+  for (int r = 0; r < size; r++) {
+    const int begin = n, count = places->first[r + 1] - places->first[r];
+    out->first[r] = begin;
+    for (int k = 0; k < count; k++)
+      out->item[begin + k] = d->lists.crossings.particle[places->item[places->first[r] + k]];
+    qsort(out->item + begin, (size_t)count, sizeof *out->item, ascending);
+    for (int k = 0; k < count; k++)
+      if (k == 0 || out->item[begin + k] != out->item[n - 1])
+        out->item[n++] = out->item[begin + k];
+  }
+  out->first[size] = n;
+  return TDM_OK;
+}
+
+/* where the places of the crossings of each rank's chunks begin (size + 1) */
+static void place_ranks(const dem_data *d, int *place) {
+  const dem_ranks *ranks = d->work.homes.ranks;
+  const dem_pairs *p = &d->lists.pairs;
+  int own[DEM_RANKS_MAX + 1], count[DEM_RANKS_MAX];
+  for (int r = 0; r <= ranks->size; r++)
+    own[r] = r;
+  count[ranks->rank] = 0;
+  for (size_t k = p->chunk[dem_home_first(d)]; k < p->chunk[dem_home_end(d)]; k++)
+    count[ranks->rank] += p->reaction_slot[k] > d->state.nparticle;
+  ranks->gather(count, sizeof *count, own);
+  place[0] = 0;
+  for (int r = 0; r < ranks->size; r++)
+    place[r + 1] = place[r] + count[r];
+  assert(place[ranks->size] == d->lists.crossings.count);
+}
+
+/* Does a contact of the chunk name a particle of another rank? */
+static bool has_visitors(const dem_data *d, int chunk) {
+  const dem_pairs *p = &d->lists.pairs;
+  for (size_t k = p->chunk[chunk]; k < p->chunk[chunk + 1]; k++)
+    if (p->reaction_slot[k] > d->state.nparticle && p->other[k] / DEM_CHUNK >= dem_home_end(d))
+      return true;
+  return false;
+}
+
+/* home chunks, those without visitors first */
+static tdm_status order_chunks(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  const int first = dem_home_first(d), n = dem_home_end(d) - first;
+  int *chunk = realloc(s->chunk, (size_t)(n + 1) * sizeof *chunk);
+  if (!chunk)
+    return TDM_ERR_MEMORY;
+  s->chunk = chunk;
+  int inner = 0, outer = n;
+  for (int c = first; c < first + n; c++)
+    if (has_visitors(d, c))
+      chunk[--outer] = c;
+    else
+      chunk[inner++] = c;
+  s->ninner = inner;
+  return TDM_OK;
+}
+
+static size_t larger(size_t a, size_t b) {
+  return a > b ? a : b;
+}
+
+enum { VISIT = sizeof(dem_sphere) + sizeof(dem_rotor) };
+
+/* doubles of a chunk in the sums, and those that a rank tells of itself */
+enum { OF_RANK = 2 };
+
+static size_t sums_of_chunk(const dem_data *d) {
+  return (size_t)d->model->nload * (sizeof(tdm_wrench) / sizeof(double)) +
+         (d->model->energy ? sizeof(dem_flux) / sizeof(double) : 0);
+}
+
+static tdm_status reserve_mail(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  const size_t size = (size_t)s->ranks->size;
+  const size_t out = larger((size_t)s->immigrants.first[size] * VISIT,
+                            (size_t)s->returning.first[size] * sizeof(dem_push)),
+               in = larger((size_t)s->visitors.first[size] * VISIT, (size_t)s->returned.first[size] * sizeof(dem_push)),
+               room = larger(out, in), nsums = OF_RANK * size + (size_t)d->lists.nchunk * sums_of_chunk(d);
+  if (!s->mail)
+    s->mail = malloc(size * sizeof *s->mail);
+  if (room > s->room || !s->out) {
+    free(s->out);
+    free(s->in);
+    s->room = room + room / 4 + 64;
+    s->out = malloc(s->room);
+    s->in = malloc(s->room);
+  }
+  if (nsums > s->nsums || !s->sums) {
+    free(s->sums);
+    s->nsums = nsums + nsums / 4 + 64;
+    s->sums = malloc(s->nsums * sizeof *s->sums);
+  }
+  return s->mail && s->out && s->in && s->sums ? TDM_OK : TDM_ERR_MEMORY;
+}
+
+tdm_status dem_homes_plan(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  int place[DEM_RANKS_MAX + 1];
+  if (!s->ranks || s->planned)
+    return TDM_OK;
+  place_ranks(d, place);
+  if (collect(d, place, true, &s->returning) || collect(d, place, false, &s->returned) ||
+      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) ||
+      order_chunks(d) || reserve_mail(d))
+    return TDM_ERR_MEMORY;
+  s->planned = true;
+  return TDM_OK;
+}
+
+/* ---- a step ---- */
+
+/* begin to exchange parcels, an item of so many bytes */
+static void post(dem_homes *s, const dem_parcels *out, const dem_parcels *in, size_t each) {
+  int n = 0;
+  for (int r = 0; r < s->ranks->size; r++) {
+    const size_t sent = (size_t)(out->first[r + 1] - out->first[r]) * each,
+                 received = (size_t)(in->first[r + 1] - in->first[r]) * each;
+    if (sent + received > 0)
+      s->mail[n++] = (dem_mail){.rank = r,
+                                .send = s->out + (size_t)out->first[r] * each,
+                                .receive = s->in + (size_t)in->first[r] * each,
+                                .sent = sent,
+                                .received = received};
+  }
+  s->ranks->begin(s->mail, n);
+}
+
+void dem_visitors_begin(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  if (!s->ranks || s->united & DEM_PLACES)
+    return;
+  assert(s->planned && !s->visiting);
+  const double begin = tdm_clock();
+  for (int k = 0; k < s->immigrants.first[s->ranks->size]; k++) {
+    const int i = s->immigrants.item[k];
+    char *to = s->out + (size_t)k * VISIT;
+    memcpy(to, &d->state.sphere[i], sizeof(dem_sphere));
+    memcpy(to + sizeof(dem_sphere), &d->state.rotor[i], sizeof(dem_rotor));
+  }
+  post(s, &s->immigrants, &s->visitors, VISIT);
+  s->visiting = true;
+  s->spent += tdm_clock() - begin;
+}
+
+void dem_visitors_end(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  if (!s->visiting)
+    return;
+  const double begin = tdm_clock();
+  s->ranks->finish();
+  for (int k = 0; k < s->visitors.first[s->ranks->size]; k++) {
+    const int j = s->visitors.item[k];
+    const char *from = s->in + (size_t)k * VISIT;
+    memcpy(&d->state.sphere[j], from, sizeof(dem_sphere));
+    memcpy(&d->state.rotor[j], from + sizeof(dem_sphere), sizeof(dem_rotor));
+  }
+  s->visiting = false;
+  s->spent += tdm_clock() - begin;
+}
+
+void dem_reactions_return(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  if (!s->ranks)
+    return;
+  const double begin = tdm_clock();
+  dem_push *out = (dem_push *)(void *)s->out;
+  const dem_push *in = (const dem_push *)(const void *)s->in;
+  for (int k = 0; k < s->returning.first[s->ranks->size]; k++) {
+    dem_push *from = &d->state.push[dem_crossing_slot(d, s->returning.item[k])];
+    out[k] = *from;
+    *from = (dem_push){0};
+  }
+  post(s, &s->returning, &s->returned, sizeof *out);
+  s->ranks->finish();
+  for (int k = 0; k < s->returned.first[s->ranks->size]; k++)
+    d->state.push[dem_crossing_slot(d, s->returned.item[k])] = in[k];
+  s->spent += tdm_clock() - begin;
+}
+
+/* a chunk's loads and energies to or from a place among the sums */
+static void copy_sums(dem_data *d, int chunk, double *place, bool to) {
+  const size_t nload = (size_t)d->model->nload * sizeof(tdm_wrench), of = d->model->energy ? sizeof(dem_flux) : 0;
+  char *sums = (char *)place;
+  void *load = &d->work.chunk_load[(size_t)chunk * (size_t)d->model->nload], *flux = &d->work.chunk_flux[chunk];
+  memcpy(to ? sums : load, to ? load : sums, nload);
+  memcpy(to ? sums + nload : flux, to ? flux : sums + nload, of);
+}
+
+long dem_homes_sums(dem_data *d, long touching) {
+  dem_homes *s = &d->work.homes;
+  if (!s->ranks)
+    return touching;
+  const double begin = tdm_clock();
+  const size_t each = sums_of_chunk(d);
+  int first[DEM_RANKS_MAX + 1];
+  for (int r = 0; r <= s->ranks->size; r++)
+    first[r] = OF_RANK * r + dem_chunk_of_rank(d, r) * (int)each;
+  double *own = s->sums + first[s->ranks->rank];
+  own[0] = (double)touching;
+  own[1] = s->stop;
+  for (int c = dem_home_first(d), k = 0; c < dem_home_end(d); c++, k++)
+    copy_sums(d, c, own + OF_RANK + (size_t)k * each, true);
+  s->ranks->gather(s->sums, sizeof *s->sums, first);
+  double sum = 0;
+  for (int r = 0; r < s->ranks->size; r++) {
+    double *of = s->sums + first[r];
+    sum += of[0];
+    s->stopped = s->stopped || of[1] > 0;
+    for (int c = dem_chunk_of_rank(d, r), k = 0; c < dem_chunk_of_rank(d, r + 1); c++, k++)
+      copy_sums(d, c, of + OF_RANK + (size_t)k * each, false);
+  }
+  s->spent += tdm_clock() - begin;
+  return (long)sum;
+}

@@ -1,0 +1,120 @@
+/* What the ranks of a run (base/ranks.h) tell each other of the state.
+ *
+ * Each rank has the arrays of all particles and lists of all that is near, and works on its home: a run of whole
+ * chunks, whose particles it moves and whose contacts it evaluates. What is decided for all (when lists are built, what
+ * sources and sinks do) every rank decides alike. In a step, in the words of [A07] Section 3.5,
+ *
+ *   immigrants   home particles that a contact of another rank names: their places and velocities go there, where they
+ *                are visitors
+ *   returned     the reactions on visitors, each in its place between the chunks (crossings.h), go home and are added
+ *                there in the order of a run of one process
+ *   sums         loads and energies of all chunks go to all ranks, which add them in the order of the chunks
+ *
+ * so that the bits are those of one process. With the numbers of a later chunk behind those of an earlier one, visitors
+ * come from ranks behind and reactions return there, as in [A07]. Whoever reads more of particles that are not at home
+ * asks for it first: dem_unite makes whole arrays the same on all ranks. In a process that is alone all of this is
+ * nothing.
+ */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEM_STATE_HOMES_H
+#define DEM_STATE_HOMES_H
+
+#include "dem/state/data.h"
+#include "protocol/wire/participant.h"
+
+/* What can be the same on all ranks. */
+enum {
+  DEM_PLACES = 1,   /* sphere, rotor */
+  DEM_MOTION = 2,   /* the other arrays of particles (DEM_PARTICLE_STATE) */
+  DEM_FORCES = 4,   /* DEM_FORCE_STATE */
+  DEM_CONTACTS = 8, /* histories */
+  DEM_WHOLE = 15
+};
+
+static inline bool dem_alone(const dem_data *d) {
+  return !d->work.homes.ranks;
+}
+
+/* First chunk of a rank's home; of rank `size` the number of chunks. */
+static inline int dem_chunk_of_rank(const dem_data *d, int rank) {
+  const int size = d->work.homes.ranks->size;
+  return (int)(((long)d->lists.nchunk * rank + size - 1) / size);
+}
+
+/* Home chunks: from the first to before the end; all of them in a process that is alone. */
+static inline int dem_home_first(const dem_data *d) {
+  return dem_alone(d) ? 0 : dem_chunk_of_rank(d, d->work.homes.ranks->rank);
+}
+
+static inline int dem_home_end(const dem_data *d) {
+  return dem_alone(d) ? d->lists.nchunk : dem_chunk_of_rank(d, d->work.homes.ranks->rank + 1);
+}
+
+/* First particle of a chunk; of one behind the last the number of particles, newcomers included. */
+static inline int dem_chunk_start(const dem_data *d, int chunk) {
+  return chunk < d->lists.nchunk ? chunk * DEM_CHUNK : d->state.nparticle;
+}
+
+/* Home particles: from the first to before the end. */
+static inline int dem_home_first_particle(const dem_data *d) {
+  return dem_alone(d) ? 0 : dem_chunk_start(d, dem_home_first(d));
+}
+
+static inline int dem_home_end_particle(const dem_data *d) {
+  return dem_alone(d) ? d->state.nparticle : dem_chunk_start(d, dem_home_end(d));
+}
+
+/* Begin to share what is the same on all ranks now; NULL: stay alone. */
+void dem_homes_begin(dem_data *data, const dem_ranks *ranks);
+
+/* What is said here of other ranks' particles (DEM_PLACES ...) is no longer true: each rank changed its own. */
+static inline void dem_parted(dem_data *d, unsigned what) {
+  d->work.homes.united &= ~what;
+}
+
+/* All is the same on all ranks now: each has read it. */
+static inline void dem_united(dem_data *d) {
+  d->work.homes.united = DEM_WHOLE;
+}
+
+/* The data was copied from what each rank kept: each has its home's. */
+static inline void dem_homes_restored(dem_data *d) {
+  dem_parted(d, DEM_WHOLE);
+  d->work.homes.planned = false;
+}
+
+/* Make this the same on all ranks: what is there of a particle or contact is what its home has. */
+void dem_unite(dem_data *data, unsigned what);
+
+/* Likewise an array with an entry of `size` bytes a particle, or an entry of the list of walls. */
+void dem_unite_particles(dem_data *data, void *array, size_t size);
+void dem_unite_walls(dem_data *data, void *array, size_t size);
+
+/* The largest of all ranks' numbers; is something so on any rank? */
+double dem_homes_largest(const dem_data *data, double x);
+bool dem_homes_any(const dem_data *data, bool here);
+
+/* Does this rank write what all have? */
+static inline bool dem_homes_writes(const dem_data *d) {
+  return dem_alone(d) || d->work.homes.ranks->rank == 0;
+}
+
+/* tdm_participant_alive with one answer for all ranks: that of the last step. */
+tdm_status dem_homes_alive(dem_data *data, tdm_participant *participant);
+
+/* ---- parts of a step ---- */
+
+/* Work out who visits whom by the present crossings, unless that is known. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_homes_plan(dem_data *data);
+
+/* Immigrants leave, unless all places are known everywhere; visitors have come. */
+void dem_visitors_begin(dem_data *data);
+void dem_visitors_end(dem_data *data);
+
+/* The reactions on visitors go home, and their places are empty again. */
+void dem_reactions_return(dem_data *data);
+
+/* Loads and energies of all chunks, on all ranks; returns the sum of `touching`. */
+long dem_homes_sums(dem_data *data, long touching);
+
+#endif

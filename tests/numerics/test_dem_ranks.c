@@ -1,0 +1,419 @@
+/* Runs on several ranks have the bits of a run on one, whatever happens in them. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "test_dem_support.h"
+
+#include "dem/dem.h"
+#include "dem/store/state_file.h"
+#include "test_ranks_support.h"
+#include "tests/test_main.h"
+
+#include <unistd.h>
+
+static const int sizes[] = {1, 2, 3, 5, 8};
+enum { SIZES = sizeof sizes / sizeof *sizes };
+
+/* ---- a run, and what it comes to ---- */
+
+/* What is run, and how. */
+typedef struct {
+  json_t *(*scene)(int threads);
+  double dt;
+  int nwindow, nstep; /* so many windows of so many steps */
+  int ncoupled;       /* 1: the body "box" is led to and fro */
+  bool carried;       /* the engine carries it instead: a free body */
+  bool tries;         /* each window is made twice: saved, made, restored, made */
+  bool contacts;      /* snapshots have contacts */
+} kind;
+
+typedef struct {
+  const kind *kind;
+  int threads;
+  /* out */
+  void *bytes; /* (size) the whole state at the end */
+  size_t size;
+  int nchannel, nparticle;
+  double *channel;                      /* (nwindow x nchannel) */
+  tdm_wrench *load;                     /* (nwindow) */
+  tdm_interface *body;                  /* (nwindow) */
+  double contact_force, triangle_force; /* sums over contacts and triangles of the last snapshot [N] */
+} outcome;
+
+static tdm_state box_at(double t) {
+  tdm_state s = state_at(0.002 * sin(300 * t), 0, 0);
+  s.twist.velocity.x = 0.6 * cos(300 * t);
+  return s;
+}
+
+/* the mechanism of a free body of 1 kg that stands where it went in the window before; its numbers are in block */
+static dem_mechanism free_body(const tdm_state *start, double block[512]) {
+  memset(block, 0, 512 * sizeof *block);
+  dem_mechanism m = {.start = start,
+                     .proxy = {.acceleration = block,
+                               .load = (const tdm_wrench *)(const void *)(block + 6),
+                               .correction = block + 12,
+                               .mobility = {.nbody = 1, .nfree = 6}}};
+  tdm_mobility_point(&m.proxy.mobility, block + 24);
+  block[2] = -9.81;
+  for (int i = 0; i < 6; i++) {
+    m.proxy.mobility.J[i * 6 + i] = 1;
+    m.proxy.mobility.B[i * 6 + i] = m.proxy.mobility.Y[i * 6 + i] = i < 3 ? 1 : 100;
+    m.proxy.mobility.velocity[i] = ((const double *)(const void *)&start->twist)[i];
+  }
+  return m;
+}
+
+/* window w of the run */
+static void window(outcome *out, dem_engine *e, int w) {
+  const kind *k = out->kind;
+  const double h = k->nstep * k->dt, t0 = w * h, t1 = (w + 1) * h, sample[] = {t0 + 0.4 * h, t1};
+  const tdm_state start = k->carried && w > 0 ? out->body[w - 1].end : box_at(t0), end = box_at(t1);
+  double block[512];
+  const dem_mechanism mechanism = free_body(&start, block);
+  const dem_path path = dem_path_make(&start, &end, h, TDM_HERMITE);
+  const dem_window window = {.t0 = t0,
+                             .t1 = t1,
+                             .nstep = (uint64_t)k->nstep,
+                             .path = k->ncoupled && !k->carried ? &path : NULL,
+                             .mechanism = k->carried ? &mechanism : NULL,
+                             .nsample = 2,
+                             .sample_time = sample,
+                             .seen = w + 1 == k->nwindow};
+  double *channel = calloc(2 * (size_t)out->nchannel + 1, sizeof *channel);
+  tdm_energy energy;
+  tdm_error err = {0};
+  const int tries = k->tries ? 2 : 1;
+  for (int try = 0; try < tries; try++) {
+    out->body[w] = (tdm_interface){0};
+    if (tries == 2)
+      ck_assert_msg(!(try == 0 ? dem_engine_save(e, 3, &err) : dem_engine_restore(e, 3, &err)), "%s", err.message);
+    tdm_wrench further[TDM_FURTHER];
+    const dem_outcome wanted = {.load = &out->load[w],
+                                .body = &out->body[w],
+                                .further = k->carried ? further : NULL,
+                                .energy = &energy,
+                                .channel = channel};
+    ck_assert_msg(!dem_engine_advance(e, &window, &wanted, &err), "%s: %s", err.path, err.message);
+  }
+  memcpy(out->channel + w * out->nchannel, channel + out->nchannel, (size_t)out->nchannel * sizeof *channel);
+  free(channel);
+}
+
+static void lead(void *context) {
+  outcome *out = context;
+  const kind *k = out->kind;
+  const tdm_assigned_body box = {.name = "box", .mass = 1, .state = box_at(0)};
+  const tdm_assignment assignment = {.scene = k->scene(out->threads),
+                                     .time_end = k->dt * k->nstep * k->nwindow,
+                                     .dt = k->dt,
+                                     .n = k->nstep,
+                                     .nbody = k->ncoupled,
+                                     .proxy = k->carried,
+                                     .matched_load = k->carried,
+                                     .body = &box};
+  dem_engine *e = NULL;
+  tdm_error err = {0};
+  ck_assert_msg(!dem_engine_create(&e, &assignment, NULL, &err), "%s: %s", err.path, err.message);
+  json_decref(assignment.scene);
+  const size_t n = (size_t)k->nwindow;
+  out->nchannel = dem_engine_start(e)->nchannel;
+  out->channel = calloc(n * (size_t)out->nchannel + 1, sizeof *out->channel);
+  out->load = calloc(n, sizeof *out->load);
+  out->body = calloc(n, sizeof *out->body);
+  tdm_scenery scenery = {0};
+  tdm_snapshot s = {.with_contacts = k->contacts};
+  ck_assert_msg(!dem_engine_scenery(e, &scenery, &err), "%s", err.message);
+  for (int w = 0; w < k->nwindow; w++) {
+    window(out, e, w);
+    if (w % 2 == 1 || w + 1 == k->nwindow)
+      ck_assert_msg(!dem_engine_snapshot(e, &s, &err), "%s", err.message);
+  }
+  for (int f = 0; f < s.nforce; f++)
+    out->triangle_force += isfinite(s.force_on[f].z) ? tdm_norm(s.force_on[f]) : 0;
+  for (int c = 0; k->contacts && c < s.ncontact; c++)
+    out->contact_force += fabs(s.contact[c].force);
+  ck_assert(!dem_state_save(dem_engine_data(e), &out->bytes, &out->size));
+  out->nparticle = dem_engine_data(e)->state.nparticle;
+  tdm_snapshot_free(&s);
+  tdm_scenery_free(&scenery);
+  dem_engine_destroy(&e);
+}
+
+static void let_go(outcome *out) {
+  free(out->bytes);
+  free(out->channel);
+  free(out->load);
+  free(out->body);
+}
+
+static void ck_same(const outcome *a, const outcome *b, int size) {
+  const size_t n = (size_t)a->kind->nwindow;
+  ck_assert_int_eq(a->nchannel, b->nchannel);
+  for (size_t q = 0; q < n * (size_t)a->nchannel; q++)
+    ck_assert_msg(memcmp(&a->channel[q], &b->channel[q], sizeof(double)) == 0,
+                  "channel %zu of window %zu is %.17g on %d ranks, %.17g on one", q % (size_t)a->nchannel,
+                  q / (size_t)a->nchannel, b->channel[q], size, a->channel[q]);
+  ck_assert_mem_eq(a->load, b->load, n * sizeof *a->load);
+  ck_assert_mem_eq(a->body, b->body, n * sizeof *a->body);
+  ck_assert_uint_eq(a->size, b->size);
+  ck_assert_msg(memcmp(a->bytes, b->bytes, a->size) == 0, "the states of 1 and %d ranks differ", size);
+  ck_assert(a->contact_force == b->contact_force && a->triangle_force == b->triangle_force);
+}
+
+/* alone and on ranks, with one and two threads each; `check` (may be NULL) looks at the run alone */
+static void compare(const kind *k, void (*check)(const outcome *)) {
+  outcome alone = {.kind = k, .threads = 1};
+  lead(&alone);
+  if (check)
+    check(&alone);
+  for (int s = 1; s < SIZES; s++) {
+    outcome on = {.kind = k, .threads = 1 + s % 2};
+    on_ranks(sizes[s], lead, &on);
+    ck_same(&alone, &on, sizes[s]);
+    let_go(&on);
+  }
+  let_go(&alone);
+}
+
+/* ---- scenes ---- */
+
+#define TWO                                                                                                       \
+  "'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25},{'name':'b','density':2000," \
+  "'young_modulus':2e7,'poisson_ratio':0.3}],'threads':%d,'pairs':["
+#define PAIRS                                                                                         \
+  "{'materials':['a','a'],'restitution':0.5,'friction':0.4},{'materials':['a','b'],'restitution':0.6" \
+  ",'friction':0.3},{'materials':['b','b'],'restitution':0.4,'friction':0.5}]"
+#define ROLL ",'rolling_friction':0.05,'rolling_damping':0.1}"
+#define PAIRS_THAT_ROLL                                                                                       \
+  "{'materials':['a','a'],'restitution':0.5,'friction':0.4" ROLL ",{'materials':['a','b'],'restitution':0.6," \
+  "'friction':0.3" ROLL ",{'materials':['b','b'],'restitution':0.4,'friction':0.5" ROLL "]"
+/* a box, named "box", with more of its keys; particles fill it from below: more than two chunks */
+#define OPEN ",'open':['+z']"
+#define BOX(more)                                                                                      \
+  "{'name':'box','material':'b','shapes':[{'type':'box','side':'inside','size':[0.2,0.2,0.5]" more "}" \
+  "]}"
+#define MANY(z0, z1)                                                                                             \
+  "{'type':'random','material':'a','count':4500,'radius':[0.0035,0.005],'region':{'min':[-0.099,-0.099," z0 "]," \
+  "'max':[0.099,0.099," z1 "]},'velocity':[0,0,-1]}"
+
+/* a bed in a box that is led, stirred by a driven paddle: springs, energies, contacts for the view */
+static json_t *bed(int threads) {
+  return scene_json(
+      "{" TWO PAIRS_THAT_ROLL ",'energy':true,'contact':{'rolling':'spring-dashpot'},'bodies':[" BOX(
+          OPEN) ",{'name':'paddle','material':'b','shapes':[{'type':'box','side':'outside','size':[0.15,"
+                "0.01,0.06]}],'position':[0,0,-0.215],'motion':{'angular_velocity':[0,0,40]}}],"
+                "'particles':[" MANY(
+                    "-0.175",
+                    "0.1") ",{'type':'random','material':'b','count':200,"
+                           "'radius':0.004,'region':{'min':[-0.09,-0.09,0.11],'max':[0.09,0.09,0.25]},'velocity':"
+                           "[0,0,-2]}]}",
+      threads);
+}
+
+static void ck_bed(const outcome *out) {
+  ck_assert_int_gt(out->nparticle, 2 * DEM_CHUNK);
+  ck_assert_double_gt(out->contact_force, 1);
+}
+
+START_TEST(bed_that_is_stirred) {
+  /* over 1000 steps, after which particles are put in a new order */
+  compare(&(kind){.scene = bed, .dt = 2e-5, .nwindow = 11, .nstep = 100, .ncoupled = 1, .contacts = true}, ck_bed);
+}
+END_TEST
+
+static json_t *box_and_bed(int threads) {
+  return scene_json("{" TWO PAIRS ",'bodies':[" BOX(OPEN) "],'particles':[" MANY("-0.245", "0") "]}", threads);
+}
+
+START_TEST(windows_that_are_tried_twice) {
+  compare(&(kind){.scene = bed, .dt = 2e-5, .nwindow = 6, .nstep = 20, .ncoupled = 1, .tries = true, .contacts = true},
+          ck_bed);
+}
+END_TEST
+
+static void ck_carried(const outcome *out) {
+  ck_bed(out);
+  ck_assert_double_gt(tdm_norm(out->body[out->kind->nwindow - 1].end.pose.position), 1e-6);
+}
+
+START_TEST(box_that_is_carried) {
+  compare(&(kind){.scene = box_and_bed,
+                  .dt = 2e-5,
+                  .nwindow = 12,
+                  .nstep = 25,
+                  .ncoupled = 1,
+                  .carried = true,
+                  .contacts = true},
+          ck_carried);
+}
+END_TEST
+
+/* ---- meshes ---- */
+
+static char floor_file[64];
+
+/* a floor of triangles, in waves */
+static void write_floor(void) {
+  enum { N = 12 };
+  snprintf(floor_file, sizeof floor_file, "ranks-%d.stl", (int)getpid());
+  FILE *f = fopen(floor_file, "w");
+  ck_assert_ptr_nonnull(f);
+  fprintf(f, "solid floor\n");
+  for (int i = 0; i < N; i++)
+    for (int j = 0; j < N; j++)
+      for (int half = 0; half < 2; half++) {
+        const int corner[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+        fprintf(f, "facet normal 0 0 0\nouter loop\n");
+        for (int c = 0; c < 3; c++) {
+          const int a = i + corner[half][c][0], b = j + corner[half][c][1];
+          fprintf(f, "vertex %g %g %g\n", 0.22 * a / N - 0.11, 0.22 * b / N - 0.11, 0.003 * ((a + b) % 2));
+        }
+        fprintf(f, "endloop\nendfacet\n");
+      }
+  fprintf(f, "endsolid floor\n");
+  ck_assert_int_eq(fclose(f), 0);
+}
+
+static json_t *mesh(int threads) {
+  return scene_json(
+      "{" TWO PAIRS ",'triangle_forces':true,'geometry_loads':true,'bodies':[" BOX(
+          OPEN) ",{'name':"
+                "'floor','material':'a','shapes':[{'type':'mesh','file':'%s'},{'type':'sphere','side':'outside',"
+                "'radius':0.02,'center':[0,0,-0.02]}],'position':[0,0,-0.24],'motion':{'oscillation':{'amplitude':"
+                "[0,0,0.002],'frequency':50}}}],'particles':[" MANY("-0.23", "0.05") "]}",
+      threads, floor_file);
+}
+
+static void ck_mesh(const outcome *out) {
+  ck_assert_double_gt(out->triangle_force, 0.1);
+}
+
+START_TEST(bed_on_triangles) {
+  write_floor();
+  compare(&(kind){.scene = mesh, .dt = 2e-5, .nwindow = 6, .nstep = 100, .ncoupled = 1}, ck_mesh);
+  remove(floor_file);
+}
+END_TEST
+
+/* ---- particles that come and go ---- */
+
+/* particles come, are counted, and go: by places, by contact, out of the box */
+static json_t *flow(int threads) {
+  return scene_json(
+      "{" TWO PAIRS ",'bodies':[{'name':'floor','material':'b','shapes':[{'type':'plane','normal':[0,0,1],'point':"
+      "[0,0,-0.25]}]},{'name':'plate','material':'b','shapes':[{'type':'box','side':'outside','size':[0.08,0.08,0.02]"
+      "}],'position':[0.05,0.05,-0.23]}],'particles':[" MANY(
+          "-0.21",
+          "0.035") "],'domain':{'min':[-0.11,-0.11,-0.3],"
+                   "'max':[0.11,0.11,0.3]},'sources':[{'name':'tap','material':'b','radius':[0.003,0.004],'rate':20000,"
+                   "'region':{"
+                   "'min':[-0.09,-0.09,0.06],'max':[0.09,0.09,0.11]},'velocity':[0,0,-3]}],'sinks':[{'name':'hole','"
+                   "type':'box',"
+                   "'min':[-0.02,-0.1,-0.26],'max':[0.02,0.1,-0.23],'classes':[0.0038,0.0045]},{'name':'plate','type':"
+                   "'after_contact','body':'plate'}],'containers':[{'name':'heap','min':[-0.1,-0.1,-0.25],'max':[0,0.1,"
+                   "0]}]}",
+      threads);
+}
+
+static void ck_flow(const outcome *out) {
+  ck_assert_int_ne(out->nparticle, 4500);
+}
+
+START_TEST(particles_that_come_and_go) {
+  compare(&(kind){.scene = flow, .dt = 2e-5, .nwindow = 11, .nstep = 100}, ck_flow);
+}
+END_TEST
+
+/* a box that repeats and is strained, with particles that are fixed or pushed, for each integrator */
+static const char *integrator;
+
+static json_t *repeating(int threads) {
+  return scene_json(
+      "{" TWO PAIRS ",'gravity':[0,0,0],'integrator':'%s'%s,'domain':{'min':[-0.1,-0.1,-0.1],'max':[0.1,0.1,0.1],'x':"
+      "'periodic','y':'periodic','z':'periodic','strain_rate':[-2,1,0]},'particles':[{'type':'random','material':'a',"
+      "'count':4300,'radius':[0.0045,0.0055],'region':{'min':[-0.1,-0.1,-0.1],'max':[0.1,0.1,0.06]},'velocity':"
+      "[3,2,1]},{'type':'random','material':'b','count':20,'radius':0.005,'region':{'min':[-0.1,-0.1,0.065],'max':"
+      "[0.1,0.1,0.078]},'fixed':true},{'type':'random','material':'b','count':40,'radius':0.004,'region':{'min':"
+      "[-0.1,-0.1,0.083],'max':[0.1,0.1,0.095]},'force':[0,0,-0.5]}]}",
+      threads, integrator, strcmp(integrator, "multi-step") == 0 ? ",'multi_step':{'substeps':3,'mass':3e-4}" : "");
+}
+
+START_TEST(box_that_repeats) {
+  static const char *const integrators[] = {"verlet", "leap-frog", "stormer-verlet", "multi-step"};
+  integrator = integrators[_i];
+  compare(&(kind){.scene = repeating, .dt = 2e-5, .nwindow = 4, .nstep = 50}, NULL);
+}
+END_TEST
+
+/* a bed that settles under a pressing lid before the run, is stored, and read again */
+static char store[64];
+
+static json_t *settled(int threads) {
+  return scene_json("{" TWO PAIRS
+                    ",'bodies':[" BOX(",'lid':{'face':'+z','gap':0.002,'press':20}") "],'particles':[" MANY(
+                        "-0.245", "0") "],'settle':{'speed':0.05,'max_time':0.01,'drag':100,'store':'%s'}}",
+                    threads, store);
+}
+
+START_TEST(bed_that_settles) {
+  /* alone, and on three ranks: each settles and stores, the other reads it */
+  const kind k = {.scene = settled, .dt = 2e-5, .nwindow = 2, .nstep = 20, .ncoupled = 1};
+  outcome out[4] = {{0}};
+  static const int ranks[] = {1, 3, 3, 1};
+  for (int i = 0; i < 4; i++) {
+    out[i] = (outcome){.kind = &k, .threads = 1};
+    snprintf(store, sizeof store, "ranks-%d-%d.bed", (int)getpid(), i / 2);
+    on_ranks(ranks[i], lead, &out[i]);
+  }
+  ck_same(&out[0], &out[2], 3);
+  ck_same(&out[3], &out[1], 3);
+  for (int i = 0; i < 4; i++) {
+    snprintf(store, sizeof store, "ranks-%d-%d.bed", (int)getpid(), i / 2);
+    ck_assert_int_eq(remove(store), i % 2 ? -1 : 0);
+    let_go(&out[i]);
+  }
+}
+END_TEST
+
+/* ---- what ranks cannot do ---- */
+
+typedef struct {
+  json_t *scene;
+  tdm_error err;
+} refusal;
+
+static void lead_refused(void *context) {
+  refusal *r = context;
+  const tdm_assignment assignment = {.scene = r->scene, .time_end = 1, .dt = 1e-5, .n = 1};
+  dem_engine *e = NULL;
+  dem_engine_create(&e, &assignment, NULL, &r->err);
+  ck_assert_ptr_null(e);
+}
+
+START_TEST(what_is_refused) {
+  static const struct {
+    const char *more, *path;
+  } cases[] = {
+      {",'contact':{'multi_contact':'mc-stress'}", "dem.contact.multi_contact"},
+      {",'contact':{'multi_contact':'mc-strain'}", "dem.contact.multi_contact"},
+      {",'energy':true,'domain':{'min':[0,0,0],'max':[1,1,1],'x':'periodic'}", "dem.energy"},
+      {",'no_such_key':1", "dem.no_such_key"}, /* as alone */
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    const char *law = strstr(cases[i].more, "mc-stress")   ? ",'beta':0.1"
+                      : strstr(cases[i].more, "mc-strain") ? ",'gamma':0.1"
+                                                           : "";
+    refusal r = {.scene = scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25"
+                                     "}],'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4%s}],"
+                                     "'particles':[]%s}",
+                                     law, cases[i].more)};
+    on_ranks(3, lead_refused, &r);
+    ck_assert_int_eq(r.err.status, TDM_ERR_SCENE);
+    ck_assert_str_eq(r.err.path, cases[i].path);
+    json_decref(r.scene);
+  }
+}
+END_TEST
+
+TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {box_that_is_carried, 1},
+               {bed_on_triangles, 1}, {particles_that_come_and_go, 1}, {box_that_repeats, 4}, {bed_that_settles, 1},
+               {what_is_refused, 1})
