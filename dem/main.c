@@ -32,6 +32,8 @@ static bool several_processes(void) {
 }
 
 int main(int argc, char **argv) {
+  if (several_processes())
+    return become_ranks(argv);
   /* Large arrays in pages of their own, also after some were freed: they grow without a copy, and what is freed goes.
    */
   mallopt(M_MMAP_THRESHOLD, 1 << 18);
@@ -39,5 +41,5 @@ int main(int argc, char **argv) {
     return dem_bench_main(argc - 2, argv + 2);
   if (argc > 1 && strcmp(argv[1], "import") == 0)
     return dem_import_main(argc - 2, argv + 2);
-  return several_processes() ? become_ranks(argv) : tdm_standalone_main(&dem_program, argc, argv);
+  return tdm_standalone_main(&dem_program, argc, argv);
 }
