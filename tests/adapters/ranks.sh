@@ -34,11 +34,11 @@ same() {
 # nothing that was started may be left
 nothing_left() {
   for _ in $(seq 100); do
-    pgrep -f "$out" >/dev/null || return 0
+    pgrep -r DRS -x tandem-dem-mpi >/dev/null || return 0
     sleep 0.1
   done
   echo "left:"
-  pgrep -af "$out"
+  pgrep -r DRS -ax tandem-dem-mpi
   return 1
 }
 
