@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { KEPT = 100000 }; /* exchanges; of those behind them only the sums */
 
@@ -23,7 +24,14 @@ static struct {
   visit now;
   long count;
   double start, exchange, wait; /* [s] */
+  double cpu, worked;           /* processor time of this process when it began to work, and of its work so far [s] */
 } trace;
+
+static double processor_time(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 void dem_trace_begin(int rank, void (*barrier)(void)) {
   trace.file = getenv("TANDEM_RANKS_TRACE");
@@ -36,11 +44,13 @@ void dem_trace_begin(int rank, void (*barrier)(void)) {
     trace.file = NULL;
   barrier();
   trace.start = tdm_clock();
+  trace.cpu = processor_time();
 }
 
 void dem_trace_enter(void) {
   if (!trace.file)
     return;
+  trace.worked += processor_time() - trace.cpu;
   trace.now.came = tdm_clock();
   trace.barrier();
   trace.now.began = tdm_clock();
@@ -55,13 +65,15 @@ void dem_trace_leave(void) {
   if (trace.count < KEPT)
     trace.visit[trace.count] = trace.now;
   trace.count++;
+  trace.cpu = processor_time();
 }
 
 void dem_trace_end(void) {
   if (!trace.file)
     return;
   char name[4096];
-  const double end = tdm_clock(), all = end - trace.start;
+  const double all = tdm_clock() - trace.start;
+  trace.worked += processor_time() - trace.cpu;
   snprintf(name, sizeof name, "%s.%d", trace.file, trace.rank);
   FILE *f = fopen(name, "w");
   if (!f) {
@@ -76,7 +88,7 @@ void dem_trace_end(void) {
             v->came - trace.start, v->began - trace.start, v->began - trace.start, v->ended - trace.start);
     from = v->ended - trace.start;
   }
-  fprintf(f, "all,%.6f,%.6f,%.6f\n", all - trace.exchange - trace.wait, trace.exchange, trace.wait);
+  fprintf(f, "all,%.6f,%.6f,%.6f,%.6f\n", all - trace.exchange - trace.wait, trace.exchange, trace.wait, trace.worked);
   fclose(f);
   free(trace.visit);
 }

@@ -1,6 +1,6 @@
 /* What a rank does over time: works, tells others, waits for them. Measured where the environment asks for it, as
  *   TANDEM_RANKS_TRACE=FILE: rank r writes FILE.r, "begin_s,end_s,what" from the start of the program on, and a last
- *   line with the sums "all,compute_s,exchange_s,wait_s"
+ *   line with the sums "all,compute_s,exchange_s,wait_s,compute_cpu_s", the last in processor time
  * Waiting is told from exchanging by a barrier before each exchange, which costs a little; without the variable there
  * is none. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */

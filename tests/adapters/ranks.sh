@@ -112,7 +112,7 @@ faults() {
   "${mpi[@]}" 3 tandem-dem run "$out/heap.json" --out died --no-plots --set time.end=1000 >died.txt 2>&1 &
   pid=$!
   until [ -s died/channels.csv ]; do sleep 0.1; done
-  rank=$(pgrep -f "tandem-dem.*$out/heap.json" | tail -1)
+  rank=$(pgrep -r DRS -x tandem-dem-mpi | tail -1)
   kill -KILL "$rank"
   wait $pid && return 1
   grep -q 'signal 9' died.txt || { cat died.txt; return 1; }
@@ -122,10 +122,10 @@ faults() {
     --set "coupling.solvers.dem=${mpi[*]} 2 tandem-dem" >lost.txt 2>&1 &
   pid=$!
   until [ -s lost/body_box.csv ]; do sleep 0.1; done
-  rank=$(pgrep -f "tandem-dem.*--connect" | tail -1)
+  rank=$(pgrep -r DRS -x tandem-dem-mpi | tail -1)
   kill -KILL "$rank"
   wait $pid || status=$?
-  [ $status = 1 ] && grep -q 'dem' lost.txt || { cat lost.txt; return 1; }
+  [ $status = 1 ] && grep -q 'the solver "dem"\|dem: ' lost.txt || { cat lost.txt; return 1; }
   nothing_left
   echo "  errors, Ctrl-C, a rank that dies: named, nothing left"
 }

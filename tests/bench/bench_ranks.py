@@ -5,9 +5,10 @@ usage: tests/bench/bench_ranks.py [--bin DIR] [--out DIR] [--particles N,N,...] 
 
 A lattice of spheres in a box, pressed a little, for so many steps that a run takes seconds. Prints for each number of
 particles and ranks the time of the steps t, speed-up tau = t_1/t, efficiency eta = tau/P, normalised cost nu = P t/t_1
-and overhead nu - 1 ([A07] Eq. 3.22 to 3.24), [A07]'s speed-up on several machines beside them, and which share of its
-time a rank computes, exchanges and waits (least and most of all ranks, from one more run that measures that). 1 rank:
-tandem-dem without MPI. Times are medians. Draws speedup.svg, efficiency.svg, cost.svg (Fig. 3.13 to 3.15) and, of the
+and overhead nu - 1 ([A07] Eq. 3.22 to 3.24), [A07]'s speed-up on several machines beside them, which share of its time
+a rank computes, exchanges and waits (least and most of all ranks, from one more run that measures that), and the most
+processor time that a rank computes, which other programs do not disturb: what it is of that of one rank is the speed-up
+without exchanges. 1 rank: tandem-dem without MPI. Times are medians. Draws speedup.svg, efficiency.svg, cost.svg (Fig. 3.13 to 3.15) and, of the
 most ranks, trace-N.svg (Fig. 3.16) with gnuplot.
 """
 # SPDX-License-Identifier: GPL-3.0-or-later
@@ -53,7 +54,9 @@ def run(options, file, ranks, trace=None):
     environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     if trace:
         environment["TANDEM_RANKS_TRACE"] = str(trace)
-    if ranks > 1:
+    if trace:
+        command[0] += "-mpi"
+    if trace or ranks > 1:
         command = ["mpirun", "--oversubscribe", "-n", str(ranks)] + command
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     if done.returncode != 0:
@@ -62,13 +65,14 @@ def run(options, file, ranks, trace=None):
 
 
 def shares(trace, ranks):
-    """of compute, exchange, wait: least and most of all ranks [%]"""
+    """of compute, exchange, wait: least and most of all ranks [%]; most processor time of computing [s]"""
     found = []
     for rank in range(ranks):
         with open(f"{trace}.{rank}", encoding="utf-8") as file:
             sums = [float(x) for x in file.readlines()[-1].split(",")[1:]]
-        found.append([100 * x / sum(sums) for x in sums])
-    return [(min(s), max(s)) for s in zip(*found)]
+        found.append([100 * x / sum(sums[:3]) for x in sums[:3]] + [sums[3]])
+    *parts, work = zip(*found)
+    return [(min(s), max(s)) for s in parts], max(work)
 
 
 def published():
@@ -84,7 +88,7 @@ def measure(options):
     """rows (particles, ranks, time, speed-up)"""
     theirs = published()
     rows = []
-    print("particles  P     t [s]    tau    eta     nu   nu-1  [A07] tau  compute %    exchange %   wait %")
+    print("particles  P     t [s]    tau    eta     nu   nu-1  [A07] tau  compute %    exchange %   wait %       work [s]")
     for particles in options.particles:
         file = options.out / f"scene-{particles}.json"
         file.write_text(json.dumps(scene(particles)))
@@ -94,11 +98,10 @@ def measure(options):
             first = first or t
             tau = first / t
             rows.append((particles, ranks, t, tau))
-            text = ""
-            if ranks > 1:
-                trace = options.out / f"trace-{particles}-{ranks}"
-                run(options, file, ranks, trace)
-                text = "  ".join(f"{low:4.1f} … {high:4.1f}" for low, high in shares(trace, ranks))
+            trace = options.out / f"trace-{particles}-{ranks}"
+            run(options, file, ranks, trace)
+            parts, work = shares(trace, ranks)
+            text = "  ".join(f"{low:4.1f} … {high:4.1f}" for low, high in parts) + f"  {work:8.3f}"
             their = theirs.get((particles, ranks))
             print(
                 f"{particles:9d} {ranks:2d} {t:9.3f} {tau:6.2f} {tau / ranks:6.2f} {ranks / tau:6.2f} "
