@@ -78,7 +78,8 @@ static double gap_of_segments(const dem_wall *wall, tdm_vec3 x, tdm_vec3 *normal
 }
 
 /* also those that x is behind: it may come before them */
-static int near_segments(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max) {
+static int near_segments(const dem_wall *wall, int from, tdm_vec3 x, double range, int *out, int max) {
+  (void)from;
   const segments *s = wall->data;
   int n = 0;
   for (int k = 0; k < s->count; k++)

@@ -40,23 +40,31 @@ static bool reserve(near_chunk *to, size_t more) {
   return true;
 }
 
+/* how far part `part` of a wall is from touching a sphere at x, own axes; a little less, and 0 if that is not known */
+static float away_from(const dem_wall *wall, int part, tdm_vec3 x, double radius) {
+  if (!wall->shape->triangles)
+    return 0;
+  const double away = sqrt(dem_triangle_distance2(&wall->shape->triangles(wall)->triangle[part], x)) - radius;
+  return away > 0 ? (float)((1 - 1e-6) * away) : 0;
+}
+
 static void lower(double *margin, double away) {
   *margin = fmin(*margin, away);
 }
 
 /* the parts of wall w near particle i, whose centre is at `own` in the wall's axes */
-static void list_parts(const dem_data *d, int i, int w, tdm_vec3 own, double range, near_chunk *to) {
+static void list_parts(const dem_data *d, int i, int w, int from, tdm_vec3 own, double range, near_chunk *to) {
   const dem_wall *wall = &d->model->wall[w];
-  int some[64], *near = some, n = wall->shape->near(wall, own, range, some, 64);
+  int some[64], *near = some, n = wall->shape->near(wall, from, own, range, some, 64);
   if (n > 64) {
     near = malloc((size_t)n * sizeof *near);
     if (near)
-      wall->shape->near(wall, own, range, near, n);
+      wall->shape->near(wall, from, own, range, near, n);
   }
   to->failed = to->failed || !near;
   if (near && reserve(to, (size_t)n))
     for (int k = 0; k < n; k++)
-      to->entry[to->count++] = (dem_wall_entry){i, w, near[k]};
+      to->entry[to->count++] = (dem_wall_entry){i, w, near[k], away_from(wall, near[k], own, range - d->lists.skin)};
   if (near != some)
     free(near);
 }
@@ -76,10 +84,11 @@ static void list_group(const dem_data *d, int first, int end, int w, near_chunk 
     high = tdm_v3(fmax(high.x, x.x + r), fmax(high.y, x.y + r), fmax(high.z, x.z + r));
   }
   lower(&to->margin[wall->body], d->lists.skin); /* what is not listed is farther */
-  if (wall->shape->crosses && !wall->shape->crosses(wall, low, high))
+  const int from = wall->shape->within ? wall->shape->within(wall, low, high) : 0;
+  if (from < 0)
     return;
   for (int i = first; i < end; i++)
-    list_parts(d, i, w, own[i - first], range[i - first], to);
+    list_parts(d, i, w, from, own[i - first], range[i - first], to);
 }
 
 static void list_wall(const dem_data *d, int i, int w, near_chunk *to) {
@@ -93,7 +102,7 @@ static void list_wall(const dem_data *d, int i, int w, near_chunk *to) {
   if (!(away < d->lists.skin))
     lower(&to->margin[wall->body], away);
   else if (reserve(to, 1))
-    to->entry[to->count++] = (dem_wall_entry){i, w, 0};
+    to->entry[to->count++] = (dem_wall_entry){i, w, 0, 0};
 }
 
 static void list_chunk(const dem_data *d, int c, near_chunk *to) {

@@ -19,6 +19,17 @@ tdm_vec3 dem_lists_shift(const dem_data *d) {
   return tdm_sub(d->state.pose[b].position, d->lists.pose_at_list[b].position);
 }
 
+double dem_lists_way_of_body(const dem_data *d, int b) {
+  const dem_body *body = &d->model->body[b];
+  const tdm_pose now = d->state.pose[b], then = d->lists.pose_at_list[b];
+  double way = tdm_norm(tdm_sub(tdm_sub(now.position, then.position), dem_lists_shift(d)));
+  if (body->coupled >= 0 || body->drive.given) {
+    tdm_quat turn = tdm_quat_mul(tdm_quat_conj(then.orientation), now.orientation);
+    way += 2 * sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) * d->lists.reach[b];
+  }
+  return way;
+}
+
 /* by how much the images of a box that is strained have moved [m] */
 static double strained_since(const dem_data *d) {
   tdm_vec3 grown = {0, 0, 0};
@@ -37,18 +48,9 @@ static bool lists_hold(const dem_data *d, double moved2) {
   if (!d->lists.valid || d->lists.stale || !(nearer < safety * d->lists.skin) ||
       (interval > 0 && d->lists.since_list >= interval))
     return false;
-  tdm_vec3 u = dem_lists_shift(d);
-  for (int b = 0; b < m->nbody; b++) {
-    double away = moved;
-    tdm_vec3 dx = tdm_sub(d->state.pose[b].position, d->lists.pose_at_list[b].position);
-    away += tdm_norm(tdm_sub(dx, u));
-    if (m->body[b].coupled >= 0 || m->body[b].drive.given) {
-      tdm_quat turn = tdm_quat_mul(tdm_quat_conj(d->lists.pose_at_list[b].orientation), d->state.pose[b].orientation);
-      away += 2 * sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z) * d->lists.reach[b];
-    }
-    if (!(away < safety * d->lists.margin[b]))
+  for (int b = 0; b < m->nbody; b++)
+    if (!(moved + dem_lists_way_of_body(d, b) < safety * d->lists.margin[b]))
       return false;
-  }
   return true;
 }
 

@@ -18,6 +18,9 @@
 /* The common displacement u since the lists were built [m]. */
 tdm_vec3 dem_lists_shift(const dem_data *data);
 
+/* How far a body may have moved since, besides u, where particles are [m]: |dX_b - u| + chord(b) * reach_b. */
+double dem_lists_way_of_body(const dem_data *data, int body);
+
 /* Rebuild the lists if something may have come too near; `moved2` = max_i |dx_i - u|^2 [m2]. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_lists_update(dem_data *data, double moved2);
 

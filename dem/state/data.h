@@ -39,6 +39,7 @@ typedef struct {
 /* A particle near a wall; `part` of the wall: the triangle of a mesh; else 0. */
 typedef struct {
   int particle, wall, part;
+  float away; /* of a triangle: at least so much was between the two when the list was made; else 0 [m] */
 } dem_wall_entry;
 
 enum { DEM_PART_STRIDE = sizeof(dem_wall_entry) / sizeof(int) }; /* from the part of one entry to that of the next */
@@ -330,7 +331,7 @@ typedef struct {
   /* an evaluation */
   tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
-  bool *ended;            /* (nchunk) the chunk's step ended with its forces */
+  bool *chunk_flag;       /* (nchunk) scratch: of chunks, in a pass over them */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
 

@@ -187,8 +187,8 @@ static long thread_forces(dem_data *d, const dem_loop_task *all, const dem_integ
   long touching = 0;
   for (int c = first; c < end; c++) {
     touching += chunk_forces(d, c, all);
-    d->work.ended[c] = integrator && (x->chunk[c] == x->chunk[c + 1] || x->order[x->chunk[c]] >= foreign);
-    if (!d->work.ended[c])
+    d->work.chunk_flag[c] = integrator && (x->chunk[c] == x->chunk[c + 1] || x->order[x->chunk[c]] >= foreign);
+    if (!d->work.chunk_flag[c])
       continue;
     dem_time_spent(timers, DEM_PHASE_CONTACTS);
     integrator->end(d, c, all->dt);
@@ -239,7 +239,7 @@ static long all_forces(dem_data *d, const dem_loop_task *all, const dem_integrat
     return touching;
 #pragma omp parallel for schedule(dynamic) num_threads(nthread)
   for (int c = 0; c < d->lists.nchunk; c++)
-    if (!d->work.ended[c])
+    if (!d->work.chunk_flag[c])
       integrator->end(d, c, all->dt);
   return touching;
 }

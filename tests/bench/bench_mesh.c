@@ -45,7 +45,7 @@ int main(void) {
       dem_touch contact[DEM_TOUCHES_MAX];
       tdm_vec3 x = {at[0], at[1], 0.9};
       double begin = tdm_clock();
-      int many = dem_mesh_near(mesh, x, 1, near, ROOM);
+      int many = dem_mesh_near(mesh, 0, x, 1, near, ROOM);
       double middle = tdm_clock();
       dem_mesh_contacts(mesh, near, 1, many, x, 1, contact, DEM_TOUCHES_MAX);
       near_time += middle - begin;

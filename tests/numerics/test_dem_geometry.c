@@ -303,7 +303,7 @@ START_TEST(test_read_mesh) {
   int near[1];
   dem_touch c;
   tdm_vec3 own = dem_wall_own(&r->data->state.wall[0], x);
-  ck_assert_int_eq(wall->shape->near(wall, own, 0.3, near, 1), 1);
+  ck_assert_int_eq(wall->shape->near(wall, 0, own, 0.3, near, 1), 1);
   ck_assert_int_eq(dem_mesh_contacts(wall->data, near, 1, 1, own, 0.3, &c, 1), 1);
   ck_near(c.gap, 0.25, 1e-15);
   dem_report report;

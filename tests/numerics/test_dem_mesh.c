@@ -235,11 +235,11 @@ END_TEST
 
 START_TEST(test_near) {
   dem_mesh *m = soup(3000);
-  int n = dem_mesh_figures(m)->triangles, near[3000], all = 0, empty = 0;
+  int n = dem_mesh_figures(m)->triangles, near[3000], all = 0, empty = 0, below = 0;
   for (int trial = 0; trial < 300; trial++) {
     tdm_vec3 x = tdm_v3(between(-1.5, 1.5), between(-1.5, 1.5), between(-1.5, 1.5)), normal;
     double range = pow(10, between(-2, 0.2)), least = INFINITY;
-    int found = dem_mesh_near(m, x, range, near, 3000), k = 0;
+    int found = dem_mesh_near(m, 0, x, range, near, 3000), k = 0;
     for (int t = 0; t < n; t++) {
       tdm_vec3 c[3];
       dem_mesh_triangle(m, t, c, &normal);
@@ -256,14 +256,15 @@ START_TEST(test_near) {
     ck_near(tdm_norm(normal), 1, 1e-14);
     ck_near(dem_mesh_gap(m, tdm_axpy(-0.5 * least, normal, x), &normal), 0.5 * least, 1e-12);
     int few[2];
-    ck_assert_int_eq(dem_mesh_near(m, x, range, few, 2), found);
+    ck_assert_int_eq(dem_mesh_near(m, 0, x, range, few, 2), found);
     const tdm_vec3 r = {range, range, range};
-    const bool crosses = dem_mesh_crosses(m, tdm_sub(x, r), tdm_add(x, r));
-    ck_assert(crosses || found == 0);
-    empty += !crosses;
+    const int from = dem_mesh_within(m, tdm_sub(x, r), tdm_add(x, r));
+    ck_assert_int_eq(from < 0 ? 0 : dem_mesh_near(m, from, x, range, near, 3000), found);
+    empty += from < 0;
+    below += from > 0;
   }
   ck_assert_int_gt(all, 10000);
-  ck_assert_int_gt(empty, 10);
+  ck_assert(empty > 10 && below > 10);
   dem_mesh_destroy(&m);
 }
 END_TEST

@@ -52,7 +52,7 @@ static inline void add_cube(tdm_stl *s, tdm_vec3 at, unsigned faces) {
 }
 
 static inline int contacts(const dem_mesh *m, tdm_vec3 x, double radius, dem_touch *out) {
-  int near[4096], n = dem_mesh_near(m, x, radius, near, 4096);
+  int near[4096], n = dem_mesh_near(m, 0, x, radius, near, 4096);
   ck_assert_int_le(n, 4096);
   return dem_mesh_contacts(m, near, 1, n, x, radius, out, DEM_TOUCHES_MAX);
 }

@@ -206,12 +206,20 @@ DEM_KERNEL outcome law(dem_loop_task *task, dem_contact *c, vd3 velocity, double
   return out;
 }
 
-/* a contact of which the lanes are still to be filled */
-DEM_INLINE dem_contact contact_of(const dem_loop_task *task, const row r) {
+/* a contact of which the lanes are still to be filled; no lane is touched */
+DEM_INLINE void begin_contact(const dem_loop_task *task, const row r, dem_contact *c) {
   const dem_model *m = task->model;
-  dem_contact c = {.dt = task->dt, .model = m, .all_terms = r.all_terms};
-  c.pair.table = task->settling ? m->settle_pair : m->pair;
-  c.pair.one = m->nmaterial == 1;
+  c->dt = task->dt;
+  c->model = m;
+  c->all_terms = r.all_terms;
+  c->pair.table = task->settling ? m->settle_pair : m->pair;
+  c->pair.one = m->nmaterial == 1;
+}
+
+/* likewise, all lanes zero */
+DEM_INLINE dem_contact contact_of(const dem_loop_task *task, const row r) {
+  dem_contact c = {0};
+  begin_contact(task, r, &c);
   return c;
 }
 

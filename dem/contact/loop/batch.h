@@ -56,7 +56,7 @@ DEM_KERNEL void add_belt(const dem_data *d, const batch *b, batch_motion *of) {
 }
 
 /* Lanes without a contact repeat the first one, and do not touch. */
-DEM_KERNEL dem_contact batch_contact(const dem_loop_task *task, batch *b, const row r, batch_motion *of) {
+DEM_KERNEL void batch_contact(const dem_loop_task *task, batch *b, const row r, dem_contact *c, batch_motion *of) {
   const dem_model *m = task->model;
   const dem_data *d = task->data;
   const dem_wall *wall = &m->wall[b->wall];
@@ -66,39 +66,38 @@ DEM_KERNEL dem_contact batch_contact(const dem_loop_task *task, batch *b, const 
     for (int a = 0; a < 3; a++)
       b->normal[a][l] = b->normal[a][0];
   }
-  dem_contact c = contact_of(task, r);
+  begin_contact(task, r, c);
   vd s[8], rotor[4], gap = vd_load(b->gap);
   vd_spheres(d->state.sphere, b->particle, s);
-  c.touching = vm_first(b->count);
-  c.normal = (vd3){vd_load(b->normal[0]), vd_load(b->normal[1]), vd_load(b->normal[2])};
-  of->lever = vd3_sub(vd3_axpy(-gap, c.normal, (vd3){s[0], s[1], s[2]}), vd3_set(d->state.pose[wall->body].position));
+  c->touching = vm_first(b->count);
+  c->normal = (vd3){vd_load(b->normal[0]), vd_load(b->normal[1]), vd_load(b->normal[2])};
+  of->lever = vd3_sub(vd3_axpy(-gap, c->normal, (vd3){s[0], s[1], s[2]}), vd3_set(d->state.pose[wall->body].position));
   of->wall_angular = vd3_set(now.angular);
   of->wall_velocity = vd3_add(vd3_set(now.velocity), vd3_cross(of->wall_angular, of->lever));
   if (wall->moves && !task->settling)
     add_belt(d, b, of);
   of->arm = gap / s[3];
   of->velocity = (vd3){s[4], s[5], s[6]};
-  c.overlap = s[3] - gap;
-  c.radius = s[3];
-  c.turn = vd3_dot(of->wall_angular, c.normal);
+  c->overlap = s[3] - gap;
+  c->radius = s[3];
+  c->turn = vd3_dot(of->wall_angular, c->normal);
   if (r.rubs) {
     vd_rotor_sum(d->state.rotor, b->particle, b->particle, rotor);
     vd3 surface = vd3_scale(vd_set(0.5), (vd3){rotor[0], rotor[1], rotor[2]});
-    of->velocity = vd3_axpy(-of->arm, vd3_cross(surface, c.normal), of->velocity);
+    of->velocity = vd3_axpy(-of->arm, vd3_cross(surface, c->normal), of->velocity);
     if (r.all_terms) {
-      c.spin = vd3_axpy(vd_set(1) / c.radius, surface, vd3_scale(vd_set(-1), of->wall_angular));
-      c.inverse_inertia = s[7] / (vd_set(1.4) * c.radius * c.radius);
+      c->spin = vd3_axpy(vd_set(1) / c->radius, surface, vd3_scale(vd_set(-1), of->wall_angular));
+      c->inverse_inertia = s[7] / (vd_set(1.4) * c->radius * c->radius);
     }
   }
   of->velocity = vd3_sub(of->velocity, of->wall_velocity);
-  c.inverse_mass = per_effective_mass(&d->state.mobility[wall->body], task->settling, s[7], of->lever, c.normal);
-  c.mass = vd_set(1) / c.inverse_mass;
-  if (!c.pair.one)
+  c->inverse_mass = per_effective_mass(&d->state.mobility[wall->body], task->settling, s[7], of->lever, c->normal);
+  c->mass = vd_set(1) / c->inverse_mass;
+  if (!c->pair.one)
     for (int l = 0; l < DEM_W; l++)
-      c.pair.index[l] = d->state.material[b->particle[l]] * m->nmaterial + wall->material;
+      c->pair.index[l] = d->state.material[b->particle[l]] * m->nmaterial + wall->material;
   if (DEM_LAW_SUMS > 0)
-    c.radii[0] = c.radius, c.radii[1] = vd_set(INFINITY);
-  return c;
+    c->radii[0] = c->radius, c->radii[1] = vd_set(INFINITY);
 }
 
 /* the sums of the particles of the batch and of its walls, which have none; what the notes of the others give */
@@ -169,7 +168,8 @@ DEM_KERNEL void wall_batch(dem_loop_task *task, batch *b, const row r) {
   const dem_wall_contacts *list = &d->lists.walls;
   double history[DEM_HISTORY_MAX][DEM_W];
   batch_motion of;
-  dem_contact c = batch_contact(task, b, r, &of);
+  dem_contact c;
+  batch_contact(task, b, r, &c, &of);
   vd sums[2][DEM_LAW_SUMS + 1];
   batch_load_sums(d, b, &c, sums);
   batch_load_history(d, b, 0, r.ncolumn, history);

@@ -79,7 +79,8 @@ DEM_KERNEL void note_planes(dem_loop_task *task, size_t begin, size_t end, note_
 DEM_KERNEL void note_batch(dem_loop_task *task, batch *b, note_kernel *what) {
   dem_data *d = task->data;
   batch_motion motion;
-  dem_contact c = batch_contact(task, b, (row){0}, &motion);
+  dem_contact c;
+  batch_contact(task, b, (row){0}, &c, &motion);
   double lane[DEM_NOTES][DEM_W], history[DEM_LAW_COLUMNS + 1][DEM_W];
   vd h[DEM_LAW_COLUMNS + 1];
   batch_load_history(d, b, note_history(task->model), DEM_LAW_COLUMNS, history);

@@ -7,6 +7,7 @@
 
 #include "dem/contact/loop/batch.h"
 #include "dem/contact/loop/triangles.h"
+#include "dem/search/pairs.h"
 
 /* The entries of one particle with one wall, [begin, end), and those among them, ascending, that are contacts now. */
 typedef struct {
@@ -97,55 +98,95 @@ enum { UNCLEAR = -1, APART = -2, INSIDE = -3, CORNER = -4 }; /* at corner k: COR
 
 typedef struct {
   size_t begin;
-  int at[LOOK];
+  int at[LOOK];                         /* by entry */
+  int lane[LOOK];                       /* likewise, where the following are of what is not apart */
   double height[LOOK], normal[3][LOOK]; /* inside: of the centre over the triangle [m]; towards it, world */
-  double distance2[LOOK];               /* at a corner: of the centre from it [m2] */
+  double distance2[LOOK];               /* on an edge, at a corner: of the centre from that point [m2] */
 } look;
 
+/* what a look needs of its wall */
+typedef struct {
+  const dem_triangle *triangle;
+  const dem_wall_place *place;
+  double reach;   /* of forces, beyond the radii [m] */
+  double way;     /* of the body since the list was made [m] */
+  tdm_vec3 shift; /* of all, which is no way */
+} look_task;
+
+/* Entries that may touch, of begin ... end, as places from `begin` on: not those that were farther than both have moved
+ * since the list was made. Their triangles are fetched. Returns how many they are. */
+DEM_INLINE int choose_entries(const dem_data *d, const look_task *t, size_t begin, size_t end, int *chosen) {
+  const dem_wall_entry *entry = d->lists.walls.entry;
+  int n = 0, particle = -1;
+  double way2 = 0, held = 0;
+  for (size_t k = begin; k < end; k++) {
+    if (entry[k].particle != particle) {
+      particle = entry[k].particle;
+      const dem_sphere *s = &d->state.sphere[particle];
+      tdm_vec3 way = tdm_sub(tdm_sub(s->position, d->lists.position_at_list[particle]), t->shift);
+      way2 = (1 + 1e-9) * tdm_dot(way, way);
+      held = t->way + 1e-9 * s->radius; /* round-off must not hide a contact */
+    }
+    const double away = (double)entry[k].away - held;
+    if (away > 0 && away * away > way2)
+      continue;
+    const char *line = (const char *)&t->triangle[entry[k].part];
+    __builtin_prefetch(line), __builtin_prefetch(line + 64), __builtin_prefetch(line + 128);
+    chosen[n++] = (int)(k - begin);
+  }
+  return n;
+}
+
 /* what the lanes see */
-DEM_KERNEL void write_look(const dem_triangle *triangle, const int *part, const triangle_look *seen, int *at) {
+DEM_KERNEL void write_look(const dem_triangle *triangle, const int *part, const int *chosen, const triangle_look *seen,
+                           int *at) {
   const unsigned inside = vm_bits(seen->inside), unclear = vm_bits(seen->unclear);
   unsigned any = inside | unclear, edge[3], corner[3];
   for (int k = 0; k < 3; k++) {
     edge[k] = vm_bits(seen->edge[k]), corner[k] = vm_bits(seen->corner[k]);
     any |= edge[k] | corner[k];
   }
-  for (int l = 0; l < DEM_W; l++)
-    at[l] = APART;
   for (; any; any &= any - 1) {
     const int l = __builtin_ctz(any);
-    at[l] = inside >> l & 1 ? INSIDE : UNCLEAR;
+    int *to = &at[chosen[l]];
+    *to = inside >> l & 1 ? INSIDE : UNCLEAR;
     for (int k = 0; k < 3; k++)
       if (edge[k] >> l & 1)
-        at[l] = triangle[part[l]].beyond[k];
+        *to = triangle[part[l]].beyond[k];
       else if (corner[k] >> l & 1)
-        at[l] = CORNER - k;
+        *to = CORNER - k;
   }
 }
 
 /* entries begin ... end, of whole particles, at most LOOK */
-static __attribute__((noinline)) void look_at_entries(const dem_data *d, const dem_triangle *triangle,
-                                                      const dem_wall_place *place, double reach, size_t begin,
-                                                      size_t end, look *out) {
-  const dem_wall_entry *entry = d->lists.walls.entry;
-  const tdm_mat3 back = tdm_m3_transpose(place->axes);
+static __attribute__((noinline)) void look_at_entries(const dem_data *d, const look_task *t, size_t begin, size_t end,
+                                                      look *out) {
+  const dem_wall_entry *entry = d->lists.walls.entry + begin;
+  const tdm_mat3 back = tdm_m3_transpose(t->place->axes);
+  int chosen[LOOK + DEM_W];
+  const int n = choose_entries(d, t, begin, end, chosen);
   out->begin = begin;
-  for (size_t k = begin; k < end; k += DEM_W) {
-    const size_t to = k - begin;
+  for (size_t k = 0; k < end - begin; k++)
+    out->at[k] = APART;
+  for (int c = 0; c < n; c++)
+    out->lane[chosen[c]] = c;
+  for (int l = 0; l < DEM_W && n > 0; l++) /* lanes that are left over */
+    chosen[n + l] = chosen[n - 1];
+  for (int to = 0; to < n; to += DEM_W) {
     int i[DEM_W], part[DEM_W];
-    for (int l = 0; l < DEM_W; l++) { /* the last one again, where there are no more */
-      const dem_wall_entry *e = &entry[k + (size_t)l < end ? k + (size_t)l : end - 1];
-      i[l] = e->particle, part[l] = e->part;
+    for (int l = 0; l < DEM_W; l++) {
+      const int k = chosen[to + l];
+      i[l] = entry[k].particle, part[l] = entry[k].part;
     }
     vd s[8];
     vd_spheres(d->state.sphere, i, s);
-    vd3 own = vd3_turn(&back, vd3_sub((vd3){s[0], s[1], s[2]}, vd3_set(place->point)));
-    const triangle_look seen = look_at_triangles(triangle, part, own, s[3] + vd_set(reach));
-    write_look(triangle, part, &seen, out->at + to);
+    vd3 own = vd3_turn(&back, vd3_sub((vd3){s[0], s[1], s[2]}, vd3_set(t->place->point)));
+    const triangle_look seen = look_at_triangles(t->triangle, part, own, s[3] + vd_set(t->reach));
+    write_look(t->triangle, part, chosen + to, &seen, out->at);
     vd_store(out->distance2 + to, seen.distance2);
     vd_store(out->height + to, seen.height);
     vd3 normal = vd3_pick(vm_less(seen.height, vd_set(0)), vd3_scale(vd_set(-1), seen.normal), seen.normal);
-    normal = vd3_turn(&place->axes, normal);
+    normal = vd3_turn(&t->place->axes, normal);
     vd_store(out->normal[0] + to, normal.x), vd_store(out->normal[1] + to, normal.y);
     vd_store(out->normal[2] + to, normal.z);
   }
@@ -153,7 +194,7 @@ static __attribute__((noinline)) void look_at_entries(const dem_data *d, const d
 
 static tdm_vec3 own_normal(const dem_data *d, const dem_triangle *triangle, const look *seen, size_t k) {
   const tdm_vec3 n = triangle[d->lists.walls.entry[k].part].normal;
-  return seen->height[k - seen->begin] < 0 ? tdm_scale(-1, n) : n;
+  return seen->height[seen->lane[k - seen->begin]] < 0 ? tdm_scale(-1, n) : n;
 }
 
 /* are no two contacts facets of one surface? */
@@ -166,26 +207,39 @@ static bool all_apart(const dem_data *d, const dem_triangles *of, const look *se
   return true;
 }
 
-/* Does entry k, whose nearest point is on an edge or at a corner, lead to one of the contacts? A corner does where that
- * contact's triangle has it and is nearer. */
+/* Has the triangle of contact c the corner of entry k, at which that one's nearest point is, and is it nearer? */
+static bool corner_of_contact(const dem_data *d, const dem_triangle *triangle, const look *seen,
+                              const touching_parts *now, int c, size_t k) {
+  const dem_wall_entry *entry = d->lists.walls.entry;
+  const size_t place = k - seen->begin;
+  const tdm_vec3 corner = triangle[entry[k].part].corner[CORNER - seen->at[place]];
+  bool has = false;
+  for (int q = 0; q < 3; q++) {
+    const tdm_vec3 *own = &triangle[entry[now->at[c]].part].corner[q];
+    has = has || (own->x == corner.x && own->y == corner.y && own->z == corner.z);
+  }
+  return has && now->gap[c] * now->gap[c] < seen->distance2[seen->lane[place]];
+}
+
+/* Does entry k, whose nearest point is on an edge or at a corner, lead to one of the contacts, by ever nearer ones? */
 static bool leads_to_contact(const dem_data *d, const dem_triangle *triangle, const look *seen,
                              const touching_parts *now, size_t k) {
   const dem_wall_entry *entry = d->lists.walls.entry;
-  const int at = seen->at[k - seen->begin];
-  for (int c = 0; c < now->n; c++) {
-    const int part = entry[now->at[c]].part;
-    if (at == part)
-      return true;
-    if (at > CORNER || !(now->gap[c] * now->gap[c] < seen->distance2[k - seen->begin]))
-      continue;
-    const tdm_vec3 corner = triangle[entry[k].part].corner[CORNER - at];
-    for (int q = 0; q < 3; q++) {
-      const tdm_vec3 *own = &triangle[part].corner[q];
-      if (own->x == corner.x && own->y == corner.y && own->z == corner.z)
+  for (;;) {
+    const int at = seen->at[k - seen->begin];
+    for (int c = 0; c < now->n; c++)
+      if (at == entry[now->at[c]].part || (at <= CORNER && corner_of_contact(d, triangle, seen, now, c, k)))
         return true;
-    }
+    if (at < 0)
+      return false;
+    size_t next = now->begin;
+    while (next < now->end && entry[next].part != at)
+      next++;
+    if (next == now->end || seen->at[next - seen->begin] == APART ||
+        !(seen->distance2[seen->lane[next - seen->begin]] < seen->distance2[seen->lane[k - seen->begin]]))
+      return false;
+    k = next;
   }
-  return false;
 }
 
 /* Is it clear what the contacts of the particle with entries now->begin ... end are? */
@@ -201,8 +255,9 @@ static bool clear_contacts(const dem_data *d, const dem_triangles *of, const loo
     if (now->n == CLEAR_MAX)
       return false;
     now->at[now->n] = k;
-    now->gap[now->n] = fabs(seen->height[l]);
-    now->normal[now->n++] = (tdm_vec3){seen->normal[0][l], seen->normal[1][l], seen->normal[2][l]};
+    const int lane = seen->lane[l];
+    now->gap[now->n] = fabs(seen->height[lane]);
+    now->normal[now->n++] = (tdm_vec3){seen->normal[0][lane], seen->normal[1][lane], seen->normal[2][lane]};
   }
   for (size_t k = now->begin; k < now->end && more; k++) {
     const int at = seen->at[k - seen->begin];
@@ -237,12 +292,18 @@ DEM_KERNEL void wall_with_parts(dem_loop_task *task, batch *b, size_t begin, siz
   const dem_wall_entry *entry = d->lists.walls.entry;
   const dem_triangles *of = wall->shape->triangles ? wall->shape->triangles(wall) : NULL;
   const double reach = r.all_terms ? task->model->reach : 0;
+  look_task task_of_look = {.place = place, .reach = reach};
   look seen;
   size_t looked = begin;
+  if (of) {
+    task_of_look.triangle = of->triangle;
+    task_of_look.way = dem_lists_way_of_body(d, wall->body);
+    task_of_look.shift = dem_lists_shift(d);
+  }
   for (size_t k = begin, next; k < end; k = next) {
     if (of && k == looked) {
       looked = end_of_look(entry, k, end);
-      look_at_entries(d, of->triangle, place, reach, k, looked, &seen);
+      look_at_entries(d, &task_of_look, k, looked, &seen);
     }
     next = next_particle(entry, k, end);
     const bool here = of && k < looked;

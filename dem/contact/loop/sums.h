@@ -69,7 +69,8 @@ DEM_KERNEL void sum_planes(dem_loop_task *task, size_t begin, size_t end, sum_ke
 
 DEM_KERNEL void sum_batch(dem_loop_task *task, batch *b, sum_kernel *contribution) {
   batch_motion motion;
-  dem_contact c = batch_contact(task, b, (row){0}, &motion);
+  dem_contact c;
+  batch_contact(task, b, (row){0}, &c, &motion);
   vd of[DEM_LAW_SUMS];
   contribution(&c, of);
   add_sums(task->data, &c, b->particle, of, NULL, NULL);

@@ -16,7 +16,7 @@ typedef struct {
   vm corner[3]; /* at this corner */
   vm unclear;   /* on the border between two of these */
   vd height;    /* of the centre over the triangle [m] */
-  vd distance2; /* of the centre from the corner [m2] */
+  vd distance2; /* of the centre from the point on the edge or at the corner [m2] */
   vd3 normal;   /* of the triangle, own axes */
 } triangle_look;
 
@@ -70,10 +70,10 @@ DEM_KERNEL void look_at_edges(const triangle_lanes *t, vd3 x, const vd in[3], vm
     look_at_one(&corner, k, vd3_dot(c, c));
   }
   vm at_edge = vm_less(edge.distance2, far);
-  vm near = vm_and(outside, vm_less(vd_pick(at_edge, edge.distance2, corner.distance2), radius2));
+  out->distance2 = vd_pick(at_edge, edge.distance2, corner.distance2);
+  vm near = vm_and(outside, vm_less(out->distance2, radius2));
   vm tie = vm_or(vm_and(at_edge, edge.tie), vm_without(corner.tie, at_edge));
   out->unclear = vm_or(out->unclear, vm_and(near, tie));
-  out->distance2 = corner.distance2;
   vm clear = vm_without(near, out->unclear);
   for (int k = 0; k < 3; k++) {
     out->edge[k] = vm_and(vm_and(clear, at_edge), vm_equal(edge.which, vd_set(k)));

@@ -39,37 +39,6 @@ dem_nearest dem_mesh_nearest(const dem_mesh *m, int face, tdm_vec3 x) {
   return best;
 }
 
-double dem_mesh_distance2(const dem_mesh *m, int face, tdm_vec3 x) {
-  const dem_triangle *t = &m->triangle[face];
-  double nearest = INFINITY;
-  bool within = true;
-  for (int k = 0; k < 3; k++) {
-    tdm_vec3 from = t->corner[DEM_EDGE_FROM(k)], r = tdm_sub(x, from);
-    if (tdm_dot(r, t->inward[k]) > 0)
-      continue;
-    within = false;
-    tdm_vec3 edge = tdm_sub(t->corner[DEM_EDGE_TO(k)], from);
-    double along = tdm_dot(r, edge), length2 = tdm_dot(edge, edge);
-    if (!(along > 0 && along < length2))
-      continue;
-    tdm_vec3 d = tdm_axpy(-along / length2, edge, r);
-    double distance2 = tdm_dot(d, d);
-    nearest = distance2 < nearest ? distance2 : nearest;
-  }
-  if (within) {
-    double h = tdm_dot(tdm_sub(x, t->corner[0]), t->normal);
-    return h * h;
-  }
-  if (nearest < INFINITY)
-    return nearest;
-  for (int k = 0; k < 3; k++) {
-    tdm_vec3 d = tdm_sub(x, t->corner[k]);
-    double distance2 = tdm_dot(d, d);
-    nearest = distance2 < nearest ? distance2 : nearest;
-  }
-  return nearest;
-}
-
 double dem_mesh_normal(const dem_mesh *m, int face, const dem_nearest *at, tdm_vec3 x, tdm_vec3 *normal) {
   const dem_face *f = &m->face[face];
   bool flat = at->on == DEM_ON_FACE || (at->on == DEM_ON_EDGE && m->edge[at->feature].kind == DEM_EDGE_FLAT) ||

@@ -17,9 +17,6 @@ typedef struct {
 
 dem_nearest dem_mesh_nearest(const dem_mesh *mesh, int face, tdm_vec3 x);
 
-/* Square of the distance of x from a triangle [m2]: that of dem_mesh_nearest, but for round-off. */
-double dem_mesh_distance2(const dem_mesh *mesh, int face, tdm_vec3 x);
-
 /* Gap and normal of that point of `face` as seen from x. */
 double dem_mesh_normal(const dem_mesh *mesh, int face, const dem_nearest *nearest, tdm_vec3 x, tdm_vec3 *normal);
 

@@ -131,14 +131,19 @@ static void sort(int *number, int n) {
   }
 }
 
-bool dem_mesh_crosses(const dem_mesh *m, tdm_vec3 low, tdm_vec3 high) {
+static bool overlaps(const dem_mesh_node *node, tdm_vec3 low, tdm_vec3 high) {
+  return node->low.x <= high.x && node->low.y <= high.y && node->low.z <= high.z && node->high.x >= low.x &&
+         node->high.y >= low.y && node->high.z >= low.z;
+}
+
+/* does a leaf below node `from` overlap a box? */
+static bool any_leaf(const dem_mesh *m, int from, tdm_vec3 low, tdm_vec3 high) {
   int stack[DEPTH_MAX], top = 0;
-  stack[top++] = 0;
+  stack[top++] = from;
   while (top > 0) {
     int self = stack[--top];
     const dem_mesh_node *node = &m->node[self];
-    if (node->low.x > high.x || node->low.y > high.y || node->low.z > high.z || node->high.x < low.x ||
-        node->high.y < low.y || node->high.z < low.z)
+    if (!overlaps(node, low, high))
       continue;
     if (!node->right)
       return true;
@@ -149,10 +154,23 @@ bool dem_mesh_crosses(const dem_mesh *m, tdm_vec3 low, tdm_vec3 high) {
   return false;
 }
 
-int dem_mesh_near(const dem_mesh *m, tdm_vec3 x, double range, int *out, int max) {
+int dem_mesh_within(const dem_mesh *m, tdm_vec3 low, tdm_vec3 high) {
+  int node = 0;
+  while (m->node[node].right) { /* down, as long as only one child has triangles there */
+    bool left = overlaps(&m->node[node + 1], low, high), right = overlaps(&m->node[m->node[node].right], low, high);
+    if (left && right)
+      break;
+    if (!left && !right)
+      return -1;
+    node = left ? node + 1 : m->node[node].right;
+  }
+  return any_leaf(m, node, low, high) ? node : -1;
+}
+
+int dem_mesh_near(const dem_mesh *m, int from, tdm_vec3 x, double range, int *out, int max) {
   int stack[DEPTH_MAX], top = 0, found = 0;
   double range2 = range * range;
-  stack[top++] = 0;
+  stack[top++] = from;
   while (top > 0) {
     int self = stack[--top];
     const dem_mesh_node *node = &m->node[self];
@@ -166,7 +184,7 @@ int dem_mesh_near(const dem_mesh *m, tdm_vec3 x, double range, int *out, int max
     }
     for (int i = 0; i < node->count; i++) {
       int t = m->order[node->first + i];
-      if (!(dem_mesh_distance2(m, t, x) < range2))
+      if (!(dem_triangle_distance2(&m->triangle[t], x) < range2))
         continue;
       if (found < max)
         out[found] = t;

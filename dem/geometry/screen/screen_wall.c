@@ -262,7 +262,8 @@ static int bars_of(const dem_wall *wall) {
   return dem_screen_parts(wall->data);
 }
 
-static int near_bars(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max) {
+static int near_bars(const dem_wall *wall, int from, tdm_vec3 x, double range, int *out, int max) {
+  (void)from;
   return dem_screen_near(wall->data, x, range, out, max);
 }
 

@@ -51,12 +51,12 @@ static int triangles_of(const dem_wall *wall) {
   return dem_mesh_figures(wall->data)->triangles;
 }
 
-static bool crosses(const dem_wall *wall, tdm_vec3 low, tdm_vec3 high) {
-  return dem_mesh_crosses(wall->data, low, high);
+static int within(const dem_wall *wall, tdm_vec3 low, tdm_vec3 high) {
+  return dem_mesh_within(wall->data, low, high);
 }
 
-static int near_triangles(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max) {
-  return dem_mesh_near(wall->data, x, range, out, max);
+static int near_triangles(const dem_wall *wall, int from, tdm_vec3 x, double range, int *out, int max) {
+  return dem_mesh_near(wall->data, from, x, range, out, max);
 }
 
 static int touches_of(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
@@ -119,7 +119,7 @@ const dem_shape dem_shape_mesh = {
     .box = box_of_mesh,
     .polygons = draw_mesh,
     .parts = triangles_of,
-    .crosses = crosses,
+    .within = within,
     .near = near_triangles,
     .touches = touches_of,
     .triangles = lanes_of,

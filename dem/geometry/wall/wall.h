@@ -137,11 +137,14 @@ struct dem_shape {
    * begins on `to`? */
   int (*parts)(const dem_wall *wall);
   tdm_vec3 (*middle)(const dem_wall *wall, int part); /* of a part, own axes; NULL: lists of walls have it as one */
-  bool (*crosses)(const dem_wall *wall, tdm_vec3 low, tdm_vec3 high); /* may parts be in that box? NULL: they may */
-  int (*near)(const dem_wall *wall, tdm_vec3 x, double range, int *out, int max);
+  int (*near)(const dem_wall *wall, int from, tdm_vec3 x, double range, int *out, int max);
   int (*touches)(const dem_wall *wall, const int *part, size_t stride, int n, tdm_vec3 x, double radius,
                  dem_touch out[DEM_TOUCHES_MAX]);
   bool (*passes)(const dem_wall *wall, int from, int to);
+
+  /* Where `near` may begin (from) for places that are, with their ranges, in this box; -1: no part is there. NULL: 0,
+   * with which it looks at all. */
+  int (*within)(const dem_wall *wall, tdm_vec3 low, tdm_vec3 high);
 
   /* The parts, where they are triangles of which geometry/triangle.h holds; NULL: the loops always ask `touches`. */
   const dem_triangles *(*triangles)(const dem_wall *wall);
