@@ -156,43 +156,47 @@ static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all) {
   return task.touching;
 }
 
-/* The first chunk of thread t: threads get about the same number of pairs and particles. */
-static int first_chunk(const dem_data *d, int t) {
-  const int nchunk = d->lists.nchunk, nthread = d->work.nthread;
-  const size_t *pairs = d->lists.pairs.chunk, particle = 2; /* particle: its work, in pairs */
-  const size_t all = pairs[nchunk] + particle * DEM_CHUNK * (size_t)nchunk;
-  int c = 0;
-  while (c < nchunk && (pairs[c] + particle * DEM_CHUNK * (size_t)c) * (size_t)nthread < all * (size_t)t)
-    c++;
-  return c;
-}
-
-/* crossings from chunks before this one: places ascend with the pairs */
-static int crossings_before(const dem_data *d, int chunk) {
-  const dem_pairs *list = &d->lists.pairs;
-  if (chunk == 0)
-    return 0;
-  for (size_t k = list->chunk[chunk]; k < list->count; k++)
-    if (list->reaction_slot[k] > d->state.nparticle)
-      return list->reaction_slot[k] - dem_crossing_slot(d, 0);
-  return d->lists.crossings.count;
-}
-
-/* Forces of the chunks of thread t. A chunk's step is ended at once, while it is in the cache, when all that others add
- * to it comes from chunks before it of the same thread. */
-static long thread_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator, int t) {
-  const dem_crossings *x = &d->lists.crossings;
-  const int first = first_chunk(d, t), end = first_chunk(d, t + 1), foreign = crossings_before(d, first);
-  dem_timers *timers = d->work.nthread == 1 ? d->work.timers : NULL;
+/* Forces of all chunks on one thread, which starts no OpenMP, and the end of their step: of each at once, while it is
+ * in the cache. What other chunks add to it came before. */
+static long forces_alone(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
   long touching = 0;
-  for (int c = first; c < end; c++) {
+  for (int c = 0; c < d->lists.nchunk; c++) {
     touching += chunk_forces(d, c, all);
-    d->work.chunk_flag[c] = integrator && (x->chunk[c] == x->chunk[c + 1] || x->order[x->chunk[c]] >= foreign);
-    if (!d->work.chunk_flag[c])
+    if (!integrator)
       continue;
-    dem_time_spent(timers, DEM_PHASE_CONTACTS);
+    dem_time_spent(d->work.timers, DEM_PHASE_CONTACTS);
     integrator->end(d, c, all->dt);
-    dem_time_spent(timers, DEM_PHASE_INTEGRATION);
+    dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
+  }
+  return touching;
+}
+
+/* The same on several threads, which take one chunk after the other. A chunk's step is ended by who completes it and
+ * all before it. */
+static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
+  const int nchunk = d->lists.nchunk;
+  bool *done = d->work.chunk_flag;
+  int next = 0, ended = 0;
+  long touching = 0;
+  memset(done, 0, (size_t)nchunk * sizeof *done);
+#pragma omp parallel num_threads(d->work.nthread) reduction(+ : touching)
+  for (;;) {
+    int c, first, end;
+#pragma omp atomic capture
+    c = next++;
+    if (c >= nchunk)
+      break;
+    touching += chunk_forces(d, c, all);
+#pragma omp critical(dem_chunks)
+    {
+      done[c] = true;
+      first = ended;
+      while (ended < nchunk && done[ended])
+        ended++;
+      end = ended;
+    }
+    for (int e = first; e < end && integrator; e++)
+      integrator->end(d, e, all->dt);
   }
   return touching;
 }
@@ -224,24 +228,11 @@ static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integra
   return touching;
 }
 
-/* Forces of all chunks, and the end of their step. One thread does not start OpenMP. */
+/* Forces of all chunks, and the end of their step. */
 static long all_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
-  const int nthread = d->work.nthread;
   if (!dem_alone(d))
     return home_forces(d, all, integrator);
-  if (nthread == 1)
-    return thread_forces(d, all, integrator, 0);
-  long touching = 0;
-#pragma omp parallel for schedule(static, 1) num_threads(nthread) reduction(+ : touching)
-  for (int t = 0; t < nthread; t++)
-    touching += thread_forces(d, all, integrator, t);
-  if (!integrator)
-    return touching;
-#pragma omp parallel for schedule(dynamic) num_threads(nthread)
-  for (int c = 0; c < d->lists.nchunk; c++)
-    if (!d->work.chunk_flag[c])
-      integrator->end(d, c, all->dt);
-  return touching;
+  return d->work.nthread == 1 ? forces_alone(d, all, integrator) : forces_shared(d, all, integrator);
 }
 
 void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, const dem_integrator *integrator) {

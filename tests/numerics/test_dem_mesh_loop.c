@@ -102,13 +102,16 @@ static const char *mesh_file(int kind) {
 
 /* ---- scenes ---- */
 
-static rig *scene(const char *type, int kind, const char *simd, const char *more) {
+#define BALLS "'radius':[0.003,0.006],'count':60"
+
+static rig *scene(const char *type, int kind, const char *balls_of, const char *simd, const char *more) {
   char shape[512], balls[512];
   snprintf(shape, sizeof shape, "{'type':'%s','file':'%s','scale':%g}", type, mesh_file(kind),
            kind == SURFACES + 1 ? 0.06 : 1.0);
   snprintf(balls, sizeof balls,
-           "{'type':'random','material':'a','radius':[0.003,0.006],'count':60,'seed':3,'velocity':[0.3,-0.2,-1],"
-           "'region':{'min':[-0.025,-0.025,0.002],'max':[0.025,0.025,0.055]}}");
+           "{'type':'random','material':'a',%s,'seed':3,'velocity':[0.3,-0.2,-1],"
+           "'region':{'min':[-0.025,-0.025,0.002],'max':[0.025,0.025,0.055]}}",
+           balls_of);
   rig *r = rig_make(scene_json("{'gravity':[0,0,-9.81],'simd':'%s','materials':[{'name':'a','density':2500,"
                                "'young_modulus':2e6,'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],"
                                "'restitution':0.5,'friction':0.5}],'bodies':[{'name':'m','material':'a','shapes':[%s],"
@@ -130,8 +133,8 @@ START_TEST(test_same_bits) {
   for (int s = 0; dem_simd_names[s]; s++) {
     if (!dem_simd_here(dem_simd_names[s]))
       continue;
-    rig *a = scene("mesh", kind, dem_simd_names[s], more[_i % WAYS]);
-    rig *b = scene("asked", kind, "plain", more[_i % WAYS]);
+    rig *a = scene("mesh", kind, BALLS, dem_simd_names[s], more[_i % WAYS]);
+    rig *b = scene("asked", kind, BALLS, "plain", more[_i % WAYS]);
     const dem_state *x = &a->data->state, *y = &b->data->state;
     const size_t n = (size_t)x->nparticle;
     long touching = 0;
@@ -152,4 +155,30 @@ START_TEST(test_same_bits) {
 }
 END_TEST
 
-TEST_MAIN_ROWS("dem_mesh_loop", {test_same_bits, MESHES *WAYS})
+/* several chunks of balls on a mesh: the same bits for any number of threads, lists and all */
+START_TEST(test_threads) {
+  static const char *const threads[] = {"", ",'threads':2", ",'threads':3"};
+  rig *r[3];
+  for (int k = 0; k < 3; k++)
+    r[k] = scene("mesh", 1, "'radius':[0.0007,0.0011],'count':5000", dem_simd_best(), threads[k]);
+  const dem_state *one = &r[0]->data->state;
+  const size_t n = (size_t)one->nparticle;
+  ck_assert_int_gt(r[0]->data->lists.nchunk, 2);
+  for (int k = 0; k < 10; k++)
+    for (int t = 0; t < 3; t++) {
+      const dem_state *other = &r[t]->data->state;
+      rig_steps(r[t], 20);
+      ck_assert_msg(!memcmp(one->sphere, other->sphere, n * sizeof *one->sphere) &&
+                        !memcmp(one->rotor, other->rotor, n * sizeof *one->rotor) &&
+                        !memcmp(one->body_load, other->body_load, sizeof *one->body_load),
+                    "%d threads: not the same after %d steps", t + 1, 20 * (k + 1));
+      ck_assert_int_eq(one->ncontact, other->ncontact);
+    }
+  ck_assert_uint_gt(r[0]->data->lists.nrebuild, 3);
+  ck_assert_int_gt(r[0]->data->lists.walls.count, 100);
+  for (int k = 0; k < 3; k++)
+    rig_free(r[k]);
+}
+END_TEST
+
+TEST_MAIN_ROWS("dem_mesh_loop", {test_same_bits, MESHES *WAYS}, {test_threads, 1})
