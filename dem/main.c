@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/app/bench.h"
 #include "dem/app/import.h"
+#include "dem/app/launch.h"
 #include "dem/app/run.h"
 #include "protocol/app/find.h"
 
@@ -26,13 +27,8 @@ static int become_ranks(char **argv) {
   return 1;
 }
 
-static bool several_processes(void) {
-  const char *open_mpi = getenv("OMPI_COMM_WORLD_SIZE"), *others = getenv("PMI_SIZE");
-  return (open_mpi && atoi(open_mpi) > 1) || (others && atoi(others) > 1);
-}
-
 int main(int argc, char **argv) {
-  if (several_processes())
+  if (dem_launched_processes() > 1)
     return become_ranks(argv);
   /* Large arrays in pages of their own, also after some were freed: they grow without a copy, and what is freed goes.
    */

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 build=${1:-build/release}
 
 while read -r test package; do
-  if [ -x "$build/tests/$test" ]; then
+  if [ -e "$build/tests/$test" ]; then
     echo "-- $test"
     "$build/tests/$test"
   else

@@ -315,13 +315,15 @@ tdm_status dem_orders_done(tdm_error *err) {
   if (!ranks)
     return err->status;
   int worst = err->status != TDM_OK;
-  char message[TDM_MESSAGE_MAX + 64];
-  if (!ranks->meet(&worst, worst ? PATIENCE : -1)) {
-    snprintf(message, sizeof message, "rank %d of %d: %s", ranks->rank, ranks->size, err->message);
+  char message[TDM_PATH_MAX + TDM_MESSAGE_MAX + 64];
+  snprintf(message, sizeof message, "rank %d of %d: %s%s%s", ranks->rank, ranks->size, err->path,
+           err->path[0] ? ": " : "", err->message);
+  if (!ranks->meet(&worst, worst ? PATIENCE : -1))
     ranks->abandon(message);
-  }
   if (worst && !err->status)
-    tdm_fail(err, TDM_ERR_SYSTEM, NULL, "another rank failed");
+    tdm_fail(err, TDM_ERR_SYSTEM, NULL, "another rank failed; standard error has its message");
+  else if (worst && ranks->rank > 0)
+    fprintf(stderr, "tandem-dem: %s\n", message);
   return err->status;
 }
 

@@ -1,6 +1,6 @@
 /* The processes that share a run (ranks), as the engine sees them: which one this is, and what they can tell each
- * other. Who has such processes fills this in (dem/ranks/mpi.c). All ranks call the same operations in the same order,
- * except `abandon`. */
+ * other. The program that starts them fills this in (dem/ranks/mpi.c). All ranks call the same operations in the same
+ * order, except `abandon`. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BASE_RANKS_H
 #define DEM_BASE_RANKS_H
@@ -27,7 +27,7 @@ typedef struct dem_ranks {
   /* Start to exchange n letters, one for each other rank; and wait until all have come and gone. */
   void (*begin)(const dem_mail *mail, int n);
   void (*finish)(void);
-  /* `size` bytes become those of rank 0. Who waits for long sleeps. */
+  /* `size` bytes become those of rank 0. A rank that waits for a long time sleeps in between. */
   void (*broadcast)(void *data, size_t size);
   /* *x becomes the largest of all ranks. False: not all have come here within `patience` [s]; < 0: wait for ever. */
   bool (*meet)(int *x, double patience);

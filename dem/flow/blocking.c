@@ -97,7 +97,7 @@ void dem_blocking_look(dem_data *d, double t) {
   const dem_screening_def *s = &d->model->screening;
   if (!s->watched || d->state.nstep % s->every != 0)
     return;
-  dem_unite(d, DEM_PLACES);
+  dem_unite(d, DEM_PLACES | DEM_MOTION); /* dem_gap asks which a screen has let go */
   for (int i = 0; i < d->state.nparticle; i++)
     note(d, i, t);
   count(d, t);

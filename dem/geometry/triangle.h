@@ -54,8 +54,8 @@ static inline double dem_triangle_distance2(const dem_triangle *t, tdm_vec3 x) {
 
 /* The triangles of a wall on which the following holds for spheres that touch it:
  *   - where the point nearest to the centre lies inside a triangle, it is a contact, with the triangle's normal;
- *   - where it lies on an edge, and the nearest point of the one triangle beyond lies inside that one, that one's is
- * the contact;
+ *   - where it lies on an edge with exactly one other triangle, and that triangle's nearest point lies inside it, the
+ * contact is the other triangle's;
  *   - two contacts stay two where their normals have a product below facet_cos.
  * In all other cases, dem_shape.touches says what the contacts are. */
 typedef struct {

@@ -2,6 +2,7 @@
  * what its engine does. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/orders.h"
+#include "dem/app/launch.h"
 #include "dem/app/run.h"
 #include "dem/ranks/mpi.h"
 #include "protocol/app/command_line.h"
@@ -12,6 +13,10 @@ int main(int argc, char **argv) {
   mallopt(M_MMAP_THRESHOLD, 1 << 18); /* as in dem/main.c */
   const dem_ranks *ranks = dem_mpi_begin(&argc, &argv);
   int code = 0;
+  if (ranks->size == 1 && dem_launched_processes() > 1)
+    ranks->abandon(
+        "started by another MPI's mpirun, so that each process would run the whole scene; use that of the MPI "
+        "with which tandem was built");
   if (ranks->size > 1)
     dem_orders_join(ranks);
   if (ranks->rank == 0) {

@@ -151,7 +151,9 @@ const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
   if (level < MPI_THREAD_FUNNELED)
     abandon("this MPI cannot live with threads");
   check_alike();
-  dem_trace_begin(own.rank, barrier);
+  double missing = !dem_trace_wanted();
+  MPI_Allreduce(MPI_IN_PLACE, &missing, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  dem_trace_begin(own.rank, missing == 0, barrier);
   return &own;
 }
 

@@ -33,15 +33,20 @@ static double processor_time(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void dem_trace_begin(int rank, void (*barrier)(void)) {
+bool dem_trace_wanted(void) {
   trace.file = getenv("TANDEM_RANKS_TRACE");
-  if (!trace.file)
+  trace.visit = trace.file ? malloc(KEPT * sizeof *trace.visit) : NULL;
+  return trace.visit;
+}
+
+void dem_trace_begin(int rank, bool everywhere, void (*barrier)(void)) {
+  if (!everywhere) {
+    free(trace.visit);
+    trace.file = NULL;
     return;
+  }
   trace.rank = rank;
   trace.barrier = barrier;
-  trace.visit = malloc(KEPT * sizeof *trace.visit);
-  if (!trace.visit)
-    trace.file = NULL;
   barrier();
   trace.start = tdm_clock();
   trace.cpu = processor_time();
@@ -78,6 +83,7 @@ void dem_trace_end(void) {
   FILE *f = fopen(name, "w");
   if (!f) {
     fprintf(stderr, "tandem-dem: warning: %s cannot be written: %s\n", name, strerror(errno));
+    free(trace.visit);
     return;
   }
   fprintf(f, "begin_s,end_s,what\n");
@@ -89,6 +95,7 @@ void dem_trace_end(void) {
     from = v->ended - trace.start;
   }
   fprintf(f, "all,%.6f,%.6f,%.6f,%.6f\n", all - trace.exchange - trace.wait, trace.exchange, trace.wait, trace.worked);
-  fclose(f);
+  if (fclose(f) != 0)
+    fprintf(stderr, "tandem-dem: warning: %s cannot be written: %s\n", name, strerror(errno));
   free(trace.visit);
 }

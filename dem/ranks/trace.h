@@ -9,8 +9,11 @@
 
 #include <stdbool.h>
 
-/* Begin for rank `rank`; `barrier` waits until all ranks are there. */
-void dem_trace_begin(int rank, void (*barrier)(void));
+/* Whether this rank is asked to measure, and can. */
+bool dem_trace_wanted(void);
+
+/* Begin for rank `rank` if that is so `everywhere`; `barrier` waits until all ranks are there. */
+void dem_trace_begin(int rank, bool everywhere, void (*barrier)(void));
 
 /* Around each exchange: before it (waits for the others), and after. */
 void dem_trace_enter(void);

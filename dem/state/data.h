@@ -52,8 +52,8 @@ typedef struct {
   size_t count, capacity;
 } dem_wall_contacts;
 
-/* Reactions on particles of later chunks: each has a place of its own in push and is added to its particle after all
- * loops, so that chunks do not disturb each other (crossings.h). */
+/* Reactions on particles of later chunks: each has a place of its own in push and is added to its particle when
+ * that chunk ends its step, so that chunks do not disturb each other (crossings.h). */
 typedef struct {
   int *particle; /* (count) by place */
   int *order;    /* (count) places by the chunk of the particle, ascending in each */

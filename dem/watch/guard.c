@@ -314,7 +314,7 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
     return err->status;
   if (look || due) {
     d->state.guard.way = 0;
-    dem_unite(d, DEM_PLACES);
+    dem_unite(d, DEM_PLACES | DEM_MOTION); /* dem_gap asks which a screen has let go */
     dem_rim_look(d, t);
     if (look_at_overlaps(d, t, err) || look_at_lost(d, t, err))
       return err->status;

@@ -114,6 +114,17 @@ turning() {
   judge "and as much must it have turned" "$(tail -1 "$out/turning/body_box.csv" | cut -d, -f8)" ">=" 0.5
 }
 
+# ended PID: a process ends within ten seconds; nobody may have asked how
+ended() {
+  for _ in $(seq 100); do
+    case $(ps -o stat= -p "$1") in
+    "" | Z*) return 0 ;;
+    esac
+    sleep 0.1
+  done
+  return 1
+}
+
 # hit SIGNAL RANK TEXT OPTIONS…: a signal to a rank while LIGGGHTS works ends the run in time, with an error that has
 # TEXT, and leaves no process
 hit() {
@@ -132,10 +143,7 @@ hit() {
   wait $pid || status=$?
   [ "$status" = 1 ] && grep -q -- "$text" "$out/hit.txt" || { cat "$out/hit.txt"; return 1; }
   for pid in "${ranks[@]}" ${children//,/ }; do
-    case $(ps -o stat= -p "$pid") in
-    "" | Z*) ;; # ended; nobody may have asked how
-    *) echo "process $pid is left" && return 1 ;;
-    esac
+    ended "$pid" || { echo "process $pid is left" && return 1; }
   done
 }
 

@@ -6,10 +6,10 @@ usage: tests/bench/bench_ranks.py [--bin DIR] [--out DIR] [--particles N,N,...] 
 A lattice of spheres in a box, pressed a little, for so many steps that a run takes seconds. Prints for each number of
 particles and ranks the time of the steps t, speed-up tau = t_1/t, efficiency eta = tau/P, normalised cost nu = P t/t_1
 and overhead nu - 1 ([A07] Eq. 3.22 to 3.24), [A07]'s speed-up on several machines beside them, which share of its time
-a rank computes, exchanges and waits (least and most of all ranks, from one more run that measures that), and the most
-processor time that a rank computes, which other programs do not disturb: what it is of that of one rank is the speed-up
-without exchanges. 1 rank: tandem-dem without MPI. Times are medians. Draws speedup.svg, efficiency.svg, cost.svg (Fig. 3.13 to 3.15) and, of the
-most ranks, trace-N.svg (Fig. 3.16) with gnuplot.
+a rank computes, exchanges and waits (least and most of all ranks, from one more run that measures that), and the
+largest processor time that any rank computes, which other programs do not disturb: that of one rank divided by it is
+the speed-up without exchanges. 1 rank: tandem-dem without MPI. Times are medians. Draws speedup.svg, efficiency.svg,
+cost.svg (Fig. 3.13 to 3.15) and, of the most ranks, trace-N.svg (Fig. 3.16) with gnuplot.
 """
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse

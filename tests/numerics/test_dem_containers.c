@@ -248,6 +248,7 @@ START_TEST(states_keep_containers) {
   ck_assert_int_eq(dem_state_load(other->data, bytes, size, &err), TDM_ERR_FILE);
   free(bytes);
 
+  err = (tdm_error){0};
   ck_assert_int_eq(dem_engine_save(r->engine, 0, &err), TDM_OK);
   dem_container_state once;
   for (int time = 0; time < 2; time++) {

@@ -17,7 +17,8 @@ extern const char cpl_nothing_touches[]; /* why a rule is not seen */
 bool cpl_motion_make(cpl_motion *motion, const cpl_meeting *meeting);
 void cpl_motion_free(cpl_motion *motion);
 
-/* The same in a meeting that is opened for it; false: neither is there. End frees both, whatever the solver does. */
+/* The same in a meeting that is opened for it; false: there is neither a meeting nor a motion. End frees both, whatever
+ * the solver does. */
 bool cpl_motion_begin(cpl_motion *motion, cpl_meeting *meeting, cpl_candidate *candidate, cpl_verdict *verdict);
 void cpl_motion_end(cpl_motion *motion, cpl_meeting *meeting);
 

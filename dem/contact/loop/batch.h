@@ -1,5 +1,5 @@
-/* Contacts with one wall, gathered until there are DEM_W, and the laws on them: of all walls but the planes that go
- * without gathering. Only loops.h includes it. */
+/* Contacts with one wall, gathered until there are DEM_W of them, and the laws for such a batch. It serves all walls
+ * but planes, which need no gathering. Only loops.h includes it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LOOP_BATCH_H
 #define DEM_CONTACT_LOOP_BATCH_H
