@@ -8,6 +8,8 @@
 #include "protocol/app/command_line.h"
 
 #include <malloc.h>
+#include <stdio.h>
+#include <string.h>
 
 int main(int argc, char **argv) {
   mallopt(M_MMAP_THRESHOLD, 1 << 18); /* as in dem/main.c */
@@ -20,7 +22,12 @@ int main(int argc, char **argv) {
   if (ranks->size > 1)
     dem_orders_join(ranks);
   if (ranks->rank == 0) {
-    code = tdm_standalone_main(&dem_program, argc, argv);
+    if (argc > 1 && (strcmp(argv[1], "bench") == 0 || strcmp(argv[1], "import") == 0)) {
+      fprintf(stderr, "tandem-dem: error: %s works on one process; start it without mpirun\n", argv[1]);
+      code = 2;
+    } else {
+      code = tdm_standalone_main(&dem_program, argc, argv);
+    }
     dem_orders_give(DEM_ORDER_END, 0);
   } else {
     tdm_catch_signals();

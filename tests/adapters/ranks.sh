@@ -121,7 +121,7 @@ faults() {
   [ $status = 1 ] && grep -q 'cannot be shared among ranks' refused.txt || { cat refused.txt; return 1; }
   status=0
   ranks 2 refused bench || status=$?
-  [ $status = 1 ] && grep -q 'bench' refused.txt || { cat refused.txt; return 1; }
+  [ $status = 2 ] && grep -q 'bench works on one process' refused.txt || { cat refused.txt; return 1; }
 
   # what was computed is kept when the run is stopped
   "${mpi[@]}" 2 tandem-dem run "$out/heap.json" --out stopped --no-plots --set time.end=1000 >stopped.txt 2>&1 &
