@@ -314,7 +314,7 @@ static void follow_advance(order *o, dem_engine *engine) {
 tdm_status dem_orders_done(tdm_error *err) {
   if (!ranks)
     return err->status;
-  int worst = err->status != TDM_OK;
+  int worst = !err->status ? 0 : ranks->rank > 0 ? 1 : 2; /* 2: rank 0 says it */
   char message[TDM_PATH_MAX + TDM_MESSAGE_MAX + 64];
   snprintf(message, sizeof message, "rank %d of %d: %s%s%s", ranks->rank, ranks->size, err->path,
            err->path[0] ? ": " : "", err->message);
@@ -322,7 +322,7 @@ tdm_status dem_orders_done(tdm_error *err) {
     ranks->abandon(message);
   if (worst && !err->status)
     tdm_fail(err, TDM_ERR_SYSTEM, NULL, "another rank failed; standard error has its message");
-  else if (worst && ranks->rank > 0)
+  else if (worst == 1)
     fprintf(stderr, "tandem-dem: %s\n", message);
   return err->status;
 }

@@ -5,7 +5,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -euo pipefail
 PATH=@CMAKE_RUNTIME_OUTPUT_DIRECTORY@:$PATH
-source=@PROJECT_SOURCE_DIR@
 out=$(mktemp -d)
 pid=
 trap 'kill $pid 2>/dev/null; rm -rf "$out"' EXIT

@@ -323,6 +323,28 @@ START_TEST(particles_that_come_and_go) {
 }
 END_TEST
 
+/* a deck lets go at once what falls through its holes: what it has let go, and what blocks it, is known to all ranks */
+static json_t *sieve(int threads) {
+  return scene_json(
+      "{" TWO PAIRS ",'bodies':[" BOX(
+          OPEN) ",{'name':'sieve','material':'b','shapes':[{'type':'screen','deck':'reduced',"
+                "'zeta':0.2,'passing':'at_once','hole':0.016,'bar':0.003,'radius':0.15}],'position':[0,0,-0.18]}],'"
+                "particles':[" MANY("-0.174", "0.06") "],'sinks':[{'name':'out','type':'plane','point':[0,0,-0.186],'"
+                                                      "normal':[0,0,1]}],'screening':"
+                                                      "{'decks':[{'name':'top','outlets':['out'],'blocking_time':0.002,"
+                                                      "'screen':{'body':'sieve','shape':0}}]}}",
+      threads);
+}
+
+static void ck_sieve(const outcome *out) {
+  ck_assert_int_lt(out->nparticle, 4500);
+}
+
+START_TEST(particles_that_are_screened) {
+  compare(&(kind){.scene = sieve, .dt = 2e-5, .nwindow = 11, .nstep = 100}, ck_sieve);
+}
+END_TEST
+
 /* a box that repeats and is strained, with particles that are fixed or pushed, for each integrator */
 static const char *integrator;
 
@@ -415,5 +437,5 @@ START_TEST(what_is_refused) {
 END_TEST
 
 TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {box_that_is_carried, 1},
-               {bed_on_triangles, 1}, {particles_that_come_and_go, 1}, {box_that_repeats, 4}, {bed_that_settles, 1},
-               {what_is_refused, 1})
+               {bed_on_triangles, 1}, {particles_that_come_and_go, 1}, {particles_that_are_screened, 1},
+               {box_that_repeats, 4}, {bed_that_settles, 1}, {what_is_refused, 1})
