@@ -7,7 +7,7 @@ set -euo pipefail
 PATH=@CMAKE_RUNTIME_OUTPUT_DIRECTORY@:$PATH
 out=$(mktemp -d)
 pid=
-trap 'kill $pid 2>/dev/null; rm -rf "$out"' EXIT
+trap 'kill $pid 2>/dev/null || true; rm -rf "$out"' EXIT
 cd "$out"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_WAIT_POLICY=passive
 mpi=(mpirun --oversubscribe -n)
