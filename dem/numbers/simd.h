@@ -16,7 +16,7 @@
 #include <string.h>
 
 #ifndef DEM_SIMD
-#error "DEM_SIMD is set by the build: 512, 256 or 0"
+#error "DEM_SIMD is set by the build: 512, 256 or 0; DEM_SIMD_WIDEST, too: the largest that it compiles"
 #endif
 
 /* no vector is passed to or from a function that is compiled otherwise */

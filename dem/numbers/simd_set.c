@@ -9,10 +9,12 @@ const char *const dem_simd_names[] = {
     [DEM_AVX512] = "avx512", [DEM_AVX2] = "avx2", [DEM_PLAIN] = "plain", [DEM_SIMD_SETS] = NULL};
 
 static bool is_here(dem_simd_set set) {
-#ifndef DEM_SIMD_ONLY_PLAIN
+#if DEM_SIMD_WIDEST >= 512
   if (set == DEM_AVX512)
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
            __builtin_cpu_supports("avx512dq");
+#endif
+#if DEM_SIMD_WIDEST >= 256
   if (set == DEM_AVX2)
     return __builtin_cpu_supports("avx2");
 #endif

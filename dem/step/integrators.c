@@ -13,8 +13,10 @@ const char *const dem_integrator_names[] = {
         NULL};
 
 static const dem_integrator *const sets[DEM_SIMD_SETS] = {
-#ifndef DEM_SIMD_ONLY_PLAIN
+#if DEM_SIMD_WIDEST >= 512
     [DEM_AVX512] = dem_integrators_avx512,
+#endif
+#if DEM_SIMD_WIDEST >= 256
     [DEM_AVX2] = dem_integrators_avx2,
 #endif
     [DEM_PLAIN] = dem_integrators_plain,

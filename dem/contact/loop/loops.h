@@ -198,12 +198,15 @@ static const dem_noting noting = {
 /* ---- for the row ---- */
 
 #define DEM_LAW_LOOPS_FOR(set) JOIN(JOIN(dem_loops_, DEM_LAW), set)
-#ifdef DEM_SIMD_ONLY_PLAIN
-#define DEM_LAW_LOOPS \
-  { [DEM_PLAIN] = &DEM_LAW_LOOPS_FOR(_plain) }
-#else
+#if DEM_SIMD_WIDEST == 512
 #define DEM_LAW_LOOPS \
   { &DEM_LAW_LOOPS_FOR(_avx512), &DEM_LAW_LOOPS_FOR(_avx2), &DEM_LAW_LOOPS_FOR(_plain) }
+#elif DEM_SIMD_WIDEST == 256
+#define DEM_LAW_LOOPS \
+  { [DEM_AVX2] = &DEM_LAW_LOOPS_FOR(_avx2), [DEM_PLAIN] = &DEM_LAW_LOOPS_FOR(_plain) }
+#else
+#define DEM_LAW_LOOPS \
+  { [DEM_PLAIN] = &DEM_LAW_LOOPS_FOR(_plain) }
 #endif
 extern const dem_loop_set DEM_LAW_LOOPS_FOR(_avx512), DEM_LAW_LOOPS_FOR(_avx2), DEM_LAW_LOOPS_FOR(_plain);
 

@@ -345,7 +345,7 @@ DEM_SEARCH_KERNEL void scan(const dem_bins *bins, const dem_run *run, int nrun, 
 
 /* the instructions differ, the numbers do not: sums and products are the same, and none are fused (clang 14 gives what
  * is cloned a name that other files do not find) */
-#if defined(__x86_64__) && !defined(__clang__) && !defined(DEM_SIMD_ONLY_PLAIN)
+#if defined(__x86_64__) && !defined(__clang__) && DEM_SIMD_WIDEST > 0
 #define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define CLONES
