@@ -61,6 +61,7 @@ static tdm_status place_particles(dem_engine *e, dem_settled *settled, int *nbeh
   dem_data *d = e->data;
   if (m->start && start_from(d, err))
     return err->status;
+  dem_unite(d, DEM_WHOLE);
   if (dem_check_start(d, nbehind, err) || dem_check_step(d, m->dt, "time.dt", err))
     return err->status;
   if (m->settle.wanted)

@@ -13,11 +13,17 @@ typedef struct {
   double low[3], length[3]; /* [m]; positions are kept in [low, low + length) in a periodic direction */
 } dem_domain;
 
-/* Pairs in CSR form: the partners of i are other[first[i]] ... other[first[i+1] - 1], ascending, all greater than i. */
+/* Pairs in CSR form: a row for each particle `begin` ... `end` - 1. The partners of i are other[dem_row(rows, i)] ...
+ * other[dem_row(rows, i + 1) - 1], ascending, all greater than i. */
 typedef struct {
-  int *first; /* (n + 1) */
+  int begin, end;
+  int *first; /* (end - begin + 1) */
   int *other; /* (count) */
   size_t count;
 } dem_rows;
+
+static inline int dem_row(const dem_rows *rows, int i) {
+  return rows->first[i - rows->begin];
+}
 
 #endif

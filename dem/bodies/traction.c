@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/traction.h"
 
+#include "dem/state/homes.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +38,8 @@ void dem_traction_clear(dem_data *d) {
 
 void dem_traction_add(dem_data *d, double share) {
   const dem_traction *t = &d->work.traction;
+  if (t->wanted)
+    dem_unite(d, DEM_LISTS);
   for (size_t k = 0; t->wanted && k < d->lists.walls.count; k++) {
     const dem_wall_entry *e = &d->lists.walls.entry[k];
     if (!d->model->wall[e->wall].shape->parts)

@@ -72,15 +72,19 @@ void dem_set_body_mobility(dem_data *d, int coupled, const double Y[36]) {
   y->per_mass = y->full ? 1 / m->body[b].mass : 0;
 }
 
-long dem_count_lost(const dem_data *d) {
+long dem_count_lost_among(const dem_data *d, int first, int end) {
   long lost = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
+  for (int i = first; i < end; i++) {
     bool through = false;
     for (int w = 0; w < d->model->nwall && !through; w++)
       through = dem_through(d, i, w);
     lost += through;
   }
   return lost;
+}
+
+long dem_count_lost(const dem_data *d) {
+  return dem_count_lost_among(d, 0, d->state.nparticle);
 }
 
 /* The lowest place of walls and sinks along `up`; -INFINITY: a wall without end or a sink catches what falls. */

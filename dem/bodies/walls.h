@@ -22,8 +22,10 @@ void dem_walls_put(dem_data *data);
  * Ignored when the scene gives contact.wall_mass. */
 void dem_set_body_mobility(dem_data *data, int coupled, const double Y[36]);
 
-/* Particles that are behind a plane that they began in front of: they went through it and feel it no more. */
+/* Particles that are behind a plane that they began in front of: they went through it and feel it no more. Of all, and
+ * of first ... end - 1. */
 long dem_count_lost(const dem_data *data);
+long dem_count_lost_among(const dem_data *data, int first, int end);
 
 /* Particles that nothing will stop any more: below every wall and sink by more than a diameter, along gravity. They
  * went through a hole or over an edge. `first` becomes the index of one of them. 0 without gravity, without walls,

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/near_walls.h"
 
+#include "dem/state/homes.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
@@ -131,11 +132,13 @@ static size_t first_of_chunk(const dem_wall_contacts *list, int c) {
   return low;
 }
 
-/* the histories of a chunk's contacts, both lists ascending */
-static void carry_chunk(dem_data *d, const dem_wall_contacts *before, int c) {
+/* the histories of a chunk's contacts, both lists ascending; stay: `before` has the same chunks */
+static void carry_chunk(dem_data *d, const dem_wall_contacts *before, bool stay, int c) {
   dem_wall_contacts *list = &d->lists.walls;
-  const size_t ncolumn = (size_t)d->model->columns.ncolumn, nold = before ? before->count : 0;
-  size_t old = before && ncolumn > 0 ? first_of_chunk(before, c) : 0;
+  const size_t ncolumn = (size_t)d->model->columns.ncolumn, nold = !before ? 0
+                                                                   : stay  ? before->chunk[c + 1]
+                                                                           : before->count;
+  size_t old = !before || ncolumn == 0 ? 0 : stay ? before->chunk[c] : first_of_chunk(before, c);
   for (size_t k = list->chunk[c]; k < list->chunk[c + 1] && ncolumn > 0; k++) {
     while (old < nold && compare_entries(&before->entry[old], &list->entry[k]) < 0)
       old++;
@@ -147,33 +150,33 @@ static void carry_chunk(dem_data *d, const dem_wall_contacts *before, int c) {
 
 /* ---- all chunks ---- */
 
-/* The chunks' entries, one behind the other, with histories. */
-static tdm_status join(dem_data *d, const near_chunk *chunk, const dem_wall_contacts *before) {
+/* The home chunks' entries, one behind the other, with histories. */
+static tdm_status join(dem_data *d, const near_chunk *chunk, const dem_wall_contacts *before, bool stay) {
   dem_wall_contacts *list = &d->lists.walls;
-  size_t count = 0;
-  for (int c = 0; c < d->lists.nchunk; c++) {
+  const int first = dem_home_first(d), end = dem_home_end(d);
+  for (int c = first; c < end; c++) {
     if (chunk[c].failed)
       return TDM_ERR_MEMORY;
-    list->chunk[c] = count;
-    count += chunk[c].count;
+    list->chunk[c] = chunk[c].count;
     for (int b = 0; b < d->model->nbody; b++)
       lower(&d->lists.margin[b], chunk[c].margin[b]);
   }
-  list->chunk[d->lists.nchunk] = count;
+  dem_lay_out(d, list->chunk);
+  const size_t count = list->chunk[d->lists.nchunk];
   list->count = 0;
   if (dem_walls_reserve(list, count, d->model->columns.ncolumn))
     return TDM_ERR_MEMORY;
   list->count = count;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++) {
+  for (int c = first; c < end; c++) {
     if (chunk[c].count > 0)
       memcpy(list->entry + list->chunk[c], chunk[c].entry, chunk[c].count * sizeof *list->entry);
-    carry_chunk(d, before, c);
+    carry_chunk(d, before, stay, c);
   }
   return TDM_OK;
 }
 
-tdm_status dem_near_walls_build(dem_data *d, const dem_wall_contacts *before) {
+tdm_status dem_near_walls_build(dem_data *d, const dem_wall_contacts *before, bool stay) {
   const int nchunk = d->lists.nchunk;
   const size_t nbody = (size_t)d->model->nbody, nmargin = (size_t)nchunk * nbody;
   near_chunk *chunk = calloc((size_t)nchunk, sizeof *chunk);
@@ -183,11 +186,11 @@ tdm_status dem_near_walls_build(dem_data *d, const dem_wall_contacts *before) {
     margin[k] = INFINITY;
   if (!status) {
 #pragma omp parallel for schedule(dynamic) num_threads(d->work.nthread) if (d->work.nthread > 1)
-    for (int c = 0; c < nchunk; c++) {
+    for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
       chunk[c].margin = margin + (size_t)c * nbody;
       list_chunk(d, c, &chunk[c]);
     }
-    status = join(d, chunk, before);
+    status = join(d, chunk, before, stay);
   }
   for (int c = 0; chunk && c < nchunk; c++)
     free(chunk[c].entry);

@@ -5,10 +5,10 @@
 
 #include "dem/state/data.h"
 
-/* List what is nearer to walls than the skin, with the histories of `before`, whose entries ascend by chunk, wall,
- * particle and part (NULL: without), and lower the bodies' margins to the gap of what is not listed. Errors:
- * TDM_ERR_MEMORY. */
-tdm_status dem_near_walls_build(dem_data *data, const dem_wall_contacts *before);
+/* List which home particles are nearer to walls than the skin, with the histories of `before`, whose entries ascend by
+ * chunk, wall, particle and part (NULL: without), and lower the bodies' margins to the gap of what is not listed. stay:
+ * particles are in the chunks in which they were. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_near_walls_build(dem_data *data, const dem_wall_contacts *before, bool stay);
 
 /* Give a list the numbers that particles have now (now[old], NULL: the same), and let it ascend again. Errors:
  * TDM_ERR_MEMORY. */

@@ -72,7 +72,7 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
   dem_pairs *list = &d->lists.pairs;
   size_t k = chunk[c];
   for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++)
-    for (int r = d->work.rows.first[i]; r < d->work.rows.first[i + 1]; r++, k++) {
+    for (int r = dem_row(&d->work.rows, i); r < dem_row(&d->work.rows, i + 1); r++, k++) {
       int j = d->work.rows.other[r], oi = old ? old[i] : i, oj = old ? old[j] : j, at = find_entry(list, oi, oj);
       list->reaction_slot[k] = at < 0 ? -1 : 2 * at + (oi > oj);
     }
@@ -80,11 +80,12 @@ static void find_histories(dem_data *d, const size_t *chunk, const int *old, int
     list->reaction_slot[k] = -1;
 }
 
-/* Bring the histories to their new entries, column by column; vectors turn round with their pairs. */
-static tdm_status carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
+/* Bring the histories to their new entries, column by column; vectors turn round with their pairs. They are among the
+ * entries from ... end - 1 of the list as it was. */
+static tdm_status carry_pairs(dem_data *d, const size_t *chunk, size_t from, size_t end) {
   const dem_columns *columns = &d->model->columns;
   dem_pairs *list = &d->lists.pairs;
-  double *column = dem_scratch_take(&d->work.scratch, before * sizeof *column);
+  double *column = dem_scratch_take(&d->work.scratch, (end - from) * sizeof *column);
   if (!column)
     return TDM_ERR_MEMORY;
   for (size_t q = 0; q < (size_t)columns->ncolumn; q++) {
@@ -92,13 +93,14 @@ static tdm_status carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
 #pragma omp parallel num_threads(d->work.nthread) if (d->work.nthread > 1)
     {
 #pragma omp for schedule(static)
-      for (size_t k = 0; k < before; k++)
-        column[k] = to[k];
+      for (size_t k = from; k < end; k++)
+        column[k - from] = to[k];
 #pragma omp for schedule(static)
-      for (int c = 0; c < d->lists.nchunk; c++)
+      for (int c = dem_home_first(d); c < dem_home_end(d); c++)
         for (size_t k = chunk[c]; k < chunk[c + 1]; k++) {
           int at = list->reaction_slot[k];
-          to[k] = at < 0 ? 0 : at & 1 ? sign * column[at >> 1] : column[at >> 1];
+          double there = at < 0 ? 0 : column[(size_t)(at >> 1) - from];
+          to[k] = at < 0 ? 0 : at & 1 ? sign * there : there;
         }
     }
   }
@@ -108,14 +110,12 @@ static tdm_status carry_pairs(dem_data *d, const size_t *chunk, size_t before) {
 /* ---- pairs ---- */
 
 /* where the entries of each chunk will begin */
-static void place_chunks(const dem_data *d, size_t *chunk) {
-  size_t at = 0;
-  for (int c = 0; c < d->lists.nchunk; c++) {
-    chunk[c] = at;
-    at += (size_t)(d->work.rows.first[dem_chunk_end(d, c)] - d->work.rows.first[c * DEM_CHUNK]);
-    at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
+static void place_chunks(dem_data *d, size_t *chunk) {
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
+    chunk[c] = (size_t)(dem_row(&d->work.rows, dem_chunk_end(d, c)) - dem_row(&d->work.rows, c * DEM_CHUNK));
+    chunk[c] = (chunk[c] + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
   }
-  chunk[d->lists.nchunk] = at;
+  dem_lay_out(d, chunk);
 }
 
 static void fill_chunk(dem_data *d, int c) {
@@ -123,37 +123,39 @@ static void fill_chunk(dem_data *d, int c) {
   int none = d->state.nparticle, k = (int)list->chunk[c];
   for (int i = c * DEM_CHUNK, end = dem_chunk_end(d, c); i < end; i++) {
     list->first[i] = k;
-    for (int r = d->work.rows.first[i]; r < d->work.rows.first[i + 1]; r++, k++) {
+    for (int r = dem_row(&d->work.rows, i); r < dem_row(&d->work.rows, i + 1); r++, k++) {
       list->one[k] = i;
       list->other[k] = list->reaction_slot[k] = d->work.rows.other[r];
     }
   }
   for (; k < (int)list->chunk[c + 1]; k++)
     list->one[k] = list->other[k] = list->reaction_slot[k] = none;
-  if (c + 1 == d->lists.nchunk)
-    list->first[d->state.nparticle] = k;
 }
 
 /* leave away the pairs of which neither can move */
 static void drop_fixed(dem_data *d) {
+  dem_rows *rows = &d->work.rows;
   int at = 0, begin = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
-    int end = d->work.rows.first[i + 1];
-    for (int r = begin; r < end; r++)
-      if (d->state.sphere[i].inverse_mass + d->state.sphere[d->work.rows.other[r]].inverse_mass > 0)
-        d->work.rows.other[at++] = d->work.rows.other[r];
-    begin = end;
-    d->work.rows.first[i + 1] = at;
+  for (int i = rows->begin; i < rows->end; i++) {
+    int *end = &rows->first[i + 1 - rows->begin], next = *end;
+    for (int r = begin; r < next; r++)
+      if (d->state.sphere[i].inverse_mass + d->state.sphere[rows->other[r]].inverse_mass > 0)
+        rows->other[at++] = rows->other[r];
+    begin = next;
+    *end = at;
   }
-  d->work.rows.count = (size_t)at;
+  rows->count = (size_t)at;
 }
 
-/* The new list, in the place of the old one. carry: its histories are taken over; old: the numbers that the particles
- * had, NULL: the same. */
-static tdm_status build_pairs(dem_data *d, bool carry, const int *old) {
+/* The new list, in the place of the old one. carry: its histories are taken over, stay: those of home particles alone;
+ * old: the numbers that the particles had, NULL: the same. */
+static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old) {
   dem_pairs *list = &d->lists.pairs;
   dem_search_input input = {.sphere = d->state.sphere,
                             .n = d->state.nparticle,
+                            .some = !dem_alone(d),
+                            .begin = dem_home_first_particle(d),
+                            .end = dem_home_end_particle(d),
                             .skin = d->lists.skin + d->model->reach,
                             .domain = d->state.domain,
                             .nthread = d->work.nthread,
@@ -164,37 +166,40 @@ static tdm_status build_pairs(dem_data *d, bool carry, const int *old) {
   dem_time_spent(d->work.timers, DEM_PHASE_SEARCH);
   if (d->model->driven)
     drop_fixed(d);
-  int ncolumn = d->model->columns.ncolumn;
-  size_t *chunk = d->work.chunk_spare, before = carry ? list->count : 0;
+  const int ncolumn = d->model->columns.ncolumn, first = dem_home_first(d), end = dem_home_end(d);
+  const size_t old_first = stay ? list->chunk[first] : 0, old_end = stay ? list->chunk[end] : carry ? list->count : 0;
+  size_t *chunk = d->work.chunk_spare;
   place_chunks(d, chunk);
   size_t count = chunk[d->lists.nchunk];
   if (dem_pairs_reserve(list, count, ncolumn))
     return TDM_ERR_MEMORY;
   if (ncolumn > 0) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-    for (int c = 0; c < d->lists.nchunk; c++)
+    for (int c = first; c < end; c++)
       if (carry)
         find_histories(d, chunk, old, c);
       else if (chunk[c + 1] > chunk[c])
         memset(list->reaction_slot + chunk[c], -1, (chunk[c + 1] - chunk[c]) * sizeof *list->reaction_slot);
-    if (carry_pairs(d, chunk, before))
+    if (carry_pairs(d, chunk, old_first, old_end))
       return TDM_ERR_MEMORY;
   }
   memcpy(list->chunk, chunk, (size_t)(d->lists.nchunk + 1) * sizeof *chunk);
   list->count = count;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = 0; c < d->lists.nchunk; c++)
+  for (int c = first; c < end; c++)
     fill_chunk(d, c);
+  list->first[d->state.nparticle] = (int)count;
   return TDM_OK;
 }
 
 /* ---- both ---- */
 
-/* note where everything is */
+/* note where everything is of home particles */
 static void note_positions(dem_data *d) {
   const dem_model *m = d->model;
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = first; i < end; i++)
     d->lists.position_at_list[i] = d->state.sphere[i].position;
   memcpy(d->lists.length_at_list, d->state.domain.length, sizeof d->lists.length_at_list);
   d->lists.since_list = 0;
@@ -206,12 +211,24 @@ static void note_positions(dem_data *d) {
       continue;
     double reach2 = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(max : reach2)
-    for (int i = 0; i < d->state.nparticle; i++) {
+    for (int i = first; i < end; i++) {
       tdm_vec3 r = tdm_sub(d->state.sphere[i].position, d->state.pose[b].position);
       reach2 = fmax(reach2, tdm_dot(r, r));
     }
     d->lists.reach[b] = sqrt(reach2);
   }
+}
+
+/* what was found of home particles, of those of all ranks: reach and margin */
+static void share_bounds(dem_data *d) {
+  if (dem_alone(d))
+    return;
+  dem_homes_largest_of(d, d->lists.reach, d->model->nbody);
+  for (int b = 0; b < d->model->nbody; b++)
+    d->lists.margin[b] = -d->lists.margin[b];
+  dem_homes_largest_of(d, d->lists.margin, d->model->nbody);
+  for (int b = 0; b < d->model->nbody; b++)
+    d->lists.margin[b] = -d->lists.margin[b];
 }
 
 /* The search that the scene asks for; else the one for the particles there are now, whenever some came. */
@@ -282,16 +299,19 @@ tdm_status dem_lists_build(dem_data *d) {
   } else if (d->lists.stale && carry && d->lists.nchunk > 1) {
     status = dem_near_walls_renumber(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
   }
-  note_positions(d);
   d->lists.nchunk = dem_chunks(d->state.nparticle);
+  note_positions(d);
   if (!status)
-    status = build_pairs(d, carry, old);
+    status = build_pairs(d, carry, stay, old);
   dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
   memset(d->state.push, 0, d->work.scratch.most);
   if (!status)
     status = dem_crossings_place(d);
   if (!status)
-    status = dem_near_walls_build(d, carry ? &d->work.spare_walls : NULL);
+    status = dem_near_walls_build(d, carry ? &d->work.spare_walls : NULL, stay);
+  if (!status)
+    share_bounds(d);
+  dem_parted(d, DEM_MOTION | DEM_CONTACTS | DEM_LISTS);
   d->lists.valid = !status;
   d->lists.stale = false;
   d->lists.since_list = 0;

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/search.h"
 
-#include "dem/search/method/method.h"
+#include "dem/search/nearby.h"
 
 #include <assert.h>
 #include <limits.h>
@@ -80,8 +80,13 @@ double dem_search_skin(const dem_search *search, double asked, double largest_ra
 typedef struct {
   const dem_found *found;
   dem_rows *rows;
-  int n, nthread;
+  int nthread;
 } sorting;
+
+/* the part of the rows that is thread t's begins here */
+static int row_part(const sorting *s, int t) {
+  return s->rows->begin + dem_search_part(s->rows->end - s->rows->begin, t, s->nthread);
+}
 
 static inline int lesser(dem_found_pair p) {
   return p.a < p.b ? p.a : p.b;
@@ -92,17 +97,17 @@ static inline int greater(dem_found_pair p) {
 }
 
 /* Each thread reads all pairs and takes those whose row is its own: so no two write to one place, and the order in a
- * row is that of the pairs. first[i + 1] = length of row i */
+ * row is that of the pairs. The length of row i stands where row i + 1 will begin. */
 static void count_rows(void *context, int t) {
   const sorting *s = context;
-  int begin = dem_search_part(s->n, t, s->nthread), end = dem_search_part(s->n, t + 1, s->nthread);
-  int *length = s->rows->first + 1;
-  memset(length + begin, 0, (size_t)(end - begin) * sizeof *length);
+  const int begin = row_part(s, t), end = row_part(s, t + 1);
+  int *length = s->rows->first + 1 + (begin - s->rows->begin);
+  memset(length, 0, (size_t)(end - begin) * sizeof *length);
   for (int f = 0; f < s->nthread; f++)
     for (size_t k = 0; k < s->found[f].count; k++) {
       int i = lesser(s->found[f].pair[k]);
       if (i >= begin && i < end)
-        length[i]++;
+        length[i - begin]++;
     }
 }
 
@@ -124,50 +129,80 @@ static int compare_int(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* first[i + 1] stands at the start of row i before, at its end after; then the rows are sorted */
+/* at[k] stands at the start of row begin + k before, at its end after; then the rows are sorted */
 static void fill_rows(void *context, int t) {
   const sorting *s = context;
-  int begin = dem_search_part(s->n, t, s->nthread), end = dem_search_part(s->n, t + 1, s->nthread);
-  int *at = s->rows->first + 1, *other = s->rows->other, start = begin < end ? at[begin] : 0;
+  const int begin = row_part(s, t), end = row_part(s, t + 1);
+  int *at = s->rows->first + 1 + (begin - s->rows->begin), *other = s->rows->other, start = begin < end ? at[0] : 0;
   for (int f = 0; f < s->nthread; f++)
     for (size_t k = 0; k < s->found[f].count; k++) {
       dem_found_pair p = s->found[f].pair[k];
       int i = lesser(p);
       if (i >= begin && i < end)
-        other[at[i]++] = greater(p);
+        other[at[i - begin]++] = greater(p);
     }
-  for (int i = begin; i < end; start = at[i++])
-    if (at[i] - start > 32)
-      qsort(other + start, (size_t)(at[i] - start), sizeof *other, compare_int);
+  for (int k = 0; k < end - begin; start = at[k++])
+    if (at[k] - start > 32)
+      qsort(other + start, (size_t)(at[k] - start), sizeof *other, compare_int);
     else
-      sort_row(other + start, at[i] - start);
+      sort_row(other + start, at[k] - start);
 }
 
-/* counting sort of the pairs by their lesser particle, then each row by itself */
+/* counting sort of the pairs by their lesser particle, then each row by itself: rows begin ... end - 1 of the input */
 static tdm_status make_rows(const dem_found *found, const dem_search_input *input, dem_rows *rows) {
-  int n = input->n, nthread = input->nthread;
+  const int nthread = input->nthread, n = input->end - input->begin;
   size_t count = 0;
   for (int t = 0; t < nthread; t++) {
     if (found[t].failed)
       return TDM_ERR_MEMORY;
     count += found[t].count;
   }
-  rows->count = count;
+  rows->begin = input->begin;
+  rows->end = input->end;
   rows->first = dem_scratch_take(input->scratch, ((size_t)n + 1) * sizeof *rows->first);
   rows->other = dem_scratch_take(input->scratch, count * sizeof *rows->other);
   if (count > INT_MAX || !rows->first || !rows->other)
     return TDM_ERR_MEMORY;
-  sorting s = {found, rows, n, nthread};
+  sorting s = {found, rows, nthread};
   dem_search_parallel(nthread, count_rows, &s);
   int at = 0;
   rows->first[0] = 0;
-  for (int i = 0; i < n; i++) {
-    int length = rows->first[i + 1];
-    rows->first[i + 1] = at;
+  for (int k = 0; k < n; k++) {
+    int length = rows->first[k + 1];
+    rows->first[k + 1] = at;
     at += length;
   }
+  rows->count = (size_t)at;
   dem_search_parallel(nthread, fill_rows, &s);
   return TDM_OK;
+}
+
+/* From here on the search is one among the spheres that the wanted rows can name; a search with a state knows spheres
+ * by their numbers and gets all. */
+static tdm_status choose_spheres(const dem_search *search, dem_search_input *in, dem_nearby *nearby) {
+  *nearby = (dem_nearby){0};
+  if (!in->some) {
+    in->begin = 0;
+    in->end = in->n;
+  } else if (search->method->state_size == 0) {
+    if (dem_nearby_choose(nearby, in))
+      return TDM_ERR_MEMORY;
+    in->sphere = nearby->sphere;
+    in->n = nearby->n;
+    in->end -= in->begin;
+    in->begin = 0;
+  }
+  return TDM_OK;
+}
+
+/* the numbers that the particles of the rows have in the whole input */
+static void number_rows(dem_rows *rows, const dem_nearby *nearby, const dem_search_input *input) {
+  if (!nearby->number)
+    return;
+  for (size_t k = 0; k < rows->count; k++)
+    rows->other[k] = nearby->number[rows->other[k]];
+  rows->begin = input->begin;
+  rows->end = input->end;
 }
 
 /* one list of pairs a thread, empty, with room for its share of what is expected */
@@ -184,11 +219,14 @@ static dem_found *make_lists(const dem_search *search, const dem_search_input *i
 tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
   assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
   dem_search_input in = *input;
-  in.nthread = dem_search_threads(&in, in.n);
+  dem_nearby nearby;
   if (!in.scratch) {
     in.scratch = &search->scratch;
     dem_scratch_back(in.scratch, (dem_scratch_mark){0});
   }
+  if (choose_spheres(search, &in, &nearby))
+    return TDM_ERR_MEMORY;
+  in.nthread = dem_search_threads(&in, in.n);
   dem_found *found = make_lists(search, &in);
   if (!found)
     return TDM_ERR_MEMORY;
@@ -197,10 +235,15 @@ tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem
   dem_scratch_back(in.scratch, mark);
   if (!status)
     status = make_rows(found, &in, rows);
-  for (int t = 0; t < in.nthread; t++)
+  size_t count = 0;
+  for (int t = 0; t < in.nthread; t++) {
+    count += found[t].count;
     free(found[t].own);
+  }
   if (!status && in.n > 0)
-    search->expected = (double)rows->count / in.n;
+    search->expected = (double)count / in.n;
+  if (!status)
+    number_rows(rows, &nearby, input);
   return status;
 }
 

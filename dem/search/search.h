@@ -32,8 +32,8 @@ dem_search *dem_search_create(const char *name);
 void dem_search_destroy(dem_search **search);
 const char *dem_search_name(const dem_search *search);
 
-/* The rows, which lie in the scratch memory until it is given back; in the search's own until its next call. False: no
- * memory. */
+/* The rows that are wanted, which lie in the scratch memory until it is given back; in the search's own until its next
+ * call. False: no memory. */
 tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows);
 
 /* Are the lists of this search to be made anew after so many steps even if nothing moved? 0: no. */

@@ -121,7 +121,7 @@ static const double press_speed = 0.05; /* of a lid on its way [m/s] */
  * deviation from the wanted force, as a share of it. */
 static double move_lids(dem_data *d, double dt) {
   double worst = 0;
-  dem_unite(d, DEM_PLACES | DEM_CONTACTS);
+  dem_unite(d, DEM_PLACES | DEM_CONTACTS | DEM_LISTS);
   for (int k = 0; k < d->model->nbox; k++) {
     const dem_box *box = &d->model->box[k];
     if (box->lid < 0 || !(box->press > 0))

@@ -2,26 +2,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/crossings.h"
 
+#include "dem/state/homes.h"
+
+static bool crosses(const dem_data *d, int chunk, int other) {
+  return other < d->state.nparticle && other >= (chunk + 1) * DEM_CHUNK;
+}
+
+/* The places of the crossings of home chunks, and who they are on. `first` (nchunk + 1): those of each chunk begin */
+static void place_home(dem_data *d, const size_t *first) {
+  dem_pairs *list = &d->lists.pairs;
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
+    int place = (int)first[c];
+    for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
+      if (crosses(d, c, list->other[k])) {
+        d->lists.crossings.particle[place] = list->other[k];
+        list->reaction_slot[k] = dem_crossing_slot(d, place++);
+      }
+  }
+}
+
 tdm_status dem_crossings_place(dem_data *d) {
   dem_pairs *list = &d->lists.pairs;
   dem_crossings *x = &d->lists.crossings;
-  int count = 0;
+  size_t *first = d->work.chunk_spare;
   d->work.homes.planned = false;
-  for (int c = 0; c < d->lists.nchunk - 1; c++)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
+    first[c] = 0;
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
-      count += list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK;
+      first[c] += crosses(d, c, list->other[k]);
+  }
+  dem_lay_out(d, first);
+  const int count = (int)first[d->lists.nchunk];
   if (dem_crossings_reserve(d, count))
     return TDM_ERR_MEMORY;
   x->count = count;
+  place_home(d, first);
+  dem_unite_entries(d, x->particle, sizeof *x->particle, first);
   memset(x->chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *x->chunk);
-  int place = 0;
-  for (int c = 0; c < d->lists.nchunk - 1; c++)
-    for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
-      if (list->other[k] < d->state.nparticle && list->other[k] >= (c + 1) * DEM_CHUNK) {
-        x->particle[place] = list->other[k];
-        list->reaction_slot[k] = dem_crossing_slot(d, place++);
-        x->chunk[list->other[k] / DEM_CHUNK + 1]++;
-      }
+  for (int p = 0; p < count; p++)
+    x->chunk[x->particle[p] / DEM_CHUNK + 1]++;
   for (int c = 0; c < d->lists.nchunk; c++)
     x->chunk[c + 1] += x->chunk[c];
   for (int p = count - 1; p >= 0; p--) /* places of a chunk ascend: filled from its end */

@@ -8,7 +8,7 @@
  *                                                 pairs.other in later chunks); the walls' places, which all have
  *   ... where laws have sums                      contact_sum[j] of the same, when all sums are complete
  *   it gives to others                            the reaction on j, in a place of its own behind the particles, until
- *                                                 j's chunk takes it (dem_crossing_slot); sums of laws likewise
+ *                                                 j's chunk takes it (dem_crossing_slot, data.h); sums of laws likewise
  *   it gives to all                               chunk_load, chunk_flux and the largest way, added up in the order of
  *                                                 the chunks, so that the bits do not depend on who worked when
  *
@@ -23,11 +23,6 @@
 #include "dem/state/data.h"
 
 #include <string.h>
-
-/* Where crossing k has its place in push and contact_sum: behind the particles and the dummy particle. */
-static inline int dem_crossing_slot(const dem_data *d, int k) {
-  return d->state.nparticle + 1 + k;
-}
 
 /* Entries of push and contact_sum in use: particles, the dummy particle, crossings. */
 static inline size_t dem_push_count(const dem_data *d) {

@@ -30,7 +30,8 @@ typedef struct {
   int *first;         /* (nparticle + 1) */
   int *one;           /* (capacity) i */
   int *other;         /* (capacity) j */
-  int *reaction_slot; /* (capacity) place in push for the reaction on j: j, or one of the places between the chunks */
+  int *reaction_slot; /* (capacity) place in push for the reaction on j: j, or one of the places between the chunks; on
+                       * several ranks of home chunks alone */
   double *history;    /* (columns x capacity) or NULL */
   size_t *chunk;      /* (nchunk + 1) first entry of a chunk */
   size_t count, capacity;
@@ -384,6 +385,11 @@ static inline int dem_chunk_end(const dem_data *d, int c) {
 /* Room for `count` entries. The pairs keep partners and histories, walls may lose all. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
 tdm_status dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
+
+/* Where crossing k has its place in push and contact_sum: behind the particles and the dummy particle. */
+static inline int dem_crossing_slot(const dem_data *d, int k) {
+  return d->state.nparticle + 1 + k;
+}
 
 /* Room in push for the particles, the dummy particle and `count` crossings. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_crossings_reserve(dem_data *data, int count);

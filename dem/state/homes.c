@@ -2,7 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/homes.h"
 
-#include "dem/state/crossings.h"
 #include "protocol/base/log.h"
 
 #include <assert.h>
@@ -17,19 +16,26 @@ void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
 
 /* ---- whole arrays ---- */
 
-/* what the entries of an array belong to: particles, or entries of a list whose chunks begin where `chunk` says */
-static void gather(dem_data *d, void *array, size_t size, const size_t *chunk) {
+/* what the entries of an array belong to */
+typedef enum { PARTICLES, CHUNKS, ENTRIES } owners;
+
+/* chunk: of ENTRIES, the first one of each chunk */
+static void gather_for(dem_data *d, void *array, size_t size, owners of, const size_t *chunk) {
   dem_homes *s = &d->work.homes;
   int first[DEM_RANKS_MAX + 1];
   if (!array || size == 0)
     return;
   for (int r = 0; r <= s->ranks->size; r++) {
     const int c = dem_chunk_of_rank(d, r);
-    first[r] = chunk ? (int)chunk[c] : dem_chunk_start(d, c);
+    first[r] = of == CHUNKS ? c : of == ENTRIES ? (int)chunk[c] : dem_chunk_start(d, c);
   }
   const double begin = tdm_clock();
   s->ranks->gather(array, size, first);
   s->spent += tdm_clock() - begin;
+}
+
+static void gather(dem_data *d, void *array, size_t size, const size_t *chunk) {
+  gather_for(d, array, size, chunk ? ENTRIES : PARTICLES, chunk);
 }
 
 void dem_unite_particles(dem_data *d, void *array, size_t size) {
@@ -37,9 +43,21 @@ void dem_unite_particles(dem_data *d, void *array, size_t size) {
     gather(d, array, size, NULL);
 }
 
-void dem_unite_walls(dem_data *d, void *array, size_t size) {
+void dem_unite_entries(dem_data *d, void *array, size_t size, const size_t *chunk) {
   if (!dem_alone(d))
-    gather(d, array, size, d->lists.walls.chunk);
+    gather(d, array, size, chunk);
+}
+
+void dem_lay_out(dem_data *d, size_t *chunk) {
+  size_t at = 0;
+  if (!dem_alone(d))
+    gather_for(d, chunk, sizeof *chunk, CHUNKS, NULL);
+  for (int c = 0; c < d->lists.nchunk; c++) {
+    const size_t count = chunk[c];
+    chunk[c] = at;
+    at += count;
+  }
+  chunk[d->lists.nchunk] = at;
 }
 
 /* the arrays of particles: of the places those that tell them, else the others */
@@ -68,6 +86,15 @@ static void gather_histories(dem_data *d) {
   }
 }
 
+static void gather_lists(dem_data *d) {
+  const dem_pairs *p = &d->lists.pairs;
+  const dem_wall_contacts *w = &d->lists.walls;
+  gather(d, p->first, sizeof *p->first, NULL);
+  gather(d, p->one, sizeof *p->one, p->chunk);
+  gather(d, p->other, sizeof *p->other, p->chunk);
+  gather(d, w->entry, sizeof *w->entry, w->chunk);
+}
+
 void dem_unite(dem_data *d, unsigned what) {
   dem_homes *s = &d->work.homes;
   what &= ~s->united;
@@ -81,15 +108,41 @@ void dem_unite(dem_data *d, unsigned what) {
     gather_forces(d);
   if (what & DEM_CONTACTS)
     gather_histories(d);
+  if (what & DEM_LISTS)
+    gather_lists(d);
   s->united |= what;
 }
 
 /* ---- numbers ---- */
 
+void dem_homes_largest_of(const dem_data *d, double *x, int n) {
+  if (!dem_alone(d) && n > 0)
+    d->work.homes.ranks->largest(x, n);
+}
+
 double dem_homes_largest(const dem_data *d, double x) {
-  if (!dem_alone(d))
-    d->work.homes.ranks->largest(&x, 1);
+  dem_homes_largest_of(d, &x, 1);
   return x;
+}
+
+/* each rank's number (size), on all */
+static void tell_all(const dem_data *d, long x, long *all) {
+  const dem_ranks *ranks = d->work.homes.ranks;
+  int own[DEM_RANKS_MAX + 1];
+  for (int r = 0; r <= ranks->size; r++)
+    own[r] = r;
+  all[ranks->rank] = x;
+  ranks->gather(all, sizeof *all, own);
+}
+
+long dem_homes_sum(const dem_data *d, long x) {
+  long all[DEM_RANKS_MAX], sum = 0;
+  if (dem_alone(d))
+    return x;
+  tell_all(d, x, all);
+  for (int r = 0; r < d->work.homes.ranks->size; r++)
+    sum += all[r];
+  return sum;
 }
 
 bool dem_homes_any(const dem_data *d, bool here) {
@@ -196,16 +249,13 @@ static tdm_status particles_of(const dem_data *d, const dem_parcels *places, dem
 static void place_ranks(const dem_data *d, int *place) {
   const dem_ranks *ranks = d->work.homes.ranks;
   const dem_pairs *p = &d->lists.pairs;
-  int own[DEM_RANKS_MAX + 1], count[DEM_RANKS_MAX];
-  for (int r = 0; r <= ranks->size; r++)
-    own[r] = r;
-  count[ranks->rank] = 0;
+  long here = 0, count[DEM_RANKS_MAX];
   for (size_t k = p->chunk[dem_home_first(d)]; k < p->chunk[dem_home_end(d)]; k++)
-    count[ranks->rank] += p->reaction_slot[k] > d->state.nparticle;
-  ranks->gather(count, sizeof *count, own);
+    here += p->reaction_slot[k] > d->state.nparticle;
+  tell_all(d, here, count);
   place[0] = 0;
   for (int r = 0; r < ranks->size; r++)
-    place[r + 1] = place[r] + count[r];
+    place[r + 1] = place[r] + (int)count[r];
   assert(place[ranks->size] == d->lists.crossings.count);
 }
 

@@ -1,8 +1,9 @@
 /* What the ranks of a run (base/ranks.h) tell each other of the state.
  *
- * Each rank has the arrays of all particles and lists of all that is near, and works on its home: a run of whole
- * chunks, whose particles it moves and whose contacts it evaluates. What is decided for all (when lists are built, what
- * sources and sinks do) every rank decides alike. In a step, in the words of [A07] Section 3.5,
+ * Each rank has the arrays of all particles and works on its home: a run of whole chunks, whose particles it moves,
+ * lists and evaluates. Its lists are laid out as those of all chunks, with the entries of its home. What is decided for
+ * all (when lists are built, what sources and sinks do) every rank decides alike. In a step, in the words of [A07]
+ * Section 3.5,
  *
  *   immigrants   home particles that a contact of another rank names: their places and velocities go there, where they
  *                are visitors
@@ -28,7 +29,9 @@ enum {
   DEM_MOTION = 2,   /* the other arrays of particles (DEM_PARTICLE_STATE) */
   DEM_FORCES = 4,   /* DEM_FORCE_STATE */
   DEM_CONTACTS = 8, /* histories */
-  DEM_WHOLE = 15
+  DEM_LISTS = 16,   /* entries of pairs and walls */
+  DEM_STATE = 15,
+  DEM_WHOLE = 31
 };
 
 static inline bool dem_alone(const dem_data *d) {
@@ -86,12 +89,20 @@ static inline void dem_homes_restored(dem_data *d) {
 /* Make this the same on all ranks: what is there of a particle or contact is what its home has. */
 void dem_unite(dem_data *data, unsigned what);
 
-/* Likewise an array with an entry of `size` bytes a particle, or an entry of the list of walls. */
+/* Likewise an array with an entry of `size` bytes a particle, or for each entry of a list (chunk: as below). */
 void dem_unite_particles(dem_data *data, void *array, size_t size);
-void dem_unite_walls(dem_data *data, void *array, size_t size);
+void dem_unite_entries(dem_data *data, void *array, size_t size, const size_t *chunk);
 
-/* The largest of all ranks' numbers; is something so on any rank? */
+/* Lay out a list of all chunks: chunk (nchunk + 1) has the number of entries of each home chunk, and becomes the first
+ * entry of each chunk, of all, and their number. */
+void dem_lay_out(dem_data *data, size_t *chunk);
+
+/* The largest of all ranks' numbers, each of n; is something so on any rank? */
 double dem_homes_largest(const dem_data *data, double x);
+void dem_homes_largest_of(const dem_data *data, double *x, int n);
+
+/* The sum of all ranks' numbers. */
+long dem_homes_sum(const dem_data *data, long x);
 bool dem_homes_any(const dem_data *data, bool here);
 
 /* Does this rank write what all have? */

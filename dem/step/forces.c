@@ -221,7 +221,7 @@ static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integra
   dem_parted(d, DEM_MOTION | DEM_FORCES | DEM_CONTACTS);
   dem_reactions_return(d);
   if (all->entry_force)
-    dem_unite_walls(d, all->entry_force, sizeof *all->entry_force);
+    dem_unite_entries(d, all->entry_force, sizeof *all->entry_force, d->lists.walls.chunk);
   touching = dem_homes_sums(d, touching);
   if (integrator)
     end_chunks(d, integrator, all->dt);

@@ -110,7 +110,7 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
       numbers = numbers && r2 >= 0;
       moved2 = r2 > moved2 ? r2 : moved2;
     }
-  dem_parted(d, DEM_WHOLE);
+  dem_parted(d, DEM_STATE);
   dem_time_spent(d->work.timers, DEM_PHASE_INTEGRATION);
   moved2 = dem_homes_largest(d, numbers ? moved2 : INFINITY); /* a way has no infinite square: farthest() */
   return isfinite(moved2) ? moved2 : NAN;

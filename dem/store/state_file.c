@@ -412,6 +412,7 @@ static tdm_status load(reader *r, dem_data *d, void *note, size_t note_size, tdm
   if (dem_lists_build(d))
     return tdm_fail(err, TDM_ERR_MEMORY, r->key, "no memory for the neighbour lists");
   d->state.since_sort = c.since_sort;
+  dem_unite(d, DEM_WHOLE); /* each rank reads all forces and histories */
   if (get_forces(r, d) || get_histories(r, d, false) || get_histories(r, d, true))
     return refuse(r, err, "is damaged");
   return TDM_OK;

@@ -83,10 +83,11 @@ typedef struct {
   int particle, other, wall;
 } deepest;
 
-static deepest find_deepest(const dem_data *d) {
+/* among the contacts that are listed in chunks first ... end - 1 */
+static deepest find_deepest(const dem_data *d, int first, int end) {
   const dem_model *m = d->model;
   deepest worst = {.particle = -1, .other = -1, .wall = -1};
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_chunk_start(d, first); i < dem_chunk_start(d, end); i++)
     for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
       int j = d->lists.pairs.other[k];
       if (j >= d->state.nparticle)
@@ -98,7 +99,7 @@ static deepest find_deepest(const dem_data *d) {
       if (near > 0 && r2 < near * near)
         worst = (deepest){(sum - sqrt(r2)) / smaller, i, j, -1};
     }
-  for (size_t k = 0; k < d->lists.walls.count; k++) {
+  for (size_t k = d->lists.walls.chunk[first]; k < d->lists.walls.chunk[end]; k++) {
     const dem_wall_entry *e = &d->lists.walls.entry[k];
     const dem_sphere *s = &d->state.sphere[e->particle];
     double share = 1 - dem_gap(d, e->particle, e->wall, NULL) / s->radius;
@@ -109,9 +110,13 @@ static deepest find_deepest(const dem_data *d) {
 }
 
 static tdm_status look_at_overlaps(dem_data *d, double t, tdm_error *err) {
-  deepest worst = find_deepest(d);
-  if (!(worst.share > d->model->guard.overlap))
+  deepest worst = find_deepest(d, dem_home_first(d), dem_home_end(d));
+  if (!dem_homes_any(d, worst.share > d->model->guard.overlap))
     return TDM_OK;
+  if (!dem_alone(d)) {
+    dem_unite(d, DEM_PLACES | DEM_MOTION | DEM_LISTS);
+    worst = find_deepest(d, 0, d->lists.nchunk);
+  }
   char path[TDM_PATH_MAX], text[TDM_MESSAGE_MAX], partner[256];
   int n;
   dem_where(d, worst.particle, path, &n);
@@ -138,10 +143,12 @@ void dem_guard_begin(dem_data *d) {
 
 static tdm_status look_at_lost(dem_data *d, double t, tdm_error *err) {
   const dem_model *m = d->model;
-  uint64_t lost = (uint64_t)dem_count_lost(d), known = d->state.guard.lost;
+  const long here = dem_count_lost_among(d, dem_home_first_particle(d), dem_home_end_particle(d));
+  uint64_t lost = (uint64_t)dem_homes_sum(d, here), known = d->state.guard.lost;
   d->state.guard.lost = lost;
   if (lost <= known)
     return TDM_OK;
+  dem_unite(d, DEM_PLACES | DEM_MOTION);
   char path[TDM_PATH_MAX] = "dem", text[TDM_MESSAGE_MAX];
   int n = 0, i = 0, w = m->nwall;
   for (; i < d->state.nparticle; i++) {
@@ -314,7 +321,6 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
     return err->status;
   if (look || due) {
     d->state.guard.way = 0;
-    dem_unite(d, DEM_PLACES | DEM_MOTION); /* dem_gap asks which a screen has let go */
     dem_rim_look(d, t);
     if (look_at_overlaps(d, t, err) || look_at_lost(d, t, err))
       return err->status;

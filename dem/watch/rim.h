@@ -7,6 +7,6 @@
 
 /* Look at the contacts with the planes of open containers that do not say that their walls are without end, and remark
  * on one that lies outside the box, over an open face or beside a wall, by more than the particle's radius. */
-void dem_rim_look(const dem_data *data, double t);
+void dem_rim_look(dem_data *data, double t);
 
 #endif

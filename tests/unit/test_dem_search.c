@@ -122,6 +122,25 @@ static void finish(bench *b) {
   ck_assert_ptr_null(b->all);
 }
 
+/* the rows of a part, as a rank asks for them, are those of all */
+static void check_part(bench *b, const char *what, dem_search_input in, int begin, int end) {
+  dem_rows rows;
+  in.some = true;
+  in.begin = begin;
+  in.end = end;
+  for (int k = 0; k < SEARCHES; k++) {
+    ck_assert_int_eq(dem_search_run(b->search[k], &in, &rows), TDM_OK);
+    ck_assert(rows.begin == begin && rows.end == end);
+    for (int i = begin; i < end; i++) {
+      const int at = dem_row(&rows, i), from = dem_row(&b->wanted, i), length = dem_row(&b->wanted, i + 1) - from;
+      ck_assert_msg(dem_row(&rows, i + 1) - at == length, "%s, %s: row %d", what, fast[k], i);
+      ck_assert_msg(length == 0 || memcmp(&rows.other[at], &b->wanted.other[from], (size_t)length * sizeof(int)) == 0,
+                    "%s, %s: partners of %d", what, fast[k], i);
+    }
+    ck_assert_uint_eq(rows.count, (size_t)dem_row(&rows, end));
+  }
+}
+
 static void check_all(bench *b, const char *what, const dem_search_input *input) {
   ck_assert_int_eq(dem_search_run(b->all, input, &b->wanted), TDM_OK);
   for (int k = 0; k < SEARCHES; k++) {
@@ -165,6 +184,9 @@ START_TEST(test_agree) {
       place(c, &sphere[i]);
     in.n = more;
     check_all(&b, c->what, &in);
+    check_part(&b, c->what, in, 0, in.n / 2);
+    check_part(&b, c->what, in, in.n / 3, in.n / 2);
+    check_part(&b, c->what, in, in.n, in.n);
     shake(c, in.n, 0.02 * c->small);
     check_all(&b, c->what, &in);
     finish(&b);
@@ -188,6 +210,7 @@ START_TEST(test_domain_changes) {
     }
     dem_search_input in = input_of(&c, 1);
     check_all(&b, c.what, &in);
+    check_part(&b, c.what, in, in.n / 3, in.n / 2);
   }
   finish(&b);
 }
@@ -208,6 +231,7 @@ START_TEST(test_low_corner) {
   }
   memcpy(in.domain.low, low, sizeof low);
   check_all(&b, c.what, &in);
+  check_part(&b, c.what, in, in.n / 3, in.n / 2);
   finish(&b);
 }
 END_TEST

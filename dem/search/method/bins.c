@@ -101,8 +101,7 @@ static void fewer_cells(dem_bins *bins, double most) {
   }
 }
 
-/* as many cells as the spheres' extent asks for, but not many more than there are spheres */
-static void choose_grid(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
+void dem_bins_grid(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
   const dem_domain *domain = &input->domain;
   const double most = 2.0 * n + 64;
   edge *= 1 + MARGIN;
@@ -175,7 +174,7 @@ static void place_part(void *context, int t) {
 }
 
 tdm_status dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge) {
-  choose_grid(bins, input, member, n, edge);
+  dem_bins_grid(bins, input, member, n, edge);
   binning b = {bins, input, member, dem_search_threads(input, n), 1, NULL};
   for (int a = 0; a < 3; a++)
     b.ncell *= (size_t)bins->count[a];

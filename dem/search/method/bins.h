@@ -35,6 +35,9 @@ enum { DEM_MOST_RUNS = 18 }; /* nine rows of cells, each of which may cross the 
  * the input's (n, ascending), NULL: all, n of them. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_bins_fill(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge);
 
+/* The same without the spheres: as many cells as their extent asks for, but not many more than there are spheres. */
+void dem_bins_grid(dem_bins *bins, const dem_search_input *input, const int *member, int n, double edge);
+
 /* The cell of a position in each direction. */
 void dem_bins_cell(const dem_bins *bins, const double x[3], int cell[3]);
 

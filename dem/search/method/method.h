@@ -20,7 +20,9 @@
 typedef struct {
   const dem_sphere *sphere; /* (n) */
   int n;
-  double skin; /* [m] */
+  bool some;      /* only the rows of particles begin ... end - 1 are wanted; else of all */
+  int begin, end; /* (some) */
+  double skin;    /* [m] */
   dem_domain domain;
   int nthread;          /* threads that may be used; the result does not depend on it */
   dem_scratch *scratch; /* for the rows and what it takes to find them; NULL: the search has its own */
@@ -40,7 +42,8 @@ typedef struct {
   bool failed;         /* there was no memory */
 } dem_found;
 
-/* `state` is the search's own, of state_size bytes and zero at first; `found` has input->nthread lists, empty. What is
+/* `state` is the search's own, of state_size bytes and zero at first: with one, it gets all spheres every time, else
+ * only those that the wanted rows can name (search/nearby.h). `found` has input->nthread lists, empty. What is
  * taken of input->scratch (there always is one) is given back by dem_search_run. */
 typedef struct {
   size_t state_size;
