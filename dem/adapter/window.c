@@ -125,6 +125,9 @@ static void conclude(dem_engine *e, const dem_window *w, const dem_outcome *out)
     dem_unite(e->data, DEM_WHOLE);
     dem_guard_end(e->data, w->t1);
     dem_flow_end(e->data, w->t1);
+    if (!dem_alone(e->data))
+      tdm_log(TDM_LOG_INFO, "ranks", "number=%d imbalance=%.3g moves=%d", e->data->work.homes.ranks->size,
+              dem_homes_imbalance(e->data), e->data->work.homes.nmove);
   }
 }
 

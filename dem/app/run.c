@@ -7,6 +7,7 @@
 #include "dem/bodies/walls.h"
 #include "dem/dem.h"
 #include "dem/output/repose.h"
+#include "dem/state/homes.h"
 #include "dem/watch/check.h"
 #include "protocol/app/plot.h"
 #include "protocol/base/log.h"
@@ -209,6 +210,10 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   json_object_update_new(json, own);
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));
+  if (d && !dem_alone(d))
+    json_object_set_new(json, "ranks",
+                        json_pack("{s:i, s:f, s:i}", "number", d->work.homes.ranks->size, "imbalance",
+                                  dem_homes_imbalance(d), "moves", d->work.homes.nmove));
   const tdm_standalone_figures *figures = &run->alone.figures;
   for (int c = 0; run->alone.values && c < figures->nchannel; c++) {
     tdm_screening_enter(json, figures->channel[c].name, figures->channel[c].unit, run->alone.values[c]);

@@ -62,6 +62,7 @@
   H(screening, SCREENING, RUN)                               \
   H(ntrace, OPTION_NUMBER, RUN)                              \
   H(trace, TRACES, RUN)                                      \
+  H(slices, OPTION_NUMBER, RUN)                              \
   F(dt, "a state may go on with another step")               \
   F(proxy, "of the coupling")                                \
   F(time_start, "of the simulation")                         \
@@ -70,6 +71,7 @@
   F(simd, "results have the same bits")                      \
   F(threads, "results have the same bits")                   \
   F(search, "results have the same bits")                    \
+  F(balance, "results have the same bits")                   \
   F(skin, "results have the same bits")                      \
   F(mean_radius, "for the skin")                             \
   F(loops, "follow from the laws")                           \

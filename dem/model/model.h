@@ -199,6 +199,12 @@ typedef struct {
   bool chosen; /* the scene gives the action */
 } dem_guard_def;
 
+/* When the homes of ranks move (state/homes.h). */
+typedef struct {
+  long every;       /* steps between two looks, 0: never */
+  double tolerance; /* by how much the busiest rank's work may exceed the mean, as a share of it */
+} dem_balance_def;
+
 typedef struct {
   bool wanted;     /* the scene has dem.settle */
   double speed;    /* largest particle speed of a bed at rest [m/s] */
@@ -256,6 +262,8 @@ typedef struct dem_model {
   bool driven;        /* flat, unturned, or a group has forces of its own or is fixed */
   dem_domain_def domain;
   dem_guard_def guard;
+  int slices; /* 1, 2, 3: particles are in the order of slices across x, y, z; 0: of a curve (search/order.h) */
+  dem_balance_def balance;
   char *start;        /* stored state that the run starts from, NULL: none */
   bool clip;          /* the normal force never attracts */
   double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */

@@ -260,6 +260,23 @@ static void read_guard(dem_model *m, tdm_object *section) {
   tdm_object_close(&o);
 }
 
+static void read_decomposition(dem_model *m, tdm_object *section) {
+  static const char *const orders[] = {"curve", "slices"}, *const axes[] = {"x", "y", "z"};
+  tdm_object o = tdm_get_object(section, "decomposition", false);
+  const bool slices = tdm_get_choice(&o, "order", orders, 2, 0) == 1, has_axis = tdm_has(&o, "axis");
+  const int axis = tdm_get_choice(&o, "axis", axes, 3, 0);
+  if (has_axis && !slices)
+    tdm_object_fail(&o, "axis", "is that of \"order\" \"slices\"; give the order, or remove the axis");
+  m->slices = slices ? 1 + axis : 0;
+  const bool balanced = tdm_has(&o, "balance");
+  tdm_object b = tdm_get_object(&o, "balance", false);
+  const long every = tdm_get_integer(&b, "every", 500, 1);
+  m->balance = (dem_balance_def){.every = balanced ? every : 0,
+                                 .tolerance = tdm_get_number(&b, "tolerance", 0.05, TDM_POSITIVE)};
+  tdm_object_close(&b);
+  tdm_object_close(&o);
+}
+
 static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
   m->dt = assignment->dt;
   m->time_start = assignment->time_start;
@@ -319,6 +336,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   if (m->threads > 1024)
     tdm_object_fail(&o, "threads", "is %d but must be at most 1024; as many as the machine has cores are enough",
                     m->threads);
+  read_decomposition(m, &o);
   dem_domain_read(m, &o);
   if (!err->status)
     dem_domain_check(m, dem_largest_radius(m), err);

@@ -20,6 +20,15 @@ static uint64_t cell(double x, double low, double size) {
   return c >= 0 && c < 0x1fffff ? (uint64_t)c : 0x1fffff;
 }
 
+/* of a particle in cell c: its place on the curve; or its slice, then its row in the slice, then its place in the row
+ */
+static uint64_t code(const uint64_t c[3], int slices) {
+  if (slices == 0)
+    return spread(c[0]) | spread(c[1]) << 1 | spread(c[2]) << 2;
+  const int a = slices - 1;
+  return c[a] << 42 | c[(a + 1) % 3] << 21 | c[(a + 2) % 3];
+}
+
 typedef struct {
   uint64_t code;
   int particle;
@@ -47,8 +56,8 @@ tdm_status dem_order(dem_data *d, int *from) {
   }
   for (int i = 0; i < np; i++) {
     tdm_vec3 x = d->state.sphere[i].position;
-    uint64_t a = cell(x.x, low.x, size), b = cell(x.y, low.y, size), c = cell(x.z, low.z, size);
-    places[i] = (place){spread(a) | spread(b) << 1 | spread(c) << 2, i};
+    const uint64_t c[3] = {cell(x.x, low.x, size), cell(x.y, low.y, size), cell(x.z, low.z, size)};
+    places[i] = (place){code(c, d->model->slices), i};
   }
   qsort(places, (size_t)np, sizeof *places, compare);
   for (int p = 0; p < np; p++)

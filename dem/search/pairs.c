@@ -278,7 +278,8 @@ static const int *sort_particles(dem_data *d, bool carry) {
 
 tdm_status dem_lists_build(dem_data *d) {
   bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
-  const bool stay = d->lists.valid && !d->lists.stale && !sort; /* particles and contacts have the homes they had */
+  const bool moved = dem_homes_balance(d);
+  const bool stay = d->lists.valid && !d->lists.stale && !sort && !moved; /* all have the homes they had */
   dem_unite(d, stay ? DEM_PLACES : DEM_WHOLE);
   if (choose_search(d))
     return TDM_ERR_MEMORY;

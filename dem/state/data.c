@@ -285,6 +285,8 @@ void dem_data_destroy(dem_data **data) {
                     homes->returning.first,
                     homes->returned.item,
                     homes->returned.first,
+                    homes->rank_of,
+                    homes->cost,
                     homes->chunk,
                     homes->mail,
                     homes->out,

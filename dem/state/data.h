@@ -294,6 +294,8 @@ typedef struct {
   double *margin; /* (nbody) smallest gap - radius of a particle that is not listed with the body's walls [m] */
   double *reach;  /* (nbody) largest distance of a particle's centre from the centre of mass [m] */
   double length_at_list[3]; /* lengths of the box [m] */
+
+  double home[DEM_RANKS_MAX + 1]; /* where the ranks' homes begin (homes.h), as shares of the chunks; then 1 */
 } dem_lists;
 
 /* Numbers of particles or of places, rank by rank: those of rank r are item[first[r]] ... item[first[r + 1] - 1]. */
@@ -314,6 +316,7 @@ typedef struct {
   dem_parcels visitors;   /* particles of another rank that visit this one */
   dem_parcels returning;  /* places of this rank's reactions on visitors */
   dem_parcels returned;   /* places of other ranks' reactions on immigrants */
+  int *rank_of;           /* (nchunk) whose home a chunk is */
   int *chunk;             /* (home chunks) home chunks, those without visitors first; NULL: alone */
   int ninner;             /* chunks without visitors */
   dem_mail *mail;         /* (size) */
@@ -321,6 +324,14 @@ typedef struct {
   double *sums;           /* (nsums) of the chunks, as they are gathered */
   size_t room, nsums;
   double spent; /* time in exchanges with other ranks, waiting for them included [s] */
+
+  /* balance */
+  double *cost;                 /* (ncost) time of each home chunk since the last look [s] */
+  int ncost;                    /* chunks */
+  uint64_t looked;              /* step of the last look */
+  double busiest, mean;         /* since then, of the ranks: most time and mean [s] */
+  double all_busiest, all_mean; /* sums of these over earlier looks [s] */
+  int nmove;                    /* times that homes moved */
 } dem_homes;
 
 /* The workspace: memory, sums by chunk and whatever else means nothing between two steps. Never copied or stored. */

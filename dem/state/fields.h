@@ -84,6 +84,7 @@
   X(lists, stale)           \
   X(lists, nrebuild)        \
   X(lists, since_list)      \
-  X(lists, length_at_list)
+  X(lists, length_at_list)  \
+  X(lists, home)
 
 #endif

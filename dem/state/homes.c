@@ -2,8 +2,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/homes.h"
 
-#include "protocol/base/log.h"
-
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +9,8 @@
 void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
   d->work.homes.ranks = ranks;
   d->work.homes.planned = false;
+  for (int r = 0; ranks && r <= ranks->size; r++)
+    d->lists.home[r] = (double)r / ranks->size;
   dem_united(d);
 }
 
@@ -160,13 +160,8 @@ tdm_status dem_homes_alive(dem_data *d, tdm_participant *p) {
 
 /* ---- who visits whom ---- */
 
-/* the rank whose home a chunk belongs to */
-static int rank_of(const dem_data *d, int chunk) {
-  return (int)((long)chunk * d->work.homes.ranks->size / d->lists.nchunk);
-}
-
 static int rank_of_crossing(const dem_data *d, int place) {
-  return rank_of(d, d->lists.crossings.particle[place] / DEM_CHUNK);
+  return d->work.homes.rank_of[d->lists.crossings.particle[place] / DEM_CHUNK];
 }
 
 static tdm_status reserve(dem_parcels *p, int size, int count) {
@@ -268,6 +263,26 @@ static bool has_visitors(const dem_data *d, int chunk) {
   return false;
 }
 
+/* whose home each chunk is, and room for the times of chunks */
+static tdm_status know_chunks(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  const int n = d->lists.nchunk;
+  if (n > s->ncost) {
+    int *rank_of = realloc(s->rank_of, (size_t)n * sizeof *rank_of);
+    s->rank_of = rank_of ? rank_of : s->rank_of;
+    double *cost = realloc(s->cost, (size_t)n * sizeof *cost);
+    s->cost = cost ? cost : s->cost;
+    if (!rank_of || !cost)
+      return TDM_ERR_MEMORY;
+    memset(cost + s->ncost, 0, (size_t)(n - s->ncost) * sizeof *cost);
+    s->ncost = n;
+  }
+  for (int r = 0; r < s->ranks->size; r++)
+    for (int c = dem_chunk_of_rank(d, r); c < dem_chunk_of_rank(d, r + 1); c++)
+      s->rank_of[c] = r;
+  return TDM_OK;
+}
+
 /* home chunks, those without visitors first */
 static tdm_status order_chunks(dem_data *d) {
   dem_homes *s = &d->work.homes;
@@ -293,7 +308,7 @@ static size_t larger(size_t a, size_t b) {
 enum { VISIT = sizeof(dem_sphere) + sizeof(dem_rotor) };
 
 /* doubles of a chunk in the sums, and those that a rank tells of itself */
-enum { OF_RANK = 2 };
+enum { OF_RANK = 3 };
 
 static size_t sums_of_chunk(const dem_data *d) {
   return (size_t)d->model->nload * (sizeof(tdm_wrench) / sizeof(double)) +
@@ -329,6 +344,8 @@ tdm_status dem_homes_plan(dem_data *d) {
   int place[DEM_RANKS_MAX + 1];
   if (!s->ranks || s->planned)
     return TDM_OK;
+  if (know_chunks(d))
+    return TDM_ERR_MEMORY;
   place_ranks(d, place);
   if (collect(d, place, true, &s->returning) || collect(d, place, false, &s->returned) ||
       particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) ||
@@ -336,6 +353,82 @@ tdm_status dem_homes_plan(dem_data *d) {
     return TDM_ERR_MEMORY;
   s->planned = true;
   return TDM_OK;
+}
+
+/* ---- balance ---- */
+
+/* the most that the chunks of one home cost */
+static double most_of(const double *cost, const int *first, int size) {
+  double most = 0;
+  for (int r = 0; r < size; r++) {
+    double sum = 0;
+    for (int c = first[r]; c < first[r + 1]; c++)
+      sum += cost[c];
+    most = fmax(most, sum);
+  }
+  return most;
+}
+
+/* Homes that cost alike: each begins (size + 1) with the chunk that is nearest to its share of all costs. */
+static void share_out(const dem_data *d, int *first) {
+  const int n = d->lists.nchunk, size = d->work.homes.ranks->size;
+  const double *cost = d->work.homes.cost;
+  double all = 0, before = 0;
+  for (int c = 0; c < n; c++)
+    all += cost[c];
+  first[0] = 0;
+  for (int r = 1, c = 0; r < size; r++) {
+    while (c < n && before + 0.5 * cost[c] < all * r / size)
+      before += cost[c++];
+    first[r] = c;
+  }
+  first[size] = n;
+}
+
+/* Homes move if the costs of all chunks, which all ranks know now, say so. */
+static bool move_homes(dem_data *d) {
+  const int size = d->work.homes.ranks->size;
+  const double *cost = d->work.homes.cost, tolerance = d->model->balance.tolerance;
+  int now[DEM_RANKS_MAX + 1], better[DEM_RANKS_MAX + 1];
+  const int all[2] = {0, d->lists.nchunk};
+  for (int r = 0; r <= size; r++)
+    now[r] = dem_chunk_of_rank(d, r);
+  share_out(d, better);
+  const double mean = most_of(cost, all, 1) / size, most = most_of(cost, now, size);
+  if (!(most > (1 + tolerance) * mean) || !(most_of(cost, better, size) < most - 0.5 * tolerance * mean))
+    return false;
+  dem_unite(d, DEM_WHOLE);
+  for (int r = 0; r <= size; r++)
+    d->lists.home[r] = (double)better[r] / d->lists.nchunk;
+  d->work.homes.planned = false;
+  return true;
+}
+
+bool dem_homes_balance(dem_data *d) {
+  enum { STEPS = 500 }; /* between looks of runs that are not balanced, which tell the same number */
+  dem_homes *s = &d->work.homes;
+  const dem_balance_def *balance = &d->model->balance;
+  const uint64_t every = balance->every > 0 ? (uint64_t)balance->every : STEPS;
+  if (!s->ranks || d->lists.nchunk > s->ncost || d->state.nstep - s->looked < every)
+    return false;
+  bool moved = false;
+  if (balance->every > 0) {
+    gather_for(d, s->cost, sizeof *s->cost, CHUNKS, NULL);
+    moved = move_homes(d);
+  }
+  s->looked = d->state.nstep;
+  s->nmove += moved;
+  s->all_busiest += s->busiest;
+  s->all_mean += s->mean;
+  s->busiest = s->mean = 0;
+  memset(s->cost, 0, (size_t)s->ncost * sizeof *s->cost);
+  return moved;
+}
+
+double dem_homes_imbalance(const dem_data *d) {
+  const dem_homes *s = &d->work.homes;
+  const double mean = s->all_mean + s->mean;
+  return mean > 0 ? (s->all_busiest + s->busiest) / mean - 1 : 0;
 }
 
 /* ---- a step ---- */
@@ -429,13 +522,19 @@ long dem_homes_sums(dem_data *d, long touching) {
   double *own = s->sums + first[s->ranks->rank];
   own[0] = (double)touching;
   own[1] = s->stop;
-  for (int c = dem_home_first(d), k = 0; c < dem_home_end(d); c++, k++)
+  own[2] = 0;
+  for (int c = dem_home_first(d), k = 0; c < dem_home_end(d); c++, k++) {
+    own[2] += s->cost[c];
     copy_sums(d, c, own + OF_RANK + (size_t)k * each, true);
+  }
   s->ranks->gather(s->sums, sizeof *s->sums, first);
   double sum = 0;
+  s->busiest = s->mean = 0;
   for (int r = 0; r < s->ranks->size; r++) {
     double *of = s->sums + first[r];
     sum += of[0];
+    s->busiest = fmax(s->busiest, of[2]);
+    s->mean += of[2] / s->ranks->size;
     s->stopped = s->stopped || of[1] > 0;
     for (int c = dem_chunk_of_rank(d, r), k = 0; c < dem_chunk_of_rank(d, r + 1); c++, k++)
       copy_sums(d, c, of + OF_RANK + (size_t)k * each, false);

@@ -12,16 +12,20 @@
  *   sums         loads and energies of all chunks go to all ranks, which add them in the order of the chunks
  *
  * so that the bits are those of one process. With the numbers of a later chunk behind those of an earlier one, visitors
- * come from ranks behind and reactions return there, as in [A07]. Whoever reads more of particles that are not at home
- * asks for it first: dem_unite makes whole arrays the same on all ranks. In a process that is alone all of this is
- * nothing.
+ * come from ranks behind and reactions return there, as in [A07]. Homes are as long as makes the measured times of
+ * their chunks alike, if the scene asks for that (dem.decomposition.balance). Whoever reads more of particles that are
+ * not at home asks for it first: dem_unite makes whole arrays the same on all ranks. In a process that is alone all of
+ * this is nothing.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STATE_HOMES_H
 #define DEM_STATE_HOMES_H
 
 #include "dem/state/data.h"
+#include "protocol/base/log.h"
 #include "protocol/wire/participant.h"
+
+#include <math.h>
 
 /* What can be the same on all ranks. */
 enum {
@@ -40,8 +44,8 @@ static inline bool dem_alone(const dem_data *d) {
 
 /* First chunk of a rank's home; of rank `size` the number of chunks. */
 static inline int dem_chunk_of_rank(const dem_data *d, int rank) {
-  const int size = d->work.homes.ranks->size;
-  return (int)(((long)d->lists.nchunk * rank + size - 1) / size);
+  const double round_off = 1e-6;
+  return (int)ceil(d->lists.nchunk * d->lists.home[rank] - round_off);
 }
 
 /* Home chunks: from the first to before the end; all of them in a process that is alone. */
@@ -112,6 +116,20 @@ static inline bool dem_homes_writes(const dem_data *d) {
 
 /* tdm_participant_alive with one answer for all ranks: that of the last step. */
 tdm_status dem_homes_alive(dem_data *data, tdm_participant *participant);
+
+/* ---- balance ---- */
+
+/* A home chunk took the time since `begin` (tdm_clock). */
+static inline void dem_home_took(dem_data *d, int chunk, double begin) {
+  d->work.homes.cost[chunk] += tdm_clock() - begin;
+}
+
+/* Before lists are built: look, if it is time for it, at what chunks cost, and move homes if one of them costs too much
+ * more than the mean and others would be better. Then all of the state is united. Returns whether homes have moved. */
+bool dem_homes_balance(dem_data *data);
+
+/* By how much the busiest rank worked longer than the mean, as a share of it, between looks since the start. */
+double dem_homes_imbalance(const dem_data *data);
 
 /* ---- parts of a step ---- */
 

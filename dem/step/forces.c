@@ -26,8 +26,12 @@ static void add_energy(dem_data *d, dem_share share, double dt) {
 
 static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread)
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
+    const double begin = tdm_clock();
     integrator->end(d, c, dt);
+    if (!dem_alone(d))
+      dem_home_took(d, c, begin);
+  }
 }
 
 /* A chunk's walls, geometry by geometry: what a body's load grows by is the load of the geometry. The same sums, in the
@@ -206,8 +210,11 @@ static long some_forces(dem_data *d, int first, int end, const dem_loop_task *al
   const int *chunk = d->work.homes.chunk;
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
-  for (int k = first; k < end; k++)
+  for (int k = first; k < end; k++) {
+    const double begin = tdm_clock();
     touching += chunk_forces(d, chunk[k], all);
+    dem_home_took(d, chunk[k], begin);
+  }
   return touching;
 }
 

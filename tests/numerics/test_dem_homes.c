@@ -168,4 +168,42 @@ START_TEST(visitors_of_a_step) {
 }
 END_TEST
 
-TEST_MAIN("dem_homes", ten_particles_of_the_figure, visitors_of_a_step)
+/* Homes move to where chunks cost alike; the steps after that have the same bits. */
+static void balance(const dem_ranks *ranks, void *context) {
+  static const double cost[3] = {4, 1, 1}; /* of the chunks [s] */
+  const rig *of = context;
+  const dem_data *alone = of->data;
+  rig *r = make(of->json);
+  dem_data *d = r->data;
+  dem_homes_begin(d, ranks);
+  forces_now(d, false);
+  rig_steps(r, 1);
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+    d->work.homes.cost[c] = cost[c];
+  ck_assert_int_eq(dem_chunk_of_rank(d, 1), ranks->size == 2 ? 2 : 1);
+  d->lists.stale = true; /* lists are made, and homes looked at */
+  rig_steps(r, 1);
+  ck_assert_int_eq(d->work.homes.nmove, ranks->size == 2); /* with more, the first chunk alone is the most */
+  ck_assert_int_eq(dem_chunk_of_rank(d, 1), 1);
+  ck_assert_int_eq(dem_chunk_of_rank(d, ranks->size), 3);
+  ck_assert_double_ge(dem_homes_imbalance(d), 0);
+  rig_steps(r, 1);
+  dem_unite(d, DEM_WHOLE);
+  ck_assert_mem_eq(d->state.push, alone->state.push, (size_t)d->state.nparticle * sizeof *d->state.push);
+  ck_assert_mem_eq(d->state.pace, alone->state.pace, (size_t)d->state.nparticle * sizeof *d->state.pace);
+  rig_free(r);
+}
+
+START_TEST(homes_that_move) {
+  json_t *scene = figure();
+  json_object_set_new(scene, "decomposition", json_pack("{s:{s:i}}", "balance", "every", 1));
+  rig *alone = make(scene);
+  rig_steps(alone, 3);
+  for (int size = 2; size <= 5; size++)
+    each_rank(size, balance, alone);
+  rig_free(alone);
+  json_decref(scene);
+}
+END_TEST
+
+TEST_MAIN("dem_homes", ten_particles_of_the_figure, visitors_of_a_step, homes_that_move)

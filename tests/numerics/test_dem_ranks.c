@@ -375,6 +375,27 @@ START_TEST(box_that_repeats) {
 }
 END_TEST
 
+/* a heap that slides from one end of a box to the other, in another order, with homes that move */
+static const char *decomposition;
+
+static json_t *heap(int threads) {
+  return scene_json("{" TWO PAIRS ",'gravity':[6,0,-6],'decomposition':{'order':%s},'bodies':[{'name':'box','material':"
+                    "'b','shapes':[{'type':'box','side':'inside','size':[0.6,0.1,0.5],'open':['+z']}]}],'"
+                    "particles':[{'type':'random','material':'a','count':4500,'radius':[0.0035,0.005],'"
+                    "region':{'min':[-0.299,-0.049,-0.249],'max':[-0.05,0.049,0.2]},'velocity':[2,0,-1]}"
+                    "]}",
+                    threads, decomposition);
+}
+
+START_TEST(heap_that_slides) {
+  static const char *const decompositions[] = {"'slices','axis':'y'",
+                                               "'slices','axis':'x','balance':{'every':1,'tolerance':1e-6}",
+                                               "'curve','balance':{'every':1,'tolerance':1e-6}"};
+  decomposition = decompositions[_i];
+  compare(&(kind){.scene = heap, .dt = 2e-5, .nwindow = 6, .nstep = 100, .ncoupled = 1}, NULL);
+}
+END_TEST
+
 /* a bed that settles under a pressing lid before the run, is stored, and read again */
 static char store[64];
 
@@ -447,4 +468,4 @@ END_TEST
 
 TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {box_that_is_carried, 1},
                {bed_on_triangles, 1}, {particles_that_come_and_go, 1}, {particles_that_are_screened, 1},
-               {box_that_repeats, 4}, {bed_that_settles, 1}, {what_is_refused, 1})
+               {box_that_repeats, 4}, {heap_that_slides, 3}, {bed_that_settles, 1}, {what_is_refused, 1})
