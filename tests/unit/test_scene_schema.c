@@ -80,8 +80,11 @@ static void enter(json_t *node, const char *path, const char *place) {
   }
 }
 
+/* once in a process, as checks may share one */
 static void read_schema(void) {
   json_error_t error;
+  if (schema)
+    return;
   schema = json_load_file(TANDEM_SOURCE_DIR "/scenarios/scene.schema.json", JSON_REJECT_DUPLICATES, &error);
   ck_assert_msg(schema != NULL, "%d: %s", error.line, error.text);
   nodes = json_object();
@@ -200,6 +203,8 @@ static int visit(const char *path, const struct stat *status, int type, struct F
 }
 
 static void read_scenes(void) {
+  if (asked)
+    return;
   asked = json_object();
   wanted = json_object();
   tdm_scene_listen(hear, NULL);

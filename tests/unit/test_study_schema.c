@@ -77,8 +77,11 @@ static int visit(const char *path, const struct stat *status, int type, struct F
   return 0;
 }
 
+/* once in a process, as checks may share one */
 static void begin(void) {
   json_error_t error;
+  if (schema)
+    return;
   schema = json_load_file(TANDEM_SOURCE_DIR "/scenarios/study.schema.json", JSON_REJECT_DUPLICATES, &error);
   ck_assert_msg(schema != NULL, "%d: %s", error.line, error.text);
   nodes = json_object();
