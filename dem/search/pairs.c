@@ -188,6 +188,7 @@ static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int c = first; c < end; c++)
     fill_chunk(d, c);
+  list->first[dem_home_end_particle(d)] = (int)chunk[end]; /* where the last row ends */
   list->first[d->state.nparticle] = (int)count;
   return TDM_OK;
 }

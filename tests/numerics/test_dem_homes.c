@@ -93,8 +93,14 @@ static void look(const dem_ranks *ranks, void *context) {
   dem_data *d = r->data;
   const int rank = ranks->rank;
   dem_homes_begin(d, ranks);
+  memset(d->lists.pairs.first, 0x7f, (size_t)(d->state.nparticle + 1) * sizeof *d->lists.pairs.first);
   forces_now(d, false);
   const dem_homes *h = &d->work.homes;
+
+  /* rows of home particles, the last one with its end */
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
+    ck_assert_int_le(d->lists.pairs.first[i], d->lists.pairs.first[i + 1]);
+  ck_assert_int_eq(d->lists.pairs.first[dem_home_end_particle(d)], (int)d->lists.pairs.chunk[dem_home_end(d)]);
 
   /* homes, Eq. 3.15 */
   ck_assert_int_eq(d->lists.nchunk, 3);
