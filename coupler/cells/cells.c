@@ -103,11 +103,16 @@ static bool is_row(const cpl_cell *cell, const json_t *row) {
                            names_fit(json_object_get(row, "r2")) && names_fit(json_object_get(row, "nse")));
 }
 
-/* The same but for threads, on which nothing depends. */
+/* without what no result depends on */
+static json_t *bare(json_t *scene) {
+  json_t *dem = json_object_get(scene, "dem");
+  json_object_del(dem, "threads");
+  json_object_del(json_object_get(dem, "decomposition"), "balance");
+  return scene;
+}
+
 static bool same_scene(json_t *a, json_t *b) {
-  json_object_del(json_object_get(a, "dem"), "threads");
-  json_object_del(json_object_get(b, "dem"), "threads");
-  return json_equal(a, b);
+  return json_equal(bare(a), bare(b));
 }
 
 /* The row of an earlier run of the cell, if it was of the very same scene. */

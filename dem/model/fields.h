@@ -62,7 +62,7 @@
   H(screening, SCREENING, RUN)                               \
   H(ntrace, OPTION_NUMBER, RUN)                              \
   H(trace, TRACES, RUN)                                      \
-  H(slices, OPTION_NUMBER, RUN)                              \
+  H(slices, OPTION_NUMBER, PARTICLES)                        \
   F(dt, "a state may go on with another step")               \
   F(proxy, "of the coupling")                                \
   F(time_start, "of the simulation")                         \

@@ -9,6 +9,7 @@
 #include "dem/state/crossings.h"
 #include "dem/state/homes.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -147,7 +148,7 @@ static void drop_fixed(dem_data *d) {
   rows->count = (size_t)at;
 }
 
-/* The new list, in the place of the old one. carry: its histories are taken over, stay: those of home particles alone;
+/* The new list, in the place of the old one. carry: its histories are taken over, stay: from this rank's own entries;
  * old: the numbers that the particles had, NULL: the same. */
 static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old) {
   dem_pairs *list = &d->lists.pairs;
@@ -171,7 +172,7 @@ static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old
   size_t *chunk = d->work.chunk_spare;
   place_chunks(d, chunk);
   size_t count = chunk[d->lists.nchunk];
-  if (dem_pairs_reserve(list, count, ncolumn))
+  if (count > INT_MAX / 2 || dem_pairs_reserve(list, count, ncolumn)) /* twice: columns have two sides */
     return TDM_ERR_MEMORY;
   if (ncolumn > 0) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)

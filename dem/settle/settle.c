@@ -97,6 +97,7 @@ static void stand_still(dem_data *d) {
     d->state.twist[b] = d->model->body[b].start.twist;
   dem_bodies_drive(d, d->model->time_start);
   d->state.nstep = 0;
+  dem_homes_measure(d);
 }
 
 /* let the particles come to rest with the bodies held */

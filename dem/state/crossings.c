@@ -4,6 +4,8 @@
 
 #include "dem/state/homes.h"
 
+#include <limits.h>
+
 static bool crosses(const dem_data *d, int chunk, int other) {
   return other < d->state.nparticle && other >= (chunk + 1) * DEM_CHUNK;
 }
@@ -33,7 +35,7 @@ tdm_status dem_crossings_place(dem_data *d) {
   }
   dem_lay_out(d, first);
   const int count = (int)first[d->lists.nchunk];
-  if (dem_crossings_reserve(d, count))
+  if (first[d->lists.nchunk] > (size_t)(INT_MAX - d->state.nparticle - 1) || dem_crossings_reserve(d, count))
     return TDM_ERR_MEMORY;
   x->count = count;
   place_home(d, first);

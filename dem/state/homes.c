@@ -395,13 +395,25 @@ static bool move_homes(dem_data *d) {
     now[r] = dem_chunk_of_rank(d, r);
   share_out(d, better);
   const double mean = most_of(cost, all, 1) / size, most = most_of(cost, now, size);
-  if (!(most > (1 + tolerance) * mean) || !(most_of(cost, better, size) < most - 0.5 * tolerance * mean))
+  if (!(most > (1 + tolerance) * mean) || !(most_of(cost, better, size) < most - tolerance * mean))
     return false;
   dem_unite(d, DEM_WHOLE);
   for (int r = 0; r <= size; r++)
     d->lists.home[r] = (double)better[r] / d->lists.nchunk;
   d->work.homes.planned = false;
   return true;
+}
+
+double (*dem_homes_clock)(void) = tdm_clock;
+
+void dem_homes_measure(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  s->looked = d->state.nstep;
+  s->all_busiest += s->busiest;
+  s->all_mean += s->mean;
+  s->busiest = s->mean = 0;
+  if (s->ncost > 0)
+    memset(s->cost, 0, (size_t)s->ncost * sizeof *s->cost);
 }
 
 bool dem_homes_balance(dem_data *d) {
@@ -416,12 +428,8 @@ bool dem_homes_balance(dem_data *d) {
     gather_for(d, s->cost, sizeof *s->cost, CHUNKS, NULL);
     moved = move_homes(d);
   }
-  s->looked = d->state.nstep;
   s->nmove += moved;
-  s->all_busiest += s->busiest;
-  s->all_mean += s->mean;
-  s->busiest = s->mean = 0;
-  memset(s->cost, 0, (size_t)s->ncost * sizeof *s->cost);
+  dem_homes_measure(d);
   return moved;
 }
 

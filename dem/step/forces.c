@@ -27,7 +27,7 @@ static void add_energy(dem_data *d, dem_share share, double dt) {
 static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread)
   for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    const double begin = tdm_clock();
+    const double begin = dem_homes_clock();
     integrator->end(d, c, dt);
     if (!dem_alone(d))
       dem_home_took(d, c, begin);
@@ -211,7 +211,7 @@ static long some_forces(dem_data *d, int first, int end, const dem_loop_task *al
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
   for (int k = first; k < end; k++) {
-    const double begin = tdm_clock();
+    const double begin = dem_homes_clock();
     touching += chunk_forces(d, chunk[k], all);
     dem_home_took(d, chunk[k], begin);
   }

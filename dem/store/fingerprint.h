@@ -9,17 +9,17 @@
 /* What decides the settled bed, part by part: name in C, what differs when it does. Not time.dt, the coupling, speeds
  * of bodies and belts (they are held while settling), restitution and friction of the run, sources, sinks, the
  * integrator. */
-#define DEM_BED_PART_LIST(X)                                       \
-  X(LAWS, "dem.contact")                                           \
-  X(BOX, "dem.domain or dem.dimension")                            \
-  X(SETTLE, "dem.settle (speed, max_time, dt or drag)")            \
-  X(GRAVITY, "gravity")                                            \
-  X(MATERIALS, "dem.materials")                                    \
-  X(PAIRS, "dem.pairs while settling")                             \
-  X(POSES, "poses of bodies at the start")                         \
-  X(SHAPES, "shapes of bodies")                                    \
-  X(POURED, "what is poured")                                      \
-  X(PARTICLES, "particles (number, sizes, masses or their start)") \
+#define DEM_BED_PART_LIST(X)                                        \
+  X(LAWS, "dem.contact")                                            \
+  X(BOX, "dem.domain or dem.dimension")                             \
+  X(SETTLE, "dem.settle (speed, max_time, dt or drag)")             \
+  X(GRAVITY, "gravity")                                             \
+  X(MATERIALS, "dem.materials")                                     \
+  X(PAIRS, "dem.pairs while settling")                              \
+  X(POSES, "poses of bodies at the start")                          \
+  X(SHAPES, "shapes of bodies")                                     \
+  X(POURED, "what is poured")                                       \
+  X(PARTICLES, "particles (number, sizes, masses, start or order)") \
   X(GROUPS, "forces on particles")
 
 #define X(part, name) DEM_BED_##part,

@@ -333,6 +333,7 @@ START_TEST(tells_what_it_has) {
 END_TEST
 
 #define ROWS(table) (int)(sizeof table / sizeof table[0])
-TEST_MAIN_ROWS("fmu", {conforms, ROWS(models)}, {moves_as_tandem_mbd, ROWS(twins)}, {holds_in_long_windows, 2},
-               {faults_are_named, ROWS(faults)}, {mistakes_are_named, ROWS(mistakes)}, {schemes_that_it_can_go_with, 1},
+TEST_MAIN_ROWS("fmu", {conforms, SOME_ROWS(ROWS(models))}, {moves_as_tandem_mbd, ROWS(twins)},
+               {holds_in_long_windows, 2}, {faults_are_named, SOME_ROWS(ROWS(faults))},
+               {mistakes_are_named, SOME_ROWS(ROWS(mistakes))}, {schemes_that_it_can_go_with, 1},
                {unpacks_where_tmpdir_says, 1}, {tells_what_it_has, 1})

@@ -291,7 +291,7 @@ START_TEST(test_bad_store) {
 
   /* of other settling */
   refused(bed_json(0.5, 0.3, 1, name, ""), "another scene: what differs is dem.pairs while settling; delete the file");
-  refused(bed_json(0.5, 0.4, 2, name, ""), "particles (number, sizes, masses or their start); delete the file");
+  refused(bed_json(0.5, 0.4, 2, name, ""), "particles (number, sizes, masses, start or order); delete the file");
   refused(bed_json(0.5, 0.4, 1, name, ",'contact':{'tangential':'coulomb'}"), "dem.contact, dem.pairs");
 
   /* cut short anywhere, and every way of damage */

@@ -271,7 +271,7 @@ END_TEST
 
 TEST_MAIN_ROWS("conform", {own_solvers_conform, 1}, {own_solvers_conform_with_two_bodies, 1},
                {own_solvers_conform_where_it_is_seen, 1}, {the_dummy_conforms, 1},
-               {lies_are_found, (int)(sizeof lies / sizeof lies[0])},
-               {lies_elsewhere_are_found, (int)(sizeof elsewhere / sizeof elsewhere[0])},
-               {faults_are_found, (int)(sizeof faults / sizeof faults[0])},
+               {lies_are_found, SOME_ROWS(sizeof lies / sizeof lies[0])},
+               {lies_elsewhere_are_found, SOME_ROWS(sizeof elsewhere / sizeof elsewhere[0])},
+               {faults_are_found, SOME_ROWS(sizeof faults / sizeof faults[0])},
                {checkpoints_are_looked_at, (int)(sizeof checkpoints / sizeof checkpoints[0])}, {wrong_commands, 1})
