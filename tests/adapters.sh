@@ -5,16 +5,30 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build/release}
+logs=$(mktemp -d)
+trap 'rm -rf "$logs"' EXIT
+declare -A package=([test_liggghts]=libliggghts-dev [test_yade]=yade
+  [test_ranks]="libopenmpi-dev (with openmpi-bin)")
 
-while read -r test package; do
-  if [ -e "$build/tests/$test" ]; then
-    echo "-- $test"
-    "$build/tests/$test"
-  else
-    echo "-- $test: skipped; it needs the package $package, installed before CMake runs"
-  fi
-done <<END
-test_liggghts libliggghts-dev
-test_yade yade
-test_ranks libopenmpi-dev (with openmpi-bin)
-END
+# together TEST…: those that are built, at the same time; what they say comes one after the other
+together() {
+  local test k status=0 built=() pids=()
+  for test in "$@"; do
+    if [ -e "$build/tests/$test" ]; then
+      "$build/tests/$test" >"$logs/$test" 2>&1 &
+      pids+=($!)
+      built+=("$test")
+    else
+      echo "-- $test: skipped; it needs the package ${package[$test]}, installed before CMake runs"
+    fi
+  done
+  for k in "${!pids[@]}"; do
+    wait "${pids[k]}" || status=$?
+    echo "-- ${built[k]}"
+    cat "$logs/${built[k]}"
+  done
+  return $status
+}
+
+together test_liggghts test_yade # each keeps one core busy, no more
+together test_ranks
