@@ -27,7 +27,7 @@ static void add_energy(dem_data *d, dem_share share, double dt) {
 static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread)
   for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    const double begin = dem_homes_clock();
+    const double begin = dem_alone(d) ? 0 : dem_homes_clock();
     integrator->end(d, c, dt);
     if (!dem_alone(d))
       dem_home_took(d, c, begin);
