@@ -74,6 +74,7 @@ void dem_set_body_mobility(dem_data *d, int coupled, const double Y[36]) {
 
 long dem_count_lost_among(const dem_data *d, int first, int end) {
   long lost = 0;
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : lost)
   for (int i = first; i < end; i++) {
     bool through = false;
     for (int w = 0; w < d->model->nwall && !through; w++)

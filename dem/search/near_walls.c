@@ -50,7 +50,7 @@ static float away_from(const dem_wall *wall, int part, tdm_vec3 x, double radius
 }
 
 static void lower(double *margin, double away) {
-  *margin = fmin(*margin, away);
+  *margin = away < *margin ? away : *margin;
 }
 
 /* the parts of wall w near particle i, whose centre is at `own` in the wall's axes */
@@ -92,7 +92,8 @@ static void list_group(const dem_data *d, int first, int end, int w, near_chunk 
     list_parts(d, i, w, from, own[i - first], range[i - first], to);
 }
 
-static void list_wall(const dem_data *d, int i, int w, near_chunk *to) {
+/* Returns how far a particle that is not listed is, more where it is. */
+static double list_wall(const dem_data *d, int i, int w, near_chunk *to) {
   const dem_wall *wall = &d->model->wall[w];
   const double radius = d->state.sphere[i].radius;
   double gap = dem_gap(d, i, w, NULL);
@@ -101,20 +102,25 @@ static void list_wall(const dem_data *d, int i, int w, near_chunk *to) {
   if (wall->endless)
     away = fmax(away, -gap - radius);
   if (!(away < d->lists.skin))
-    lower(&to->margin[wall->body], away);
-  else if (reserve(to, 1))
+    return away;
+  if (reserve(to, 1))
     to->entry[to->count++] = (dem_wall_entry){i, w, 0, 0};
+  return INFINITY;
 }
 
 static void list_chunk(const dem_data *d, int c, near_chunk *to) {
   const int first = c * DEM_CHUNK, end = dem_chunk_end(d, c);
-  for (int w = 0; w < d->model->nwall; w++)
-    if (d->model->wall[w].shape->near)
+  for (int w = 0; w < d->model->nwall; w++) {
+    const dem_wall *wall = &d->model->wall[w];
+    double margin = INFINITY;
+    if (wall->shape->near)
       for (int i = first; i < end && !to->failed; i += GROUP)
         list_group(d, i, i + GROUP < end ? i + GROUP : end, w, to);
     else
       for (int i = first; i < end && !to->failed; i++)
-        list_wall(d, i, w, to);
+        lower(&margin, list_wall(d, i, w, to));
+    lower(&to->margin[wall->body], margin);
+  }
 }
 
 /* ---- histories ---- */
@@ -187,8 +193,9 @@ tdm_status dem_near_walls_build(dem_data *d, const dem_wall_contacts *before, bo
   if (!status) {
 #pragma omp parallel for schedule(dynamic) num_threads(d->work.nthread) if (d->work.nthread > 1)
     for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-      chunk[c].margin = margin + (size_t)c * nbody;
-      list_chunk(d, c, &chunk[c]);
+      near_chunk own = {.margin = margin + (size_t)c * nbody}; /* beside no other thread's */
+      list_chunk(d, c, &own);
+      chunk[c] = own;
     }
     status = join(d, chunk, before, stay);
   }

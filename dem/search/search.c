@@ -208,7 +208,8 @@ static void number_rows(dem_rows *rows, const dem_nearby *nearby, const dem_sear
 /* one list of pairs a thread, empty, with room for its share of what is expected */
 static dem_found *make_lists(const dem_search *search, const dem_search_input *input) {
   dem_found *found = dem_scratch_take(input->scratch, (size_t)input->nthread * sizeof *found);
-  size_t share = (size_t)(1.05 * search->expected * input->n / input->nthread) + 64;
+  const double more = input->nthread > 1 ? 1.25 : 1.05; /* threads do not find equally many */
+  size_t share = (size_t)(more * search->expected * input->n / input->nthread) + 64;
   for (int t = 0; found && t < input->nthread; t++) {
     dem_found_pair *pair = dem_scratch_take(input->scratch, share * sizeof *pair);
     found[t] = (dem_found){.pair = pair, .capacity = pair ? share : 0};

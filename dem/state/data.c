@@ -41,7 +41,7 @@ static size_t layout_particles(dem_data *d, char *block) {
   PLACE(lists.crossings.chunk, nchunk + 1)
   PLACE(work.chunk_load, nchunk * (size_t)d->model->nload)
   PLACE(work.chunk_flux, nchunk)
-  PLACE(work.chunk_flag, nchunk)
+  PLACE(work.section, (size_t)d->work.nthread)
   return used;
 }
 

@@ -334,6 +334,12 @@ typedef struct {
   int nmove;                    /* times that homes moved */
 } dem_homes;
 
+/* A thread's chunks in a pass over all: those from `next` to before `end` are left. */
+typedef struct {
+  int next, end;
+  char apart[56]; /* a cache line each */
+} dem_section;
+
 /* The workspace: memory, sums by chunk and whatever else means nothing between two steps. Never copied or stored. */
 typedef struct {
   int nthread;
@@ -343,7 +349,7 @@ typedef struct {
   /* an evaluation */
   tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
-  bool *chunk_flag;       /* (nchunk) scratch: of chunks, in a pass over them */
+  dem_section *section;   /* (nthread) scratch: of a pass over chunks */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
 

@@ -175,33 +175,30 @@ static long forces_alone(dem_data *d, const dem_loop_task *all, const dem_integr
   return touching;
 }
 
-/* The same on several threads, which take one chunk after the other. A chunk's step is ended by who completes it and
- * all before it. */
-static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
-  const int nchunk = d->lists.nchunk;
-  bool *done = d->work.chunk_flag;
-  int next = 0, ended = 0;
-  long touching = 0;
-  memset(done, 0, (size_t)nchunk * sizeof *done);
-#pragma omp parallel num_threads(d->work.nthread) reduction(+ : touching)
-  for (;;) {
-    int c, first, end;
+/* The next chunk of a section, -1: none is left. */
+static int take(dem_section *from) {
+  int c;
 #pragma omp atomic capture
-    c = next++;
-    if (c >= nchunk)
-      break;
-    touching += chunk_forces(d, c, all);
-#pragma omp critical(dem_chunks)
-    {
-      done[c] = true;
-      first = ended;
-      while (ended < nchunk && done[ended])
-        ended++;
-      end = ended;
-    }
-    for (int e = first; e < end && integrator; e++)
-      integrator->end(d, e, all->dt);
-  }
+  c = from->next++;
+  return c < from->end ? c : -1;
+}
+
+/* The same on several threads. Each begins with the chunks that it moves, too, which are in its core's cache; who has
+ * done these helps the others. */
+static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
+  const int n = d->work.nthread;
+  dem_section *section = d->work.section;
+  long touching = 0;
+  for (int t = 0; t < n; t++)
+    section[t] =
+        (dem_section){.next = (int)((long)d->lists.nchunk * t / n), .end = (int)((long)d->lists.nchunk * (t + 1) / n)};
+#pragma omp parallel for schedule(static, 1) num_threads(n) reduction(+ : touching)
+  for (int t = 0; t < n; t++)
+    for (int k = 0; k < n; k++)
+      for (int c; (c = take(&section[(t + k) % n])) >= 0;)
+        touching += chunk_forces(d, c, all);
+  if (integrator)
+    end_chunks(d, integrator, all->dt);
   return touching;
 }
 

@@ -39,10 +39,14 @@ static bool leaps(const dem_data *d, int i, double dt, double *way) {
 }
 
 void dem_guard_note_leap(dem_data *d, double dt) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
   double way;
   bool any = false;
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end && !any; i++)
-    any = leaps(d, i, dt, &way);
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(|| : any)
+  for (int i = first; i < end; i++) {
+    double by;
+    any = any || leaps(d, i, dt, &by);
+  }
   if (!dem_homes_any(d, any))
     return;
   dem_unite(d, DEM_MOTION);
@@ -211,10 +215,16 @@ static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_
   *due = false;
   if (d->state.nstep < g->pace_next)
     return TDM_OK;
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
   double fastest2 = 0, smallest = INFINITY;
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
-    fastest2 = fmax(fastest2, tdm_dot(d->state.sphere[i].velocity, d->state.sphere[i].velocity));
-    smallest = fmin(smallest, d->state.sphere[i].radius);
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(max         \
+                                                                                                          : fastest2) \
+    reduction(min                                                                                                     \
+              : smallest)
+  for (int i = first; i < end; i++) {
+    const double v2 = tdm_dot(d->state.sphere[i].velocity, d->state.sphere[i].velocity), r = d->state.sphere[i].radius;
+    fastest2 = v2 > fastest2 ? v2 : fastest2;
+    smallest = r < smallest ? r : smallest;
   }
   int body = 0;
   fastest2 = dem_homes_largest(d, fastest2);
