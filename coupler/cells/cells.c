@@ -6,6 +6,7 @@
 #include "protocol/app/command_line.h"
 #include "protocol/math/hash.h"
 #include "protocol/parameters/load.h"
+#include "protocol/results/results.h"
 
 #include <assert.h>
 #include <ctype.h>
@@ -168,7 +169,7 @@ static int run_cell(void *context, int i) {
   row_file(cell, file, sizeof file);
   json_t *row = cpl_cell_run(cells, cell);
   tdm_make_directory(cell->dir, NULL); /* a scene that is refused has made none */
-  return !row || json_dump_file(row, file, JSON_INDENT(2)) != 0;
+  return !row || !tdm_json_replace(file, row);
 }
 
 static void print_cell(const cpl_cell *cell, int done, int ncell, double seconds, bool quiet) {
@@ -210,7 +211,7 @@ static void end_cell(void *context, int i, int status, double seconds) {
   if (!cell->row) {
     cell->row = late_row(work->cells, cell, status);
     if (cell->program)
-      json_dump_file(cell->row, file, JSON_INDENT(2)); /* where that fails it is run again */
+      tdm_json_replace(file, cell->row); /* where that fails it is run again */
   }
   print_cell(cell, ++work->done, work->cells->ncell, seconds, work->cells->quiet);
 }

@@ -73,12 +73,15 @@ static bool end_one(const cpl_jobs *jobs, job *job_of) {
 void cpl_jobs_run(const cpl_jobs *jobs) {
   job job_of[CPL_JOBS_MAX] = {{0}};
   int next = 0, running = 0;
+  sig_atomic_t told = 0; /* signals */
   while (running > 0 || (next < jobs->count && !tdm_interrupted)) {
     running += start_some(jobs, job_of, &next);
-    for (int j = 0; j < jobs->at_once && tdm_interrupted == 1; j++)
-      if (job_of[j].pid)
-        kill(job_of[j].pid, SIGTERM); /* Ctrl-C reaches them anyway, a signal to this process alone does not */
-    tdm_interrupted += tdm_interrupted == 1;
+    const sig_atomic_t signals = tdm_signal_count;
+    if (signals != told)
+      for (int j = 0; j < jobs->at_once; j++)
+        if (job_of[j].pid)
+          kill(job_of[j].pid, SIGTERM); /* Ctrl-C reaches them anyway, a signal to this process alone does not */
+    told = signals;
     if (running > 0)
       running -= end_one(jobs, job_of);
   }

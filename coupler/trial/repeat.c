@@ -285,7 +285,7 @@ static void print(const repetition *r, const outcome *o) {
 
 /* into summary.json: whole, or not at all */
 static tdm_status enter(const repetition *r, const outcome *o, tdm_error *err) {
-  char file[4352], part[4400];
+  char file[4352];
   json_t *summary = tdm_results_read(r->options->out, "summary.json", err);
   if (!summary)
     return err->status;
@@ -293,11 +293,8 @@ static tdm_status enter(const repetition *r, const outcome *o, tdm_error *err) {
   if (estimate)
     json_object_set_new(estimate, "repetition", to_json(r, o));
   snprintf(file, sizeof file, "%s/summary.json", r->options->out);
-  snprintf(part, sizeof part, "%s.part", file);
-  if (json_dump_file(summary, part, JSON_INDENT(2)) != 0 || rename(part, file) != 0) {
+  if (!tdm_json_replace(file, summary))
     tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", file, strerror(errno));
-    remove(part);
-  }
   json_decref(summary);
   return err->status;
 }

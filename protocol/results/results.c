@@ -226,6 +226,13 @@ static bool overwrite(const char *path, const char *text) {
   return (fd < 0 || close(fd) == 0) && good;
 }
 
+bool tdm_json_replace(const char *path, const json_t *json) {
+  char *text = json_dumps(json, JSON_INDENT(2));
+  const bool good = text && replace(path, text);
+  free(text);
+  return good;
+}
+
 tdm_status tdm_results_json(const tdm_results *r, const char *name, const json_t *json, tdm_error *err) {
   char path[4352];
   char *text = json_dumps(json, JSON_INDENT(2));

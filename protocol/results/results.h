@@ -63,7 +63,10 @@ FILE *tdm_results_file(const tdm_results *results, const char *name, tdm_error *
 /* A row of a time history: the time [s], then n values. */
 void tdm_write_row(FILE *file, double time, const double *values, int n);
 
-/* Write `json` (borrowed) as a file of the directory: whole, or not at all. */
+/* Write `json` (borrowed) to a file, whole or not at all. Returns whether it is there; errno says why not. */
+bool tdm_json_replace(const char *path, const json_t *json);
+
+/* The same as a file of the directory. */
 tdm_status tdm_results_json(const tdm_results *results, const char *name, const json_t *json, tdm_error *err);
 
 /* Write `json` as summary.json, after tdm_results_start also on a full disk; when even that fails, less of it. */
