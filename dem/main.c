@@ -4,32 +4,26 @@
 #include "dem/app/import.h"
 #include "dem/app/launch.h"
 #include "dem/app/run.h"
-#include "protocol/app/find.h"
+#include "protocol/app/command_line.h"
 
-#include <errno.h>
 #include <malloc.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-/* Under mpirun with several processes: become the program for that. Returns the exit status when there is none. */
-static int become_ranks(char **argv) {
-  char path[4096];
-  if (tdm_find_program(path, sizeof path, "tandem-dem-mpi")) {
-    execv(path, argv);
-    fprintf(stderr, "tandem-dem: error: %s cannot be executed: %s\n", path, strerror(errno));
-  } else {
-    fprintf(stderr,
-            "tandem-dem: error: several processes need tandem-dem-mpi, which is neither beside this program nor "
-            "on PATH; install libopenmpi-dev and build again, or take one process and dem.threads\n");
-  }
-  return 1;
+/* On several processes: become mpirun, or what mpirun has started. Returns with an error, or if this one is alone. */
+static tdm_status become_ranks(int *argc, char **argv, tdm_error *err) {
+  const int wanted = dem_launch_words(argc, argv, err), started = dem_launched_processes();
+  if (err->status)
+    return err->status;
+  if (wanted && started && wanted != started)
+    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
+                    "--ranks is %d, but mpirun has started %d; leave the option out under mpirun", wanted, started);
+  return started > 1 ? dem_launch_become(err) : wanted > 1 ? dem_launch_ranks(wanted, NULL, err) : TDM_OK;
 }
 
 int main(int argc, char **argv) {
-  if (dem_launched_processes() > 1)
-    return become_ranks(argv);
+  tdm_error err = {0};
+  if (become_ranks(&argc, argv, &err))
+    return tdm_finish("tandem-dem", &err);
   /* Large arrays in pages of their own, also after some were freed: they grow without a copy, and what is freed goes.
    */
   mallopt(M_MMAP_THRESHOLD, 1 << 18);

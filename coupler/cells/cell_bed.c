@@ -22,8 +22,7 @@ static uint64_t bed_hash(json_t *root) {
   static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema", "parameters"};
   for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
     json_object_del(root, others[i]);
-  json_object_del(json_object_get(root, "dem"), "threads");
-  char *text = json_dumps(root, JSON_COMPACT | JSON_SORT_KEYS);
+  char *text = json_dumps(cpl_cell_bare(root), JSON_COMPACT | JSON_SORT_KEYS);
   uint64_t hash = text ? tdm_hash_bytes(TDM_HASH_START, text, strlen(text)) : 0;
   free(text);
   return hash;
@@ -70,7 +69,7 @@ static void check_alone(const cpl_cell *cell, const char *const *set) {
 
 /* Settle and stop. What has nothing to do with the bed may be wrong in this cell: it is left out. */
 static void make_bed(const cpl_cells *cells, const cpl_cell *cell) {
-  const char *set[CPL_CELL_SETTINGS + 2];
+  const char *set[CPL_CELL_SETTINGS + 3];
   char out[4200];
   int nset = 0;
   for (int k = 0; k < cell->nset; k++)

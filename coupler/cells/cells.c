@@ -39,7 +39,7 @@ const char *cpl_cell_add(cpl_cell *cell, const char *path, const char *value, td
   int n = 0;
   while (cell->set[n])
     n++;
-  assert(n < CPL_CELL_SETTINGS + 2);
+  assert(n < CPL_CELL_SETTINGS + 3);
   cell->set[n] = malloc(size);
   if (cell->set[n])
     snprintf(cell->set[n], size, "%s=%s", path, value);
@@ -104,16 +104,19 @@ static bool is_row(const cpl_cell *cell, const json_t *row) {
                            names_fit(json_object_get(row, "r2")) && names_fit(json_object_get(row, "nse")));
 }
 
-/* without what no result depends on */
-static json_t *bare(json_t *scene) {
-  json_t *dem = json_object_get(scene, "dem");
-  json_object_del(dem, "threads");
-  json_object_del(json_object_get(dem, "decomposition"), "balance");
+json_t *cpl_cell_bare(json_t *scene) {
+  static const char *const shared_by[] = {"threads", "ranks"};
+  json_t *dem = json_object_get(scene, "dem"), *decomposition = json_object_get(dem, "decomposition");
+  for (int k = 0; k < 2 && !cpl_is_foreign(scene, CPL_DEM); k++)
+    json_object_del(dem, shared_by[k]);
+  json_object_del(decomposition, "balance");
+  if (decomposition && json_object_size(decomposition) == 0)
+    json_object_del(dem, "decomposition");
   return scene;
 }
 
 static bool same_scene(json_t *a, json_t *b) {
-  return json_equal(bare(a), bare(b));
+  return json_equal(cpl_cell_bare(a), cpl_cell_bare(b));
 }
 
 /* The row of an earlier run of the cell, if it was of the very same scene. */
@@ -241,15 +244,20 @@ static tdm_status check_scenes(const cpl_cells *cells, tdm_error *err) {
   return err->status;
 }
 
-/* Cells side by side share the processors. */
-static void limit_threads(const cpl_cells *cells, cpl_cell *cell, const json_t *scene, tdm_error *err) {
-  static const char path[] = "dem.threads";
+/* One of what `path` names, unless the cell itself says how many. */
+static void take_one(const cpl_cells *cells, cpl_cell *cell, const json_t *scene, const char *path, tdm_error *err) {
   for (int k = 0; k < cell->nset; k++)
     if (strncmp(cell->set[k], path, strlen(path)) == 0 && cell->set[k][strlen(path)] == '=')
       return;
   if (cells->jobs > 1 && cells->ncell > 1 && !cpl_is_foreign(scene, CPL_DEM) &&
       json_number_value(tdm_scene_value(scene, path)) > 1)
     cpl_cell_add(cell, path, "1", err);
+}
+
+/* Cells side by side share the processors. */
+static void limit_threads(const cpl_cells *cells, cpl_cell *cell, const json_t *scene, tdm_error *err) {
+  take_one(cells, cell, scene, "dem.threads", err);
+  take_one(cells, cell, scene, "dem.ranks", err);
 }
 
 /* Who runs it, what it shares with others, and what is there of it. */

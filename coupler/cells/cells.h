@@ -5,7 +5,8 @@
  *   OUT/cells/<name>/    result directory of a cell, its comparison, and row.json, which `resume` reads
  *
  * A scene of particles alone or of bodies alone is run by the solver's program, whose words are in run.log then. Where
- * cells run side by side each has one thread for its particles (dem.threads): results do not depend on it.
+ * cells run side by side each has one thread and one process for its particles (dem.threads, dem.ranks): results do
+ * not depend on these.
  *
  * A cell that fails or is unstable is a result, not a failure of the whole.
  */
@@ -24,7 +25,7 @@ typedef struct {
   const char *scene;                /* file, borrowed */
   const char *program;              /* solver that runs it alone, borrowed; NULL: both, coupled */
   int nset;                         /* settings of its own: what its row tells */
-  char *set[CPL_CELL_SETTINGS + 3]; /* "path=value" of these, then what cells add themselves; NULL-terminated, owned */
+  char *set[CPL_CELL_SETTINGS + 4]; /* "path=value" of these, then what cells add themselves; NULL-terminated, owned */
   const char *store;                /* the stored bed's among them, NULL: none */
   json_t *row;                      /* NULL until it was tried */
 } cpl_cell;
@@ -59,6 +60,9 @@ tdm_status cpl_cells_run(cpl_cells *cells, tdm_error *err);
 /* The scene of a cell as it runs, without the settings that cannot be made (an error); the caller destroys it also
  * after an error. */
 tdm_status cpl_cell_scene(const cpl_cell *cell, tdm_scene *scene, tdm_error *err);
+
+/* Take out of a scene (borrowed, returned) what no result of tandem's own DEM engine depends on. */
+json_t *cpl_cell_bare(json_t *scene);
 
 /* ---- the settled bed (cell_bed.c) ---- */
 

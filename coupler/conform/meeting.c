@@ -77,13 +77,13 @@ tdm_status cpl_meeting_check(cpl_candidate *c, tdm_error *err) {
 
 static tdm_status launch(cpl_meeting *m, double timeout, tdm_error *err) {
   cpl_candidate *c = m->candidate;
-  char endpoint[256], log[256];
+  char endpoint[256], log[256], text[256];
   snprintf(endpoint, sizeof endpoint, "ipc://%s/server%d", c->dir, c->meetings++);
   if (cpl_session_open(&m->session, &m->settings, endpoint, NULL, err) != TDM_OK)
     return err->status;
   tdm_progress_begin(&m->session.progress, 0, "", true);
   for (int r = 0; r <= (int)c->role && err->status == TDM_OK; r++) { /* dem is assigned what mbd has told */
-    const char *partner = m->settings.command[r] ? m->settings.command[r] : c->solver[r].executable;
+    const char *partner = cpl_launch_command(&m->settings, (cpl_role)r, c->solver[r].executable, text, sizeof text);
     snprintf(log, sizeof log, "%s/%s.log", c->dir, cpl_role_names[r]);
     cpl_launch_process(&m->session.partner[r].child, r == (int)c->role ? c->command : partner, endpoint,
                        cpl_role_names[r], log, timeout, err);

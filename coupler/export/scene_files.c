@@ -69,6 +69,7 @@ static void leave_out(json_t *root, cpl_export_side side) {
     json_object_del(root, keys[i]);
   json_object_del(coupling, "transport");
   json_object_del(coupling, "address");
+  json_object_del(json_object_get(root, "dem"), "ranks");
   for (int r = 0; r < CPL_NROLE; r++)
     if (!cpl_export_has(side, (cpl_role)r)) {
       json_object_set_new(root, cpl_role_names[r], json_object());

@@ -82,7 +82,7 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
   const cpl_settings *s = &run->settings;
   const char *endpoint = tdm_transport_endpoint(run->session.transport), *name = cpl_role_names[role];
   cpl_child **child = &run->session.partner[role].child;
-  char log[4096], file[16];
+  char log[4096], file[16], text[256];
   if (s->by_hand[role]) {
     if (!run->options->quiet)
       fprintf(stderr, "tandem: waiting for %s: start it with --connect %s\n", name, endpoint);
@@ -96,7 +96,7 @@ static tdm_status launch(run_state *run, cpl_role role, tdm_error *err) {
                       "a foreign solver cannot run as a thread; take \"ipc\" as coupling.transport");
     return cpl_launch_thread(child, run->options->solver[role].ops, endpoint, run->context, log, s->timeout, err);
   }
-  const char *command = s->command[role] ? s->command[role] : run->options->solver[role].executable;
+  const char *command = cpl_launch_command(s, role, run->options->solver[role].executable, text, sizeof text);
   cpl_launch_process(child, command, endpoint, name, log, s->timeout, err);
   if (err->status != TDM_OK && s->command[role])
     snprintf(err->path, sizeof err->path, "%s", s->solver_path[role]);

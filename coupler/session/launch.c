@@ -106,6 +106,13 @@ static int read_command(const char *command, char *text, size_t size, char **wor
   return n;
 }
 
+const char *cpl_launch_command(const cpl_settings *s, cpl_role role, const char *program, char *text, size_t size) {
+  if (s->command[role] || role != CPL_DEM || s->ranks == 1)
+    return s->command[role] ? s->command[role] : program;
+  snprintf(text, size, "%s --ranks %d", program, s->ranks);
+  return text;
+}
+
 tdm_status cpl_launch_process(cpl_child **child, const char *command, const char *endpoint, const char *name,
                               const char *log, double timeout, tdm_error *err) {
   char path[4096], text[4096], seconds[32], *argv[WORDS_MAX + 7];

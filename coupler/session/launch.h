@@ -16,6 +16,11 @@ typedef struct {
 
 typedef struct cpl_child cpl_child;
 
+/* The command that starts a role's solver: the scene's, else tandem's own program, on as many ranks as the scene wants.
+ * `text` (size bytes) may hold it. */
+const char *cpl_launch_command(const cpl_settings *settings, cpl_role role, const char *program, char *text,
+                               size_t size);
+
 /* Start a process `command --connect endpoint --name name`, its output written to the file `log`. The child ignores
  * Ctrl-C (the server ends it in order) and is killed by the kernel when the server dies. `command` is a program, or one
  * with words behind it that blanks part ("mpirun -n 2 mysolver"); the folder of this program is first on its PATH. */

@@ -55,6 +55,7 @@ typedef struct {
   const char *address;                       /* tcp: where to listen; the port may be "*" */
   const char *command[CPL_NROLE];            /* of a foreign solver, NULL: tandem's own */
   bool by_hand[CPL_NROLE];                   /* somebody else starts this solver */
+  int ranks;                                 /* processes of tandem's own DEM engine (dem.ranks) */
   char solver_path[CPL_NROLE][TDM_PATH_MAX]; /* where the scene says so, "": it does not */
   int nbody;
   cpl_body_names *body;   /* (nbody), owned */

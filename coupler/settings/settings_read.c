@@ -100,6 +100,12 @@ static void read_solvers(cpl_settings *s, tdm_object *root) {
     read_solver(s, r, &section, "solver");
   }
   tdm_object_close(&before);
+  s->ranks = tdm_section_ranks(json_object_get(root->json, "dem"));
+  if (s->ranks > 1 && s->transport == CPL_INPROC && !s->command[CPL_DEM])
+    tdm_fail(root->err, TDM_ERR_SCENE, "dem.ranks",
+             "is %d, but with coupling.transport \"inproc\" solvers are threads of one process; take \"ipc\", or "
+             "dem.threads",
+             s->ranks);
 }
 
 bool cpl_is_foreign(const json_t *root, cpl_role role) {

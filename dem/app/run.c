@@ -3,9 +3,10 @@
 #include "dem/app/run.h"
 
 #include "dem/adapter/solver.h"
-#include "dem/app/moldyn_files.h"
+#include "dem/app/launch.h"
 #include "dem/bodies/walls.h"
 #include "dem/dem.h"
+#include "dem/output/moldyn_files.h"
 #include "dem/output/repose.h"
 #include "dem/state/homes.h"
 #include "dem/watch/check.h"
@@ -44,6 +45,8 @@ static tdm_status load(tdm_standalone *alone, tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
+  if (s->ranks > 1 && dem_launched_processes() == 0) /* mpirun starts again with the command line */
+    return dem_launch_ranks(s->ranks, "dem.ranks", err);
   tdm_standalone_doubt_interval(&run->alone, s->interval, s->time.end);
   tdm_warning doubt;
   for (int k = 0; tdm_outputs_doubt(&s->outputs, s->time.end, k, &doubt); k++)
@@ -284,6 +287,8 @@ const tdm_standalone_program dem_program = {
             "      --no-plots         leave out the plots of time histories\n\n"
             "  tandem-dem check SCENE [--set PATH=VALUE ...] [--strict]\n"
             "      Load and settle the scene, print what would run, step limits and doubts, and end.\n\n"
+            "      --ranks P, of run, check and --connect: on P processes (MPI), as dem.ranks of a scene says; mpirun\n"
+            "      must be installed.\n\n"
             "  tandem-dem import BASE.cin [OPTIONS]\n"
             "      Make a scene of the files of MOLDYN; see tandem-dem import --help.\n\n"
             "  tandem-dem bench [OPTIONS]\n"

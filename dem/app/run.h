@@ -22,6 +22,7 @@ typedef struct {
   tdm_time time;
   double interval; /* of the time histories [s] */
   tdm_outputs_settings outputs;
+  int ranks;        /* processes that the scene wants */
   bool xb, str;     /* files for the viewers of MOLDYN, at each frame */
   int repose_along; /* axis of the profile, 0: x, 1: y; -1: no angle of repose wanted */
 } dem_run_settings;

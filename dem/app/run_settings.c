@@ -46,7 +46,7 @@ tdm_status dem_run_settings_read(dem_run_settings *s, const tdm_scene *scene, td
   read_moldyn(s, &o);
   read_repose(s, &o);
   tdm_object_close(&o);
-  tdm_get_object(&root, "dem", true);
+  s->ranks = tdm_section_ranks(tdm_get_object(&root, "dem", true).json);
   tdm_object_close(&root);
   return err->status;
 }

@@ -70,6 +70,7 @@
   F(interpolation, "of the coupling")                        \
   F(simd, "results have the same bits")                      \
   F(threads, "results have the same bits")                   \
+  F(ranks, "results have the same bits")                     \
   F(search, "results have the same bits")                    \
   F(balance, "results have the same bits")                   \
   F(skin, "results have the same bits")                      \

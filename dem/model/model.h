@@ -256,6 +256,7 @@ typedef struct dem_model {
     double mass; /* contacts of a smaller effective mass are the fast ones [kg] */
   } multi_step;
   int threads;        /* that work at the same time; results do not depend on it */
+  int ranks;          /* processes that share the run; likewise. 0: the scene does not say */
   const char *search; /* of dem_search_names, NULL: chosen for the spheres */
   int flat;           /* axis along which particles do not move (dem.dimension 2), -1: none */
   double flat_at;     /* their coordinate along it [m] */

@@ -336,6 +336,9 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   if (m->threads > 1024)
     tdm_object_fail(&o, "threads", "is %d but must be at most 1024; as many as the machine has cores are enough",
                     m->threads);
+  m->ranks = tdm_has(&o, "ranks") ? (int)tdm_get_integer(&o, "ranks", 1, 1) : 0;
+  if (m->ranks > DEM_RANKS_MAX)
+    tdm_object_fail(&o, "ranks", "is %d but must be at most %d", m->ranks, DEM_RANKS_MAX);
   read_decomposition(m, &o);
   dem_domain_read(m, &o);
   if (!err->status)

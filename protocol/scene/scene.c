@@ -332,6 +332,11 @@ json_t *tdm_section_solver(const json_t *section) {
   return json_is_object(solver) ? NULL : solver;
 }
 
+int tdm_section_ranks(const json_t *section) {
+  const double ranks = json_number_value(json_object_get(section, "ranks"));
+  return ranks >= 1 && ranks < 1e6 && ranks == floor(ranks) ? (int)ranks : 1;
+}
+
 json_t *tdm_scene_section(const json_t *root, const char *role) {
   json_t *section = json_object_get(root, role), *gravity = json_object_get(root, "gravity");
   const bool lacks_gravity = gravity && !json_object_get(section, "gravity");

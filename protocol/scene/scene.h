@@ -52,6 +52,10 @@ tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *er
  * somebody else starts. NULL: nothing; an object there is a setting of the solver itself. */
 json_t *tdm_section_solver(const json_t *section);
 
+/* On how many processes of MPI the section "dem" wants tandem's own engine to run ("ranks"); 1 where it does not say,
+ * or names no such number, which its reader refuses. */
+int tdm_section_ranks(const json_t *section);
+
 /* The section of a solver ("mbd", "dem") as the solver gets it: without that name, and with the scene's own "gravity"
  * where the section has none. A new reference; NULL when there is no such section. */
 json_t *tdm_scene_section(const json_t *root, const char *role);

@@ -54,8 +54,8 @@ tdm_status cpl_stage_bodies(cpl_stage *s, json_t *bodies, tdm_error *err) {
 }
 
 static tdm_status launch(cpl_stage *s, int role, const char *program, tdm_error *err) {
-  char log[256];
-  const char *command = s->settings.command[role] ? s->settings.command[role] : program;
+  char log[256], text[256];
+  const char *command = cpl_launch_command(&s->settings, (cpl_role)role, program, text, sizeof text);
   snprintf(log, sizeof log, "%s/%s.log", s->own.dir, cpl_role_names[role]);
   cpl_launch_process(&s->session.partner[role].child, command, tdm_transport_endpoint(s->session.transport),
                      cpl_role_names[role], log, s->settings.timeout, err);

@@ -1,6 +1,6 @@
 /* Results in the formats of MOLDYN's viewers: see moldyn_files.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/app/moldyn_files.h"
+#include "dem/output/moldyn_files.h"
 
 #include <errno.h>
 #include <string.h>

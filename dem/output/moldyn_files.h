@@ -6,8 +6,8 @@
  * twelve numbers of its rotation matrix, row by row, and its place. A wall has the matrix of its body.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_APP_MOLDYN_FILES_H
-#define DEM_APP_MOLDYN_FILES_H
+#ifndef DEM_OUTPUT_MOLDYN_FILES_H
+#define DEM_OUTPUT_MOLDYN_FILES_H
 
 #include "dem/output/view.h"
 #include "protocol/results/results.h"
