@@ -132,22 +132,14 @@ tdm_status dem_engine_check_proxy(const dem_engine *e, tdm_error *err) {
       e->model->integrator->name);
 }
 
-/* Refuse another number of ranks than the scene wants, and what several ranks cannot do. */
+/* Refuse another number of ranks than the scene wants. */
 static tdm_status check_ranks(const dem_model *m, tdm_error *err) {
-  static const char cure[] = "cannot be shared among ranks; run it on one rank, with as many threads as you like";
   const int size = dem_orders_ranks() ? dem_orders_ranks()->size : 1;
   if (m->ranks && m->ranks != size)
     return tdm_fail(err, TDM_ERR_SCENE, "dem.ranks",
                     "is %d, but this solver was started as %d process%s; start it with mpirun -n %d tandem-dem, leave "
                     "the start to dem.ranks alone, or remove it",
                     m->ranks, size, size == 1 ? "" : "es", m->ranks);
-  if (size == 1)
-    return TDM_OK;
-  if (m->sum_loops || m->noting)
-    return tdm_fail(err, TDM_ERR_SCENE, "dem.contact.multi_contact", "a law of contacts that act on each other %s",
-                    cure);
-  if (m->energy && m->domain.repeats)
-    return tdm_fail(err, TDM_ERR_SCENE, "dem.energy", "the energies of a box that repeats %s", cure);
   return TDM_OK;
 }
 

@@ -21,8 +21,9 @@ void dem_domain_put(dem_data *data);
 /* Strain the box for a further dt. */
 void dem_domain_strain(dem_data *data, double dt);
 
-/* Bring particles first ... end - 1 back into the box along its periodic directions. */
-void dem_domain_wrap(dem_data *data, int first, int end);
+/* Bring home particles back into the box along its periodic directions; of all ranks', count what that puts into them,
+ * chunk by chunk. */
+void dem_domain_wrap(dem_data *data);
 
 /* a - b, or what it is to the nearest image of b */
 static inline tdm_vec3 dem_between(const dem_data *d, tdm_vec3 a, tdm_vec3 b) {

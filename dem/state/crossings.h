@@ -7,6 +7,7 @@
  *   a chunk reads of others, before the forces    sphere[j], rotor[j], material[j] of its crossings' partners (those of
  *                                                 pairs.other in later chunks); the walls' places, which all have
  *   ... where laws have sums                      contact_sum[j] of the same, when all sums are complete
+ *   ... where they take notes                     what j's contacts give this one (notes.h)
  *   it gives to others                            the reaction on j, in a place of its own behind the particles, until
  *                                                 j's chunk takes it (dem_crossing_slot, data.h); sums of laws likewise
  *   it gives to all                               chunk_load, chunk_flux and the largest way, added up in the order of

@@ -42,6 +42,7 @@ static size_t layout_particles(dem_data *d, char *block) {
   PLACE(work.chunk_load, nchunk * (size_t)d->model->nload)
   PLACE(work.chunk_flux, nchunk)
   PLACE(work.section, (size_t)d->work.nthread)
+  PLACE(work.chunk_supplied, nchunk)
   return used;
 }
 
@@ -276,6 +277,7 @@ void dem_data_destroy(dem_data **data) {
                     d->work.notes.column,
                     d->work.notes.first,
                     d->work.notes.place,
+                    d->work.notes.sent,
                     d->work.notes.room,
                     homes->immigrants.item,
                     homes->immigrants.first,

@@ -186,12 +186,14 @@ typedef struct {
   bool valid;     /* they are of the lists that there are */
   double *column; /* (DEM_NOTES x stride) by place */
   size_t stride;
-  int *first;   /* (nparticle + 2) first place of each particle, in place; then the end */
-  int *place;   /* 2 x place, and 1 more where the particle is the second one */
-  int most;     /* places of a particle at most */
-  double *room; /* (nchunk x DEM_NOTE_ROWS x row) scratch */
-  size_t row;   /* 2 most, and what lanes may go beyond */
-  size_t first_size, place_size, column_size, room_size; /* [bytes] */
+  size_t others; /* the first place of contacts that other ranks have with home particles */
+  size_t *sent;  /* (homes.returning) places of contacts with other ranks' particles */
+  int *first;    /* (nparticle + 2) first place of each particle, in place; then the end */
+  int *place;    /* 2 x place, and 1 more where the particle is the second one */
+  int most;      /* places of a particle at most */
+  double *room;  /* (nchunk x DEM_NOTE_ROWS x row) scratch */
+  size_t row;    /* 2 most, and what lanes may go beyond */
+  size_t first_size, place_size, sent_size, column_size, room_size; /* [bytes] */
 } dem_notes;
 
 /* Particles that one thread works on at a time. Fixed, so that sums do not depend on the number of threads. */
@@ -349,6 +351,7 @@ typedef struct {
   /* an evaluation */
   tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
+  double *chunk_supplied; /* (nchunk) by the box, where particles pass its boundary [J] */
   dem_section *section;   /* (nthread) scratch: of a pass over chunks */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */

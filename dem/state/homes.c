@@ -48,6 +48,11 @@ void dem_unite_entries(dem_data *d, void *array, size_t size, const size_t *chun
     gather(d, array, size, chunk);
 }
 
+void dem_unite_chunks(dem_data *d, void *array, size_t size) {
+  if (!dem_alone(d))
+    gather_for(d, array, size, CHUNKS, NULL);
+}
+
 void dem_lay_out(dem_data *d, size_t *chunk) {
   size_t at = 0;
   if (!dem_alone(d))
@@ -86,6 +91,19 @@ static void gather_histories(dem_data *d) {
   }
 }
 
+/* what contacts are among others, of laws that ask */
+static void gather_among(dem_data *d) {
+  static const int told[] = {DEM_NOTE_WIDTH, DEM_NOTE_SIDE, DEM_NOTE_OTHER};
+  const dem_notes *notes = &d->work.notes;
+  if (d->work.among && d->model->nsum > 0)
+    gather(d, d->work.contact_sum, (size_t)d->model->nsum * sizeof *d->work.contact_sum, NULL);
+  for (int q = 0; notes->valid && q < 3; q++) {
+    double *column = notes->column + (size_t)told[q] * notes->stride;
+    gather(d, column, sizeof *column, d->lists.pairs.chunk);
+    gather(d, column + d->lists.pairs.count, sizeof *column, d->lists.walls.chunk);
+  }
+}
+
 static void gather_lists(dem_data *d) {
   const dem_pairs *p = &d->lists.pairs;
   const dem_wall_contacts *w = &d->lists.walls;
@@ -106,8 +124,10 @@ void dem_unite(dem_data *d, unsigned what) {
     gather_particles(d, false);
   if (what & DEM_FORCES)
     gather_forces(d);
-  if (what & DEM_CONTACTS)
+  if (what & DEM_CONTACTS) {
     gather_histories(d);
+    gather_among(d);
+  }
   if (what & DEM_LISTS)
     gather_lists(d);
   s->united |= what;
@@ -490,23 +510,37 @@ void dem_visitors_end(dem_data *d) {
   s->spent += tdm_clock() - begin;
 }
 
-void dem_reactions_return(dem_data *d) {
+void dem_homes_tell(dem_data *d, dem_course course, int n, dem_letter *write, dem_letter *read) {
   dem_homes *s = &d->work.homes;
+  const size_t size = (size_t)n * sizeof(double);
   if (!s->ranks)
     return;
+  assert(s->planned && !s->visiting && size <= sizeof(dem_push) && size <= VISIT);
+  const dem_parcels *const courses[][2] = {
+      {&s->returning, &s->returned}, {&s->returned, &s->returning}, {&s->immigrants, &s->visitors}};
+  const dem_parcels *out = courses[course][0], *in = courses[course][1];
   const double begin = tdm_clock();
-  dem_push *out = (dem_push *)(void *)s->out;
-  const dem_push *in = (const dem_push *)(const void *)s->in;
-  for (int k = 0; k < s->returning.first[s->ranks->size]; k++) {
-    dem_push *from = &d->state.push[dem_crossing_slot(d, s->returning.item[k])];
-    out[k] = *from;
-    *from = (dem_push){0};
-  }
-  post(s, &s->returning, &s->returned, sizeof *out);
+  for (int k = 0; k < out->first[s->ranks->size]; k++)
+    write(d, k, (double *)(void *)(s->out + (size_t)k * size));
+  post(s, out, in, size);
   s->ranks->finish();
-  for (int k = 0; k < s->returned.first[s->ranks->size]; k++)
-    d->state.push[dem_crossing_slot(d, s->returned.item[k])] = in[k];
+  for (int k = 0; k < in->first[s->ranks->size]; k++)
+    read(d, k, (double *)(void *)(s->in + (size_t)k * size));
   s->spent += tdm_clock() - begin;
+}
+
+static void write_reaction(dem_data *d, int k, double *entry) {
+  dem_push *from = &d->state.push[dem_crossing_slot(d, d->work.homes.returning.item[k])];
+  memcpy(entry, from, sizeof *from);
+  *from = (dem_push){0};
+}
+
+static void read_reaction(dem_data *d, int k, double *entry) {
+  memcpy(&d->state.push[dem_crossing_slot(d, d->work.homes.returned.item[k])], entry, sizeof(dem_push));
+}
+
+void dem_reactions_return(dem_data *d) {
+  dem_homes_tell(d, DEM_TO_HOME, sizeof(dem_push) / sizeof(double), write_reaction, read_reaction);
 }
 
 /* a chunk's loads and energies to or from a place among the sums */

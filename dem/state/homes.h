@@ -32,7 +32,7 @@ enum {
   DEM_PLACES = 1,   /* sphere, rotor */
   DEM_MOTION = 2,   /* the other arrays of particles (DEM_PARTICLE_STATE) */
   DEM_FORCES = 4,   /* DEM_FORCE_STATE */
-  DEM_CONTACTS = 8, /* histories */
+  DEM_CONTACTS = 8, /* histories, notes, sums of laws */
   DEM_LISTS = 16,   /* entries of pairs and walls */
   DEM_STATE = 15,
   DEM_WHOLE = 31
@@ -97,9 +97,11 @@ static inline void dem_homes_restored(dem_data *d) {
 /* Make this the same on all ranks: what is there of a particle or contact is what its home has. */
 void dem_unite(dem_data *data, unsigned what);
 
-/* Likewise an array with an entry of `size` bytes a particle, or for each entry of a list (chunk: as below). */
+/* Likewise an array with an entry of `size` bytes a particle, for each entry of a list (chunk: as below), or a chunk.
+ */
 void dem_unite_particles(dem_data *data, void *array, size_t size);
 void dem_unite_entries(dem_data *data, void *array, size_t size, const size_t *chunk);
+void dem_unite_chunks(dem_data *data, void *array, size_t size);
 
 /* Lay out a list of all chunks: chunk (nchunk + 1) has the number of entries of each home chunk, and becomes the first
  * entry of each chunk, of all, and their number. */
@@ -150,6 +152,19 @@ void dem_visitors_end(dem_data *data);
 
 /* The reactions on visitors go home, and their places are empty again. */
 void dem_reactions_return(dem_data *data);
+
+/* Which way something goes, and what entry k is about where it is written, and where it is read. */
+typedef enum {
+  DEM_TO_HOME,   /* of contacts with visitors: homes.returning.item[k], and at the visitor's home returned.item[k] */
+  DEM_FROM_HOME, /* the other way */
+  DEM_TO_VISITED /* of particles: immigrants.item[k], visitors.item[k] */
+} dem_course;
+
+/* Entry k, of n doubles, from where this rank has it, or to there. */
+typedef void dem_letter(dem_data *data, int k, double *entry);
+
+/* Tell other ranks n doubles of each contact or particle, no more than a reaction has. */
+void dem_homes_tell(dem_data *data, dem_course course, int n, dem_letter *write, dem_letter *read);
 
 /* Loads and energies of all chunks, on all ranks; returns the sum of `touching`. */
 long dem_homes_sums(dem_data *data, long touching);

@@ -63,14 +63,15 @@ static dem_loop_task task_of(dem_data *d, int chunk, bool settling) {
 
 typedef void (*chunk_work)(dem_data *d, int chunk, bool settling);
 
-/* Of all chunks, on all threads. One thread does not start OpenMP, which takes as long as some ten contacts. */
+/* Of all home chunks, on all threads. One thread does not start OpenMP, which takes as long as some ten contacts. */
 static void each_chunk(dem_data *d, bool settling, chunk_work work) {
+  const int first = dem_home_first(d), end = dem_home_end(d);
   if (d->work.nthread == 1)
-    for (int c = 0; c < d->lists.nchunk; c++)
+    for (int c = first; c < end; c++)
       work(d, c, settling);
   else
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread)
-    for (int c = 0; c < d->lists.nchunk; c++)
+    for (int c = first; c < end; c++)
       work(d, c, settling);
 }
 
@@ -91,12 +92,38 @@ static void sum_crossings(dem_data *d, int chunk, bool settling) {
   }
 }
 
+/* between ranks, the sums of a place of push: of contacts with visitors, then those of immigrants */
+
+static void copy_sums(const dem_data *d, int slot, double *entry, bool to_entry) {
+  double *sums = d->work.contact_sum + (size_t)slot * (size_t)d->model->nsum;
+  memcpy(to_entry ? entry : sums, to_entry ? sums : entry, (size_t)d->model->nsum * sizeof *sums);
+}
+
+static void write_crossing(dem_data *d, int k, double *entry) {
+  copy_sums(d, dem_crossing_slot(d, d->work.homes.returning.item[k]), entry, true);
+}
+
+static void read_crossing(dem_data *d, int k, double *entry) {
+  copy_sums(d, dem_crossing_slot(d, d->work.homes.returned.item[k]), entry, false);
+}
+
+static void write_immigrant(dem_data *d, int k, double *entry) {
+  copy_sums(d, d->work.homes.immigrants.item[k], entry, true);
+}
+
+static void read_visitor(dem_data *d, int k, double *entry) {
+  copy_sums(d, d->work.homes.visitors.item[k], entry, false);
+}
+
 /* Sums over the contacts of each particle, of laws that have them: of all contacts, with the geometry that the forces
  * will see. Reactions from other chunks come after those of the particle's own, as forces do. */
 static void sum_contacts(dem_data *d, bool settling) {
   memset(d->work.contact_sum, 0, dem_push_count(d) * (size_t)d->model->nsum * sizeof *d->work.contact_sum);
+  dem_visitors_end(d);
   each_chunk(d, settling, sum_own);
+  dem_homes_tell(d, DEM_TO_HOME, d->model->nsum, write_crossing, read_crossing);
   each_chunk(d, settling, sum_crossings);
+  dem_homes_tell(d, DEM_TO_VISITED, d->model->nsum, write_immigrant, read_visitor);
 }
 
 static void write_notes(dem_data *d, int chunk, bool settling) {
@@ -110,19 +137,27 @@ static void share_notes(dem_data *d, int chunk, bool settling) {
   d->model->noting->share(&task);
 }
 
+static void share_all(dem_data *d, bool settling) {
+  dem_notes_send(d);
+  each_chunk(d, settling, share_notes);
+  dem_notes_return(d);
+}
+
 /* the notes anew from what came of them; by how much a force changed at most, share of the largest */
 static double notes_again(dem_data *d, bool settling) {
   double change = 0, largest = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) \
     reduction(max                                                                               \
               : change, largest)
-  for (int c = 0; c < d->lists.nchunk; c++) {
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
     dem_loop_task task = task_of(d, c, settling);
     double most, changed = d->model->noting->again(&task, &most);
     change = changed > change ? changed : change;
     largest = most > largest ? most : largest;
   }
-  return largest > 0 ? change / largest : change > 0;
+  double both[] = {change, largest};
+  dem_homes_largest_of(d, both, 2);
+  return both[1] > 0 ? both[0] / both[1] : both[0] > 0;
 }
 
 double dem_forces_unsettled(dem_data *d) {
@@ -135,11 +170,12 @@ double dem_forces_unsettled(dem_data *d) {
 static void take_notes(dem_data *d, bool settling) {
   const dem_noting *noting = d->model->noting;
   assert(d->work.notes.valid);
+  dem_visitors_end(d);
   each_chunk(d, settling, write_notes);
-  each_chunk(d, settling, share_notes);
+  share_all(d, settling);
   for (long times = noting->iterations(d->model); times > 1 && notes_again(d, settling) > noting->tolerance(d->model);
        times--)
-    each_chunk(d, settling, share_notes);
+    share_all(d, settling);
 }
 
 /* A chunk's forces, by a task like `all`; how many of its contacts touch. */

@@ -118,7 +118,7 @@ static double move_particles(dem_data *d, const dem_step_task *s, const substeps
 
 static tdm_status find_contacts(dem_data *d, double moved2, double h) {
   if (d->model->domain.repeats)
-    dem_domain_wrap(d, dem_home_first_particle(d), dem_home_end_particle(d));
+    dem_domain_wrap(d);
   uint64_t before = d->lists.nrebuild;
   if (dem_lists_update(d, moved2) || dem_homes_plan(d))
     return TDM_ERR_MEMORY;

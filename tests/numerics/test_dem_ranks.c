@@ -387,7 +387,8 @@ static const char *integrator;
 
 static json_t *repeating(int threads) {
   return scene_json(
-      "{" TWO PAIRS ",'gravity':[0,0,0],'integrator':'%s'%s,'domain':{'min':[-0.1,-0.1,-0.1],'max':[0.1,0.1,0.1],'x':"
+      "{" TWO PAIRS
+      ",'energy':true,'gravity':[0,0,0],'integrator':'%s'%s,'domain':{'min':[-0.1,-0.1,-0.1],'max':[0.1,0.1,0.1],'x':"
       "'periodic','y':'periodic','z':'periodic','strain_rate':[-2,1,0]},'particles':[{'type':'random','material':'a',"
       "'count':4300,'radius':[0.0045,0.0055],'region':{'min':[-0.1,-0.1,-0.1],'max':[0.1,0.1,0.06]},'velocity':"
       "[3,2,1]},{'type':'random','material':'b','count':20,'radius':0.005,'region':{'min':[-0.1,-0.1,0.065],'max':"
@@ -459,7 +460,62 @@ START_TEST(bed_that_settles) {
 }
 END_TEST
 
-/* ---- what ranks cannot do ---- */
+/* ---- laws of contacts that act on each other ---- */
+
+/* sums over a particle's contacts; what each contact tells the others, once and over again; in a box that is carried,
+ * with walls that turn, and in one that repeats */
+static const struct {
+  const char *contact, *key;
+} among[] = {{"'multi_contact':'mc-stress','self_contribution':'exclude'", ",'beta':2}"},
+             {"'multi_contact':'mc-strain'", ",'gamma':0.5}"},
+             {"'multi_contact':'mc-strain','first_forces':'hertz','iterations':4,'tolerance':1e-3", ",'gamma':0.5}"}};
+static int law;
+
+static json_t *pairs_among(void) {
+  char text[512];
+  const char *key = among[law].key;
+  snprintf(text, sizeof text,
+           "[{'materials':['a','a'],'restitution':0.5,'friction':0.4%s,{'materials':['a','b'],'restitution':0.6,"
+           "'friction':0.3%s,{'materials':['b','b'],'restitution':0.4,'friction':0.5%s]",
+           key, key, key);
+  return scene_json("%s", text);
+}
+
+static json_t *soft_bed(int threads) {
+  json_t *scene = scene_json(
+      "{" TWO "],'contact':{%s},'energy':true,'bodies':[" BOX(
+          OPEN) ",{'name':'paddle','material':'b','shapes':[{'type':'box','side':'outside','size':[0.15,0.01,0.06]}],"
+                "'position':[0,0,-0.215],'motion':{'angular_velocity':[0,0,40]}}],'particles':[" MANY("-0.175",
+                                                                                                      "0.03") "]}",
+      threads, among[law].contact);
+  json_object_set_new(scene, "pairs", pairs_among());
+  return scene;
+}
+
+static json_t *soft_box(int threads) {
+  json_t *scene =
+      scene_json("{" TWO "],'contact':{%s},'energy':true,'gravity':[0,0,0],'domain':{'min':[-0.1,-0.1,-0.1],"
+                 "'max':[0.1,0.1,0.1],'x':'periodic','y':'periodic','z':'periodic'},'particles':[{'type':"
+                 "'random','material':'a','count':4500,'radius':[0.0045,0.0055],'region':{'min':[-0.1,-0.1,"
+                 "-0.1],'max':[0.1,0.1,0.1]},'velocity':[3,2,1]}]}",
+                 threads, among[law].contact);
+  json_object_set_new(scene, "pairs", pairs_among());
+  return scene;
+}
+
+START_TEST(contacts_that_act_on_each_other) {
+  law = _i / 2;
+  if (_i % 2 == 0)
+    compare(
+        &(kind){
+            .scene = soft_bed, .dt = 2e-5, .nwindow = 8, .nstep = 25, .ncoupled = 1, .carried = true, .contacts = true},
+        ck_carried);
+  else
+    compare(&(kind){.scene = soft_box, .dt = 2e-5, .nwindow = 4, .nstep = 50, .contacts = true, .stays = true}, ck_bed);
+}
+END_TEST
+
+/* ---- what is refused ---- */
 
 typedef struct {
   json_t *scene;
@@ -478,19 +534,15 @@ START_TEST(what_is_refused) {
   static const struct {
     const char *more, *path;
   } cases[] = {
-      {",'contact':{'multi_contact':'mc-stress'}", "dem.contact.multi_contact"},
-      {",'contact':{'multi_contact':'mc-strain'}", "dem.contact.multi_contact"},
-      {",'energy':true,'domain':{'min':[0,0,0],'max':[1,1,1],'x':'periodic'}", "dem.energy"},
+      {",'ranks':2", "dem.ranks"},
+      {",'ranks':5000", "dem.ranks"},
       {",'no_such_key':1", "dem.no_such_key"}, /* as alone */
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-    const char *law = strstr(cases[i].more, "mc-stress")   ? ",'beta':0.1"
-                      : strstr(cases[i].more, "mc-strain") ? ",'gamma':0.1"
-                                                           : "";
     refusal r = {.scene = scene_json("{'materials':[{'name':'a','density':1000,'young_modulus':1e7,'poisson_ratio':0.25"
-                                     "}],'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4%s}],"
+                                     "}],'pairs':[{'materials':['a','a'],'restitution':0.5,'friction':0.4}],"
                                      "'particles':[]%s}",
-                                     law, cases[i].more)};
+                                     cases[i].more)};
     on_ranks(3, lead_refused, &r);
     ck_assert_int_eq(r.err.status, TDM_ERR_SCENE);
     ck_assert_str_eq(r.err.path, cases[i].path);
@@ -501,4 +553,5 @@ END_TEST
 
 TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {box_that_is_carried, 1},
                {bed_on_triangles, 1}, {particles_that_come_and_go, 1}, {particles_that_are_screened, 1},
-               {box_that_repeats, 4}, {heap_that_slides, 3}, {bed_that_settles, 1}, {what_is_refused, 1})
+               {box_that_repeats, 4}, {heap_that_slides, 3}, {bed_that_settles, 1},
+               {contacts_that_act_on_each_other, 6}, {what_is_refused, 1})
