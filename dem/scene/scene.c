@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/scene/scene.h"
 
+#include "dem/base/ranks.h"
 #include "dem/geometry/shape/shape.h"
 #include "dem/model/integrator.h"
 #include "dem/scene/contact.h"

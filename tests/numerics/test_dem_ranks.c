@@ -1,11 +1,6 @@
 /* Runs on several ranks have the bits of a run on one, whatever happens in them. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "test_dem_support.h"
-
-#include "dem/dem.h"
-#include "dem/state/homes.h"
-#include "dem/store/state_file.h"
-#include "test_ranks_support.h"
+#include "test_ranks_runs.h"
 #include "tests/test_main.h"
 
 #include <unistd.h>
@@ -16,195 +11,6 @@ static const int some[] = {2, 0}, more[] = {2, 5, 0}; /* slow there */
 #else
 static const int some[] = {2, 5, 0}, more[] = {2, 3, 5, 8, 0};
 #endif
-
-/* ---- a run, and what it comes to ---- */
-
-/* What is run, and how. */
-typedef struct {
-  json_t *(*scene)(int threads);
-  double dt;
-  int nwindow, nstep; /* so many windows of so many steps */
-  int ncoupled;       /* 1: the body "box" is led to and fro */
-  bool carried;       /* the engine carries it instead: a free body */
-  bool tries;         /* each window is made twice: saved, made, restored, made */
-  bool contacts;      /* snapshots have contacts */
-  bool stays;         /* lists hold for so long that homes cannot move */
-} kind;
-
-typedef struct {
-  const kind *kind;
-  int threads;
-  bool restless; /* homes move whenever lists are made and chunks seem to cost otherwise */
-  /* out */
-  int moves;
-  void *bytes; /* (size) the whole state at the end */
-  size_t size;
-  int nchannel, nparticle;
-  double *channel;                      /* (nwindow x nchannel) */
-  tdm_wrench *load;                     /* (nwindow) */
-  tdm_interface *body;                  /* (nwindow) */
-  double contact_force, triangle_force; /* sums over contacts and triangles of the last snapshot [N] */
-} outcome;
-
-static tdm_state box_at(double t) {
-  tdm_state s = state_at(0.002 * sin(300 * t), 0, 0);
-  s.twist.velocity.x = 0.6 * cos(300 * t);
-  return s;
-}
-
-/* the mechanism of a free body of 1 kg that stands where it went in the window before; its numbers are in block */
-static dem_mechanism free_body(const tdm_state *start, double block[512]) {
-  memset(block, 0, 512 * sizeof *block);
-  dem_mechanism m = {.start = start,
-                     .proxy = {.acceleration = block,
-                               .load = (const tdm_wrench *)(const void *)(block + 6),
-                               .correction = block + 12,
-                               .mobility = {.nbody = 1, .nfree = 6}}};
-  tdm_mobility_point(&m.proxy.mobility, block + 24);
-  block[2] = -9.81;
-  for (int i = 0; i < 6; i++) {
-    m.proxy.mobility.J[i * 6 + i] = 1;
-    m.proxy.mobility.B[i * 6 + i] = m.proxy.mobility.Y[i * 6 + i] = i < 3 ? 1 : 100;
-    m.proxy.mobility.velocity[i] = ((const double *)(const void *)&start->twist)[i];
-  }
-  return m;
-}
-
-/* window w of the run */
-static void window(outcome *out, dem_engine *e, int w) {
-  const kind *k = out->kind;
-  const double h = k->nstep * k->dt, t0 = w * h, t1 = (w + 1) * h, sample[] = {t0 + 0.4 * h, t1};
-  const tdm_state start = k->carried && w > 0 ? out->body[w - 1].end : box_at(t0), end = box_at(t1);
-  double block[512];
-  const dem_mechanism mechanism = free_body(&start, block);
-  const dem_path path = dem_path_make(&start, &end, h, TDM_HERMITE);
-  const dem_window window = {.t0 = t0,
-                             .t1 = t1,
-                             .nstep = (uint64_t)k->nstep,
-                             .path = k->ncoupled && !k->carried ? &path : NULL,
-                             .mechanism = k->carried ? &mechanism : NULL,
-                             .nsample = 2,
-                             .sample_time = sample,
-                             .seen = w + 1 == k->nwindow};
-  double *channel = calloc(2 * (size_t)out->nchannel + 1, sizeof *channel);
-  tdm_energy energy;
-  tdm_error err = {0};
-  const int tries = k->tries ? 2 : 1;
-  for (int try = 0; try < tries; try++) {
-    out->body[w] = (tdm_interface){0};
-    if (tries == 2)
-      ck_assert_msg(!(try == 0 ? dem_engine_save(e, 3, &err) : dem_engine_restore(e, 3, &err)), "%s", err.message);
-    tdm_wrench further[TDM_FURTHER];
-    const dem_outcome wanted = {.load = &out->load[w],
-                                .body = &out->body[w],
-                                .further = k->carried ? further : NULL,
-                                .energy = &energy,
-                                .channel = channel};
-    ck_assert_msg(!dem_engine_advance(e, &window, &wanted, &err), "%s: %s", err.path, err.message);
-  }
-  memcpy(out->channel + w * out->nchannel, channel + out->nchannel, (size_t)out->nchannel * sizeof *channel);
-  free(channel);
-}
-
-/* the clock of restless runs: chunks seem to take very different times, others each time */
-static double erratic_clock(void) {
-  static _Thread_local uint32_t state = 1;
-  static _Thread_local double now;
-  state = state * 1664525u + 1013904223u;
-  const double u = (state >> 8) / 16777216.0;
-  return now += 1 / (1e-3 + u * u);
-}
-
-/* the scene, with homes that may move */
-static json_t *scene_of(const outcome *out) {
-  json_t *scene = out->kind->scene(out->threads), *decomposition = json_object_get(scene, "decomposition");
-  if (!out->restless)
-    return scene;
-  if (!decomposition)
-    json_object_set_new(scene, "decomposition", decomposition = json_object());
-  json_object_set_new(decomposition, "balance", json_pack("{s:i,s:f}", "every", 1, "tolerance", 1e-6));
-  return scene;
-}
-
-static void lead(void *context) {
-  outcome *out = context;
-  const kind *k = out->kind;
-  const tdm_assigned_body box = {.name = "box", .mass = 1, .state = box_at(0)};
-  const tdm_assignment assignment = {.scene = scene_of(out),
-                                     .time_end = k->dt * k->nstep * k->nwindow,
-                                     .dt = k->dt,
-                                     .n = k->nstep,
-                                     .nbody = k->ncoupled,
-                                     .proxy = k->carried,
-                                     .matched_load = k->carried,
-                                     .body = &box};
-  dem_engine *e = NULL;
-  tdm_error err = {0};
-  ck_assert_msg(!dem_engine_create(&e, &assignment, NULL, &err), "%s: %s", err.path, err.message);
-  json_decref(assignment.scene);
-  const size_t n = (size_t)k->nwindow;
-  out->nchannel = dem_engine_start(e)->nchannel;
-  out->channel = calloc(n * (size_t)out->nchannel + 1, sizeof *out->channel);
-  out->load = calloc(n, sizeof *out->load);
-  out->body = calloc(n, sizeof *out->body);
-  tdm_scenery scenery = {0};
-  tdm_snapshot s = {.with_contacts = k->contacts};
-  ck_assert_msg(!dem_engine_scenery(e, &scenery, &err), "%s", err.message);
-  for (int w = 0; w < k->nwindow; w++) {
-    window(out, e, w);
-    if (w % 2 == 1 || w + 1 == k->nwindow)
-      ck_assert_msg(!dem_engine_snapshot(e, &s, &err), "%s", err.message);
-  }
-  for (int f = 0; f < s.nforce; f++)
-    out->triangle_force += isfinite(s.force_on[f].z) ? tdm_norm(s.force_on[f]) : 0;
-  for (int c = 0; k->contacts && c < s.ncontact; c++)
-    out->contact_force += fabs(s.contact[c].force);
-  ck_assert(!dem_state_save(dem_engine_data(e), &out->bytes, &out->size));
-  out->nparticle = dem_engine_data(e)->state.nparticle;
-  out->moves = dem_engine_data(e)->work.homes.nmove;
-  tdm_snapshot_free(&s);
-  tdm_scenery_free(&scenery);
-  dem_engine_destroy(&e);
-}
-
-static void let_go(outcome *out) {
-  free(out->bytes);
-  free(out->channel);
-  free(out->load);
-  free(out->body);
-}
-
-static void ck_same(const outcome *a, const outcome *b, int size) {
-  const size_t n = (size_t)a->kind->nwindow;
-  ck_assert_int_eq(a->nchannel, b->nchannel);
-  for (size_t q = 0; q < n * (size_t)a->nchannel; q++)
-    ck_assert_msg(memcmp(&a->channel[q], &b->channel[q], sizeof(double)) == 0,
-                  "channel %zu of window %zu is %.17g on %d ranks, %.17g on one", q % (size_t)a->nchannel,
-                  q / (size_t)a->nchannel, b->channel[q], size, a->channel[q]);
-  ck_assert_mem_eq(a->load, b->load, n * sizeof *a->load);
-  ck_assert_mem_eq(a->body, b->body, n * sizeof *a->body);
-  ck_assert_uint_eq(a->size, b->size);
-  ck_assert_msg(memcmp(a->bytes, b->bytes, a->size) == 0, "the states of 1 and %d ranks differ", size);
-  ck_assert(a->contact_force == b->contact_force && a->triangle_force == b->triangle_force);
-}
-
-/* alone and on so many ranks (0: the end), with one or two threads each; `check` (may be NULL) sees the run alone */
-static void compare_on(const int *sizes, const kind *k, void (*check)(const outcome *)) {
-  outcome alone = {.kind = k, .threads = 1};
-  lead(&alone);
-  if (check)
-    check(&alone);
-  for (int s = 0; sizes[s]; s++) {
-    outcome on = {.kind = k, .threads = 2 - s % 2, .restless = sizes[s] == 2};
-    dem_homes_clock = on.restless ? erratic_clock : tdm_clock;
-    on_ranks(sizes[s], lead, &on);
-    dem_homes_clock = tdm_clock;
-    ck_assert_msg(!on.restless || k->stays || on.moves > 1, "homes moved %d times", on.moves);
-    ck_same(&alone, &on, sizes[s]);
-    let_go(&on);
-  }
-  let_go(&alone);
-}
 
 static void compare(const kind *k, void (*check)(const outcome *)) {
   compare_on(some, k, check);
@@ -492,12 +298,15 @@ static json_t *soft_bed(int threads) {
   return scene;
 }
 
+#define THROWN(low, high, v)                                                                                          \
+  "{'type':'random','material':'a','count':2300,'radius':[0.0045,0.0055],'region':{'min':[-0.1,-0.1," low "],'max':[" \
+  "0.1,0.1," high "]},'velocity':[3,2," v "]}"
+
 static json_t *soft_box(int threads) {
   json_t *scene =
-      scene_json("{" TWO "],'contact':{%s},'energy':true,'gravity':[0,0,0],'domain':{'min':[-0.1,-0.1,-0.1],"
-                 "'max':[0.1,0.1,0.1],'x':'periodic','y':'periodic','z':'periodic'},'particles':[{'type':"
-                 "'random','material':'a','count':4500,'radius':[0.0045,0.0055],'region':{'min':[-0.1,-0.1,"
-                 "-0.1],'max':[0.1,0.1,0.1]},'velocity':[3,2,1]}]}",
+      scene_json("{" TWO "],'contact':{%s},'energy':true,'gravity':[0,0,0],'domain':{'min':[-0.1,-0.1,"
+                 "-0.1],'max':[0.1,0.1,0.1],'x':'periodic','y':'periodic','z':'periodic'},'particles':[" THROWN(
+                     "-0.1", "-0.006", "3") "," THROWN("0.006", "0.1", "-3") "]}",
                  threads, among[law].contact);
   json_object_set_new(scene, "pairs", pairs_among());
   return scene;
