@@ -68,7 +68,8 @@ tdm_status dem_launch_become(tdm_error *err) {
 }
 
 /* What a user of mpirun must ask for, and here has asked for; who has set something else keeps it. Cores are not given
- * to ranks: other programs have the same ones, and a rank may have several threads. */
+ * to ranks: other programs have the same ones, and a rank may have several threads. Ranks that are told to end get the
+ * time to keep what was computed [s]. */
 static void allow(int ranks) {
   const bool root = geteuid() == 0;
   const long cores = sysconf(_SC_NPROCESSORS_ONLN);
@@ -78,6 +79,7 @@ static void allow(int ranks) {
   }
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
   setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
+  setenv("OMPI_MCA_odls_base_sigkill_timeout", "5", 0);
   if (root || ranks > cores)
     fprintf(stderr, "tandem-dem: notice: mpirun -n %d%s%s\n", ranks, root ? ", as root" : "",
             ranks > cores ? ", on fewer cores: ranks take turns, and wait for each other" : "");

@@ -92,65 +92,114 @@ alone() {
   done <<<$'1 1\n2 1\n2 2\n3 1\n5 2\n8 1'
 }
 
-# a bed of several chunks, in the box of [L18] Section 3.3
+# started by dem.ranks, which needs no permission from Open MPI; in slices, with a law of contacts among others
+asked() {
+  local soft=(--set 'dem.contact={"multi_contact": "mc-strain", "iterations": 2}' --set 'dem.pairs[0].gamma=0.5'
+    --set dem.decomposition.order=slices --set time.end=0.005)
+  ranks 0 one run heap.json --out one --force --no-plots "${soft[@]}"
+  (
+    unset OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
+    ranks 0 on run heap.json --out on --force --no-plots "${soft[@]}" --set dem.ranks=3 || { cat on.txt; return 1; }
+  )
+  same one on
+  grep -q '"number": 3' on/summary.json
+  echo "  dem.ranks, contacts among others: the same bits"
+}
+
+# runs NAME WORDS…: a coupled run whose results go to NAME
+runs() {
+  local name=$1
+  shift
+  tandem run "$@" --out "$name" --force >"$name.txt" 2>&1 || { cat "$name.txt"; return 1; }
+}
+
+# beds of several chunks, in the boxes of [L18] Section 3.3 and 3.4
 coupled() {
   local many=(--set 'dem.particles[0].count=4500' --set 'dem.particles[0].radius=0.024' --set time.dt=5e-5
-    --set dem.settle.max_time=0.01 --set time.end=0.02)
-  for scheme in proxy lommen; do
-    tandem run spring_damper "${many[@]}" --set "coupling.scheme=$scheme" --out plain --force >plain.txt 2>&1 ||
-      { cat plain.txt; return 1; }
-    for p in 2 3; do
-      tandem run spring_damper "${many[@]}" --set "coupling.scheme=$scheme" --out on --force \
-        --set "coupling.solvers.dem=${mpi[*]} $p tandem-dem" >on.txt 2>&1 || { cat on.txt; return 1; }
-      for file in body_box.csv; do
-        cmp "plain/$file" "on/$file"
-      done
-      echo "  spring_damper, $scheme, $p ranks: the same bits"
-    done
+    --set dem.settle.max_time=0.01 --set time.end=0.02) p
+  runs plain spring_damper "${many[@]}" --set coupling.scheme=lommen
+  runs on spring_damper "${many[@]}" --set coupling.scheme=lommen --set "dem.solver=${mpi[*]} 2 tandem-dem"
+  cmp plain/body_box.csv on/body_box.csv
+  echo "  spring_damper, lommen, 2 ranks: the same bits"
+  runs plain torsional "${many[@]}"
+  for p in 2 3; do
+    runs on torsional "${many[@]}" --set "dem.ranks=$p"
+    cmp plain/body_box.csv on/body_box.csv
+    cmp plain/dem.csv on/dem.csv
+    echo "  torsional, proxy, $p ranks: the same bits"
   done
 }
 
-faults() {
-  local status=0 left=()
-  ranks 3 refused run heap.json --out refused --set dem.no_such=1 || status=$?
-  [ $status = 1 ] && grep -q 'no_such' refused.txt || { cat refused.txt; return 1; }
-  status=0
-  ranks 2 refused run heap.json --out refused --set 'dem.contact={"multi_contact": "mc-strain"}' \
-    --set 'dem.pairs[0].gamma=0.1' --set dem.energy=false || status=$?
-  [ $status = 1 ] && grep -q 'cannot be shared among ranks' refused.txt || { cat refused.txt; return 1; }
-  status=0
-  ranks 2 refused bench || status=$?
-  [ $status = 2 ] && grep -q 'bench works on one process' refused.txt || { cat refused.txt; return 1; }
+# refused STATUS TEXT COMMAND…: ends with the status and says the text
+refused() {
+  local wanted=$1 text=$2 status=0
+  shift 2
+  timeout 60 "$@" >refused.txt 2>&1 </dev/null || status=$?
+  [ $status = "$wanted" ] && grep -q "$text" refused.txt || { cat refused.txt; echo "status $status"; return 1; }
+}
 
-  # what was computed is kept when the run is stopped
-  "${mpi[@]}" 2 tandem-dem run "$out/heap.json" --out stopped --no-plots --set time.end=1000 >stopped.txt 2>&1 &
-  pid=$!
-  started stopped/channels.csv
-  kill -TERM $pid
-  wait $pid && return 1
-  nothing_left
-  grep -q interrupted stopped/summary.json || { cat stopped.txt; return 1; }
+errors() {
+  local alone=(tandem-dem run heap.json --out refused) together=(tandem run spring_damper --out refused)
+  refused 1 'no_such' "${mpi[@]}" 3 "${alone[@]}" --set dem.no_such=1
+  refused 2 'bench works on one process' "${mpi[@]}" 2 tandem-dem bench
+  refused 1 'dem.ranks: is 3, but this solver was started as 2' "${mpi[@]}" 2 "${alone[@]}" --set dem.ranks=3
+  refused 2 'ranks is 3, but mpirun has started 2' "${mpi[@]}" 2 "${alone[@]}" --ranks 3
+  refused 1 'dem.ranks.* is 3, but this solver was started as 2' "${together[@]}" --set dem.ranks=3 \
+    --set "dem.solver=${mpi[*]} 2 tandem-dem"
+  refused 1 'dem.ranks: is 2, but with coupling.transport' "${together[@]}" --set dem.ranks=2 \
+    --set coupling.transport=inproc
+  refused 1 'dem.ranks: is 5000 but must be at most' "${alone[@]}" --set dem.ranks=5000
+  refused 2 'ranks needs a number of processes' "${alone[@]}" --ranks two
+  mkdir bin
+  cp "$(command -v tandem-dem)" bin
+  refused 1 'dem.ranks: .*tandem-dem-mpi.* install libopenmpi-dev' env PATH=/usr/bin:/bin bin/"${alone[@]}" \
+    --set dem.ranks=2
+  cp "$(command -v tandem-dem-mpi)" bin
+  refused 1 'dem.ranks: .*mpirun.* install openmpi-bin' env PATH=/nowhere bin/"${alone[@]}" --set dem.ranks=2
+  echo "  errors: named"
+}
 
-  # a rank dies, alone and coupled: a named error, nothing left
-  "${mpi[@]}" 3 tandem-dem run "$out/heap.json" --out died --no-plots --set time.end=1000 >died.txt 2>&1 &
+# victim WHO: mpirun, or one of its ranks, by number
+victim() {
+  if [ "$1" = mpirun ]; then echo "$launcher"; else echo "${left[$1]}"; fi
+}
+
+# hit SIGNAL WHO STATUS TEXT FILE COMMAND…: that ends a program that has written to FILE, with the status and the text,
+# and nothing is left
+hit() {
+  local signal=$1 who=$2 wanted=$3 text=$4 file=$5 status=0 left=() launcher
+  shift 5
+  rm -rf "$(dirname "$file")"
+  "$@" --set time.end=1000 >hit.txt 2>&1 </dev/null &
   pid=$!
-  started died/channels.csv
-  kill -KILL "${left[1]}"
-  wait $pid && return 1
-  grep -q 'signal 9' died.txt || { cat died.txt; return 1; }
-  nothing_left
-  status=0
-  tandem run spring_damper --set time.end=1000 --set coupling.timeout=10 --out "$out/lost" \
-    --set "coupling.solvers.dem=${mpi[*]} 2 tandem-dem" >lost.txt 2>&1 &
-  pid=$!
-  started lost/body_box.csv
-  kill -KILL "${left[1]}"
+  started "$file"
+  launcher=$(ps -o ppid= -p "${left[0]}" | tr -d ' ')
+  kill "-$signal" "$(victim "$who")"
   wait $pid || status=$?
-  [ $status = 1 ] && grep -q 'the solver "dem"\|dem: ' lost.txt || { cat lost.txt; return 1; }
   nothing_left
-  echo "  errors, a run that is stopped, a rank that dies: named, nothing left"
+  [ $status = "$wanted" ] && grep -q "$text" hit.txt "$(dirname "$file")/summary.json" ||
+    { cat hit.txt; echo "$signal $who: status $status"; return 1; }
+  echo "  $signal to $who of $1 …: named, nothing left"
+}
+
+faults() {
+  local alone=(tandem-dem run heap.json --out hit --no-plots)
+  local together=(tandem run spring_damper --out hit --set coupling.timeout=5)
+  # what was computed is kept when the run is stopped
+  hit TERM mpirun 1 '"status": "TDM_ERR_INTERRUPTED"' hit/channels.csv "${mpi[@]}" 2 "${alone[@]}"
+  hit INT mpirun 1 '"status": "TDM_ERR_INTERRUPTED"' hit/channels.csv "${alone[@]}" --set dem.ranks=2
+  hit KILL 1 137 'rank 1 .* signal 9' hit/channels.csv "${mpi[@]}" 3 "${alone[@]}"
+  hit KILL 0 137 'rank 0 .* signal 9' hit/channels.csv "${alone[@]}" --set dem.ranks=2
+  hit KILL mpirun 137 'unfinished\|INTERRUPTED' hit/channels.csv "${alone[@]}" --set dem.ranks=2
+  hit KILL 1 1 'dem.* ended before the run did\|dem: ' hit/body_box.csv "${together[@]}" \
+    --set "coupling.solvers.dem=${mpi[*]} 2 tandem-dem"
+  hit KILL 0 1 'dem.* ended before the run did\|dem: ' hit/body_box.csv "${together[@]}" --set dem.ranks=2
+  hit KILL mpirun 1 'dem.* ended before the run did.*signal 9' hit/body_box.csv "${together[@]}" --set dem.ranks=2
+  hit STOP 1 1 'dem.* no answer for 5 s' hit/body_box.csv "${together[@]}" --set dem.ranks=2
 }
 
 alone
+asked
 coupled
+errors
 faults
