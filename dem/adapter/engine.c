@@ -61,8 +61,10 @@ static tdm_status place_particles(dem_engine *e, dem_settled *settled, int *nbeh
   dem_data *d = e->data;
   if (m->start && start_from(d, err))
     return err->status;
-  dem_unite(d, DEM_WHOLE);
-  if (dem_check_start(d, nbehind, err) || dem_check_step(d, m->dt, "time.dt", err))
+  dem_collect(d, DEM_WHOLE);
+  if (dem_homes_writes(d) && !dem_check_start(d, nbehind, err))
+    dem_check_step(d, m->dt, "time.dt", err);
+  if (dem_homes_follow(d, nbehind, sizeof *nbehind, err))
     return err->status;
   if (m->settle.wanted)
     return dem_settle(d, e->participant, settled, err);
@@ -78,7 +80,9 @@ static void begin_samples(dem_data *d) {
 }
 
 static void tell_start(dem_engine *e) {
-  dem_channels_sample(&e->channels, e->data, e->initial);
+  dem_collect(e->data, DEM_WHOLE);
+  if (dem_homes_writes(e->data))
+    dem_channels_sample(&e->channels, e->data, e->initial);
   e->start = (dem_start){.load = e->load,
                          .nchannel = e->channels.count,
                          .channel = e->channels.channel,
@@ -86,7 +90,7 @@ static void tell_start(dem_engine *e) {
                          .nwarning = e->report.nwarning,
                          .warning = e->report.warning,
                          .energy = dem_energy_balance_look(e->data),
-                         .rest = dem_rest_energy(e->data),
+                         .rest = dem_homes_writes(e->data) ? dem_rest_energy(e->data) : 0,
                          .gravity = e->model->gravity,
                          .report = e->report.json};
 }
@@ -98,22 +102,28 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
   dem_settled settled = {.rest = true, .pressed = true};
   if (place_particles(e, &settled, &nbehind, err))
     return err->status;
-  dem_unite(d, DEM_WHOLE);
   dem_energy_begin(&d->state.energy);
   dem_guard_begin(d);
   dem_energy_balance_begin(d);
-  if (dem_report_make(&e->report, d, &settled, nbehind, err))
+  dem_collect(d, DEM_WHOLE);
+  if (dem_homes_writes(d))
+    dem_report_make(&e->report, d, &settled, nbehind, err);
+  if (dem_homes_follow(d, &e->report.limits.contact, sizeof e->report.limits.contact, err))
     return err->status;
   e->time = m->time_start;
   e->contact_time = e->report.limits.contact;
   for (int c = 0; c < m->ncoupled; c++)
     e->load[c] = d->state.body_load[m->coupled_body[c]];
   begin_samples(d);
-  dem_screening_begin(d);
+  if (dem_homes_writes(d))
+    dem_screening_begin(d);
+  if (m->screening.ndeck > 0)
+    dem_homes_follow(d, d->state.screening, sizeof *d->state.screening, NULL);
   int nparticle = d->state.nparticle;
   if (dem_flow(d, m->time_start, m->dt, err))
     return err->status;
-  dem_report_flow(&e->report, d);
+  if (dem_homes_writes(d))
+    dem_report_flow(&e->report, d);
   tell_start(e);
   tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,
           m->nwall, d->state.ncontact, settled.time, settled.stored ? "yes" : "no");
@@ -143,18 +153,36 @@ static tdm_status check_ranks(const dem_model *m, tdm_error *err) {
   return TDM_OK;
 }
 
+/* How particles start is in the data of the ranks whose home they are, unless some are still to come. Rank 0 keeps it:
+ * it writes states, which say what they are of. */
+static void forget_start(dem_model *m) {
+  if (m->npoured > 0 || m->settle.store || m->start)
+    return;
+  free(m->mass);
+  free(m->particle_material);
+  free(m->position);
+  free(m->velocity);
+  free(m->spin);
+  free(m->orientation);
+  m->mass = NULL;
+  m->particle_material = NULL;
+  m->position = m->velocity = m->spin = NULL;
+  m->orientation = NULL;
+}
+
 static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {
   if (dem_channels_make(&e->channels, e->model, err))
     return err->status;
   const size_t n = (size_t)e->channels.count;
-  e->data = dem_data_create(e->model);
+  e->data = dem_data_create_on(e->model, dem_orders_ranks());
   e->load = calloc((size_t)assignment->nbody + 1, sizeof *e->load);
   e->initial = calloc(n, sizeof *e->initial);
   e->before = calloc(n, sizeof *e->before);
   e->proxy = dem_proxy_create(e->model, assignment);
   if (!e->data || !e->load || !e->initial || !e->before || !e->proxy)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", e->model->nparticle);
-  dem_homes_begin(e->data, dem_orders_ranks());
+  if (!dem_homes_writes(e->data))
+    forget_start(e->model);
   return dem_forces_begin(e->data, err);
 }
 
@@ -227,7 +255,7 @@ tdm_status dem_engine_save(dem_engine *e, int slot, tdm_error *err) {
   dem_data **kept = &e->slot[slot];
   dem_orders_give(DEM_ORDER_SAVE, slot);
   if (!*kept)
-    *kept = dem_data_create(e->model);
+    *kept = dem_data_allocate(e->model);
   if (!*kept || dem_data_copy(*kept, e->data))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->state.nparticle);
   return dem_orders_done(err);
@@ -248,14 +276,18 @@ tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
 
 tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *err) {
   dem_orders_give(DEM_ORDER_SCENERY, 0);
-  dem_unite(e->data, DEM_PLACES);
-  dem_view_scenery(&e->view, e->data, scenery, err);
+  dem_collect(e->data, DEM_PLACES | DEM_MOTION);
+  if (dem_homes_writes(e->data))
+    dem_view_scenery(&e->view, e->data, scenery, err);
+  e->view.looks = true; /* all ranks know that rank 0 looks after each window */
   return dem_orders_done(err);
 }
 
 tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
   dem_orders_give(DEM_ORDER_SNAPSHOT, snapshot->with_contacts);
-  dem_unite(e->data, DEM_WHOLE);
-  dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
+  dem_collect(e->data, DEM_WHOLE);
+  if (dem_homes_writes(e->data))
+    dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
+  e->view.looks = true;
   return dem_orders_done(err);
 }

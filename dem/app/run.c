@@ -6,6 +6,7 @@
 #include "dem/app/launch.h"
 #include "dem/bodies/walls.h"
 #include "dem/dem.h"
+#include "dem/exchange/balance.h"
 #include "dem/output/moldyn_files.h"
 #include "dem/output/repose.h"
 #include "dem/state/homes.h"

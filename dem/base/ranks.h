@@ -24,7 +24,10 @@ typedef struct dem_ranks {
   void (*gather)(void *array, size_t size, const int *first);
   /* Each of n numbers becomes the largest of all ranks. */
   void (*largest)(double *x, int n);
-  /* Start to exchange n letters, one for each other rank; and wait until all have come and gone. */
+  /* Likewise the sum, of whole numbers, so that it has no round-off. */
+  void (*sum)(double *x, int n);
+  /* Start to exchange n letters; and wait until all have come and gone. Several between two ranks are in the same order
+   * on both. */
   void (*begin)(const dem_mail *mail, int n);
   void (*finish)(void);
   /* `size` bytes become those of rank 0. A rank that waits for a long time sleeps in between. */

@@ -4,6 +4,7 @@
 
 #include "dem/bodies/zone.h"
 #include "dem/contact/law/theory.h"
+#include "dem/state/homes.h"
 #include "dem/state/wall_gap.h"
 
 #include <assert.h>
@@ -166,9 +167,10 @@ bool dem_lids_place(dem_data *d) {
     tdm_vec3 outward = tdm_scale(-1, wall->normal), axis = tdm_quat_rotate(pose.orientation, outward);
     tdm_vec3 face = tdm_pose_point(pose, wall->point);
     double highest = -INFINITY; /* over the nominal face */
-    for (int i = 0; i < d->state.nparticle; i++)
+    for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++)
       if (over_box(d, box, outward, i))
         highest = fmax(highest, tdm_dot(tdm_sub(d->state.sphere[i].position, face), axis) + d->state.sphere[i].radius);
+    highest = dem_homes_largest(d, highest);
     d->state.lid[box->lid] = isfinite(highest) ? highest + box->gap : 0;
   }
   dem_walls_put(d);

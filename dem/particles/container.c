@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* ---- counting ---- */
 
@@ -22,17 +23,34 @@ static void count_inside(dem_data *d, int k) {
   const uint32_t bit = (uint32_t)1 << k;
   const tdm_pose frame = c->frame < 0 ? (tdm_pose){{0, 0, 0}, tdm_quat_identity()} : d->state.pose[c->frame];
   const tdm_mat3 axes = tdm_quat_to_matrix(frame.orientation);
-  now->number = 0;
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  double *mass = dem_alone(d) ? NULL : malloc((size_t)(end - first + 1) * sizeof *mass);
+  int n = 0;
+  long entered = 0;
   now->mass = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
+  if (!mass && !dem_alone(d))
+    d->work.homes.ranks->abandon("no memory for the masses in containers");
+  for (int i = first; i < end; i++) {
     tdm_vec3 x = d->state.sphere[i].position;
     if (!within(c, c->frame < 0 ? x : tdm_m3_tmul(axes, tdm_sub(x, frame.position))))
       continue;
-    now->number++;
-    now->mass += d->state.mass[i];
-    now->entered += !(d->state.held[i] & bit);
+    if (mass)
+      mass[n] = d->state.mass[i];
+    else
+      now->mass += d->state.mass[i];
+    n++;
+    entered += !(d->state.held[i] & bit);
     d->state.held[i] |= bit;
   }
+  if (mass) {
+    double *all = dem_homes_join(d, mass, n, sizeof *mass, &n);
+    for (int q = 0; q < n; q++) /* in the order of the particles */
+      now->mass += all[q];
+    free(all);
+    free(mass);
+  }
+  now->number = (uint64_t)n;
+  now->entered += (uint64_t)dem_homes_sum(d, entered);
 }
 
 /* how many have left when so many tenths of the content have */
@@ -93,7 +111,7 @@ static void watch(dem_data *d, int k, uint64_t left, double t) {
 
 void dem_containers_step(dem_data *d, double t) {
   if (d->model->ncontainer > 0)
-    dem_unite(d, DEM_PLACES);
+    dem_parted(d, DEM_MOTION); /* home particles are held */
   for (int k = 0; k < d->model->ncontainer; k++) {
     count_inside(d, k);
     watch(d, k, d->state.container[k].entered - d->state.container[k].number, t);

@@ -68,12 +68,12 @@ static double wrap(dem_data *d, int first, int end) {
   return energy;
 }
 
-void dem_domain_begin(dem_data *d) {
+void dem_domain_begin(dem_data *d, int first, int end) {
   d->state.strained = d->state.strain_dt = 0;
   d->state.strain_steps = 0;
   dem_domain_put(d);
   if (d->model->domain.repeats)
-    wrap(d, 0, d->state.nparticle);
+    wrap(d, first, end);
 }
 
 void dem_domain_wrap(dem_data *d) {

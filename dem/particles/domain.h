@@ -13,7 +13,7 @@
 #include "dem/state/data.h"
 
 /* The box as at the start of the run. */
-void dem_domain_begin(dem_data *data);
+void dem_domain_begin(dem_data *data, int first, int end);
 
 /* The box as it has been strained so far. */
 void dem_domain_put(dem_data *data);

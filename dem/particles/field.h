@@ -5,8 +5,8 @@
 
 #include "dem/state/data.h"
 
-/* Accelerations of their own, and infinite masses, of the particles by the groups that their ids belong to. */
-void dem_drive_particles(dem_data *data);
+/* Accelerations of their own, and infinite masses, of particles first ... end - 1 by the groups of their ids. */
+void dem_drive_particles(dem_data *data, int first, int end);
 
 /* What accelerates particle i besides contacts [m/s2]. */
 static inline tdm_vec3 dem_field(const dem_data *d, int i) {

@@ -46,7 +46,7 @@ tdm_status dem_data_add(dem_data *d, const dem_newcomer *newcomer) {
   dem_data_end(d);
   dem_exact_sum_add(&d->state.ledger.mass, newcomer->mass);
   note_flow(d, i, 1);
-  dem_mark_front(d, i);
+  dem_mark_front(d, i, i + 1);
   /* an empty row, so that the histories of the others are carried over at the rebuild */
   d->lists.pairs.first[i + 1] = d->lists.pairs.first[i];
   dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
@@ -101,7 +101,7 @@ static tdm_status part_pairs(dem_data *d) {
     at = (at + DEM_LANES_MAX - 1) / DEM_LANES_MAX * DEM_LANES_MAX;
   }
   list->chunk[nchunk] = at;
-  if (dem_pairs_reserve(list, at, ncolumn))
+  if (dem_pairs_reserve(list, at, ncolumn, 0, list->count))
     return TDM_ERR_MEMORY;
   for (int c = nchunk - 1; c >= 0; c--) { /* entries move to later places: the last first */
     size_t from = (size_t)list->first[c * DEM_CHUNK], filled = list->chunk[c] + (end - from);

@@ -17,8 +17,8 @@ enum { TAG = 1 };
 
 static dem_ranks own;
 static int *counts, *starts;  /* (size) of a gathering */
-static MPI_Request *requests; /* (2 size) of an exchange */
-static int nrequest;
+static MPI_Request *requests; /* (room) of an exchange */
+static int nrequest, room;
 
 /* MPI ends the program itself when one of its calls fails: MPI_ERRORS_ARE_FATAL */
 
@@ -36,21 +36,63 @@ static void gather(void *array, size_t size, const int *first) {
   MPI_Type_free(&entry);
 }
 
-static void largest(double *x, int n) {
+static void reduce(double *x, int n, MPI_Op operation) {
   dem_trace_enter();
-  MPI_Allreduce(MPI_IN_PLACE, x, n, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, x, n, MPI_DOUBLE, operation, MPI_COMM_WORLD);
   dem_trace_leave();
+}
+
+static void largest(double *x, int n) {
+  reduce(x, n, MPI_MAX);
+}
+
+static void sum(double *x, int n) {
+  reduce(x, n, MPI_SUM);
+}
+
+static void abandon(const char *message) {
+  fprintf(stderr, "tandem-dem: error: %s\n", message);
+  fflush(NULL);
+  MPI_Abort(MPI_COMM_WORLD, 1);
+  abort();
+}
+
+/* a letter goes in pieces of at most so many bytes, as MPI counts them in int */
+static const size_t piece = (size_t)1 << 30;
+
+static size_t pieces(size_t bytes) {
+  return (bytes + piece - 1) / piece;
+}
+
+static int length(size_t bytes, size_t from) {
+  return (int)(bytes - from < piece ? bytes - from : piece);
+}
+
+/* room for the requests of the letters */
+static void reserve(const dem_mail *mail, int n) {
+  size_t need = 0;
+  for (int k = 0; k < n; k++)
+    need += pieces(mail[k].received) + pieces(mail[k].sent);
+  if (need <= (size_t)room)
+    return;
+  free(requests);
+  room = (int)need;
+  requests = malloc((size_t)room * sizeof *requests);
+  if (!requests)
+    abandon("no memory for the letters between ranks");
 }
 
 static void begin(const dem_mail *mail, int n) {
   nrequest = 0;
+  reserve(mail, n);
   for (int k = 0; k < n; k++)
-    if (mail[k].received > 0)
-      MPI_Irecv(mail[k].receive, (int)mail[k].received, MPI_BYTE, mail[k].rank, TAG, MPI_COMM_WORLD,
+    for (size_t at = 0; at < mail[k].received; at += piece)
+      MPI_Irecv((char *)mail[k].receive + at, length(mail[k].received, at), MPI_BYTE, mail[k].rank, TAG, MPI_COMM_WORLD,
                 &requests[nrequest++]);
   for (int k = 0; k < n; k++)
-    if (mail[k].sent > 0)
-      MPI_Isend(mail[k].send, (int)mail[k].sent, MPI_BYTE, mail[k].rank, TAG, MPI_COMM_WORLD, &requests[nrequest++]);
+    for (size_t at = 0; at < mail[k].sent; at += piece)
+      MPI_Isend((const char *)mail[k].send + at, length(mail[k].sent, at), MPI_BYTE, mail[k].rank, TAG, MPI_COMM_WORLD,
+                &requests[nrequest++]);
 }
 
 static void finish(void) {
@@ -98,13 +140,6 @@ static void barrier(void) {
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-static void abandon(const char *message) {
-  fprintf(stderr, "tandem-dem: error: %s\n", message);
-  fflush(NULL);
-  MPI_Abort(MPI_COMM_WORLD, 1);
-  abort();
-}
-
 /* what must be the same everywhere: the version, how numbers lie in memory, how large records are */
 static void check_alike(void) {
   struct {
@@ -133,6 +168,7 @@ const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &level);
   own = (dem_ranks){.gather = gather,
                     .largest = largest,
+                    .sum = sum,
                     .begin = begin,
                     .finish = finish,
                     .broadcast = broadcast,
@@ -143,8 +179,7 @@ const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
   const size_t n = (size_t)own.size;
   counts = malloc(n * sizeof *counts);
   starts = malloc(n * sizeof *starts);
-  requests = malloc(2 * n * sizeof *requests);
-  if (!counts || !starts || !requests)
+  if (!counts || !starts)
     abandon("no memory for the ranks");
   if (own.size > DEM_RANKS_MAX)
     abandon("more than 4096 ranks; take fewer, with more dem.threads each");

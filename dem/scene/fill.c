@@ -6,6 +6,7 @@
  * would draw otherwise. The densest filling is the simple cubic lattice; a region that is too small for it is refused.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dem/base/pages.h"
 #include "dem/base/sphere.h"
 #include "dem/model/cells.h"
 #include "dem/moldyn/particles.h"
@@ -52,6 +53,21 @@ static tdm_status grow(void *array, size_t n, size_t size) {
   return p ? TDM_OK : TDM_ERR_MEMORY;
 }
 
+/* The same with zeros from item `from` on, which take no memory as long as they are zero: most particles start at rest.
+ */
+static tdm_status grow_zero(tdm_vec3 **array, size_t from, size_t n) {
+  if (grow(array, n, sizeof **array))
+    return TDM_ERR_MEMORY;
+  dem_pages_zero(*array + from, (n - from) * sizeof **array);
+  return TDM_OK;
+}
+
+static void set_vector(tdm_vec3 *place, tdm_vec3 v) {
+  static const tdm_vec3 zero;
+  if (memcmp(&v, &zero, sizeof v) != 0)
+    *place = v;
+}
+
 /* room for n more particles */
 static tdm_status make_room(filler *f, long n) {
   dem_model *m = f->m;
@@ -59,11 +75,11 @@ static tdm_status make_room(filler *f, long n) {
     tdm_object_fail(f->o, NULL, "makes %ld particles; at most %d in all are supported", n, PARTICLES_MAX);
     return f->o->err->status;
   }
-  size_t total = (size_t)(m->nparticle + n) + 1;
+  size_t before = (size_t)m->nparticle, total = before + (size_t)n + 1;
   if (grow(&m->radius, total, sizeof *m->radius) || grow(&m->mass, total, sizeof *m->mass) ||
       grow(&m->particle_material, total, sizeof *m->particle_material) ||
-      grow(&m->position, total, sizeof *m->position) || grow(&m->velocity, total, sizeof *m->velocity) ||
-      grow(&m->spin, total, sizeof *m->spin) || (m->still && grow(&m->still, total, sizeof *m->still)) ||
+      grow(&m->position, total, sizeof *m->position) || grow_zero(&m->velocity, before, total) ||
+      grow_zero(&m->spin, before, total) || (m->still && grow(&m->still, total, sizeof *m->still)) ||
       (m->oriented && grow(&m->orientation, total, sizeof *m->orientation)))
     return tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
   return TDM_OK;
@@ -86,8 +102,8 @@ static void add(filler *f, tdm_vec3 x, double radius) {
   m->mass[i] = mass_of(f, radius);
   m->particle_material[i] = f->material;
   m->position[i] = tdm_pose_point(f->frame, x);
-  m->velocity[i] = f->velocity;
-  m->spin[i] = f->spin;
+  set_vector(&m->velocity[i], f->velocity);
+  set_vector(&m->spin[i], f->spin);
   if (m->still)
     m->still[i] = false;
   if (m->oriented)

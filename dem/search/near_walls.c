@@ -217,14 +217,16 @@ static int by_entry(const void *a, const void *b) {
   return compare_entries(&((const renumbered *)a)->entry, &((const renumbered *)b)->entry);
 }
 
-tdm_status dem_near_walls_renumber(const dem_data *d, dem_wall_contacts *list, const int *now) {
-  size_t ncolumn = (size_t)d->model->columns.ncolumn, n = list->count;
+tdm_status dem_near_walls_renumber(const dem_data *d, dem_wall_contacts *list, size_t first, size_t end,
+                                   const int *now) {
+  size_t ncolumn = (size_t)d->model->columns.ncolumn, n = end - first;
+  dem_wall_entry *entry = list->entry + first;
   if (n == 0 || ncolumn == 0)
     return TDM_OK;
   renumbered *key = malloc(n * sizeof *key);
   double *copy = malloc(n * sizeof *copy);
   for (size_t k = 0; key && k < n; k++) {
-    key[k].entry = list->entry[k];
+    key[k].entry = entry[k];
     if (now)
       key[k].entry.particle = now[key[k].entry.particle];
     key[k].at = (int)k;
@@ -232,11 +234,12 @@ tdm_status dem_near_walls_renumber(const dem_data *d, dem_wall_contacts *list, c
   if (key && copy) {
     qsort(key, n, sizeof *key, by_entry);
     for (size_t k = 0; k < n; k++)
-      list->entry[k] = key[k].entry;
+      entry[k] = key[k].entry;
     for (size_t q = 0; q < ncolumn; q++) {
-      memcpy(copy, list->history + q * list->capacity, n * sizeof *copy);
+      double *history = list->history + q * list->capacity + first;
+      memcpy(copy, history, n * sizeof *copy);
       for (size_t k = 0; k < n; k++)
-        list->history[q * list->capacity + k] = copy[key[k].at];
+        history[k] = copy[key[k].at];
     }
   }
   bool good = key && copy;

@@ -10,8 +10,9 @@
  * particles are in the chunks in which they were. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_near_walls_build(dem_data *data, const dem_wall_contacts *before, bool stay);
 
-/* Give a list the numbers that particles have now (now[old], NULL: the same), and let it ascend again. Errors:
- * TDM_ERR_MEMORY. */
-tdm_status dem_near_walls_renumber(const dem_data *data, dem_wall_contacts *list, const int *now);
+/* Give the entries from `first` to before `end` of a list the numbers that particles have now (now[old], NULL: the
+ * same), and let them ascend again. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_near_walls_renumber(const dem_data *data, dem_wall_contacts *list, size_t first, size_t end,
+                                   const int *now);
 
 #endif

@@ -70,27 +70,41 @@ static bool may_be_near(const marks *m, tdm_vec3 x) {
 }
 
 /* More than the largest sum of two radii and the skin, so that round-off does not decide. */
-static double reach_of(const dem_search_input *input) {
+static double reach_of(const dem_search_input *input, const int *run, int nrun) {
   double largest = 0;
-  for (int i = input->begin; i < input->n; i++)
+  for (int i = input->begin; i < input->end; i++)
     largest = input->sphere[i].radius > largest ? input->sphere[i].radius : largest;
+  for (int k = 0; k < nrun; k++)
+    for (int i = run[2 * k]; i < run[2 * k + 1]; i++)
+      largest = input->sphere[i].radius > largest ? input->sphere[i].radius : largest;
   return (1 + 1e-6) * (2 * largest + input->skin);
 }
 
+static int length_of(const int *run, int nrun) {
+  int n = 0;
+  for (int k = 0; k < nrun; k++)
+    n += run[2 * k + 1] - run[2 * k];
+  return n;
+}
+
 tdm_status dem_nearby_choose(dem_nearby *nearby, const dem_search_input *input) {
+  const int behind[] = {input->end, input->n}, *run = input->run ? input->run : behind;
+  const int nrun = input->run ? input->nrun : 1;
   int n = input->end - input->begin, *number;
-  number = dem_scratch_take(input->scratch, (size_t)(input->n - input->begin + 1) * sizeof *number);
+  number = dem_scratch_take(input->scratch, (size_t)(n + length_of(run, nrun) + 1) * sizeof *number);
   if (!number)
     return TDM_ERR_MEMORY;
   for (int k = 0; k < n; k++)
     number[k] = input->begin + k;
   const dem_scratch_mark before = dem_scratch_now(input->scratch);
   marks m;
-  if (n > 0 && mark(&m, input, number, reach_of(input)))
+  if (n > 0 && mark(&m, input, number, reach_of(input, run, nrun)))
     return TDM_ERR_MEMORY;
-  for (int j = input->end; n > 0 && j < input->n; j++)
-    if (may_be_near(&m, input->sphere[j].position))
-      number[n++] = j;
+  const bool any = n > 0;
+  for (int k = 0; any && k < nrun; k++)
+    for (int j = run[2 * k]; j < run[2 * k + 1]; j++)
+      if (may_be_near(&m, input->sphere[j].position))
+        number[n++] = j;
   dem_scratch_back(input->scratch, before);
   dem_sphere *sphere = dem_scratch_take(input->scratch, (size_t)(n + 1) * sizeof *sphere);
   if (!sphere)

@@ -1,5 +1,5 @@
-/* Which spheres the rows of a part of them can name: those of the part, and later ones that may be near to one. So a
- * rank searches among its home particles and what may cross into later homes. */
+/* Which spheres the rows of a part of them can name: those of the part, and those of the input's runs, or all later
+ * ones, that may be near to one. So a rank searches among its home particles and what may cross into later homes. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEARCH_NEARBY_H
 #define DEM_SEARCH_NEARBY_H

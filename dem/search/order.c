@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/order.h"
 
+#include "dem/state/homes.h"
+
 #include <stdlib.h>
 
 /* a number's 21 bits, two zeros between each */
@@ -41,24 +43,47 @@ static int compare(const void *a, const void *b) {
   return p->particle < q->particle ? -1 : p->particle > q->particle;
 }
 
+/* the corner of the cells, and their size */
+static void bounds(const dem_data *d, int first, int end, tdm_vec3 *low, double *size) {
+  *low = tdm_v3(INFINITY, INFINITY, INFINITY);
+  *size = 0;
+  for (int i = first; i < end; i++) {
+    tdm_vec3 x = d->state.sphere[i].position;
+    *low = tdm_v3(fmin(low->x, x.x), fmin(low->y, x.y), fmin(low->z, x.z));
+    *size = fmax(*size, 2 * d->state.sphere[i].radius);
+  }
+}
+
+static uint64_t code_of(const dem_data *d, int i, tdm_vec3 low, double size) {
+  tdm_vec3 x = d->state.sphere[i].position;
+  const uint64_t c[3] = {cell(x.x, low.x, size), cell(x.y, low.y, size), cell(x.z, low.z, size)};
+  return code(c, d->model->slices);
+}
+
+void dem_order_codes(const dem_data *d, uint64_t *codes) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  tdm_vec3 low;
+  double all[4];
+  bounds(d, first, end, &low, &all[3]);
+  for (int a = 0; a < 3; a++)
+    all[a] = -(&low.x)[a];
+  dem_homes_largest_of(d, all, 4);
+  low = tdm_v3(-all[0], -all[1], -all[2]);
+  for (int i = first; i < end; i++)
+    codes[i - first] = code_of(d, i, low, all[3]);
+}
+
 tdm_status dem_order(dem_data *d, int *from) {
   int np = d->state.nparticle;
   dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
   place *places = dem_scratch_take(&d->work.scratch, (size_t)np * sizeof *places);
   if (!places)
     return TDM_ERR_MEMORY;
-  tdm_vec3 low = {INFINITY, INFINITY, INFINITY};
-  double size = 0;
-  for (int i = 0; i < np; i++) {
-    tdm_vec3 x = d->state.sphere[i].position;
-    low = tdm_v3(fmin(low.x, x.x), fmin(low.y, x.y), fmin(low.z, x.z));
-    size = fmax(size, 2 * d->state.sphere[i].radius);
-  }
-  for (int i = 0; i < np; i++) {
-    tdm_vec3 x = d->state.sphere[i].position;
-    const uint64_t c[3] = {cell(x.x, low.x, size), cell(x.y, low.y, size), cell(x.z, low.z, size)};
-    places[i] = (place){code(c, d->model->slices), i};
-  }
+  tdm_vec3 low;
+  double size;
+  bounds(d, 0, np, &low, &size);
+  for (int i = 0; i < np; i++)
+    places[i] = (place){code_of(d, i, low, size), i};
   qsort(places, (size_t)np, sizeof *places, compare);
   for (int p = 0; p < np; p++)
     from[p] = places[p].particle;

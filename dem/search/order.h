@@ -11,4 +11,7 @@
  * TDM_ERR_MEMORY. */
 tdm_status dem_order(dem_data *data, int *from);
 
+/* What decides that order, of home particles: in it, codes ascend. All ranks call this. */
+void dem_order_codes(const dem_data *data, uint64_t *code);
+
 #endif

@@ -2,6 +2,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/pairs.h"
 
+#include "dem/exchange/balance.h"
+#include "dem/exchange/keep.h"
+#include "dem/exchange/near_chunks.h"
+#include "dem/exchange/renewal.h"
 #include "dem/particles/particles.h"
 #include "dem/search/near_walls.h"
 #include "dem/search/order.h"
@@ -148,6 +152,20 @@ static void drop_fixed(dem_data *d) {
   rows->count = (size_t)at;
 }
 
+/* the particles of other ranks that the search may name, whose spheres come here */
+static tdm_status find_near(dem_data *d, dem_search_input *input) {
+  dem_near_runs near;
+  if (dem_search_wants_all(d->work.search)) {
+    dem_unite(d, DEM_PLACES);
+    return TDM_OK;
+  }
+  if (dem_near_chunks(d, input->skin, &near))
+    return TDM_ERR_MEMORY;
+  input->run = near.run;
+  input->nrun = near.nrun;
+  return TDM_OK;
+}
+
 /* The new list, in the place of the old one. carry: its histories are taken over, stay: from this rank's own entries;
  * old: the numbers that the particles had, NULL: the same. */
 static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old) {
@@ -162,7 +180,7 @@ static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old
                             .nthread = d->work.nthread,
                             .scratch = &d->work.scratch};
   dem_time_spent(d->work.timers, DEM_PHASE_LIST);
-  if (dem_search_run(d->work.search, &input, &d->work.rows))
+  if ((input.some && find_near(d, &input)) || dem_search_run(d->work.search, &input, &d->work.rows))
     return TDM_ERR_MEMORY;
   dem_time_spent(d->work.timers, DEM_PHASE_SEARCH);
   if (d->model->driven)
@@ -172,7 +190,8 @@ static tdm_status build_pairs(dem_data *d, bool carry, bool stay, const int *old
   size_t *chunk = d->work.chunk_spare;
   place_chunks(d, chunk);
   size_t count = chunk[d->lists.nchunk];
-  if (count > INT_MAX / 2 || dem_pairs_reserve(list, count, ncolumn)) /* twice: columns have two sides */
+  if (count > INT_MAX / 2 ||
+      dem_pairs_reserve(list, count, ncolumn, old_first, old_end)) /* twice: columns have two sides */
     return TDM_ERR_MEMORY;
   if (ncolumn > 0) {
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
@@ -238,9 +257,10 @@ static tdm_status choose_search(dem_data *d) {
   if (d->work.search && (d->model->search || (d->lists.valid && !d->lists.stale)))
     return TDM_OK;
   const char *name = d->model->search;
+  const int first = dem_home_first_particle(d);
   if (!name)
-    name = dem_search_choose(
-        &(dem_search_input){.sphere = d->state.sphere, .n = d->state.nparticle, .skin = d->lists.skin});
+    name = dem_search_choose(&(dem_search_input){
+        .sphere = d->state.sphere + first, .n = dem_home_end_particle(d) - first, .skin = d->lists.skin});
   if (d->work.search && strcmp(name, dem_search_name(d->work.search)) == 0)
     return TDM_OK;
   dem_search_destroy(&d->work.search);
@@ -265,6 +285,7 @@ static void adapt_skin(dem_data *d, bool sort) {
 
 /* Put the particles in the order of their places. Returns the numbers they had, NULL: no memory. */
 static const int *sort_particles(dem_data *d, bool carry) {
+  dem_wall_contacts *walls = &d->work.spare_walls; /* of before */
   size_t n = (size_t)d->state.nparticle;
   int *from = dem_scratch_take(&d->work.scratch, n * sizeof *from);
   dem_scratch_mark mark = dem_scratch_now(&d->work.scratch);
@@ -272,49 +293,110 @@ static const int *sort_particles(dem_data *d, bool carry) {
   int *now = dem_scratch_take(&d->work.scratch, n * sizeof *now);
   for (size_t p = 0; good && now && p < n; p++)
     now[from[p]] = (int)p;
-  good = good && now && (!carry || !dem_near_walls_renumber(d, &d->work.spare_walls, now));
+  good = good && now && (!carry || !dem_near_walls_renumber(d, walls, 0, walls->count, now));
   dem_scratch_back(&d->work.scratch, mark);
   d->state.since_sort = 0;
   return good ? from : NULL;
 }
 
-tdm_status dem_lists_build(dem_data *d) {
-  bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
-  const bool moved = dem_homes_balance(d);
-  const bool stay = d->lists.valid && !d->lists.stale && !sort && !moved; /* all have the homes they had */
-  dem_unite(d, stay ? DEM_PLACES : DEM_WHOLE);
-  if (choose_search(d))
+/* What each rank has goes to new homes: in a new order, or because homes move. */
+static tdm_status renew_homes(dem_data *d, bool sort, const double *home) {
+  const size_t n = (size_t)(dem_home_end_particle(d) - dem_home_first_particle(d));
+  uint64_t *code = sort ? malloc((n + 1) * sizeof *code) : NULL;
+  if (sort && !code)
     return TDM_ERR_MEMORY;
+  if (sort) {
+    dem_order_codes(d, code);
+    d->state.since_sort = 0;
+  }
+  const tdm_status status = dem_renew_homes(d, code, home);
+  free(code);
+  return status;
+}
+
+/* Memory for the work on lists: that of push, on several ranks of home's. */
+static void lend_push(dem_data *d, bool all) {
+  const int first = dem_home_first_particle(d);
+  const size_t n = all ? (size_t)d->work.push_capacity : (size_t)(dem_home_end_particle(d) - first);
+  d->work.scratch.block = (char *)(d->state.push + first);
+  d->work.scratch.size = n * sizeof *d->state.push;
+}
+
+static void take_push_back(dem_data *d) {
+  dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
+  memset(d->work.scratch.block, 0, d->work.scratch.most);
+}
+
+/* The entries of walls of before are to ascend again, if their particles have other numbers or are in other chunks. The
+ * numbers that particles had, if this puts them in order; NULL: they are what they are. */
+static tdm_status renumber(dem_data *d, bool sort, bool renewed, bool carry, const int **old) {
+  dem_wall_contacts *walls = &d->work.spare_walls;
+  *old = NULL;
+  if (renewed) {
+    const size_t first = walls->chunk[dem_home_first(d)], end = walls->chunk[dem_home_end(d)];
+    return carry ? dem_near_walls_renumber(d, walls, first, end, NULL) : TDM_OK;
+  }
+  if (sort) {
+    *old = sort_particles(d, carry);
+    return *old ? TDM_OK : TDM_ERR_MEMORY;
+  }
+  if (d->lists.stale && carry && d->lists.nchunk > 1) /* particles went from chunk to chunk */
+    return dem_near_walls_renumber(d, walls, 0, walls->count, NULL);
+  return TDM_OK;
+}
+
+/* All that lists are made of is where it belongs: each rank has that of its home, by what the costs of chunks and the
+ * order of particles want. *renewed: it came there now. */
+static tdm_status prepare(dem_data *d, bool sort, bool *renewed) {
+  double home[DEM_RANKS_MAX + 1];
+  const bool moves = dem_homes_balance(d, home);
+  *renewed = false;
+  if (dem_alone(d))
+    return TDM_OK;
+  if (!d->lists.stale) {
+    d->lists.nchunk = dem_chunks(d->state.nparticle);
+    *renewed = sort || moves;
+    return *renewed ? renew_homes(d, sort, home) : TDM_OK;
+  }
+  dem_unite(d, DEM_WHOLE); /* particles came, on all ranks alike */
+  d->work.homes.planned = false;
+  memcpy(d->lists.home, home, ((size_t)d->work.homes.ranks->size + 1) * sizeof *home);
+  return TDM_OK;
+}
+
+tdm_status dem_lists_build(dem_data *d) {
+  const bool sort = d->state.nparticle > DEM_CHUNK && d->state.since_sort >= DEM_SORT_STEPS;
+  bool renewed;
+  if (prepare(d, sort, &renewed) || choose_search(d))
+    return TDM_ERR_MEMORY;
+  const bool stay = d->lists.valid && !d->lists.stale && (renewed || !sort); /* entries are of these numbers */
   if (d->lists.valid)
     adapt_skin(d, sort);
   dem_wall_contacts walls = d->lists.walls;
   d->lists.walls = d->work.spare_walls;
   d->work.spare_walls = walls;
   bool carry = d->model->columns.ncolumn > 0 && d->lists.valid;
-  tdm_status status = TDM_OK;
-  const int *old = NULL;
+  const int *old;
   d->lists.valid = false;
-  d->work.scratch =
-      (dem_scratch){.block = (char *)d->state.push, .size = (size_t)d->work.push_capacity * sizeof *d->state.push};
-  if (sort) {
-    old = sort_particles(d, carry);
-    status = old ? TDM_OK : TDM_ERR_MEMORY;
-  } else if (d->lists.stale && carry && d->lists.nchunk > 1) {
-    status = dem_near_walls_renumber(d, &d->work.spare_walls, NULL); /* particles went from chunk to chunk */
-  }
+  d->work.scratch = (dem_scratch){0};
+  if (dem_alone(d))
+    lend_push(d, true);
+  tdm_status status = renumber(d, sort, renewed, carry, &old);
   d->lists.nchunk = dem_chunks(d->state.nparticle);
+  if (!dem_alone(d))
+    lend_push(d, false);
   note_positions(d);
   if (!status)
     status = build_pairs(d, carry, stay, old);
-  dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
-  memset(d->state.push, 0, d->work.scratch.most);
+  take_push_back(d);
   if (!status)
     status = dem_crossings_place(d);
   if (!status)
     status = dem_near_walls_build(d, carry ? &d->work.spare_walls : NULL, stay);
   if (!status)
     share_bounds(d);
-  dem_parted(d, DEM_MOTION | DEM_CONTACTS | DEM_LISTS);
+  if (!status)
+    dem_keep_home(d);
   d->lists.valid = !status;
   d->lists.stale = false;
   d->lists.since_list = 0;

@@ -72,6 +72,10 @@ int dem_search_interval(const dem_search *search) {
   return search->method->interval;
 }
 
+bool dem_search_wants_all(const dem_search *search) {
+  return search->method->state_size > 0;
+}
+
 double dem_search_skin(const dem_search *search, double asked, double largest_radius) {
   double own = search->method->skin_radii * largest_radius;
   return own > 0 ? own : asked;
@@ -184,7 +188,7 @@ static tdm_status choose_spheres(const dem_search *search, dem_search_input *in,
   if (!in->some) {
     in->begin = 0;
     in->end = in->n;
-  } else if (search->method->state_size == 0) {
+  } else if (!dem_search_wants_all(search)) {
     if (dem_nearby_choose(nearby, in))
       return TDM_ERR_MEMORY;
     in->sphere = nearby->sphere;

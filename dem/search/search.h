@@ -39,6 +39,9 @@ tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem
 /* Are the lists of this search to be made anew after so many steps even if nothing moved? 0: no. */
 int dem_search_interval(const dem_search *search);
 
+/* Does this search want all spheres, whichever rows are asked for? */
+bool dem_search_wants_all(const dem_search *search);
+
 /* The skin of this search: the one that the scene asks for, or the search's own (verlet-1967: 5 r_max -
  * 2 r_max; linked-linear: next to none). */
 double dem_search_skin(const dem_search *search, double asked, double largest_radius);

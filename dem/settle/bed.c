@@ -45,7 +45,7 @@ tdm_status dem_bed_check_writable(const dem_model *m, tdm_error *err) {
 
 tdm_status dem_bed_write(dem_data *d, const dem_settled *settled, tdm_error *err) {
   const figures f = {settled->rest, settled->pressed, settled->dt, settled->time, settled->speed};
-  dem_unite(d, DEM_WHOLE);
+  dem_collect(d, DEM_WHOLE);
   if (dem_homes_writes(d))
     dem_state_write(d, d->model->settle.store, key, &f, sizeof f, err);
   if (dem_homes_any(d, err->status) && !err->status)

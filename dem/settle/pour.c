@@ -135,7 +135,7 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   dem_free_space room;
   tdm_vec3 low, high;
   uint64_t before = d->state.ledger.created;
-  dem_unite(d, DEM_PLACES);
+  dem_unite(d, DEM_PLACES | DEM_MOTION); /* dem_drive_particles needs masses */
   world_box(p, &low, &high);
   tdm_status status = dem_free_space_open(&room, d, low, high, p->largest);
   if (!status) {
@@ -144,7 +144,7 @@ tdm_status dem_pour_now(dem_data *d, dem_pour *pour, double t, tdm_error *err) {
   }
   if (status)
     return tdm_fail(err, status, NULL, "no memory for particles that are poured");
-  dem_drive_particles(d);
+  dem_drive_particles(d, 0, d->state.nparticle);
   pour->next = t + 1.05 * fall_time(d, p); /* drag slows the fall a little */
   if (d->state.ledger.created > before)
     pour->last = t;

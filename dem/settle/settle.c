@@ -19,7 +19,8 @@ static double fastest(const dem_data *d) {
 
 /* take a share of all velocities away: nothing else stops a sphere that rolls in a hollow */
 static void drag(dem_data *d, double share) {
-  for (int i = 0; i < d->state.nparticle; i++) {
+  dem_parted(d, DEM_MOTION);
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
     d->state.pace[i].velocity = tdm_scale(1 - share, d->state.pace[i].velocity);
     d->state.pace[i].spin = tdm_scale(1 - share, d->state.pace[i].spin);
   }
@@ -74,8 +75,10 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
 static tdm_status choose_times(dem_data *d, dem_settled *out, double *quiet, tdm_error *err) {
   const dem_model *m = d->model;
   dem_limits limits;
-  dem_unite(d, DEM_WHOLE);
-  if (dem_limits_now(d, &limits, err))
+  dem_collect(d, DEM_WHOLE);
+  if (dem_homes_writes(d))
+    dem_limits_now(d, &limits, err);
+  if (dem_homes_follow(d, &limits, sizeof limits, err))
     return err->status;
   out->dt = m->settle.dt > 0 ? m->settle.dt : fmin(0.2 * limits.rayleigh, limits.contact / 30);
   double g = tdm_norm(m->gravity);
@@ -91,10 +94,11 @@ static void hold_bodies(dem_data *d) {
 
 /* at rest, with the bodies' own twists again */
 static void stand_still(dem_data *d) {
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++)
     d->state.pace[i].velocity = d->state.pace[i].spin = tdm_v3(0, 0, 0);
   for (int b = 0; b < d->model->nbody; b++)
     d->state.twist[b] = d->model->body[b].start.twist;
+  dem_parted(d, DEM_MOTION);
   dem_bodies_drive(d, d->model->time_start);
   d->state.nstep = 0;
   dem_homes_measure(d);
@@ -106,7 +110,9 @@ static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_
   double quiet;
   if (choose_times(d, out, &quiet, err))
     return err->status;
-  if (d->model->settle.dt > 0 && dem_check_step(d, out->dt, "dem.settle.dt", err))
+  if (d->model->settle.dt > 0 && dem_homes_writes(d))
+    dem_check_step(d, out->dt, "dem.settle.dt", err);
+  if (dem_homes_follow(d, NULL, 0, err))
     return err->status;
   if (run(d, quiet, p, out, err))
     return err->status;
@@ -122,7 +128,7 @@ static const double press_speed = 0.05; /* of a lid on its way [m/s] */
  * deviation from the wanted force, as a share of it. */
 static double move_lids(dem_data *d, double dt) {
   double worst = 0;
-  dem_unite(d, DEM_PLACES | DEM_CONTACTS | DEM_LISTS);
+  dem_unite(d, DEM_PLACES | DEM_MOTION | DEM_CONTACTS | DEM_LISTS);
   for (int k = 0; k < d->model->nbox; k++) {
     const dem_box *box = &d->model->box[k];
     if (box->lid < 0 || !(box->press > 0))
@@ -172,7 +178,6 @@ static bool any_press(const dem_model *m) {
 static tdm_status settle_and_close(dem_data *d, tdm_participant *p, dem_settled *out, tdm_error *err) {
   if (settle(d, p, out, err))
     return err->status;
-  dem_unite(d, DEM_PLACES);
   dem_lids_place(d);
   if (!any_press(d->model))
     return TDM_OK;

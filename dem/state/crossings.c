@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/crossings.h"
 
+#include "dem/base/pages.h"
 #include "dem/state/homes.h"
 
 #include <limits.h>
@@ -21,6 +22,14 @@ static void place_home(dem_data *d, const size_t *first) {
         list->reaction_slot[k] = dem_crossing_slot(d, place++);
       }
   }
+}
+
+void dem_crossings_empty(const dem_data *d, dem_push *push) {
+  const size_t bytes = (size_t)(d->lists.crossings.count + 1) * sizeof *push;
+  if (dem_alone(d))
+    memset(push + d->state.nparticle, 0, bytes);
+  else
+    dem_pages_zero(push + d->state.nparticle, bytes);
 }
 
 tdm_status dem_crossings_place(dem_data *d) {
@@ -51,8 +60,8 @@ tdm_status dem_crossings_place(dem_data *d) {
   for (int c = 0; c < d->lists.nchunk; c++)
     x->chunk[c] = x->chunk[c + 1];
   x->chunk[d->lists.nchunk] = count;
-  memset(d->state.push + d->state.nparticle, 0, (size_t)(count + 1) * sizeof *d->state.push);
+  dem_crossings_empty(d, d->state.push);
   if (d->state.spare_push)
-    memset(d->state.spare_push + d->state.nparticle, 0, (size_t)(count + 1) * sizeof *d->state.push);
+    dem_crossings_empty(d, d->state.spare_push);
   return TDM_OK;
 }

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/state/data.h"
 
+#include "dem/base/pages.h"
 #include "dem/model/integrator.h"
 
 #include <assert.h>
@@ -46,11 +47,11 @@ static size_t layout_particles(dem_data *d, char *block) {
   return used;
 }
 
-/* a block that is all zero */
+/* a block that is all zero; it takes no memory until it is used */
 static void *zeroed(size_t size) {
   void *block = aligned_alloc(64, (size + 127) & ~(size_t)63);
   if (block)
-    memset(block, 0, size);
+    dem_pages_zero(block, size);
   return block;
 }
 
@@ -106,7 +107,7 @@ static tdm_status grow_push(const dem_data *d, dem_push **push, int capacity, in
   size_t keep = *push ? (size_t)d->state.nparticle : 0, end = (size_t)(d->state.nparticle + 1 + more);
   if (grow(push, (size_t)capacity, keep, sizeof **push))
     return TDM_ERR_MEMORY;
-  memset(*push + keep, 0, (end - keep) * sizeof **push);
+  dem_pages_zero(*push + keep, (end - keep) * sizeof **push);
   return TDM_OK;
 }
 
@@ -155,7 +156,7 @@ tdm_status dem_data_reserve(dem_data *d, int n) {
   return dem_crossings_reserve(d, n - d->state.nparticle);
 }
 
-tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
+tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn, size_t first, size_t end) {
   if (count <= list->capacity && list->one) /* arrays also for no entries */
     return TDM_OK;
   size_t before = list->capacity, capacity = (count + count / 16 + 64) & ~(size_t)7;
@@ -164,7 +165,8 @@ tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn) {
       (ncolumn > 0 && grow(&list->history, capacity * (size_t)ncolumn, before * (size_t)ncolumn, sizeof(double))))
     return TDM_ERR_MEMORY;
   for (int q = ncolumn - 1; q > 0; q--) /* columns move apart, the last first */
-    memmove(list->history + (size_t)q * capacity, list->history + (size_t)q * before, before * sizeof(double));
+    memmove(list->history + (size_t)q * capacity + first, list->history + (size_t)q * before + first,
+            (end - first) * sizeof(double));
   list->capacity = capacity;
   return TDM_OK;
 }
@@ -203,7 +205,7 @@ static tdm_status copy_lists(dem_data *dst, const dem_data *src) {
   const dem_pairs *p = &src->lists.pairs;
   const dem_wall_contacts *w = &src->lists.walls;
   const dem_crossings *c = &src->lists.crossings;
-  if (dem_pairs_reserve(&dst->lists.pairs, p->count, ncolumn) ||
+  if (dem_pairs_reserve(&dst->lists.pairs, p->count, ncolumn, 0, 0) ||
       dem_walls_reserve(&dst->lists.walls, w->count, ncolumn) || dem_crossings_reserve(dst, c->count))
     return TDM_ERR_MEMORY;
   dst->lists.pairs.count = p->count;

@@ -402,8 +402,9 @@ static inline int dem_chunk_end(const dem_data *d, int c) {
   return c + 1 < d->lists.nchunk ? (c + 1) * DEM_CHUNK : d->state.nparticle;
 }
 
-/* Room for `count` entries. The pairs keep partners and histories, walls may lose all. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn);
+/* Room for `count` entries. Of the pairs those from `first` to before `end` keep partners and histories, walls may lose
+ * all. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_pairs_reserve(dem_pairs *list, size_t count, int ncolumn, size_t first, size_t end);
 tdm_status dem_walls_reserve(dem_wall_contacts *list, size_t count, int ncolumn);
 
 /* Where crossing k has its place in push and contact_sum: behind the particles and the dummy particle. */

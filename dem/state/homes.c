@@ -19,8 +19,30 @@ void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
 /* what the entries of an array belong to */
 typedef enum { PARTICLES, CHUNKS, ENTRIES } owners;
 
+/* Who is to have them. */
+typedef enum { ALL, FIRST } readers;
+
+/* entries first[r] ... first[r + 1] - 1 of an array become those of rank r, on rank 0 */
+static void send_to_first(const dem_ranks *ranks, char *array, size_t size, const int *first) {
+  dem_mail *mail = malloc((size_t)ranks->size * sizeof *mail);
+  int n = 0;
+  if (!mail)
+    ranks->abandon("no memory for the letters to rank 0");
+  for (int r = 1; r < ranks->size; r++) {
+    char *at = array + (size_t)first[r] * size;
+    const size_t bytes = (size_t)(first[r + 1] - first[r]) * size;
+    if (ranks->rank == 0)
+      mail[n++] = (dem_mail){.rank = r, .receive = at, .received = bytes};
+    else if (ranks->rank == r)
+      mail[n++] = (dem_mail){.rank = 0, .send = at, .sent = bytes};
+  }
+  ranks->begin(mail, n);
+  ranks->finish();
+  free(mail);
+}
+
 /* chunk: of ENTRIES, the first one of each chunk */
-static void gather_for(dem_data *d, void *array, size_t size, owners of, const size_t *chunk) {
+static void gather_for(dem_data *d, void *array, size_t size, owners of, const size_t *chunk, readers who) {
   dem_homes *s = &d->work.homes;
   int first[DEM_RANKS_MAX + 1];
   if (!array || size == 0)
@@ -30,33 +52,35 @@ static void gather_for(dem_data *d, void *array, size_t size, owners of, const s
     first[r] = of == CHUNKS ? c : of == ENTRIES ? (int)chunk[c] : dem_chunk_start(d, c);
   }
   const double begin = tdm_clock();
-  s->ranks->gather(array, size, first);
+  if (who == ALL)
+    s->ranks->gather(array, size, first);
+  else
+    send_to_first(s->ranks, array, size, first);
   s->spent += tdm_clock() - begin;
 }
 
-static void gather(dem_data *d, void *array, size_t size, const size_t *chunk) {
-  gather_for(d, array, size, chunk ? ENTRIES : PARTICLES, chunk);
+static void gather(dem_data *d, void *array, size_t size, const size_t *chunk, readers who) {
+  gather_for(d, array, size, chunk ? ENTRIES : PARTICLES, chunk, who);
 }
 
 void dem_unite_particles(dem_data *d, void *array, size_t size) {
   if (!dem_alone(d))
-    gather(d, array, size, NULL);
-}
-
-void dem_unite_entries(dem_data *d, void *array, size_t size, const size_t *chunk) {
-  if (!dem_alone(d))
-    gather(d, array, size, chunk);
+    gather(d, array, size, NULL, ALL);
 }
 
 void dem_unite_chunks(dem_data *d, void *array, size_t size) {
   if (!dem_alone(d))
-    gather_for(d, array, size, CHUNKS, NULL);
+    gather_for(d, array, size, CHUNKS, NULL, ALL);
+}
+
+void dem_unite_entries(dem_data *d, void *array, size_t size, const size_t *chunk) {
+  if (!dem_alone(d))
+    gather(d, array, size, chunk, ALL);
 }
 
 void dem_lay_out(dem_data *d, size_t *chunk) {
   size_t at = 0;
-  if (!dem_alone(d))
-    gather_for(d, chunk, sizeof *chunk, CHUNKS, NULL);
+  dem_unite_chunks(d, chunk, sizeof *chunk);
   for (int c = 0; c < d->lists.nchunk; c++) {
     const size_t count = chunk[c];
     chunk[c] = at;
@@ -66,51 +90,66 @@ void dem_lay_out(dem_data *d, size_t *chunk) {
 }
 
 /* the arrays of particles: of the places those that tell them, else the others */
-static void gather_particles(dem_data *d, bool places) {
+static void gather_particles(dem_data *d, bool places, readers who) {
 #define X(field, n, name)                                                                                \
   if (((const void *)d->field == d->state.sphere || (const void *)d->field == d->state.rotor) == places) \
-    gather(d, d->field, (size_t)(n) * sizeof *d->field, NULL);
+    gather(d, d->field, (size_t)(n) * sizeof *d->field, NULL, who);
   DEM_PARTICLE_STATE(X)
 #undef X
 }
 
-static void gather_forces(dem_data *d) {
-#define X(field, name) gather(d, d->field, sizeof *d->field, NULL);
+static void gather_forces(dem_data *d, readers who) {
+#define X(field, name) gather(d, d->field, sizeof *d->field, NULL, who);
   DEM_FORCE_STATE(X)
 #undef X
 }
 
-static void gather_histories(dem_data *d) {
+static void gather_histories(dem_data *d, readers who) {
   const dem_pairs *p = &d->lists.pairs;
   const dem_wall_contacts *w = &d->lists.walls;
   for (size_t q = 0; q < (size_t)d->model->columns.ncolumn; q++) {
     if (p->history)
-      gather(d, p->history + q * p->capacity, sizeof *p->history, p->chunk);
+      gather(d, p->history + q * p->capacity, sizeof *p->history, p->chunk, who);
     if (w->history)
-      gather(d, w->history + q * w->capacity, sizeof *w->history, w->chunk);
+      gather(d, w->history + q * w->capacity, sizeof *w->history, w->chunk, who);
   }
 }
 
 /* what contacts are among others, of laws that ask */
-static void gather_among(dem_data *d) {
+static void gather_among(dem_data *d, readers who) {
   static const int told[] = {DEM_NOTE_WIDTH, DEM_NOTE_SIDE, DEM_NOTE_OTHER};
   const dem_notes *notes = &d->work.notes;
   if (d->work.among && d->model->nsum > 0)
-    gather(d, d->work.contact_sum, (size_t)d->model->nsum * sizeof *d->work.contact_sum, NULL);
+    gather(d, d->work.contact_sum, (size_t)d->model->nsum * sizeof *d->work.contact_sum, NULL, who);
   for (int q = 0; notes->valid && q < 3; q++) {
     double *column = notes->column + (size_t)told[q] * notes->stride;
-    gather(d, column, sizeof *column, d->lists.pairs.chunk);
-    gather(d, column + d->lists.pairs.count, sizeof *column, d->lists.walls.chunk);
+    gather(d, column, sizeof *column, d->lists.pairs.chunk, who);
+    gather(d, column + d->lists.pairs.count, sizeof *column, d->lists.walls.chunk, who);
   }
 }
 
-static void gather_lists(dem_data *d) {
+static void gather_lists(dem_data *d, readers who) {
   const dem_pairs *p = &d->lists.pairs;
   const dem_wall_contacts *w = &d->lists.walls;
-  gather(d, p->first, sizeof *p->first, NULL);
-  gather(d, p->one, sizeof *p->one, p->chunk);
-  gather(d, p->other, sizeof *p->other, p->chunk);
-  gather(d, w->entry, sizeof *w->entry, w->chunk);
+  gather(d, p->first, sizeof *p->first, NULL, who);
+  gather(d, p->one, sizeof *p->one, p->chunk, who);
+  gather(d, p->other, sizeof *p->other, p->chunk, who);
+  gather(d, w->entry, sizeof *w->entry, w->chunk, who);
+}
+
+static void gather_what(dem_data *d, unsigned what, readers who) {
+  if (what & DEM_PLACES)
+    gather_particles(d, true, who);
+  if (what & DEM_MOTION)
+    gather_particles(d, false, who);
+  if (what & DEM_FORCES)
+    gather_forces(d, who);
+  if (what & DEM_CONTACTS) {
+    gather_histories(d, who);
+    gather_among(d, who);
+  }
+  if (what & DEM_LISTS)
+    gather_lists(d, who);
 }
 
 void dem_unite(dem_data *d, unsigned what) {
@@ -118,19 +157,18 @@ void dem_unite(dem_data *d, unsigned what) {
   what &= ~s->united;
   if (!s->ranks || !what)
     return;
-  if (what & DEM_PLACES)
-    gather_particles(d, true);
-  if (what & DEM_MOTION)
-    gather_particles(d, false);
-  if (what & DEM_FORCES)
-    gather_forces(d);
-  if (what & DEM_CONTACTS) {
-    gather_histories(d);
-    gather_among(d);
-  }
-  if (what & DEM_LISTS)
-    gather_lists(d);
-  s->united |= what;
+  gather_what(d, what, ALL);
+  s->united |= what | what << DEM_ON_FIRST;
+}
+
+void dem_collect(dem_data *d, unsigned what) {
+  dem_homes *s = &d->work.homes;
+  what &= ~(s->united >> DEM_ON_FIRST);
+  if (!s->ranks || !what)
+    return;
+  assert(!s->visiting); /* letters do not mix */
+  gather_what(d, what, FIRST);
+  s->united |= what << DEM_ON_FIRST;
 }
 
 /* ---- numbers ---- */
@@ -155,18 +193,45 @@ static void tell_all(const dem_data *d, long x, long *all) {
   ranks->gather(all, sizeof *all, own);
 }
 
+void *dem_homes_join(const dem_data *d, const void *own, int n, size_t size, int *all) {
+  const dem_ranks *ranks = d->work.homes.ranks;
+  long count[DEM_RANKS_MAX];
+  int first[DEM_RANKS_MAX + 1] = {0};
+  tell_all(d, n, count);
+  for (int r = 0; r < ranks->size; r++)
+    first[r + 1] = first[r] + (int)count[r];
+  *all = first[ranks->size];
+  char *joined = malloc((size_t)*all * size + 1);
+  if (!joined)
+    ranks->abandon("no memory for what ranks tell each other");
+  if (n > 0)
+    memcpy(joined + (size_t)first[ranks->rank] * size, own, (size_t)n * size);
+  ranks->gather(joined, size, first);
+  return joined;
+}
+
 long dem_homes_sum(const dem_data *d, long x) {
-  long all[DEM_RANKS_MAX], sum = 0;
-  if (dem_alone(d))
-    return x;
-  tell_all(d, x, all);
-  for (int r = 0; r < d->work.homes.ranks->size; r++)
-    sum += all[r];
-  return sum;
+  double sum = (double)x;
+  if (!dem_alone(d))
+    d->work.homes.ranks->sum(&sum, 1);
+  return (long)sum;
 }
 
 bool dem_homes_any(const dem_data *d, bool here) {
   return dem_alone(d) ? here : dem_homes_largest(d, here) > 0;
+}
+
+tdm_status dem_homes_follow(const dem_data *d, void *found, size_t size, tdm_error *err) {
+  const dem_ranks *ranks = d->work.homes.ranks;
+  int status = err ? (int)err->status : 0;
+  if (ranks) {
+    ranks->broadcast(&status, sizeof status);
+    if (size > 0)
+      ranks->broadcast(found, size);
+    if (err && status && !err->status)
+      tdm_fail(err, (tdm_status)status, NULL, "rank 0 failed");
+  }
+  return (tdm_status)status;
 }
 
 tdm_status dem_homes_alive(dem_data *d, tdm_participant *p) {
@@ -327,8 +392,7 @@ static size_t larger(size_t a, size_t b) {
 
 enum { VISIT = sizeof(dem_sphere) + sizeof(dem_rotor) };
 
-/* doubles of a chunk in the sums, and those that a rank tells of itself */
-enum { OF_RANK = 3 };
+enum { OF_RANK = 3 }; /* doubles that a rank tells of itself in the sums, besides those of chunks */
 
 static size_t sums_of_chunk(const dem_data *d) {
   return (size_t)d->model->nload * (sizeof(tdm_wrench) / sizeof(double)) +
@@ -359,108 +423,6 @@ static tdm_status reserve_mail(dem_data *d) {
   return s->mail && s->out && s->in && s->sums ? TDM_OK : TDM_ERR_MEMORY;
 }
 
-tdm_status dem_homes_plan(dem_data *d) {
-  dem_homes *s = &d->work.homes;
-  int place[DEM_RANKS_MAX + 1];
-  if (!s->ranks || s->planned)
-    return TDM_OK;
-  if (know_chunks(d))
-    return TDM_ERR_MEMORY;
-  place_ranks(d, place);
-  if (collect(d, place, true, &s->returning) || collect(d, place, false, &s->returned) ||
-      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) ||
-      order_chunks(d) || reserve_mail(d))
-    return TDM_ERR_MEMORY;
-  s->planned = true;
-  return TDM_OK;
-}
-
-/* ---- balance ---- */
-
-/* the most that the chunks of one home cost */
-static double most_of(const double *cost, const int *first, int size) {
-  double most = 0;
-  for (int r = 0; r < size; r++) {
-    double sum = 0;
-    for (int c = first[r]; c < first[r + 1]; c++)
-      sum += cost[c];
-    most = fmax(most, sum);
-  }
-  return most;
-}
-
-/* Homes that cost alike: each begins (size + 1) with the chunk that is nearest to its share of all costs. */
-static void share_out(const dem_data *d, int *first) {
-  const int n = d->lists.nchunk, size = d->work.homes.ranks->size;
-  const double *cost = d->work.homes.cost;
-  double all = 0, before = 0;
-  for (int c = 0; c < n; c++)
-    all += cost[c];
-  first[0] = 0;
-  for (int r = 1, c = 0; r < size; r++) {
-    while (c < n && before + 0.5 * cost[c] < all * r / size)
-      before += cost[c++];
-    first[r] = c;
-  }
-  first[size] = n;
-}
-
-/* Homes move if the costs of all chunks, which all ranks know now, say so. */
-static bool move_homes(dem_data *d) {
-  const int size = d->work.homes.ranks->size;
-  const double *cost = d->work.homes.cost, tolerance = d->model->balance.tolerance;
-  int now[DEM_RANKS_MAX + 1], better[DEM_RANKS_MAX + 1];
-  const int all[2] = {0, d->lists.nchunk};
-  for (int r = 0; r <= size; r++)
-    now[r] = dem_chunk_of_rank(d, r);
-  share_out(d, better);
-  const double mean = most_of(cost, all, 1) / size, most = most_of(cost, now, size);
-  if (!(most > (1 + tolerance) * mean) || !(most_of(cost, better, size) < most - tolerance * mean))
-    return false;
-  dem_unite(d, DEM_WHOLE);
-  for (int r = 0; r <= size; r++)
-    d->lists.home[r] = (double)better[r] / d->lists.nchunk;
-  d->work.homes.planned = false;
-  return true;
-}
-
-double (*dem_homes_clock)(void) = tdm_clock;
-
-void dem_homes_measure(dem_data *d) {
-  dem_homes *s = &d->work.homes;
-  s->looked = d->state.nstep;
-  s->all_busiest += s->busiest;
-  s->all_mean += s->mean;
-  s->busiest = s->mean = 0;
-  if (s->ncost > 0)
-    memset(s->cost, 0, (size_t)s->ncost * sizeof *s->cost);
-}
-
-bool dem_homes_balance(dem_data *d) {
-  enum { STEPS = 500 }; /* between looks of runs that are not balanced, which tell the same number */
-  dem_homes *s = &d->work.homes;
-  const dem_balance_def *balance = &d->model->balance;
-  const uint64_t every = balance->every > 0 ? (uint64_t)balance->every : STEPS;
-  if (!s->ranks || d->lists.nchunk > s->ncost || d->state.nstep - s->looked < every)
-    return false;
-  bool moved = false;
-  if (balance->every > 0) {
-    gather_for(d, s->cost, sizeof *s->cost, CHUNKS, NULL);
-    moved = move_homes(d);
-  }
-  s->nmove += moved;
-  dem_homes_measure(d);
-  return moved;
-}
-
-double dem_homes_imbalance(const dem_data *d) {
-  const dem_homes *s = &d->work.homes;
-  const double mean = s->all_mean + s->mean;
-  return mean > 0 ? (s->all_busiest + s->busiest) / mean - 1 : 0;
-}
-
-/* ---- a step ---- */
-
 /* begin to exchange parcels, an item of so many bytes */
 static void post(dem_homes *s, const dem_parcels *out, const dem_parcels *in, size_t each) {
   int n = 0;
@@ -476,6 +438,58 @@ static void post(dem_homes *s, const dem_parcels *out, const dem_parcels *in, si
   }
   s->ranks->begin(s->mail, n);
 }
+
+static void learn(dem_data *d, int *array) {
+  dem_homes *s = &d->work.homes;
+  int *out = (int *)(void *)s->out, *in = (int *)(void *)s->in;
+  for (int k = 0; k < s->immigrants.first[s->ranks->size]; k++)
+    out[k] = array[s->immigrants.item[k]];
+  post(s, &s->immigrants, &s->visitors, sizeof *out);
+  s->ranks->finish();
+  for (int k = 0; k < s->visitors.first[s->ranks->size]; k++)
+    array[s->visitors.item[k]] = in[k];
+}
+
+tdm_status dem_homes_plan(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  int place[DEM_RANKS_MAX + 1];
+  if (!s->ranks || s->planned)
+    return TDM_OK;
+  if (know_chunks(d))
+    return TDM_ERR_MEMORY;
+  place_ranks(d, place);
+  if (collect(d, place, true, &s->returning) || collect(d, place, false, &s->returned) ||
+      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) ||
+      order_chunks(d) || reserve_mail(d))
+    return TDM_ERR_MEMORY;
+  if (d->model->nmaterial > 1)
+    learn(d, d->state.material); /* visitors keep theirs until there are others */
+  s->planned = true;
+  return TDM_OK;
+}
+
+tdm_status dem_visitors_learn(dem_data *d, int *array) {
+  if (dem_homes_plan(d))
+    return TDM_ERR_MEMORY;
+  learn(d, array);
+  return TDM_OK;
+}
+
+/* ---- times ---- */
+
+double (*dem_homes_clock)(void) = tdm_clock;
+
+void dem_homes_measure(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  s->looked = d->state.nstep;
+  s->all_busiest += s->busiest;
+  s->all_mean += s->mean;
+  s->busiest = s->mean = 0;
+  if (s->ncost > 0)
+    memset(s->cost, 0, (size_t)s->ncost * sizeof *s->cost);
+}
+
+/* ---- a step ---- */
 
 void dem_visitors_begin(dem_data *d) {
   dem_homes *s = &d->work.homes;

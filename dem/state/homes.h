@@ -1,9 +1,9 @@
 /* What the ranks of a run (base/ranks.h) tell each other of the state.
  *
- * Each rank has the arrays of all particles and works on its home: a run of whole chunks, whose particles it moves,
- * lists and evaluates. Its lists are laid out as those of all chunks, with the entries of its home. What is decided for
- * all (when lists are built, what sources and sinks do) every rank decides alike. In a step, in the words of [A07]
- * Section 3.5,
+ * Each rank works on its home: a run of whole chunks, whose particles it moves, lists and evaluates. Arrays have places
+ * for the particles of all ranks, and lists are laid out as those of all chunks, but only what is of the home, or
+ * visits it, is there and takes memory (exchange/keep.h). What is decided for all (when lists are built, what sources
+ * and sinks do) every rank decides alike. In a step, in the words of [A07] Section 3.5,
  *
  *   immigrants   home particles that a contact of another rank names: their places and velocities go there, where they
  *                are visitors
@@ -14,8 +14,8 @@
  * so that the bits are those of one process. With the numbers of a later chunk behind those of an earlier one, visitors
  * come from ranks behind and reactions return there, as in [A07]. Homes are as long as makes the measured times of
  * their chunks alike, if the scene asks for that (dem.decomposition.balance). Whoever reads more of particles that are
- * not at home asks for it first: dem_unite makes whole arrays the same on all ranks. In a process that is alone all of
- * this is nothing.
+ * not at home asks for it first: dem_unite makes whole arrays the same on all ranks. What goes from home to home when
+ * lists are built is in exchange/. In a process that is alone all of this is nothing.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_STATE_HOMES_H
@@ -35,17 +35,23 @@ enum {
   DEM_CONTACTS = 8, /* histories, notes, sums of laws */
   DEM_LISTS = 16,   /* entries of pairs and walls */
   DEM_STATE = 15,
-  DEM_WHOLE = 31
+  DEM_WHOLE = 31,
+  DEM_ON_FIRST = 8 /* bits up: rank 0 has it, too */
 };
 
 static inline bool dem_alone(const dem_data *d) {
   return !d->work.homes.ranks;
 }
 
+/* The chunk before which such a share of all chunks lies. */
+static inline int dem_chunk_of_share(const dem_data *d, double share) {
+  const double round_off = 1e-6;
+  return (int)ceil(d->lists.nchunk * share - round_off);
+}
+
 /* First chunk of a rank's home; of rank `size` the number of chunks. */
 static inline int dem_chunk_of_rank(const dem_data *d, int rank) {
-  const double round_off = 1e-6;
-  return (int)ceil(d->lists.nchunk * d->lists.home[rank] - round_off);
+  return dem_chunk_of_share(d, d->lists.home[rank]);
 }
 
 /* Home chunks: from the first to before the end; all of them in a process that is alone. */
@@ -76,12 +82,12 @@ void dem_homes_begin(dem_data *data, const dem_ranks *ranks);
 
 /* What is said here of other ranks' particles (DEM_PLACES ...) is no longer true: each rank changed its own. */
 static inline void dem_parted(dem_data *d, unsigned what) {
-  d->work.homes.united &= ~what;
+  d->work.homes.united &= ~(what | what << DEM_ON_FIRST);
 }
 
 /* All is the same on all ranks now: each has read it. */
 static inline void dem_united(dem_data *d) {
-  d->work.homes.united = DEM_WHOLE;
+  d->work.homes.united = DEM_WHOLE | DEM_WHOLE << DEM_ON_FIRST;
 }
 
 /* What chunks cost is measured anew from this step on: where the run goes on at another step or with other homes. */
@@ -97,11 +103,14 @@ static inline void dem_homes_restored(dem_data *d) {
 /* Make this the same on all ranks: what is there of a particle or contact is what its home has. */
 void dem_unite(dem_data *data, unsigned what);
 
-/* Likewise an array with an entry of `size` bytes a particle, for each entry of a list (chunk: as below), or a chunk.
+/* Likewise on rank 0 alone, for what it makes of it for all (dem_homes_follow); the others keep what they have. */
+void dem_collect(dem_data *data, unsigned what);
+
+/* Likewise an array with an entry of `size` bytes a particle, a chunk, or for each entry of a list (chunk: as below).
  */
 void dem_unite_particles(dem_data *data, void *array, size_t size);
-void dem_unite_entries(dem_data *data, void *array, size_t size, const size_t *chunk);
 void dem_unite_chunks(dem_data *data, void *array, size_t size);
+void dem_unite_entries(dem_data *data, void *array, size_t size, const size_t *chunk);
 
 /* Lay out a list of all chunks: chunk (nchunk + 1) has the number of entries of each home chunk, and becomes the first
  * entry of each chunk, of all, and their number. */
@@ -110,6 +119,10 @@ void dem_lay_out(dem_data *data, size_t *chunk);
 /* The largest of all ranks' numbers, each of n; is something so on any rank? */
 double dem_homes_largest(const dem_data *data, double x);
 void dem_homes_largest_of(const dem_data *data, double *x, int n);
+
+/* n records of each rank, of `size` bytes, on all ranks: one rank's behind the other's, `*all` of them. The caller's to
+ * free. */
+void *dem_homes_join(const dem_data *data, const void *own, int n, size_t size, int *all);
 
 /* The sum of all ranks' numbers. */
 long dem_homes_sum(const dem_data *data, long x);
@@ -120,10 +133,13 @@ static inline bool dem_homes_writes(const dem_data *d) {
   return dem_alone(d) || d->work.homes.ranks->rank == 0;
 }
 
+/* What rank 0 found, `size` bytes, goes to all, and whether it failed: then all fail. err: may be NULL. */
+tdm_status dem_homes_follow(const dem_data *data, void *found, size_t size, tdm_error *err);
+
 /* tdm_participant_alive with one answer for all ranks: that of the last step. */
 tdm_status dem_homes_alive(dem_data *data, tdm_participant *participant);
 
-/* ---- balance ---- */
+/* ---- times of chunks, for balance (exchange/balance.h) ---- */
 
 /* The clock that chunks are measured with [s]: tdm_clock; tests have another one, by which homes move often. */
 extern double (*dem_homes_clock)(void);
@@ -133,18 +149,13 @@ static inline void dem_home_took(dem_data *d, int chunk, double begin) {
   d->work.homes.cost[chunk] += dem_homes_clock() - begin;
 }
 
-/* Before lists are built: look, if it is time for it, at what chunks cost, and move homes if the busiest one costs more
- * than the mean by the tolerance, and would cost less by as much. Then all of the state is united. Returns whether
- * homes have moved. */
-bool dem_homes_balance(dem_data *data);
-
-/* By how much the busiest rank worked longer than the mean, as a share of it, between looks since the start. */
-double dem_homes_imbalance(const dem_data *data);
-
 /* ---- parts of a step ---- */
 
 /* Work out who visits whom by the present crossings, unless that is known. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_homes_plan(dem_data *data);
+
+/* Of visitors array[i] becomes what it is at their homes; of home particles it is there. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_visitors_learn(dem_data *data, int *array);
 
 /* Immigrants leave, unless all places are known everywhere; visitors have come. */
 void dem_visitors_begin(dem_data *data);

@@ -51,10 +51,10 @@ static inline bool dem_through(const dem_data *d, int i, int w) {
   return (d->state.front[(size_t)i * (size_t)d->model->nwall + (size_t)w] & DEM_IN_FRONT) && dem_behind(d, i, w);
 }
 
-/* Note which walls the particles from `first` on are in front of: the reference for dem_through. */
-static inline void dem_mark_front(dem_data *d, int first) {
+/* Note which walls the particles first ... end - 1 are in front of: the reference for dem_through. */
+static inline void dem_mark_front(dem_data *d, int first, int end) {
   int nwall = d->model->nwall;
-  for (int i = first; i < d->state.nparticle; i++)
+  for (int i = first; i < end; i++)
     for (int w = 0; w < nwall; w++)
       d->state.front[(size_t)i * (size_t)nwall + (size_t)w] = dem_behind(d, i, w) ? 0 : DEM_IN_FRONT;
 }

@@ -299,6 +299,11 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
 
 /* ---- two sets of forces ---- */
 
+void dem_forces_clear(const dem_data *d, dem_push *push) {
+  const int first = dem_home_first_particle(d);
+  memset(push + first, 0, (size_t)(dem_home_end_particle(d) - first) * sizeof *push);
+}
+
 void dem_forces_swap(dem_data *d) {
   dem_push *push = d->state.push;
   d->state.push = d->state.spare_push;
@@ -322,7 +327,7 @@ void dem_forces_add_slow(dem_data *d, bool settling, double dt) {
 
 /* the forces of both kinds at the present state, each in its place; needs them zeroed */
 static void add_both(dem_data *d, bool settling, double dt) {
-  memset(d->state.spare_push, 0, (size_t)d->state.nparticle * sizeof *d->state.push);
+  dem_forces_clear(d, d->state.spare_push);
   dem_forces_swap(d);
   dem_forces_add(d, DEM_FAST, settling, dt, NULL);
   dem_traction_add(d, 1);
@@ -340,14 +345,14 @@ void dem_forces_frozen(dem_data *d, double dt) {
 }
 
 void dem_forces_again(dem_data *d, bool settling, double dt) {
-  dem_unite(d, DEM_PLACES | DEM_MOTION);
-  memset(d->state.push + d->state.nparticle, 0,
-         (dem_push_count(d) - (size_t)d->state.nparticle) * sizeof *d->state.push);
-  for (int i = 0; i < d->state.nparticle; i++) {
+  dem_crossings_empty(d, d->state.push);
+  for (int i = dem_home_first_particle(d), last = dem_home_end_particle(d); i < last; i++) {
     d->state.sphere[i].velocity = d->state.pace[i].velocity;
     d->state.rotor[i].surface = tdm_scale(d->state.sphere[i].radius, d->state.pace[i].spin);
     d->state.push[i] = (dem_push){0};
   }
+  dem_parted(d, DEM_STATE);
+  dem_visitors_begin(d);
   dem_traction_clear(d);
   if (d->model->integrator->kick && !settling) {
     add_both(d, settling, dt);
@@ -372,6 +377,6 @@ tdm_status dem_forces_begin(dem_data *d, tdm_error *err) {
   dem_lids_away(d);
   if (dem_forces_now(d, false, err))
     return err->status;
-  dem_mark_front(d, 0);
+  dem_mark_front(d, dem_home_first_particle(d), dem_home_end_particle(d));
   return TDM_OK;
 }

@@ -28,6 +28,9 @@ void dem_forces_frozen(dem_data *data, double dt);
  * bodies' loads; then, with an integrator (NULL: none), end its step. */
 void dem_forces_add(dem_data *data, dem_share share, bool settling, double dt, const dem_integrator *integrator);
 
+/* No forces on home particles. push: state.push or state.spare_push */
+void dem_forces_clear(const dem_data *data, dem_push *push);
+
 /* Multi-step has two sets of forces: push becomes the other one. */
 void dem_forces_swap(dem_data *data);
 

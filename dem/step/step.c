@@ -50,7 +50,7 @@ static void begin(dem_data *d, const dem_step_task *s, const substeps *p) {
     dem_window_sums_add(s->sums, d, 0, s->n, s->path);
   if (!s->settling) {
     if ((d->state.restart || s->dt != d->state.memory_dt) && p->integrator->remember)
-      p->integrator->remember(d, 0, d->state.nparticle, s->dt);
+      p->integrator->remember(d, dem_home_first_particle(d), dem_home_end_particle(d), s->dt);
     d->state.restart = false;
     d->state.memory_dt = s->dt;
   }
@@ -146,7 +146,7 @@ static void evaluate_and_kick(dem_data *d, const dem_step_task *s, const substep
 static void end(dem_data *d, const dem_step_task *s, const substeps *p) {
   if (!p->two)
     return;
-  memset(d->state.push, 0, (size_t)d->state.nparticle * sizeof *d->state.push);
+  dem_forces_clear(d, d->state.push);
   dem_forces_add_slow(d, s->settling, s->dt);
   kick(d, p, s->dt);
 }
@@ -212,11 +212,8 @@ tdm_status dem_step(dem_data *d, const dem_step_task *s, tdm_error *err) {
   count_step(d, s);
 
   /* what others want of the step: sums over the window, the guard, sources and sinks */
-  if (s->sums) {
-    if (d->model->fixes)
-      dem_unite(d, DEM_FORCES);
+  if (s->sums)
     dem_window_sums_add(s->sums, d, s->k, s->n, s->path);
-  }
   if (s->guard && watch(d, s, err))
     return err->status;
   return s->flow ? dem_flow(d, s->time, s->dt, err) : TDM_OK;

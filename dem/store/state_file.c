@@ -385,9 +385,9 @@ static tdm_status get_beginning(const reader *r, dem_data *d) {
     d->state.ledger.created = (uint64_t)d->model->nparticle;
   d->state.ledger.removed = d->state.ledger.created - (uint64_t)d->state.nparticle;
   d->state.restart = true;
-  dem_drive_particles(d);
+  dem_drive_particles(d, 0, d->state.nparticle);
   if (r->use == DEM_STATE_START)
-    dem_domain_begin(d);
+    dem_domain_begin(d, 0, d->state.nparticle);
   return TDM_OK;
 }
 

@@ -202,8 +202,11 @@ tdm_energy dem_energy_balance_look(dem_data *d) {
       .kinetic = NAN, .stored = NAN, .supplied = d->state.energy_balance.flow + d->state.energy_balance.driven};
   if (d->state.nstep < d->state.energy_balance.next_look || !dem_energy_balance_known(m))
     return e;
-  dem_unite(d, DEM_WHOLE);
-  dem_stored_energy now = dem_stored_energy_now(d);
+  dem_stored_energy now = {0};
+  dem_collect(d, DEM_WHOLE);
+  if (dem_homes_writes(d))
+    now = dem_stored_energy_now(d);
+  dem_homes_follow(d, &now, sizeof now, NULL);
   d->state.energy_balance.next_look = d->state.nstep + (uint64_t)(m->guard.every > 0 ? m->guard.every : DEM_LOOK_STEPS);
   e.kinetic = now.kinetic;
   e.stored = now.kinetic + now.potential + now.elastic;

@@ -2,6 +2,7 @@
 """tandem-dem on ranks: the tables and pictures of [A07] Chapter 3.
 
 usage: tests/bench/bench_ranks.py [--bin DIR] [--out DIR] [--particles N,N,...] [--ranks P,P,...] [--repeat K]
+       tests/bench/bench_ranks.py --memory N [--ranks P,P,...] [--steps K] [--bin DIR] [--out DIR]
 
 A lattice of spheres in a box, pressed a little, for so many steps that a run takes seconds. Prints for each number of
 particles and ranks the time of the steps t, speed-up tau = t_1/t, efficiency eta = tau/P, normalised cost nu = P t/t_1
@@ -10,6 +11,10 @@ a rank computes, exchanges and waits (least and most of all ranks, from one more
 largest processor time that any rank computes, which other programs do not disturb: that of one rank divided by it is
 the speed-up without exchanges. 1 rank: tandem-dem without MPI. Times are medians. Draws speedup.svg, efficiency.svg,
 cost.svg (Fig. 3.13 to 3.15) and, of the most ranks, trace-N.svg (Fig. 3.16) with gnuplot.
+
+--memory N [--ranks P,P,...] [--steps K]: instead, the peak memory of each rank with N particles that fall, beside the
+share: what one process takes, divided by P. What a program takes with a thousand particles is subtracted first. More
+than 1000 steps have a renewal of the order in them.
 """
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
@@ -62,6 +67,56 @@ def run(options, file, ranks, trace=None):
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: exit status {done.returncode}\n{done.stdout}{done.stderr}")
     return json.loads((out / "summary.json").read_text())["wall_s"]["dem"]
+
+
+# run a command; how much memory it took at most [kB] goes to a file, of each rank
+PEAK = """import os, subprocess, sys
+child = subprocess.Popen(sys.argv[2:])
+_, status, usage = os.wait4(child.pid, 0)
+open(sys.argv[1] + "." + os.environ.get("OMPI_COMM_WORLD_RANK", "0"), "w").write(str(usage.ru_maxrss))
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
+
+
+def falling(particles, steps):
+    """a block of spheres that falls into a corner, made by each rank from a few numbers"""
+    across = max(2, round(particles ** (1 / 3)))
+    size = [2 * RADIUS * across, 2 * RADIUS * across, 2 * RADIUS * across + 4 * RADIUS]
+    made = scene(8)
+    made["time"]["end"] = made["output"]["interval"] = steps * DT
+    made["dem"]["bodies"][0]["shapes"][0].update(size=size, center=[s / 2 for s in size])
+    made["dem"]["particles"] = [
+        {"type": "block", "material": "grain", "radius": RADIUS, "count": [across] * 3, "corner": [RADIUS] * 3}
+        | {"spacing": 2 * RADIUS, "velocity": [-0.3, -0.2, -0.5]}
+    ]
+    return made
+
+
+def peaks(options, particles, ranks):
+    """most memory of each rank [MB]"""
+    file, peak = options.out / "memory.json", options.out / "peak"
+    file.write_text(json.dumps(falling(particles, options.steps)))
+    command = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    command += [sys.executable, "-c", PEAK, str(peak), str(options.bin / "tandem-dem-mpi"), "run", str(file)]
+    command += ["--out", str(options.out / "run"), "--force", "--no-plots"]
+    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}: exit status {done.returncode}\n{done.stdout}{done.stderr}")
+    return [int(pathlib.Path(f"{peak}.{rank}").read_text()) / 1024 for rank in range(ranks)]
+
+
+def memory(options):
+    whole = peaks(options, options.memory, 1)[0] - peaks(options, 1000, 1)[0]
+    print(f"one process: {whole:.1f} MB for {options.memory} particles, besides the program")
+    for ranks in options.ranks:
+        program = peaks(options, 1000, ranks)
+        parts = [(peak - own) * ranks / whole for peak, own in zip(peaks(options, options.memory, ranks), program)]
+        print(
+            f"{ranks} ranks: the program {min(program):.1f} ... {max(program):.1f} MB; peak memory in shares "
+            f"({whole / ranks:.1f} MB): " + " ".join(f"{share:.2f}" for share in parts),
+            flush=True,
+        )
 
 
 def shares(trace, ranks):
@@ -172,11 +227,16 @@ def main():
     parser.add_argument("--particles", type=numbers, default=[916, 9000, 14884, 144400])
     parser.add_argument("--ranks", type=numbers, default=[1, 2])
     parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--memory", type=lambda text: int(float(text)))
+    parser.add_argument("--steps", type=int, default=100)
     options = parser.parse_args()
     if not (options.bin / "tandem-dem-mpi").exists():
         sys.exit(f"{options.bin}/tandem-dem-mpi is not there: install libopenmpi-dev and build again")
     options.out.mkdir(parents=True, exist_ok=True)
     options.out = options.out.resolve()
+    if options.memory:
+        memory(options)
+        return
     rows = measure(options)
     draw_curves(options, rows)
     most = max(options.ranks)

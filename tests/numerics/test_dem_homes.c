@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
+#include "dem/exchange/balance.h"
 #include "dem/particles/particles.h"
 #include "dem/state/homes.h"
 #include "test_ranks_support.h"

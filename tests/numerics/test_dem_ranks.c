@@ -90,6 +90,15 @@ START_TEST(box_that_is_carried) {
 }
 END_TEST
 
+START_TEST(windows_without_samples) {
+  /* somebody looked at the scene: rank 0 wants to see new particles after each window, snapshot or not */
+  compare(
+      &(kind){
+          .scene = box_and_bed, .dt = 2e-5, .nwindow = 4, .nstep = 20, .ncoupled = 1, .silent = true, .stays = true},
+      NULL);
+}
+END_TEST
+
 /* ---- meshes ---- */
 
 static char floor_file[64];
@@ -207,6 +216,39 @@ START_TEST(box_that_repeats) {
   static const char *const integrators[] = {"verlet", "leap-frog", "stormer-verlet", "multi-step"};
   integrator = integrators[_i];
   compare(&(kind){.scene = repeating, .dt = 2e-5, .nwindow = 4, .nstep = 50, .stays = true}, NULL);
+}
+END_TEST
+
+/* particles of a stored state that lie outside the box, which repeats: each is put inside, on whichever rank it is */
+static char start_file[64];
+
+#define REPEATING_BOX(low, high)                                                                \
+  "'domain':{'min':[" low "," low "," low "],'max':[" high "," high "," high "],'x':'periodic'" \
+  ",'y':'periodic','z':'periodic'}"
+
+static json_t *shifted_box(int threads) {
+  return scene_json("{" TWO PAIRS ",'gravity':[0,0,0]," REPEATING_BOX("0.07", "0.27") ",'start':'%s','particles':[]}",
+                    threads, start_file);
+}
+
+static void ck_shifted(const outcome *out) {
+  ck_assert_int_eq(out->nparticle, 4300);
+}
+
+START_TEST(start_outside_the_box) {
+  static const int sizes[] = {2, 3, 8, 0};
+  rig *r = rig_make(scene_json("{" TWO PAIRS ",'gravity':[0,0,0]," REPEATING_BOX(
+                                   "-0.1", "0.1") ",'particles':[{'type':'random','material':'a','count':4300,'radius':"
+                                                  "[0.0045,0.0055],'region':{'min':[-0.1,-0.1,-0.1],'max':[0.1,0.1,0.1]"
+                                                  "},'velocity':[1,2,3]}]}",
+                               1),
+                    1e-5, 0, NULL);
+  tdm_error err = {0};
+  snprintf(start_file, sizeof start_file, "ranks-%d.start", (int)getpid());
+  ck_assert_msg(!dem_state_write(r->data, start_file, "dem.start", NULL, 0, &err), "%s", err.message);
+  compare_on(sizes, &(kind){.scene = shifted_box, .dt = 1e-5, .nwindow = 2, .nstep = 30, .stays = true}, ck_shifted);
+  remove(start_file);
+  rig_free(r);
 }
 END_TEST
 
@@ -360,7 +402,7 @@ START_TEST(what_is_refused) {
 }
 END_TEST
 
-TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {box_that_is_carried, 1},
-               {bed_on_triangles, 1}, {particles_that_come_and_go, 1}, {particles_that_are_screened, 1},
-               {box_that_repeats, 4}, {heap_that_slides, 3}, {bed_that_settles, 1},
-               {contacts_that_act_on_each_other, 6}, {what_is_refused, 1})
+TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {windows_without_samples, 1},
+               {start_outside_the_box, 1}, {box_that_is_carried, 1}, {bed_on_triangles, 1},
+               {particles_that_come_and_go, 1}, {particles_that_are_screened, 1}, {box_that_repeats, 4},
+               {heap_that_slides, 3}, {bed_that_settles, 1}, {contacts_that_act_on_each_other, 6}, {what_is_refused, 1})

@@ -6,6 +6,7 @@
 #include "test_dem_support.h"
 
 #include "dem/dem.h"
+#include "dem/exchange/keep.h"
 #include "dem/state/homes.h"
 #include "dem/store/state_file.h"
 #include "test_ranks_support.h"
@@ -24,6 +25,7 @@ typedef struct {
   bool tries;         /* each window is made twice: saved, made, restored, made */
   bool contacts;      /* snapshots have contacts */
   bool stays;         /* lists hold for so long that homes cannot move */
+  bool silent;        /* windows have no samples */
 } kind;
 
 typedef struct {
@@ -81,7 +83,7 @@ static inline void window(outcome *out, dem_engine *e, int w) {
                              .nstep = (uint64_t)k->nstep,
                              .path = k->ncoupled && !k->carried ? &path : NULL,
                              .mechanism = k->carried ? &mechanism : NULL,
-                             .nsample = 2,
+                             .nsample = k->silent ? 0 : 2,
                              .sample_time = sample,
                              .seen = w + 1 == k->nwindow};
   double *channel = calloc(2 * (size_t)out->nchannel + 1, sizeof *channel);
@@ -127,6 +129,7 @@ static inline json_t *scene_of(const outcome *out) {
 static inline void lead(void *context) {
   outcome *out = context;
   const kind *k = out->kind;
+  dem_keep_poisons = true; /* what is used of other ranks' particles without having come from them shows */
   const tdm_assigned_body box = {.name = k->body ? k->body : "box", .mass = 1, .state = led_at(k, 0)};
   const tdm_assignment assignment = {.scene = scene_of(out),
                                      .time_end = k->dt * k->nstep * k->nwindow,

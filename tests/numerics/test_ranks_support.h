@@ -46,17 +46,33 @@ static void thread_gather(void *array, size_t size, const int *first) {
   taken();
 }
 
-static void thread_largest(double *x, int n) {
+static double larger_of(double a, double b) {
+  return a > b ? a : b;
+}
+
+static double sum_of(double a, double b) {
+  return a + b;
+}
+
+static void reduce(double *x, int n, double (*of)(double, double)) {
   double *all = calloc((size_t)n, sizeof *all);
   leave(x);
   for (int k = 0; k < n; k++) {
-    all[k] = x[k];
-    for (int r = 0; r < together.size; r++)
-      all[k] = ((double *)together.left[r])[k] > all[k] ? ((double *)together.left[r])[k] : all[k];
+    all[k] = ((double *)together.left[0])[k];
+    for (int r = 1; r < together.size; r++)
+      all[k] = of(all[k], ((double *)together.left[r])[k]);
   }
   taken();
   memcpy(x, all, (size_t)n * sizeof *x);
   free(all);
+}
+
+static void thread_largest(double *x, int n) {
+  reduce(x, n, larger_of);
+}
+
+static void thread_sum(double *x, int n) {
+  reduce(x, n, sum_of);
 }
 
 static void thread_begin(const dem_mail *mail, int n) {
@@ -66,16 +82,21 @@ static void thread_begin(const dem_mail *mail, int n) {
 
 static void thread_finish(void) {
   leave(NULL);
+  int next[THREAD_RANKS_MAX] = {0}; /* letter of each rank that is looked at next */
   for (int k = 0; k < together.nmail[this_rank]; k++) {
-    const dem_mail *in = &together.mail[this_rank][k];
-    for (int q = 0; in->received > 0 && q < together.nmail[in->rank]; q++) {
-      const dem_mail *out = &together.mail[in->rank][q];
-      if (out->rank != this_rank)
-        continue;
-      ck_assert_uint_eq(out->sent, in->received);
-      memcpy(in->receive, out->send, in->received);
-    }
+    const dem_mail *in = &together.mail[this_rank][k], *out;
+    if (in->received == 0)
+      continue;
+    do {
+      ck_assert_int_lt(next[in->rank], together.nmail[in->rank]);
+      out = &together.mail[in->rank][next[in->rank]++];
+    } while (out->rank != this_rank || out->sent == 0);
+    ck_assert_uint_eq(out->sent, in->received);
+    memcpy(in->receive, out->send, in->received);
   }
+  for (int r = 0; r < together.size; r++) /* none is left */
+    for (int q = next[r]; q < together.nmail[r]; q++)
+      ck_assert(together.mail[r][q].rank != this_rank || together.mail[r][q].sent == 0);
   taken();
 }
 
@@ -107,6 +128,7 @@ static dem_ranks ranks_of(int rank) {
                      .size = together.size,
                      .gather = thread_gather,
                      .largest = thread_largest,
+                     .sum = thread_sum,
                      .begin = thread_begin,
                      .finish = thread_finish,
                      .broadcast = thread_broadcast,

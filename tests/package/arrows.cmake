@@ -22,7 +22,7 @@ set(dem
   "geometry/mesh geometry/wall"
   "geometry/shape model"
   "state contact/law geometry/screen moldyn"
-  "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies"
+  "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies exchange"
   "contact search proxy flow dem.h"
   "contact/loop scene store watch"
   "contact/normal step channels"

@@ -22,7 +22,9 @@ typedef struct {
   int n;
   bool some;      /* only the rows of particles begin ... end - 1 are wanted; else of all */
   int begin, end; /* (some) */
-  double skin;    /* [m] */
+  const int *run; /* (2 x nrun) these may be named besides: run[2 k] ... run[2 k + 1] - 1; NULL: all behind */
+  int nrun;
+  double skin; /* [m] */
   dem_domain domain;
   int nthread;          /* threads that may be used; the result does not depend on it */
   dem_scratch *scratch; /* for the rows and what it takes to find them; NULL: the search has its own */
