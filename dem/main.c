@@ -15,8 +15,12 @@ static tdm_status become_ranks(int *argc, char **argv, tdm_error *err) {
   if (err->status)
     return err->status;
   if (wanted && started && wanted != started)
-    return tdm_fail(err, TDM_ERR_ARGUMENT, NULL,
-                    "--ranks is %d, but mpirun has started %d; leave the option out under mpirun", wanted, started);
+    return tdm_fail(
+        err, TDM_ERR_ARGUMENT, NULL,
+        "%d processes are wanted (dem.ranks of the scene, or --ranks), but a launcher of MPI has started %d, "
+        "as OMPI_COMM_WORLD_SIZE or PMI_SIZE in the environment says; leave dem.ranks to mpirun, or remove "
+        "the variable",
+        wanted, started);
   return started > 1 ? dem_launch_become(err) : wanted > 1 ? dem_launch_ranks(wanted, NULL, err) : TDM_OK;
 }
 

@@ -20,9 +20,10 @@ static bool is_beside(const char *path) {
 /* The hash of all of the scene that is neither time, coupling nor output. */
 static uint64_t bed_hash(json_t *root) {
   static const char *const others[] = {"time", "coupling", "output", "title", "scenario", "$schema", "parameters"};
+  cpl_cell_bare(root);
   for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
     json_object_del(root, others[i]);
-  char *text = json_dumps(cpl_cell_bare(root), JSON_COMPACT | JSON_SORT_KEYS);
+  char *text = json_dumps(root, JSON_COMPACT | JSON_SORT_KEYS);
   uint64_t hash = text ? tdm_hash_bytes(TDM_HASH_START, text, strlen(text)) : 0;
   free(text);
   return hash;

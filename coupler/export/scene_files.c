@@ -69,7 +69,8 @@ static void leave_out(json_t *root, cpl_export_side side) {
     json_object_del(root, keys[i]);
   json_object_del(coupling, "transport");
   json_object_del(coupling, "address");
-  json_object_del(json_object_get(root, "dem"), "ranks");
+  if (!cpl_is_foreign(root, CPL_DEM))
+    json_object_del(json_object_get(root, "dem"), "ranks"); /* one process in another program */
   for (int r = 0; r < CPL_NROLE; r++)
     if (!cpl_export_has(side, (cpl_role)r)) {
       json_object_set_new(root, cpl_role_names[r], json_object());

@@ -107,7 +107,7 @@ static int read_command(const char *command, char *text, size_t size, char **wor
 }
 
 const char *cpl_launch_command(const cpl_settings *s, cpl_role role, const char *program, char *text, size_t size) {
-  if (s->command[role] || role != CPL_DEM || s->ranks == 1)
+  if (s->command[role] || role != CPL_DEM || s->ranks <= 1)
     return s->command[role] ? s->command[role] : program;
   snprintf(text, size, "%s --ranks %d", program, s->ranks);
   return text;

@@ -101,6 +101,8 @@ static void read_solvers(cpl_settings *s, tdm_object *root) {
   }
   tdm_object_close(&before);
   s->ranks = tdm_section_ranks(json_object_get(root->json, "dem"));
+  if (s->ranks > TDM_RANKS_MAX && !s->command[CPL_DEM])
+    tdm_fail(root->err, TDM_ERR_SCENE, "dem.ranks", "is %d but must be at most %d", s->ranks, TDM_RANKS_MAX);
   if (s->ranks > 1 && s->transport == CPL_INPROC && !s->command[CPL_DEM])
     tdm_fail(root->err, TDM_ERR_SCENE, "dem.ranks",
              "is %d, but with coupling.transport \"inproc\" solvers are threads of one process; take \"ipc\", or "

@@ -7,27 +7,40 @@
 #include "protocol/app/find.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-static const char program[] = "tandem-dem-mpi";
+static const char program[] = "tandem-dem-mpi", option[] = "--ranks";
 static char **words; /* NULL-terminated */
+static bool asked;   /* the command line says how many */
 
 int dem_launched_processes(void) {
   const char *open_mpi = getenv("OMPI_COMM_WORLD_SIZE"), *others = getenv("PMI_SIZE");
   return open_mpi ? atoi(open_mpi) : others ? atoi(others) : 0;
 }
 
-int dem_launch_words(int *argc, char **argv, tdm_error *err) {
-  static const char option[] = "--ranks";
-  int k = 1, n = 0;
-  words = argv;
-  while (k < *argc && strcmp(argv[k], option) != 0)
+/* where the option --ranks stands from word k on; argc: nowhere */
+static int find_option(int k, int argc, char **argv) {
+  while (k < argc && strcmp(argv[k], option) != 0)
     k++;
+  return k;
+}
+
+int dem_launch_words(int *argc, char **argv, tdm_error *err) {
+  int k = find_option(1, *argc, argv), n = 0;
+  words = argv;
   if (k == *argc)
     return 0;
+  asked = true;
+  if (find_option(k + 1, *argc, argv) < *argc) {
+    tdm_fail(err, TDM_ERR_ARGUMENT, NULL, "%s is there twice; give it once", option);
+    return 0;
+  }
   const char *value = k + 1 < *argc ? argv[k + 1] : "";
   if (*value && strlen(value) < 9 && strspn(value, "0123456789") == strlen(value))
     n = atoi(value);
@@ -40,6 +53,10 @@ int dem_launch_words(int *argc, char **argv, tdm_error *err) {
   for (; k <= *argc; k++) /* with the NULL at the end */
     argv[k] = argv[k + 2];
   return n;
+}
+
+bool dem_launch_wanted(int ranks) {
+  return ranks > 1 && words && !asked && dem_launched_processes() == 0;
 }
 
 static tdm_status find(char *path, size_t size, const char *name, const char *place, const char *package,
@@ -85,11 +102,39 @@ static void allow(int ranks) {
             ranks > cores ? ", on fewer cores: ranks take turns, and wait for each other" : "");
 }
 
+/* A file that can be read only once: mpirun's processes cannot read it again, and have another standard input. */
+static tdm_status refuse_stream(const char *place, tdm_error *err) {
+  struct stat is;
+  for (int k = 1; words && words[k]; k++)
+    if (strcmp(words[k], "/dev/stdin") == 0 || strncmp(words[k], "/dev/fd/", 8) == 0 ||
+        (stat(words[k], &is) == 0 && S_ISFIFO(is.st_mode)))
+      return tdm_fail(err, TDM_ERR_ARGUMENT, place,
+                      "%s can be read only once, but several processes start with the command line anew; write it to a "
+                      "file",
+                      words[k]);
+  return TDM_OK;
+}
+
+/* What mpirun must not have of this process: a standard input, which it would read to its end, and, where the server
+ * lets no Ctrl-C come to its solvers, the terminal's Ctrl-C, which mpirun would end the ranks for. */
+static void part_from_terminal(void) {
+  struct sigaction interrupt;
+  const int null = open("/dev/null", O_RDONLY);
+  if (null >= 0) {
+    dup2(null, 0);
+    close(null);
+  }
+  if (sigaction(SIGINT, NULL, &interrupt) == 0 && interrupt.sa_handler == SIG_IGN)
+    setpgid(0, 0);
+}
+
 tdm_status dem_launch_ranks(int ranks, const char *place, tdm_error *err) {
   char mpirun[4096], path[4096], number[16];
   int n = 0;
   if (ranks > DEM_RANKS_MAX)
     return tdm_fail(err, TDM_ERR_SCENE, place, "is %d but must be at most %d", ranks, DEM_RANKS_MAX);
+  if (refuse_stream(place, err))
+    return err->status;
   if (find_program(path, sizeof path, place, err) || find(mpirun, sizeof mpirun, "mpirun", place, "openmpi-bin", err))
     return err->status;
   while (words && words[n])
@@ -102,6 +147,7 @@ tdm_status dem_launch_ranks(int ranks, const char *place, tdm_error *err) {
   for (int k = 1; k < n; k++)
     argv[3 + k] = words[k];
   allow(ranks);
+  part_from_terminal();
   become(mpirun, argv, err);
   free(argv);
   return err->status;

@@ -46,7 +46,7 @@ static tdm_status load(tdm_standalone *alone, tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   if (dem_run_settings_read(&run->settings, &run->alone.scene, err) != TDM_OK)
     return err->status;
-  if (s->ranks > 1 && dem_launched_processes() == 0) /* mpirun starts again with the command line */
+  if (dem_launch_wanted(s->ranks)) /* mpirun starts again with the command line */
     return dem_launch_ranks(s->ranks, "dem.ranks", err);
   tdm_standalone_doubt_interval(&run->alone, s->interval, s->time.end);
   tdm_warning doubt;

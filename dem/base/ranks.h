@@ -5,6 +5,8 @@
 #ifndef DEM_BASE_RANKS_H
 #define DEM_BASE_RANKS_H
 
+#include "protocol/scene/scene.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -16,7 +18,7 @@ typedef struct {
   size_t sent, received; /* [bytes]; 0: nothing */
 } dem_mail;
 
-enum { DEM_RANKS_MAX = 4096 };
+enum { DEM_RANKS_MAX = TDM_RANKS_MAX };
 
 typedef struct dem_ranks {
   int rank, size; /* this one, 0 ... size - 1; how many, at most DEM_RANKS_MAX */

@@ -52,6 +52,9 @@ tdm_status tdm_scene_set(tdm_scene *scene, const char *assignment, tdm_error *er
  * somebody else starts. NULL: nothing; an object there is a setting of the solver itself. */
 json_t *tdm_section_solver(const json_t *section);
 
+/* Most processes of MPI that tandem's own DEM engine runs on. */
+enum { TDM_RANKS_MAX = 4096 };
+
 /* On how many processes of MPI the section "dem" wants tandem's own engine to run ("ranks"); 1 where it does not say,
  * or names no such number, which its reader refuses. */
 int tdm_section_ranks(const json_t *section);

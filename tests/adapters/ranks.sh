@@ -103,6 +103,11 @@ asked() {
   )
   same one on
   grep -q '"number": 3' on/summary.json
+  printf '1\n2\n' | { # mpirun leaves the standard input to others
+    read -r
+    tandem-dem run heap.json --out on --force --no-plots --set time.end=4e-5 --set dem.ranks=2 >on.txt 2>&1
+    read -r number && [ "$number" = 2 ]
+  }
   echo "  dem.ranks, contacts among others: the same bits"
 }
 
@@ -143,12 +148,18 @@ errors() {
   refused 1 'no_such' "${mpi[@]}" 3 "${alone[@]}" --set dem.no_such=1
   refused 2 'bench works on one process' "${mpi[@]}" 2 tandem-dem bench
   refused 1 'dem.ranks: is 3, but this solver was started as 2' "${mpi[@]}" 2 "${alone[@]}" --set dem.ranks=3
-  refused 2 'ranks is 3, but mpirun has started 2' "${mpi[@]}" 2 "${alone[@]}" --ranks 3
+  refused 2 '3 processes are wanted.* has started 2' "${mpi[@]}" 2 "${alone[@]}" --ranks 3
+  refused 2 '3 processes are wanted.* has started 1' env PMI_SIZE=1 "${alone[@]}" --ranks 3
+  refused 1 'dem.ranks: is 4, but this solver was started as 1' "${alone[@]}" --set dem.ranks=4 --ranks 1
+  refused 1 'dem.ranks: is 4, but this solver was started as 1' tandem-dem-mpi "${alone[@]:1}" --set dem.ranks=4
+  refused 2 'ranks is there twice' "${alone[@]}" --ranks 2 --ranks 2
+  refused 2 '/dev/stdin can be read only once' tandem-dem run /dev/stdin --out refused --ranks 2
   refused 1 'dem.ranks.* is 3, but this solver was started as 2' "${together[@]}" --set dem.ranks=3 \
     --set "dem.solver=${mpi[*]} 2 tandem-dem"
   refused 1 'dem.ranks: is 2, but with coupling.transport' "${together[@]}" --set dem.ranks=2 \
     --set coupling.transport=inproc
   refused 1 'dem.ranks: is 5000 but must be at most' "${alone[@]}" --set dem.ranks=5000
+  refused 1 'dem.ranks.* is 5000 but must be at most' "${together[@]}" --set dem.ranks=5000
   refused 2 'ranks needs a number of processes' "${alone[@]}" --ranks two
   mkdir bin
   cp "$(command -v tandem-dem)" bin
@@ -159,9 +170,13 @@ errors() {
   echo "  errors: named"
 }
 
-# victim WHO: mpirun, or one of its ranks, by number
+# victim WHO: mpirun, one of its ranks, by number, or all that a terminal's Ctrl-C goes to
 victim() {
-  if [ "$1" = mpirun ]; then echo "$launcher"; else echo "${left[$1]}"; fi
+  case $1 in
+  mpirun) echo "$launcher" ;;
+  all) echo "-$pid" ;;
+  *) echo "${left[$1]}" ;;
+  esac
 }
 
 # hit SIGNAL WHO STATUS TEXT FILE COMMAND…: that ends a program that has written to FILE, with the status and the text,
@@ -174,7 +189,7 @@ hit() {
   pid=$!
   started "$file"
   launcher=$(ps -o ppid= -p "${left[0]}" | tr -d ' ')
-  kill "-$signal" "$(victim "$who")"
+  kill "-$signal" -- "$(victim "$who")"
   wait $pid || status=$?
   nothing_left
   [ $status = "$wanted" ] && grep -q "$text" hit.txt "$(dirname "$file")/summary.json" ||
@@ -195,6 +210,7 @@ faults() {
     --set "coupling.solvers.dem=${mpi[*]} 2 tandem-dem"
   hit KILL 0 1 'dem.* ended before the run did\|dem: ' hit/body_box.csv "${together[@]}" --set dem.ranks=2
   hit KILL mpirun 1 'dem.* ended before the run did.*signal 9' hit/body_box.csv "${together[@]}" --set dem.ranks=2
+  hit INT all 130 '"status": "TDM_ERR_INTERRUPTED"' hit/body_box.csv setsid "${together[@]}" --set dem.ranks=2
   hit STOP 1 1 'dem.* no answer for 5 s' hit/body_box.csv "${together[@]}" --set dem.ranks=2
 }
 
