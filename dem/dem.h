@@ -23,6 +23,7 @@
 #ifndef DEM_DEM_H
 #define DEM_DEM_H
 
+#include "dem/base/ranks.h"
 #include "dem/bodies/path.h"
 #include "protocol/wire/participant.h"
 
@@ -106,5 +107,9 @@ const struct dem_data *dem_engine_data(const dem_engine *engine);
  * each window where new particles are. */
 tdm_status dem_engine_scenery(dem_engine *engine, tdm_scenery *scenery, tdm_error *err);
 tdm_status dem_engine_snapshot(dem_engine *engine, tdm_snapshot *snapshot, tdm_error *err);
+
+/* What each rank did in the windows so far: work (size of the ranks, base/ranks.h). Nothing in a process that is alone.
+ */
+tdm_status dem_engine_work(dem_engine *engine, dem_rank_work *work, tdm_error *err);
 
 #endif

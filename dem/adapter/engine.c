@@ -274,6 +274,19 @@ tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
 
 /* ---- what there is to see ---- */
 
+tdm_status dem_engine_work(dem_engine *e, dem_rank_work *work, tdm_error *err) {
+  const dem_ranks *ranks = e->data->work.homes.ranks;
+  int own[DEM_RANKS_MAX + 1];
+  if (!ranks)
+    return TDM_OK;
+  dem_orders_give(DEM_ORDER_WORK, 0);
+  for (int r = 0; r <= ranks->size; r++)
+    own[r] = r;
+  work[ranks->rank] = e->data->work.homes.work;
+  ranks->gather(work, sizeof *work, own);
+  return dem_orders_done(err);
+}
+
 tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *err) {
   dem_orders_give(DEM_ORDER_SCENERY, 0);
   dem_collect(e->data, DEM_PLACES | DEM_MOTION);

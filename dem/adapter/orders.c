@@ -333,6 +333,13 @@ typedef struct {
   tdm_snapshot snapshot;
 } sight;
 
+static void follow_work(dem_engine *engine) {
+  dem_rank_work *work = room(true, (size_t)ranks->size, sizeof *work);
+  tdm_error err = {0};
+  dem_engine_work(engine, work, &err);
+  free(work);
+}
+
 static void obey(const head *h, order *o, dem_engine **engine, sight *seen) {
   tdm_error err = {0};
   switch (h->kind) {
@@ -354,6 +361,9 @@ static void obey(const head *h, order *o, dem_engine **engine, sight *seen) {
   case DEM_ORDER_SNAPSHOT:
     seen->snapshot.with_contacts = h->number;
     dem_engine_snapshot(*engine, &seen->snapshot, &err);
+    break;
+  case DEM_ORDER_WORK:
+    follow_work(*engine);
     break;
   case DEM_ORDER_DESTROY:
     dem_engine_destroy(engine);

@@ -94,6 +94,36 @@ static double step_time(const dem_data *d, const dem_window *w, uint64_t k, doub
   return fabs(t - own) < 1e-3 * dt ? own : t;
 }
 
+/* ---- what a rank does (dem_engine_work) ---- */
+
+static void count_work(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  const int first = dem_home_first(d), end = dem_home_end(d);
+  if (dem_alone(d))
+    return;
+  s->work.steps++;
+  s->work.particles += dem_home_end_particle(d) - dem_home_first_particle(d);
+  s->work.near += (double)(d->lists.pairs.chunk[end] - d->lists.pairs.chunk[first]) +
+                  (double)(d->lists.walls.chunk[end] - d->lists.walls.chunk[first]);
+  s->work.contacts += (double)s->touching;
+  s->work.visitors += s->visitors.first[s->ranks->size];
+}
+
+/* What was exchanged since `before`, and the time since `begin`. */
+static void add_exchanged(dem_data *d, const dem_exchanged *before, double begin) {
+  dem_exchanged *sum = &d->work.homes.work.exchanged;
+  const dem_exchanged *now = d->work.homes.ranks->exchanged;
+  sum->messages += now->messages - before->messages;
+  sum->message_bytes += now->message_bytes - before->message_bytes;
+  sum->gathers += now->gathers - before->gathers;
+  sum->gathered_bytes += now->gathered_bytes - before->gathered_bytes;
+  sum->reductions += now->reductions - before->reductions;
+  sum->seconds += now->seconds - before->seconds;
+  d->work.homes.work.seconds += tdm_clock() - begin;
+}
+
+/* ---- a window ---- */
+
 static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *task, const dem_outcome *out,
                             tdm_error *err) {
   dem_data *d = e->data;
@@ -110,6 +140,7 @@ static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *t
     d->work.traction.wanted = e->model->triangle_forces && last && w->seen;
     if (dem_step(d, task, err))
       return err->status;
+    count_work(d);
     sample_step(e, w, last, task->time, dt, task->sums->fixed, &sample, out);
     if (dem_homes_alive(d, e->participant))
       return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted at t = %.9g s", task->time);
@@ -167,7 +198,11 @@ static tdm_status advance(dem_engine *e, const dem_window *w, const dem_outcome 
 tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {
   dem_orders_advance(w, out, e->model->ncoupled);
   const unsigned long before = tdm_memory_notes();
+  const dem_exchanged exchanged = dem_alone(e->data) ? (dem_exchanged){0} : *e->data->work.homes.ranks->exchanged;
+  const double begin = tdm_clock();
   advance(e, w, out, err);
+  if (!dem_alone(e->data))
+    add_exchanged(e->data, &exchanged, begin);
   tdm_memory_since(before, "dem", err);
   return dem_orders_done(err);
 }

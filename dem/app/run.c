@@ -200,6 +200,31 @@ static json_t *repose(const run_state *run) {
                    "high_side_deg", tdm_number_to_json(r.high));
 }
 
+/* "ranks": how they share the run; of each its work, a step */
+static json_t *ranks_summary(const run_state *run) {
+  const dem_data *d = dem_engine_data(run->engine);
+  const int size = d->work.homes.ranks->size;
+  dem_rank_work *work = calloc((size_t)size, sizeof *work);
+  json_t *each = json_array();
+  tdm_error late = {0};
+  if (work)
+    dem_engine_work(run->engine, work, &late);
+  for (int r = 0; work && !late.status && r < size; r++) {
+    const dem_rank_work *w = &work[r];
+    const double steps = fmax(1, w->steps);
+    json_array_append_new(
+        each, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "particles", w->particles / steps,
+                        "near", w->near / steps, "contacts", w->contacts / steps, "visitors", w->visitors / steps,
+                        "messages", w->exchanged.messages / steps, "message_bytes", w->exchanged.message_bytes / steps,
+                        "gathers", w->exchanged.gathers / steps, "gathered_bytes", w->exchanged.gathered_bytes / steps,
+                        "reductions", w->exchanged.reductions / steps, "compute_s", w->seconds - w->exchanged.seconds,
+                        "exchange_s", w->exchanged.seconds));
+  }
+  free(work);
+  return json_pack("{s:i, s:f, s:i, s:I, s:o}", "number", size, "imbalance", dem_homes_imbalance(d), "moves",
+                   d->work.homes.nmove, "lists", (json_int_t)d->lists.nrebuild, "work", each);
+}
+
 static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   const dem_run_settings *s = &run->settings;
   const dem_data *d = run->engine ? dem_engine_data(run->engine) : NULL;
@@ -215,9 +240,7 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
   if (s->repose_along >= 0)
     json_object_set_new(json, "repose", repose(run));
   if (d && !dem_alone(d))
-    json_object_set_new(json, "ranks",
-                        json_pack("{s:i, s:f, s:i}", "number", d->work.homes.ranks->size, "imbalance",
-                                  dem_homes_imbalance(d), "moves", d->work.homes.nmove));
+    json_object_set_new(json, "ranks", ranks_summary(run));
   const tdm_standalone_figures *figures = &run->alone.figures;
   for (int c = 0; run->alone.values && c < figures->nchannel; c++) {
     tdm_screening_enter(json, figures->channel[c].name, figures->channel[c].unit, run->alone.values[c]);

@@ -20,8 +20,26 @@ typedef struct {
 
 enum { DEM_RANKS_MAX = TDM_RANKS_MAX };
 
+/* What a rank has exchanged with others so far: numbers, so that they can be added and shared. */
+typedef struct {
+  double messages, message_bytes; /* sent and received */
+  double gathers, gathered_bytes; /* calls of `gather`; bytes of whole arrays */
+  double reductions;              /* calls of `largest` and `sum` */
+  double seconds;                 /* in all of these, waiting for others included */
+} dem_exchanged;
+
+/* The work of a rank in the steps of the run (dem_engine_work): sums over the steps, and what it exchanged in them. */
+typedef struct {
+  double steps;
+  double particles, near, contacts; /* at home: particles, entries of the lists, contacts that touch */
+  double visitors;                  /* particles of other ranks that the lists name */
+  double seconds;                   /* exchanges included */
+  dem_exchanged exchanged;
+} dem_rank_work;
+
 typedef struct dem_ranks {
-  int rank, size; /* this one, 0 ... size - 1; how many, at most DEM_RANKS_MAX */
+  int rank, size;           /* this one, 0 ... size - 1; how many, at most DEM_RANKS_MAX */
+  dem_exchanged *exchanged; /* by `gather`, `largest`, `sum`, `begin` and `finish`, which count themselves */
   /* Entries first[r] ... first[r + 1] - 1 of the array, of `size` bytes each, become what they are on rank r. */
   void (*gather)(void *array, size_t size, const int *first);
   /* Each of n numbers becomes the largest of all ranks. */
@@ -39,5 +57,18 @@ typedef struct dem_ranks {
   /* End all ranks, with a message on standard error. Does not return. */
   void (*abandon)(const char *message);
 } dem_ranks;
+
+/* For `gather` and `begin`: count what they exchange. */
+static inline void dem_count_gather(dem_exchanged *sum, size_t bytes) {
+  sum->gathers++;
+  sum->gathered_bytes += (double)bytes;
+}
+
+static inline void dem_count_mail(dem_exchanged *sum, const dem_mail *mail, int n) {
+  for (int k = 0; k < n; k++) {
+    sum->messages += (mail[k].sent > 0) + (mail[k].received > 0);
+    sum->message_bytes += (double)(mail[k].sent + mail[k].received);
+  }
+}
 
 #endif

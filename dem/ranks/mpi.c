@@ -18,7 +18,21 @@ enum { TAG = 1 };
 static dem_ranks own;
 static int *counts, *starts;  /* (size) of a gathering */
 static MPI_Request *requests; /* (room) of an exchange */
+static double coming;         /* bytes of it that this rank receives */
 static int nrequest, room;
+static dem_exchanged exchanged;
+static double entered; /* when this rank came to the present exchange [s] */
+
+static void enter(void) {
+  entered = tdm_clock();
+  dem_trace_enter();
+}
+
+/* `bytes`: that came */
+static void leave(double bytes) {
+  dem_trace_leave(bytes);
+  exchanged.seconds += tdm_clock() - entered;
+}
 
 /* MPI ends the program itself when one of its calls fails: MPI_ERRORS_ARE_FATAL */
 
@@ -30,16 +44,18 @@ static void gather(void *array, size_t size, const int *first) {
   }
   MPI_Type_contiguous((int)size, MPI_BYTE, &entry);
   MPI_Type_commit(&entry);
-  dem_trace_enter();
+  enter();
   MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, array, counts, starts, entry, MPI_COMM_WORLD);
-  dem_trace_leave();
+  leave((double)size * (first[own.size] - counts[own.rank]));
   MPI_Type_free(&entry);
+  dem_count_gather(&exchanged, size * (size_t)first[own.size]);
 }
 
 static void reduce(double *x, int n, MPI_Op operation) {
-  dem_trace_enter();
+  enter();
   MPI_Allreduce(MPI_IN_PLACE, x, n, MPI_DOUBLE, operation, MPI_COMM_WORLD);
-  dem_trace_leave();
+  leave((double)n * sizeof *x);
+  exchanged.reductions++;
 }
 
 static void largest(double *x, int n) {
@@ -85,6 +101,10 @@ static void reserve(const dem_mail *mail, int n) {
 static void begin(const dem_mail *mail, int n) {
   nrequest = 0;
   reserve(mail, n);
+  coming = 0;
+  for (int k = 0; k < n; k++)
+    coming += (double)mail[k].received;
+  dem_count_mail(&exchanged, mail, n);
   for (int k = 0; k < n; k++)
     for (size_t at = 0; at < mail[k].received; at += piece)
       MPI_Irecv((char *)mail[k].receive + at, length(mail[k].received, at), MPI_BYTE, mail[k].rank, TAG, MPI_COMM_WORLD,
@@ -96,9 +116,9 @@ static void begin(const dem_mail *mail, int n) {
 }
 
 static void finish(void) {
-  dem_trace_enter();
+  enter();
   MPI_Waitall(nrequest, requests, MPI_STATUSES_IGNORE);
-  dem_trace_leave();
+  leave(coming);
   nrequest = 0;
 }
 
@@ -166,7 +186,8 @@ const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
   int level;
   setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); /* Open MPI: who waits lets others work; the user's own goes before */
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &level);
-  own = (dem_ranks){.gather = gather,
+  own = (dem_ranks){.exchanged = &exchanged,
+                    .gather = gather,
                     .largest = largest,
                     .sum = sum,
                     .begin = begin,

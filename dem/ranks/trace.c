@@ -14,6 +14,7 @@ enum { KEPT = 100000 }; /* exchanges; of those behind them only the sums */
 
 typedef struct {
   double came, began, ended; /* [s]: waits, exchanges, works on */
+  double bytes;              /* that came */
 } visit;
 
 static struct {
@@ -61,10 +62,11 @@ void dem_trace_enter(void) {
   trace.now.began = tdm_clock();
 }
 
-void dem_trace_leave(void) {
+void dem_trace_leave(double bytes) {
   if (!trace.file)
     return;
   trace.now.ended = tdm_clock();
+  trace.now.bytes = bytes;
   trace.wait += trace.now.began - trace.now.came;
   trace.exchange += trace.now.ended - trace.now.began;
   if (trace.count < KEPT)
@@ -86,12 +88,12 @@ void dem_trace_end(void) {
     free(trace.visit);
     return;
   }
-  fprintf(f, "begin_s,end_s,what\n");
+  fprintf(f, "begin_s,end_s,what,bytes\n");
   double from = 0;
   for (long k = 0; k < trace.count && k < KEPT; k++) {
     const visit *v = &trace.visit[k];
-    fprintf(f, "%.7f,%.7f,compute\n%.7f,%.7f,wait\n%.7f,%.7f,exchange\n", from, v->came - trace.start,
-            v->came - trace.start, v->began - trace.start, v->began - trace.start, v->ended - trace.start);
+    fprintf(f, "%.7f,%.7f,compute,0\n%.7f,%.7f,wait,0\n%.7f,%.7f,exchange,%.0f\n", from, v->came - trace.start,
+            v->came - trace.start, v->began - trace.start, v->began - trace.start, v->ended - trace.start, v->bytes);
     from = v->ended - trace.start;
   }
   fprintf(f, "all,%.6f,%.6f,%.6f,%.6f\n", all - trace.exchange - trace.wait, trace.exchange, trace.wait, trace.worked);

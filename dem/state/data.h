@@ -334,6 +334,9 @@ typedef struct {
   double busiest, mean;         /* since then, of the ranks: most time and mean [s] */
   double all_busiest, all_mean; /* sums of these over earlier looks [s] */
   int nmove;                    /* times that homes moved */
+
+  long touching;      /* home contacts that touched at the last evaluation */
+  dem_rank_work work; /* of this rank, in the steps of the run */
 } dem_homes;
 
 /* A thread's chunks in a pass over all: those from `next` to before `end` are left. */

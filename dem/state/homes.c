@@ -577,6 +577,7 @@ long dem_homes_sums(dem_data *d, long touching) {
     first[r] = OF_RANK * r + dem_chunk_of_rank(d, r) * (int)each;
   double *own = s->sums + first[s->ranks->rank];
   own[0] = (double)touching;
+  s->touching = touching;
   own[1] = s->stop;
   own[2] = 0;
   for (int c = dem_home_first(d), k = 0; c < dem_home_end(d); c++, k++) {

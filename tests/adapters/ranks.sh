@@ -83,11 +83,28 @@ cat >heap.json <<'END'
    "sinks": [{"name": "hole", "type": "box", "min": [-0.02, -0.1, -0.5], "max": [0.02, 0.1, -0.47]}]}}
 END
 
+# work P DIR: the summary has what each of P ranks did, and their homes add up
+work() {
+  python3 - "$1" "$2/summary.json" <<'END'
+import json, sys
+summary = json.load(open(sys.argv[2]))
+ranks, size = summary["ranks"], int(sys.argv[1])
+work = ranks["work"]
+assert ranks["number"] == len(work) == size and ranks["lists"] > 1, ranks
+particles = sum(w["particles"] for w in work) * summary["steps"]
+assert abs(particles / summary["particle_steps"] - 1) < 0.01, (particles, summary["particle_steps"])
+messages = sum(w["messages"] for w in work) * summary["steps"]
+assert messages > 0 and abs(messages / 2 - round(messages / 2)) < 1e-3, messages
+assert all(w["compute_s"] >= 0 and w["exchange_s"] > 0 for w in work), work
+END
+}
+
 alone() {
   ranks 0 one run heap.json --out one --no-plots
   while read -r p threads; do # 8: more than chunks
     ranks "$p" on run heap.json --out on --force --no-plots --set "dem.threads=$threads" || { cat on.txt; return 1; }
     same one on
+    [ "$p" = 1 ] || work "$p" on
     echo "  particles alone, $p ranks of $threads threads: the same bits"
   done <<<$'1 1\n2 1\n2 2\n3 1\n5 2\n8 1'
 }

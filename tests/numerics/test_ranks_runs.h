@@ -34,7 +34,8 @@ typedef struct {
   bool restless; /* homes move whenever lists are made and chunks seem to cost otherwise */
   /* out */
   int moves;
-  void *bytes; /* (size) the whole state at the end */
+  dem_rank_work work[THREAD_RANKS_MAX]; /* of each rank */
+  void *bytes;                          /* (size) the whole state at the end */
   size_t size;
   int nchannel, nparticle;
   double *channel;                      /* (nwindow x nchannel) */
@@ -163,6 +164,7 @@ static inline void lead(void *context) {
   ck_assert(!dem_state_save(dem_engine_data(e), &out->bytes, &out->size));
   out->nparticle = dem_engine_data(e)->state.nparticle;
   out->moves = dem_engine_data(e)->work.homes.nmove;
+  ck_assert(!dem_engine_work(e, out->work, &err));
   tdm_snapshot_free(&s);
   tdm_scenery_free(&scenery);
   dem_engine_destroy(&e);
@@ -195,9 +197,36 @@ static inline void run_on(int size, outcome *on) {
   dem_homes_clock = tdm_clock;
 }
 
+/* What ranks did: each exchange has two sides, and homes add up to the whole, on any number of ranks: `sums`
+ * (particles, contacts) are 0 at first. */
+static inline void ck_work(const outcome *on, int size, double sums[2]) {
+  double particles = 0, contacts = 0, messages = 0, visitors = 0;
+  for (int r = 0; r < size; r++) {
+    const dem_rank_work *w = &on->work[r], *first = &on->work[0];
+    ck_assert_double_eq(w->steps, (on->kind->tries ? 2 : 1) * on->kind->nwindow * on->kind->nstep);
+    ck_assert_double_ge(w->exchanged.reductions, w->steps);
+    ck_assert_double_ge(w->exchanged.gathers, w->steps);
+    ck_assert_double_eq(w->exchanged.reductions, first->exchanged.reductions);
+    ck_assert_double_eq(w->exchanged.gathered_bytes, first->exchanged.gathered_bytes);
+    ck_assert((w->exchanged.message_bytes > 0) == (w->exchanged.messages > 0));
+    ck_assert_double_ge(w->near, w->contacts);
+    ck_assert_double_gt(w->seconds, 0);
+    particles += w->particles;
+    contacts += w->contacts;
+    messages += w->exchanged.messages;
+    visitors += w->visitors;
+  }
+  ck_assert(messages > 0 && fmod(messages, 2) == 0 && visitors > 0);
+  ck_assert_double_gt(particles, 4000 * on->work[0].steps);
+  ck_assert(sums[0] == 0 || (sums[0] == particles && sums[1] == contacts));
+  sums[0] = particles;
+  sums[1] = contacts;
+}
+
 /* alone and on so many ranks (0: the end), with one or two threads each; `check` (may be NULL) sees the run alone */
 static inline void compare_on(const int *sizes, const kind *k, void (*check)(const outcome *)) {
   outcome alone = {.kind = k, .threads = 1};
+  double sums[2] = {0};
   lead(&alone);
   if (check)
     check(&alone);
@@ -206,6 +235,7 @@ static inline void compare_on(const int *sizes, const kind *k, void (*check)(con
     run_on(sizes[s], &on);
     ck_assert_msg(!on.restless || k->stays || on.moves > 1, "homes moved %d times", on.moves);
     ck_same(&alone, &on, sizes[s]);
+    ck_work(&on, sizes[s], sums);
     let_go(&on);
   }
   let_go(&alone);

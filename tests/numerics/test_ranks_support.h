@@ -25,6 +25,7 @@ static struct {
 } together;
 
 static _Thread_local int this_rank;
+static _Thread_local dem_exchanged exchanged;
 
 static void leave(void *what) {
   together.left[this_rank] = what;
@@ -44,6 +45,7 @@ static void thread_gather(void *array, size_t size, const int *first) {
       memcpy((char *)array + at, (char *)together.left[r] + at, (size_t)(first[r + 1] - first[r]) * size);
   }
   taken();
+  dem_count_gather(&exchanged, size * (size_t)first[together.size]);
 }
 
 static double larger_of(double a, double b) {
@@ -65,6 +67,7 @@ static void reduce(double *x, int n, double (*of)(double, double)) {
   taken();
   memcpy(x, all, (size_t)n * sizeof *x);
   free(all);
+  exchanged.reductions++;
 }
 
 static void thread_largest(double *x, int n) {
@@ -78,6 +81,7 @@ static void thread_sum(double *x, int n) {
 static void thread_begin(const dem_mail *mail, int n) {
   together.mail[this_rank] = mail;
   together.nmail[this_rank] = n;
+  dem_count_mail(&exchanged, mail, n);
 }
 
 static void thread_finish(void) {
@@ -126,6 +130,7 @@ static void thread_abandon(const char *message) {
 static dem_ranks ranks_of(int rank) {
   return (dem_ranks){.rank = rank,
                      .size = together.size,
+                     .exchanged = &exchanged,
                      .gather = thread_gather,
                      .largest = thread_largest,
                      .sum = thread_sum,
