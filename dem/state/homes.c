@@ -16,10 +16,8 @@ void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
 
 /* ---- whole arrays ---- */
 
-/* what the entries of an array belong to */
+/* what the entries of an array belong to, and who is to have them */
 typedef enum { PARTICLES, CHUNKS, ENTRIES } owners;
-
-/* Who is to have them. */
 typedef enum { ALL, FIRST } readers;
 
 /* entries first[r] ... first[r + 1] - 1 of an array become those of rank r, on rank 0 */
