@@ -1,6 +1,6 @@
 /* One engine on several ranks (base/ranks.h). Rank 0 is the one that a user or a server talks to: what its program
  * calls of dem.h it first tells the others, which do the same on engines of their own. So all of them take the same
- * steps and meet wherever a step needs the others (state/homes.h).
+ * steps and meet wherever a step needs the others (seam/homes.h).
  *
  * A call that fails everywhere alike ends like that on one rank. Where one rank alone fails, others wait for it in
  * vain: after some seconds it ends them all, with its message.

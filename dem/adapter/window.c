@@ -7,7 +7,7 @@
 #include "dem/flow/flow.h"
 #include "dem/flow/screening.h"
 #include "dem/particles/container.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"

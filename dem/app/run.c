@@ -9,7 +9,7 @@
 #include "dem/exchange/balance.h"
 #include "dem/output/moldyn_files.h"
 #include "dem/output/repose.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/watch/check.h"
 #include "protocol/app/plot.h"
 #include "protocol/base/log.h"

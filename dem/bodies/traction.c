@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/bodies/traction.h"
 
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 #include <assert.h>
 #include <stdlib.h>

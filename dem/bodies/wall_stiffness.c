@@ -3,7 +3,7 @@
 #include "dem/bodies/wall_stiffness.h"
 
 #include "dem/contact/law/theory.h"
-#include "dem/state/notes.h"
+#include "dem/seam/notes.h"
 #include "dem/state/wall_gap.h"
 
 #include <gsl/gsl_eigen.h>

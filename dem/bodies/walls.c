@@ -4,7 +4,7 @@
 
 #include "dem/bodies/zone.h"
 #include "dem/contact/law/theory.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/state/wall_gap.h"
 
 #include <assert.h>

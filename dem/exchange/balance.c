@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/exchange/balance.h"
 
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 #include <string.h>
 

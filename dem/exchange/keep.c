@@ -3,7 +3,7 @@
 #include "dem/exchange/keep.h"
 
 #include "dem/base/pages.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 bool dem_keep_poisons;
 

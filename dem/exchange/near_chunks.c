@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/exchange/near_chunks.h"
 
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 #include <stdlib.h>
 

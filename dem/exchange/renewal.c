@@ -4,7 +4,7 @@
 
 #include "dem/base/pages.h"
 #include "dem/exchange/transfer.h"
-#include "dem/state/homes.h"
+#include "dem/seam/visits.h"
 
 #include <stdlib.h>
 #include <string.h>

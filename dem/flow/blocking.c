@@ -3,7 +3,7 @@
 #include "dem/flow/blocking.h"
 
 #include "dem/geometry/screen/screen.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 #include "dem/flow/traces.h"
 #include "dem/particles/container.h"
 #include "dem/particles/particles.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/state/wall_gap.h"
 #include "protocol/base/log.h"
 #include "protocol/math/random.h"

@@ -199,7 +199,7 @@ typedef struct {
   bool chosen; /* the scene gives the action */
 } dem_guard_def;
 
-/* When the homes of ranks move (state/homes.h). */
+/* When the homes of ranks move (seam/homes.h). */
 typedef struct {
   long every;       /* steps between two looks, 0: never */
   double tolerance; /* by how much the busiest rank's work may exceed the mean, as a share of it */

@@ -4,7 +4,7 @@
 
 #include "dem/particles/domain.h"
 #include "dem/particles/field.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 void dem_skin_begin(dem_data *d, double mean_radius) {
   d->lists.mean_radius = mean_radius;

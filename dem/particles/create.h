@@ -9,7 +9,7 @@
  * memory runs out. The model must outlive the data. */
 dem_data *dem_data_create(const dem_model *model);
 
-/* The same on one of several ranks: of the particles it has those of its home (state/homes.h). ranks: borrowed; NULL:
+/* The same on one of several ranks: of the particles it has those of its home (seam/homes.h). ranks: borrowed; NULL:
  * it is alone. */
 dem_data *dem_data_create_on(const dem_model *model, const dem_ranks *ranks);
 

@@ -4,7 +4,7 @@
 
 #include "dem/model/integrator.h"
 #include "dem/particles/field.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 void dem_domain_put(dem_data *d) {
   const dem_domain_def *box = &d->model->domain;

@@ -4,7 +4,7 @@
 
 #include "dem/model/integrator.h"
 #include "dem/particles/field.h"
-#include "dem/state/crossings.h"
+#include "dem/seam/crossings.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

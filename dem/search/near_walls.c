@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/search/near_walls.h"
 
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

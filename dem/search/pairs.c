@@ -7,11 +7,11 @@
 #include "dem/exchange/near_chunks.h"
 #include "dem/exchange/renewal.h"
 #include "dem/particles/particles.h"
+#include "dem/seam/crossings.h"
+#include "dem/seam/homes.h"
 #include "dem/search/near_walls.h"
 #include "dem/search/order.h"
 #include "dem/search/search.h"
-#include "dem/state/crossings.h"
-#include "dem/state/homes.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/settle/bed.h"
 
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/store/state_file.h"
 
 #include <errno.h>

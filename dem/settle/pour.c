@@ -6,7 +6,7 @@
 #include "dem/model/cells.h"
 #include "dem/particles/field.h"
 #include "dem/particles/particles.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "protocol/math/random.h"
 
 #include <stdio.h>

@@ -3,9 +3,9 @@
 #include "dem/settle/settle.h"
 
 #include "dem/bodies/walls.h"
+#include "dem/seam/homes.h"
 #include "dem/settle/bed.h"
 #include "dem/settle/pour.h"
-#include "dem/state/homes.h"
 #include "dem/step/step.h"
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"

@@ -5,10 +5,11 @@
 
 #include "dem/bodies/traction.h"
 #include "dem/bodies/walls.h"
+#include "dem/seam/crossings.h"
+#include "dem/seam/notes.h"
+#include "dem/seam/sums.h"
+#include "dem/seam/visits.h"
 #include "dem/search/pairs.h"
-#include "dem/state/crossings.h"
-#include "dem/state/homes.h"
-#include "dem/state/notes.h"
 #include "dem/state/wall_gap.h"
 
 #include <assert.h>
@@ -262,7 +263,7 @@ static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integra
   dem_reactions_return(d);
   if (all->entry_force)
     dem_unite_entries(d, all->entry_force, sizeof *all->entry_force, d->lists.walls.chunk);
-  touching = dem_homes_sums(d, touching);
+  touching = dem_sums_of_step(d, touching);
   if (integrator)
     end_chunks(d, integrator, all->dt);
   return touching;

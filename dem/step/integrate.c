@@ -3,7 +3,7 @@
 #include "dem/step/integrate.h"
 
 #include "dem/numbers/simd.h"
-#include "dem/state/crossings.h"
+#include "dem/seam/crossings.h"
 
 typedef double v8 __attribute__((vector_size(64)));
 typedef double v4 __attribute__((vector_size(32)));

@@ -3,7 +3,7 @@
 #include "dem/watch/check.h"
 
 #include "dem/particles/domain.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/state/wall_gap.h"
 #include "dem/watch/limits.h"
 

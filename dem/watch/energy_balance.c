@@ -6,8 +6,8 @@
 #include "dem/contact/law/theory.h"
 #include "dem/particles/domain.h"
 #include "dem/particles/field.h"
-#include "dem/state/homes.h"
-#include "dem/state/notes.h"
+#include "dem/seam/homes.h"
+#include "dem/seam/notes.h"
 #include "dem/state/wall_gap.h"
 
 /* ---- stored ---- */

@@ -4,7 +4,7 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/particles/domain.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/state/wall_gap.h"
 #include "dem/watch/check.h"
 #include "dem/watch/energy_balance.h"

@@ -3,7 +3,7 @@
 #include "dem/watch/limits.h"
 
 #include "dem/particles/domain.h"
-#include "dem/state/notes.h"
+#include "dem/seam/notes.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>

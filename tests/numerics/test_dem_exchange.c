@@ -5,7 +5,7 @@
 #include "dem/exchange/keep.h"
 #include "dem/exchange/near_chunks.h"
 #include "dem/exchange/renewal.h"
-#include "dem/state/homes.h"
+#include "dem/seam/visits.h"
 #include "test_ranks_support.h"
 #include "tests/test_main.h"
 

@@ -4,7 +4,7 @@
 
 #include "dem/exchange/balance.h"
 #include "dem/particles/particles.h"
-#include "dem/state/homes.h"
+#include "dem/seam/visits.h"
 #include "test_ranks_support.h"
 #include "tests/test_main.h"
 

@@ -7,7 +7,7 @@
 
 #include "dem/dem.h"
 #include "dem/exchange/keep.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 #include "dem/store/state_file.h"
 #include "test_ranks_support.h"
 

@@ -22,6 +22,7 @@ set(dem
   "geometry/mesh geometry/wall"
   "geometry/shape model"
   "state contact/law geometry/screen moldyn"
+  "seam"
   "contact/tangential contact/rolling contact/twisting contact/cohesion particles bodies exchange"
   "contact search proxy flow dem.h"
   "contact/loop scene store watch"

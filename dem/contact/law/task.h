@@ -39,7 +39,7 @@ typedef struct dem_loops {
   dem_loop *pairs, *walls;
 } dem_loops;
 
-/* What contacts tell the others of their particles, before the forces (state/notes.h). */
+/* What contacts tell the others of their particles, before the forces (seam/notes.h). */
 typedef struct dem_noting {
   dem_loops write; /* the notes of a chunk's contacts */
   dem_loop *share; /* from these, what the contacts of each of a chunk's particles give each other */

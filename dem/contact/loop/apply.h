@@ -7,8 +7,8 @@
 #include "dem/contact/law/contact.h"
 #include "dem/contact/law/law.h"
 #include "dem/contact/law/task.h"
+#include "dem/seam/notes.h"
 #include "dem/state/data.h"
-#include "dem/state/notes.h"
 
 #define X(law) TANGENTIAL_##law,
 enum { DEM_TANGENTIALS(X) };

@@ -29,7 +29,7 @@
  * With sums there is a pass over all contacts before that of the forces: it adds up what the second kernel makes of the
  * geometry of each contact (the upper part of dem_contact, without rate, slip and spins), for both particles with the
  * normal that points to them. The first kernel then has the sums of both. This is the place of multi-contact laws
- * in which the particles' means count. With notes each contact is written down first (state/notes.h), and a pass over
+ * in which the particles' means count. With notes each contact is written down first (seam/notes.h), and a pass over
  * particles works out what each of their contacts gives each other, for laws in which places and directions count. Laws
  * without either pay nothing.
  *

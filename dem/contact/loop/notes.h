@@ -1,4 +1,4 @@
-/* The loops that write what each contact tells the others of its particles (state/notes.h), and how the loops of forces
+/* The loops that write what each contact tells the others of its particles (seam/notes.h), and how the loops of forces
  * read what came of it. Only loops.h includes it. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_CONTACT_LOOP_NOTES_H

@@ -20,7 +20,7 @@
 #include "dem/contact/law/law.h"
 #include "dem/contact/law/theory.h"
 #include "dem/contact/normal/hertz.h"
-#include "dem/state/notes.h"
+#include "dem/seam/notes.h"
 
 /* of pair.multi */
 enum { GAMMA };

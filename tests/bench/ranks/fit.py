@@ -32,7 +32,7 @@ TERMS = (
 )
 NAMES = [name for name, _, _ in TERMS]
 
-# what ranks tell all others of themselves and of each chunk each step, with one body [bytes] (dem_homes_sums)
+# what ranks tell all others of themselves and of each chunk each step, with one body [bytes] (dem_sums_of_step)
 OF_RANK, OF_CHUNK = 24, 48
 
 

@@ -1,9 +1,9 @@
 /* The seam between chunks: see crossings.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/state/crossings.h"
+#include "dem/seam/crossings.h"
 
 #include "dem/base/pages.h"
-#include "dem/state/homes.h"
+#include "dem/seam/homes.h"
 
 #include <limits.h>
 

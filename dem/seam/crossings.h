@@ -18,8 +18,8 @@
  * the order of crossings.order, ascending, so it may come from anywhere.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STATE_CROSSINGS_H
-#define DEM_STATE_CROSSINGS_H
+#ifndef DEM_SEAM_CROSSINGS_H
+#define DEM_SEAM_CROSSINGS_H
 
 #include "dem/state/data.h"
 

@@ -8,8 +8,8 @@
  * earlier rank has with home particles: it sends their notes, and gets back what these particles' contacts give them.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STATE_NOTES_H
-#define DEM_STATE_NOTES_H
+#ifndef DEM_SEAM_NOTES_H
+#define DEM_SEAM_NOTES_H
 
 #include "dem/state/data.h"
 

@@ -18,8 +18,8 @@
  * lists are built is in exchange/. In a process that is alone all of this is nothing.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef DEM_STATE_HOMES_H
-#define DEM_STATE_HOMES_H
+#ifndef DEM_SEAM_HOMES_H
+#define DEM_SEAM_HOMES_H
 
 #include "dem/state/data.h"
 #include "protocol/base/log.h"
@@ -124,6 +124,9 @@ void dem_homes_largest_of(const dem_data *data, double *x, int n);
  * free. */
 void *dem_homes_join(const dem_data *data, const void *own, int n, size_t size, int *all);
 
+/* Each rank's number, on all ranks: all (ranks). */
+void dem_homes_number(const dem_data *data, long x, long *all);
+
 /* The sum of all ranks' numbers. */
 long dem_homes_sum(const dem_data *data, long x);
 bool dem_homes_any(const dem_data *data, bool here);
@@ -148,36 +151,5 @@ extern double (*dem_homes_clock)(void);
 static inline void dem_home_took(dem_data *d, int chunk, double begin) {
   d->work.homes.cost[chunk] += dem_homes_clock() - begin;
 }
-
-/* ---- parts of a step ---- */
-
-/* Work out who visits whom by the present crossings, unless that is known. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_homes_plan(dem_data *data);
-
-/* Of visitors array[i] becomes what it is at their homes; of home particles it is there. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_visitors_learn(dem_data *data, int *array);
-
-/* Immigrants leave, unless all places are known everywhere; visitors have come. */
-void dem_visitors_begin(dem_data *data);
-void dem_visitors_end(dem_data *data);
-
-/* The reactions on visitors go home, and their places are empty again. */
-void dem_reactions_return(dem_data *data);
-
-/* Which way something goes, and what entry k is about where it is written, and where it is read. */
-typedef enum {
-  DEM_TO_HOME,   /* of contacts with visitors: homes.returning.item[k], and at the visitor's home returned.item[k] */
-  DEM_FROM_HOME, /* the other way */
-  DEM_TO_VISITED /* of particles: immigrants.item[k], visitors.item[k] */
-} dem_course;
-
-/* Entry k, of n doubles, from where this rank has it, or to there. */
-typedef void dem_letter(dem_data *data, int k, double *entry);
-
-/* Tell other ranks n doubles of each contact or particle, no more than a reaction has. */
-void dem_homes_tell(dem_data *data, dem_course course, int n, dem_letter *write, dem_letter *read);
-
-/* Loads and energies of all chunks, on all ranks; returns the sum of `touching`. */
-long dem_homes_sums(dem_data *data, long touching);
 
 #endif

@@ -1,8 +1,8 @@
 /* Notes of contacts: see notes.h. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dem/state/notes.h"
+#include "dem/seam/notes.h"
 
-#include "dem/state/homes.h"
+#include "dem/seam/visits.h"
 
 #include <stdlib.h>
 #include <string.h>
