@@ -61,10 +61,7 @@ static tdm_status place_particles(dem_engine *e, dem_settled *settled, int *nbeh
   dem_data *d = e->data;
   if (m->start && start_from(d, err))
     return err->status;
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d) && !dem_check_start(d, nbehind, err))
-    dem_check_step(d, m->dt, "time.dt", err);
-  if (dem_homes_follow(d, nbehind, sizeof *nbehind, err))
+  if (dem_check_start(d, nbehind, err) || dem_check_step(d, m->dt, "time.dt", err))
     return err->status;
   if (m->settle.wanted)
     return dem_settle(d, e->participant, settled, err);
@@ -80,9 +77,7 @@ static void begin_samples(dem_data *d) {
 }
 
 static void tell_start(dem_engine *e) {
-  dem_collect(e->data, DEM_WHOLE);
-  if (dem_homes_writes(e->data))
-    dem_channels_sample(&e->channels, e->data, e->initial);
+  dem_channels_sample(&e->channels, e->data, e->initial);
   e->start = (dem_start){.load = e->load,
                          .nchannel = e->channels.count,
                          .channel = e->channels.channel,
@@ -90,7 +85,7 @@ static void tell_start(dem_engine *e) {
                          .nwarning = e->report.nwarning,
                          .warning = e->report.warning,
                          .energy = dem_energy_balance_look(e->data),
-                         .rest = dem_homes_writes(e->data) ? dem_rest_energy(e->data) : 0,
+                         .rest = dem_rest_energy(e->model, dem_total_mass(e->data)),
                          .gravity = e->model->gravity,
                          .report = e->report.json};
 }
@@ -105,25 +100,18 @@ static tdm_status start(dem_engine *e, tdm_error *err) {
   dem_energy_begin(&d->state.energy);
   dem_guard_begin(d);
   dem_energy_balance_begin(d);
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d))
-    dem_report_make(&e->report, d, &settled, nbehind, err);
-  if (dem_homes_follow(d, &e->report.limits.contact, sizeof e->report.limits.contact, err))
+  if (dem_report_make(&e->report, d, &settled, nbehind, err))
     return err->status;
   e->time = m->time_start;
   e->contact_time = e->report.limits.contact;
   for (int c = 0; c < m->ncoupled; c++)
     e->load[c] = d->state.body_load[m->coupled_body[c]];
   begin_samples(d);
-  if (dem_homes_writes(d))
-    dem_screening_begin(d);
-  if (m->screening.ndeck > 0)
-    dem_homes_follow(d, d->state.screening, sizeof *d->state.screening, NULL);
+  dem_screening_begin(d);
   int nparticle = d->state.nparticle;
   if (dem_flow(d, m->time_start, m->dt, err))
     return err->status;
-  if (dem_homes_writes(d))
-    dem_report_flow(&e->report, d);
+  dem_report_flow(&e->report, d);
   tell_start(e);
   tdm_log(TDM_LOG_INFO, "loaded", "particles=%d walls=%d contacts=%ld settle_time=%.6g stored_bed=%s", nparticle,
           m->nwall, d->state.ncontact, settled.time, settled.stored ? "yes" : "no");

@@ -4,28 +4,46 @@
 
 #include "dem/bodies/walls.h"
 #include "dem/contact/table.h"
+#include "dem/seam/homes.h"
+#include "dem/seam/sums.h"
 #include "dem/state/wall_gap.h"
 #include "dem/step/integrate.h"
 #include "protocol/scene/json.h"
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
-dem_fill dem_fill_now(const dem_data *d) {
-  dem_fill f = {0};
-  for (int i = 0; i < d->state.nparticle; i++) {
-    f.mass += d->state.mass[i];
-    f.com = tdm_axpy(d->state.mass[i], d->state.sphere[i].position, f.com);
+/* mass, mass times position */
+static void add_mass(const dem_data *d, int chunk, const void *of, double *sums) {
+  tdm_vec3 com = {0, 0, 0};
+  (void)of;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++) {
+    sums[0] += d->state.mass[i];
+    com = tdm_axpy(d->state.mass[i], d->state.sphere[i].position, com);
   }
-  f.com = f.mass > 0 ? tdm_scale(1 / f.mass, f.com) : f.com;
-  for (int i = 0; i < d->state.nparticle; i++) {
-    tdm_vec3 r = tdm_sub(d->state.sphere[i].position, f.com);
+  memcpy(sums + 1, &com, sizeof com);
+}
+
+/* inertia about the centre `of`, row by row */
+static void add_inertia(const dem_data *d, int chunk, const void *of, double *sums) {
+  const tdm_vec3 *com = of;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++) {
+    tdm_vec3 r = tdm_sub(d->state.sphere[i].position, *com);
     const double x[3] = {r.x, r.y, r.z};
     double own = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius, r2 = tdm_dot(r, r);
     for (int a = 0; a < 3; a++)
       for (int b = 0; b < 3; b++)
-        f.inertia.m[a][b] += (a == b ? own + d->state.mass[i] * r2 : 0) - d->state.mass[i] * x[a] * x[b];
+        sums[3 * a + b] += (a == b ? own + d->state.mass[i] * r2 : 0) - d->state.mass[i] * x[a] * x[b];
   }
+}
+
+dem_fill dem_fill_now(dem_data *d) {
+  double sums[4];
+  dem_sum_chunks(d, 4, add_mass, NULL, sums);
+  dem_fill f = {.mass = sums[0], .com = tdm_v3(sums[1], sums[2], sums[3])};
+  f.com = f.mass > 0 ? tdm_scale(1 / f.mass, f.com) : f.com;
+  dem_sum_chunks(d, 9, add_inertia, &f.com, &f.inertia.m[0][0]);
   return f;
 }
 
@@ -80,11 +98,12 @@ static void warn_start(dem_report *r, const dem_data *d, const dem_settled *sett
       warn(r, "dem.bodies",
            "a lid is pressed %.2g of a radius into a particle; lower \"press\", or raise the stiffness",
            dem_deepest(d, m->box[k].lid));
-  if (m->settle.wanted && dem_count_lost(d) > 0)
+  const long lost = m->settle.wanted ? dem_count_lost(d) : 0;
+  if (lost > 0)
     warn(r, "dem.settle",
          "%ld particles went through a wall while settling; reduce settle.dt (%g s) or start them with "
          "less overlap and speed",
-         dem_count_lost(d), settled->dt);
+         lost, settled->dt);
 }
 
 /* is a region for spheres up to this radius altogether behind a plane, or outside an endless cylinder? */
@@ -186,39 +205,61 @@ static double deepest_impact(const dem_model *m, int material, double radius, do
   return deepest;
 }
 
+/* the deepest impact of any particle, and of which radius */
+typedef struct {
+  double share, radius, smallest; /* smallest radius of all [m] */
+} sinking;
+
+static void include_kind(sinking *s, const dem_model *m, int material, double radius, double mass, double speed) {
+  const double share = deepest_impact(m, material, radius, mass, speed);
+  s->radius = share > s->share ? radius : share == s->share ? fmax(s->radius, radius) : s->radius;
+  s->share = fmax(s->share, share);
+}
+
+/* of the particles that are there, then of those that sources will make */
+static sinking find_sinking(const dem_data *d, double speed) {
+  const dem_model *m = d->model;
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  sinking found = {.smallest = INFINITY};
+  for (int i = first; i < end; i++) {
+    const double radius = d->state.sphere[i].radius;
+    found.smallest = fmin(found.smallest, radius);
+    if (i == first || d->state.mass[i] != d->state.mass[i - 1] || d->state.material[i] != d->state.material[i - 1])
+      include_kind(&found, m, d->state.material[i], radius, d->state.mass[i], speed);
+  }
+  found.smallest = dem_homes_smallest(d, found.smallest);
+  const double share = dem_homes_largest(d, found.share);
+  found.radius = dem_homes_largest(d, found.share == share ? found.radius : 0);
+  found.share = share;
+  for (int k = 0; k < m->nsource; k++) {
+    const dem_source *s = &m->source[k];
+    const double full = dem_sphere_mass(m->material[s->material].density, s->sizes.max);
+    found.smallest = fmin(found.smallest, s->sizes.min);
+    include_kind(&found, m, s->material, s->sizes.max, s->mass > 0 ? s->mass : full, speed);
+  }
+  return found;
+}
+
 /* impacts and motions that the guard would have to tell of */
 static void warn_speed(dem_report *r, const dem_data *d, double speed) {
   const dem_model *m = d->model;
-  double worst = 0, smallest = INFINITY, of = 0;
   if (m->guard.every == 0 || !(speed > 0))
     return;
-  for (int i = 0; i < d->state.nparticle + m->nsource; i++) {
-    const dem_source *s = i < d->state.nparticle ? NULL : &m->source[i - d->state.nparticle];
-    double radius = s ? s->sizes.max : d->state.sphere[i].radius;
-    int material = s ? s->material : d->state.material[i];
-    double full = dem_sphere_mass(m->material[material].density, radius);
-    double mass = !s ? d->state.mass[i] : s->mass > 0 ? s->mass : full;
-    smallest = fmin(smallest, s ? s->sizes.min : radius);
-    if (i > 0 && !s && d->state.mass[i] == d->state.mass[i - 1] && material == d->state.material[i - 1])
-      continue;
-    double share = deepest_impact(m, material, radius, mass, speed);
-    of = share > worst ? radius : of;
-    worst = fmax(worst, share);
-  }
-  if (worst > m->guard.overlap)
+  const sinking found = find_sinking(d, speed);
+  if (found.share > m->guard.overlap)
     warn(r, "dem.guard.overlap",
          "is %g, but a particle of radius %g m that arrives at %.3g m/s sinks in by %.2g of it without damping, and "
          "may "
          "pass through walls and particles; use a stiffer material or lower speeds, or give dem.expected_speed if the "
          "speed is lower",
-         m->guard.overlap, of, speed, worst);
+         m->guard.overlap, found.radius, speed, found.share);
   for (int b = 0; b < m->nbody; b++) {
     double way = m->body[b].drive.given ? m->dt * dem_drive_speed(&m->body[b].drive, 0) : 0;
-    if (way > smallest)
+    if (way > found.smallest)
       warn(r, "dem.bodies",
            "\"%s\" moves up to %.3g m in a step, more than the smallest radius %.3g m: it may pass through particles; "
            "reduce time.dt or its speed",
-           m->body[b].name, way, smallest);
+           m->body[b].name, way, found.smallest);
   }
 }
 
@@ -268,8 +309,9 @@ static void report_limits(dem_report *r, const dem_model *m, const dem_limits *l
 static double heaviest_particle(const dem_data *d) {
   const dem_model *m = d->model;
   double heaviest = 0;
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
     heaviest = fmax(heaviest, d->state.mass[i]);
+  heaviest = dem_homes_largest(d, heaviest);
   for (int s = 0; s < m->nsource; s++) {
     double r = m->source[s].sizes.max, full = dem_sphere_mass(m->material[m->source[s].material].density, r);
     heaviest = fmax(heaviest, m->source[s].mass > 0 ? m->source[s].mass : full);
@@ -364,7 +406,7 @@ static void report_meshes(dem_report *r, const dem_model *m) {
   json_object_set_new(r->json, "meshes", all);
 }
 
-tdm_status dem_report_make(dem_report *r, const dem_data *d, const dem_settled *settled, int nbehind, tdm_error *err) {
+tdm_status dem_report_make(dem_report *r, dem_data *d, const dem_settled *settled, int nbehind, tdm_error *err) {
   const dem_model *m = d->model;
   *r = (dem_report){.json = json_object()};
   json_object_set_new(r->json, "notes", json_array());

@@ -16,9 +16,9 @@ typedef struct {
 } dem_report;
 
 /* Of the state at the start of the run, after settling and before sources made anything. `nbehind` particles are behind
- * planes. report->json is the caller's, also after an error. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_report_make(dem_report *report, const dem_data *data, const dem_settled *settled, int nbehind,
-                           tdm_error *err);
+ * planes. report->json is the caller's, also after an error. All ranks make it, and dem_fill. Errors: TDM_ERR_MEMORY.
+ */
+tdm_status dem_report_make(dem_report *report, dem_data *data, const dem_settled *settled, int nbehind, tdm_error *err);
 
 /* Warn of sources that found no room at the start. */
 void dem_report_flow(dem_report *report, const dem_data *data);
@@ -30,6 +30,6 @@ typedef struct {
   tdm_mat3 inertia; /* about com, world axes, with each particle's own 2/5 m R^2 [kg m2] */
 } dem_fill;
 
-dem_fill dem_fill_now(const dem_data *data);
+dem_fill dem_fill_now(dem_data *data);
 
 #endif

@@ -50,11 +50,8 @@ static void close_sample(dem_engine *e, int j, double share, double t, double dt
     out->sample_load[j * m->ncoupled + c] = d->state.sample_mean[m->coupled_body[c]];
   dem_containers_sample(d, d->state.sample_steps * dt);
   d->state.sample_steps = 0;
-  if (dem_homes_writes(d))
-    dem_screening_watch(d, t);
-  if (m->screening.ndeck > 0)
-    dem_homes_follow(d, d->state.screening, sizeof *d->state.screening, NULL);
-  if (!out->channel || !dem_homes_writes(d))
+  dem_screening_watch(d, t);
+  if (!out->channel)
     return;
   double *values = &out->channel[j * e->channels.count];
   dem_channels_sample(&e->channels, d, values);
@@ -68,7 +65,6 @@ static void sample_step(dem_engine *e, const dem_window *w, bool last, double t,
                         const dem_outcome *out) {
   double from = 0;
   for (; *sample < w->nsample && (last || w->sample_time[*sample] <= t + 1e-6 * dt); ++*sample) {
-    dem_collect(e->data, DEM_WHOLE);
     double share = dem_share_of_step(w->sample_time[*sample], t, dt);
     if (share > from)
       sum_loads(e->data, share - from, fixed);
@@ -132,11 +128,8 @@ static tdm_status run_steps(dem_engine *e, const dem_window *w, dem_step_task *t
   for (task->k = 1; task->k <= w->nstep; task->k++) {
     const bool last = task->k == w->nstep;
     task->time = step_time(d, w, task->k, dt);
-    if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1) {
-      dem_collect(d, DEM_WHOLE);
-      if (dem_homes_writes(d))
-        dem_channels_sample(&e->channels, d, e->before);
-    }
+    if (sample < w->nsample && dem_share_of_step(w->sample_time[sample], task->time, dt) < 1)
+      dem_channels_sample(&e->channels, d, e->before);
     d->work.traction.wanted = e->model->triangle_forces && last && w->seen;
     if (dem_step(d, task, err))
       return err->status;
@@ -158,11 +151,8 @@ static void conclude(dem_engine *e, const dem_window *w, const dem_outcome *out)
   if (out->energy)
     *out->energy = dem_energy_balance_look(e->data);
   if (w->t1 >= m->time_end - 1e-3 * m->dt) {
-    dem_collect(e->data, DEM_WHOLE);
-    if (dem_homes_writes(e->data)) {
-      dem_guard_end(e->data, w->t1);
-      dem_flow_end(e->data, w->t1);
-    }
+    dem_guard_end(e->data, w->t1);
+    dem_flow_end(e->data, w->t1);
     if (!dem_alone(e->data))
       tdm_log(TDM_LOG_INFO, "ranks", "number=%d imbalance=%.3g moves=%d", e->data->work.homes.ranks->size,
               dem_homes_imbalance(e->data), e->data->work.homes.nmove);

@@ -3,6 +3,7 @@
 #include "dem/bodies/wall_stiffness.h"
 
 #include "dem/contact/law/theory.h"
+#include "dem/seam/homes.h"
 #include "dem/seam/notes.h"
 #include "dem/state/wall_gap.h"
 
@@ -65,17 +66,34 @@ static void add_entries(const dem_data *d, size_t begin, size_t end, matrix6 K) 
     add_contact(d, K, begin, found[c].gap, tdm_m3_mul(place->axes, found[c].normal));
 }
 
-static void add_walls(const dem_data *d, matrix6 *K) {
+/* the contacts of a chunk; K: of each coupled body */
+static void add_chunk(const dem_data *d, int chunk, matrix6 *K) {
   const dem_wall_contacts *list = &d->lists.walls;
-  for (size_t k = 0, next; k < list->count; k = next) {
+  const size_t end = list->chunk[chunk + 1];
+  for (size_t k = list->chunk[chunk], next; k < end; k = next) {
     const dem_wall_entry *e = &list->entry[k];
-    for (next = k + 1;
-         next < list->count && list->entry[next].wall == e->wall && list->entry[next].particle == e->particle;)
+    for (next = k + 1; next < end && list->entry[next].wall == e->wall && list->entry[next].particle == e->particle;)
       next++;
     int coupled = d->model->body[d->model->wall[e->wall].body].coupled;
     if (coupled >= 0)
       add_entries(d, k, next, K[coupled]);
   }
+}
+
+/* Likewise of all chunks: sums in their order, the same on all ranks. */
+static tdm_status add_walls(dem_data *d, matrix6 *K) {
+  const size_t k = (size_t)d->model->ncoupled;
+  matrix6 *of_chunk = calloc((size_t)d->lists.nchunk * k, sizeof *of_chunk);
+  if (!of_chunk)
+    return TDM_ERR_MEMORY;
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+    add_chunk(d, c, of_chunk + (size_t)c * k);
+  dem_unite_chunks(d, of_chunk, k * sizeof *of_chunk);
+  for (size_t c = 0; c < (size_t)d->lists.nchunk; c++)
+    for (size_t q = 0; q < 36 * k; q++)
+      ((double *)K)[q] += ((double *)(of_chunk + c * k))[q];
+  free(of_chunk);
+  return TDM_OK;
 }
 
 /* ---- the eigenvalue ---- */
@@ -137,17 +155,15 @@ static tdm_status largest_eigen(int nfree, const double *J, const double *B, siz
 }
 
 /* The eigenvalues of B K J that are not 0 are those of L^T J B L, K = L L^T, which is symmetric. */
-tdm_status dem_walls_rate2(const dem_data *d, int nfree, const double *J, const double *B, double *rate2,
-                           tdm_error *err) {
+tdm_status dem_walls_rate2(dem_data *d, int nfree, const double *J, const double *B, double *rate2, tdm_error *err) {
   size_t k = (size_t)d->model->ncoupled, wide = 6 * k, many = wide * (size_t)nfree;
   *rate2 = 0;
   if (many == 0)
     return TDM_OK;
   matrix6 *K = calloc(k, sizeof *K);
   double *room = malloc((2 * many + wide * wide + wide) * sizeof *room);
-  bool good = K && room;
+  bool good = K && room && !add_walls(d, K);
   if (good) {
-    add_walls(d, K);
     double *left = room, *right = left + many, *product = right + many, *value = product + wide * wide;
     memcpy(left, J, many * sizeof *J);
     memcpy(right, B, many * sizeof *B);

@@ -10,8 +10,7 @@
  * velocities J (6k x nfree) gives the k bodies' twists and B (nfree x 6k) what loads on the bodies (force, moment about
  * the centre of mass) add to their rates; both row by row, world axes, bodies in the order of the coupling. J B, the
  * mobility, is symmetric and positive semidefinite. An explicit step is stable below 2 over the root of this. 0 without
- * contacts; NAN: there are NaN or infinite numbers. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_walls_rate2(const dem_data *data, int nfree, const double *J, const double *B, double *rate2,
-                           tdm_error *err);
+ * contacts; NAN: there are NaN or infinite numbers. All ranks ask for it. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_walls_rate2(dem_data *data, int nfree, const double *J, const double *B, double *rate2, tdm_error *err);
 
 #endif

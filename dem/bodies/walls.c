@@ -5,6 +5,7 @@
 #include "dem/bodies/zone.h"
 #include "dem/contact/law/theory.h"
 #include "dem/seam/homes.h"
+#include "dem/seam/sums.h"
 #include "dem/state/wall_gap.h"
 
 #include <assert.h>
@@ -73,7 +74,8 @@ void dem_set_body_mobility(dem_data *d, int coupled, const double Y[36]) {
   y->per_mass = y->full ? 1 / m->body[b].mass : 0;
 }
 
-long dem_count_lost_among(const dem_data *d, int first, int end) {
+long dem_count_lost(const dem_data *d) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
   long lost = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : lost)
   for (int i = first; i < end; i++) {
@@ -82,11 +84,7 @@ long dem_count_lost_among(const dem_data *d, int first, int end) {
       through = dem_through(d, i, w);
     lost += through;
   }
-  return lost;
-}
-
-long dem_count_lost(const dem_data *d) {
-  return dem_count_lost_among(d, 0, d->state.nparticle);
+  return dem_homes_sum(d, lost);
 }
 
 /* The lowest place of walls and sinks along `up`; -INFINITY: a wall without end or a sink catches what falls. */
@@ -109,7 +107,11 @@ static double lowest(const dem_data *d, tdm_vec3 up) {
   return least;
 }
 
-long dem_count_fallen(const dem_data *d, int *first) {
+static bool has_fallen(const dem_data *d, int i, tdm_vec3 up, double low) {
+  return tdm_dot(up, d->state.sphere[i].position) + 3 * d->state.sphere[i].radius < low;
+}
+
+long dem_count_fallen(dem_data *d, int *first) {
   const dem_model *m = d->model;
   const double g = tdm_norm(m->gravity);
   bool repeats = false;
@@ -119,12 +121,16 @@ long dem_count_fallen(const dem_data *d, int *first) {
     return 0;
   const tdm_vec3 up = tdm_scale(-1 / g, m->gravity);
   const double low = lowest(d, up);
+  if (!isfinite(low))
+    return 0;
   long fallen = 0;
-  for (int i = 0; i < d->state.nparticle && isfinite(low); i++)
-    if (tdm_dot(up, d->state.sphere[i].position) + 3 * d->state.sphere[i].radius < low) {
-      *first = fallen == 0 ? i : *first;
-      fallen++;
-    }
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
+    fallen += has_fallen(d, i, up, low);
+  fallen = dem_homes_sum(d, fallen);
+  if (fallen > 0)
+    dem_unite(d, DEM_PLACES | DEM_MOTION);
+  for (*first = 0; fallen > 0 && !has_fallen(d, *first, up, low);)
+    ++*first;
   return fallen;
 }
 
@@ -179,9 +185,9 @@ bool dem_lids_place(dem_data *d) {
 
 double dem_deepest(const dem_data *d, int w) {
   double deepest = 0;
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
     deepest = fmax(deepest, 1 - dem_gap(d, i, w, NULL) / d->state.sphere[i].radius);
-  return deepest;
+  return dem_homes_largest(d, deepest);
 }
 
 double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
@@ -190,19 +196,25 @@ double dem_wall_deepest_so_far(const dem_data *d, size_t k) {
   return keeps ? list->history[(size_t)d->model->columns.normal * list->capacity + k] : 0;
 }
 
-double dem_lid_force(const dem_data *d, const dem_box *box) {
+/* the normal forces of a chunk on a lid */
+static void add_lid_force(const dem_data *d, int chunk, const void *of, double *sum) {
   const dem_model *m = d->model;
   const dem_wall_contacts *list = &d->lists.walls;
-  double sum = 0;
-  for (size_t k = 0; k < list->count; k++) {
+  const int lid = *(const int *)of;
+  for (size_t k = list->chunk[chunk]; k < list->chunk[chunk + 1]; k++) {
     int w = list->entry[k].wall, i = list->entry[k].particle;
-    if (w != box->lid)
+    if (w != lid)
       continue;
     double radius = d->state.sphere[i].radius, gap = dem_gap(d, i, w, NULL);
     const dem_pair *pair = &m->settle_pair[d->state.material[i] * m->nmaterial + m->wall[w].material];
     dem_impact at = {.mass = d->state.mass[i], .radius = radius, .deepest = dem_wall_deepest_so_far(d, k)};
     if (dem_surface_cuts(gap, radius))
-      sum += dem_normal_force(m, pair, at, radius - gap);
+      *sum += dem_normal_force(m, pair, at, radius - gap);
   }
+}
+
+double dem_lid_force(dem_data *d, const dem_box *box) {
+  double sum;
+  dem_sum_chunks(d, 1, add_lid_force, &box->lid, &sum);
   return sum;
 }

@@ -1,7 +1,8 @@
 /* The output channels: see channels.h.
  *
- * To add a channel: a row, and its value. A * in the name stands for the item's name (of a source, a sink or a body).
- * Neighbouring rows with the same items make a block: all rows of the first item, then those of the second.
+ * To add a channel: a row, and its value, which all ranks ask for (dem/seam/homes.h). A * in the name stands for the
+ * item's name (of a source, a sink or a body). Neighbouring rows with the same items make a block: all rows of the
+ * first item, then those of the second.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/channels/channels.h"
@@ -16,6 +17,8 @@
 #include "dem/geometry/screen/screen.h"
 #include "dem/particles/container.h"
 #include "dem/particles/field.h"
+#include "dem/seam/homes.h"
+#include "dem/seam/sums.h"
 #include "dem/watch/limits.h"
 #include "protocol/math/hermite.h"
 
@@ -34,7 +37,7 @@ typedef enum {
 /* A state, and sums over its particles. */
 typedef struct {
   const dem_data *data;
-  double mass, kinetic, potential; /* [kg], [J]; potential: only where the scene asks for energies */
+  double mass, kinetic, potential; /* [kg], [J] */
   tdm_vec3 com, velocity;          /* [m], [m/s] */
   dem_screening_balance screening; /* only where the scene has one */
   dem_relative trace[DEM_TRACES_MAX];
@@ -466,29 +469,38 @@ void dem_channels_free(dem_channels *c) {
 
 /* ---- values of a state ---- */
 
-static observation observe(const dem_data *d) {
-  observation o = {.data = d};
-  for (int i = 0; i < d->state.nparticle; i++) {
-    o.mass += d->state.mass[i];
-    o.com = tdm_axpy(d->state.mass[i], d->state.sphere[i].position, o.com);
-    o.velocity = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, o.velocity);
-    double inertia = 0.4 * d->state.mass[i] * d->state.sphere[i].radius * d->state.sphere[i].radius;
-    o.kinetic += 0.5 * d->state.mass[i] * tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity);
-    o.kinetic += 0.5 * inertia * tdm_dot(d->state.pace[i].spin, d->state.pace[i].spin);
+/* what a chunk adds to the sums over the particles: mass; times position, velocity; kinetic and potential energy */
+static void add_particles(const dem_data *d, int chunk, const void *of, double *sums) {
+  tdm_vec3 com = {0, 0, 0}, velocity = {0, 0, 0};
+  double mass = 0, kinetic = 0, potential = 0;
+  (void)of;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++) {
+    double of_place;
+    mass += d->state.mass[i];
+    com = tdm_axpy(d->state.mass[i], d->state.sphere[i].position, com);
+    velocity = tdm_axpy(d->state.mass[i], d->state.pace[i].velocity, velocity);
+    kinetic += dem_particle_energy(d, i, &of_place);
+    potential += of_place;
   }
-  for (int i = 0; d->model->energy && i < d->state.nparticle; i++)
-    o.potential -= d->state.mass[i] * tdm_dot(dem_field(d, i), d->state.sphere[i].position);
+  memcpy(sums, (double[]){mass, com.x, com.y, com.z, velocity.x, velocity.y, velocity.z, kinetic, potential},
+         9 * sizeof *sums);
+}
+
+static observation observe(dem_data *d) {
+  double sum[9];
+  dem_sum_chunks(d, 9, add_particles, NULL, sum);
+  observation o = {.data = d, .mass = sum[0], .kinetic = sum[7], .potential = sum[8]};
   for (int k = 0; k < d->model->ntrace; k++)
     o.trace[k] = dem_trace_now(d, k);
   if (d->model->screening.ndeck > 0)
     o.screening = dem_screening_balance_of(d);
-  double per_mass = o.mass > 0 ? 1 / o.mass : 0;
-  o.com = tdm_scale(per_mass, o.com);
-  o.velocity = tdm_scale(per_mass, o.velocity);
+  const double per_mass = o.mass > 0 ? 1 / o.mass : 0;
+  o.com = tdm_scale(per_mass, tdm_v3(sum[1], sum[2], sum[3]));
+  o.velocity = tdm_scale(per_mass, tdm_v3(sum[4], sum[5], sum[6]));
   return o;
 }
 
-void dem_channels_sample(const dem_channels *c, const dem_data *d, double *out) {
+void dem_channels_sample(const dem_channels *c, dem_data *d, double *out) {
   const observation o = observe(d);
   for (int k = 0; k < c->count; k++)
     out[k] = c->place[k].row->value(&o, c->place[k].item, c->place[k].row->part);

@@ -59,9 +59,12 @@ void dem_keep_home(dem_data *d) {
   const dem_wall_contacts *walls = &d->lists.walls;
   if (dem_alone(d))
     return;
+  dem_parted(d, DEM_WHOLE);
+  if (!d->work.homes.spread && !dem_keep_poisons)
+    return;
+  d->work.homes.spread = false;
   forget_particles(d);
   forget_pairs(d);
   forget_walls(d, walls, walls->chunk[dem_home_first(d)], walls->chunk[dem_home_end(d)]);
   forget_walls(d, &d->work.spare_walls, 0, 0); /* those of before */
-  dem_parted(d, DEM_WHOLE);
 }

@@ -364,6 +364,7 @@ tdm_status dem_renew_homes(dem_data *d, const uint64_t *code, const double *home
   free(r.rank_of);
   free(r.now);
   d->work.homes.planned = false;
+  d->work.homes.spread = true;
   dem_parted(d, DEM_WHOLE);
   return status;
 }

@@ -287,8 +287,16 @@ double dem_balance_number(const dem_data *d) {
 }
 
 double dem_balance_mass(const dem_data *d) {
-  dem_exact_sum rest = d->state.ledger.mass;
-  for (int i = 0; i < d->state.nparticle; i++)
-    dem_exact_sum_add(&rest, -d->state.mass[i]);
+  dem_exact_sum rest = d->state.ledger.mass, home = {0};
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
+    dem_exact_sum_add(dem_alone(d) ? &rest : &home, -d->state.mass[i]);
+  if (dem_alone(d))
+    return dem_exact_sum_value(&rest);
+  int n;
+  dem_exact_sum *all = dem_homes_join(d, &home, 1, sizeof home, &n);
+  for (int r = 0; r < n; r++)
+    for (int k = 0; k < all[r].n; k++)
+      dem_exact_sum_add(&rest, all[r].part[k]);
+  free(all);
   return dem_exact_sum_value(&rest);
 }

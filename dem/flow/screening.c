@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/flow/screening.h"
 
+#include "dem/seam/homes.h"
 #include "protocol/scene/remark.h"
 
 #include <inttypes.h>
@@ -13,10 +14,10 @@ static bool counting(const dem_data *d) {
 }
 
 static uint64_t product_inside(const dem_data *d) {
-  uint64_t n = 0;
-  for (int i = 0; i < d->state.nparticle; i++)
+  long n = 0;
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
     n += d->model->material[d->state.material[i]].product;
-  return n;
+  return (uint64_t)dem_homes_sum(d, n);
 }
 
 void dem_screening_begin(dem_data *d) {

@@ -3,43 +3,25 @@
 #include "dem/particles/field.h"
 
 #include "dem/seam/homes.h"
+#include "dem/seam/sums.h"
 
-#include <stdlib.h>
+#include <string.h>
 
-/* on a fixed particle, of either set of forces */
-typedef struct {
-  tdm_vec3 force, slow;
-} fixed_force;
-
-static tdm_vec3 add_fixed(const dem_data *d, tdm_vec3 sum, const fixed_force *f) {
-  sum = tdm_add(sum, f->force);
-  return d->state.spare_push ? tdm_add(sum, f->slow) : sum;
+static void add_fixed_force(const dem_data *d, int chunk, const void *of, double *sum) {
+  tdm_vec3 force = {0, 0, 0};
+  (void)of;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++)
+    if (d->state.sphere[i].inverse_mass == 0) {
+      force = tdm_add(force, d->state.push[i].force);
+      force = d->state.spare_push ? tdm_add(force, d->state.spare_push[i].force) : force;
+    }
+  memcpy(sum, &force, sizeof force);
 }
 
-tdm_vec3 dem_fixed_force(const dem_data *d) {
-  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+tdm_vec3 dem_fixed_force(dem_data *d) {
   tdm_vec3 sum = {0, 0, 0};
-  if (!d->model->fixes)
-    return sum;
-  fixed_force *own = dem_alone(d) ? NULL : malloc((size_t)(end - first + 1) * sizeof *own);
-  int n = 0;
-  if (!own && !dem_alone(d))
-    d->work.homes.ranks->abandon("no memory for the forces on fixed particles");
-  for (int i = first; i < end; i++)
-    if (d->state.sphere[i].inverse_mass == 0) {
-      const fixed_force f = {d->state.push[i].force, d->state.spare_push ? d->state.spare_push[i].force : sum};
-      if (own)
-        own[n++] = f;
-      else
-        sum = add_fixed(d, sum, &f);
-    }
-  if (!own)
-    return sum;
-  fixed_force *all = dem_homes_join(d, own, n, sizeof *own, &n);
-  for (int k = 0; k < n; k++) /* in the order of the particles */
-    sum = add_fixed(d, sum, &all[k]);
-  free(own);
-  free(all);
+  if (d->model->fixes)
+    dem_sum_chunks(d, 3, add_fixed_force, NULL, &sum.x);
   return sum;
 }
 
@@ -81,4 +63,16 @@ double dem_kinetic_energy(const dem_data *d) {
   for (int i = 0; i < d->state.nparticle; i++)
     sum += dem_particle_energy(d, i, &potential);
   return sum;
+}
+
+static void add_mass(const dem_data *d, int chunk, const void *of, double *sum) {
+  (void)of;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++)
+    *sum += d->state.mass[i];
+}
+
+double dem_total_mass(dem_data *d) {
+  double mass;
+  dem_sum_chunks(d, 1, add_mass, NULL, &mass);
+  return mass;
 }

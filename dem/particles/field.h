@@ -14,12 +14,15 @@ static inline tdm_vec3 dem_field(const dem_data *d, int i) {
 }
 
 /* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */
-tdm_vec3 dem_fixed_force(const dem_data *data);
+tdm_vec3 dem_fixed_force(dem_data *data);
 
 /* Kinetic energy of particle i, and its potential one [J]. */
 double dem_particle_energy(const dem_data *data, int i, double *potential);
 
 /* Kinetic energy of all particles, with rotation [J]. */
 double dem_kinetic_energy(const dem_data *data);
+
+/* Mass of all particles [kg]. All ranks ask for it. */
+double dem_total_mass(dem_data *data);
 
 #endif

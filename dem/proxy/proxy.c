@@ -520,7 +520,7 @@ void dem_proxy_drift(dem_proxy *x, dem_data *d) {
   tell_mobilities(x, d);
 }
 
-tdm_status dem_proxy_rate2(const dem_proxy *x, const dem_data *d, double *rate2, tdm_error *err) {
+tdm_status dem_proxy_rate2(const dem_proxy *x, dem_data *d, double *rate2, tdm_error *err) {
   return dem_walls_rate2(d, x->f, x->J_now, x->B_now, rate2, err);
 }
 

@@ -56,7 +56,7 @@ void dem_proxy_drift(dem_proxy *proxy, dem_data *data);
 void dem_proxy_kick(dem_proxy *proxy, const dem_data *data);
 
 /* Largest square of a frequency of the bodies on the springs of their contacts now (dem_walls_rate2) [1/s2]. */
-tdm_status dem_proxy_rate2(const dem_proxy *proxy, const dem_data *data, double *rate2, tdm_error *err);
+tdm_status dem_proxy_rate2(const dem_proxy *proxy, dem_data *data, double *rate2, tdm_error *err);
 
 /* After the last step: gives the bodies their velocities at the end, and tells where they went, and works. `further`
  * (bodies x TDM_FURTHER) is for a proxy that matches, from the moments in `body`. Both may be NULL. */

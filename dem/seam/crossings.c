@@ -25,11 +25,11 @@ static void place_home(dem_data *d, const size_t *first) {
 }
 
 void dem_crossings_empty(const dem_data *d, dem_push *push) {
-  const size_t bytes = (size_t)(d->lists.crossings.count + 1) * sizeof *push;
-  if (dem_alone(d))
-    memset(push + d->state.nparticle, 0, bytes);
-  else
-    dem_pages_zero(push + d->state.nparticle, bytes);
+  const dem_crossings *x = &d->lists.crossings;
+  if (!dem_alone(d) && d->work.homes.spread) /* others' go back to the system */
+    dem_pages_zero(push + d->state.nparticle, (size_t)(x->count + 1) * sizeof *push);
+  push[d->state.nparticle] = (dem_push){0};
+  memset(push + dem_crossing_slot(d, x->first), 0, (size_t)(x->end - x->first) * sizeof *push);
 }
 
 tdm_status dem_crossings_place(dem_data *d) {
@@ -47,6 +47,8 @@ tdm_status dem_crossings_place(dem_data *d) {
   if (first[d->lists.nchunk] > (size_t)(INT_MAX - d->state.nparticle - 1) || dem_crossings_reserve(d, count))
     return TDM_ERR_MEMORY;
   x->count = count;
+  x->first = (int)first[dem_home_first(d)];
+  x->end = (int)first[dem_home_end(d)];
   place_home(d, first);
   dem_unite_entries(d, x->particle, sizeof *x->particle, first);
   memset(x->chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *x->chunk);

@@ -34,13 +34,13 @@ static inline size_t dem_push_count(const dem_data *d) {
  * change of the pairs, of their chunks or of the number of particles. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_crossings_place(dem_data *d);
 
-/* No reaction between the chunks, nor on the dummy particle; push: state.push or state.spare_push. On several ranks
- * most places are others' and take no memory. */
+/* No reaction of home chunks on others, nor on the dummy particle; push: state.push or state.spare_push. On several
+ * ranks most places are others' and take no memory; those on home particles are written before they are read. */
 void dem_crossings_empty(const dem_data *data, dem_push *push);
 
 /* There are no crossings until the lists are built next. */
 static inline void dem_crossings_forget(dem_data *d) {
-  d->lists.crossings.count = 0;
+  d->lists.crossings.count = d->lists.crossings.first = d->lists.crossings.end = 0;
   d->work.homes.planned = false;
   memset(d->lists.crossings.chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *d->lists.crossings.chunk);
 }

@@ -136,6 +136,7 @@ static void gather_lists(dem_data *d, readers who) {
 }
 
 static void gather_what(dem_data *d, unsigned what, readers who) {
+  d->work.homes.spread = true;
   if (what & DEM_PLACES)
     gather_particles(d, true, who);
   if (what & DEM_MOTION)

@@ -88,6 +88,7 @@ static inline void dem_parted(dem_data *d, unsigned what) {
 /* All is the same on all ranks now: each has read it. */
 static inline void dem_united(dem_data *d) {
   d->work.homes.united = DEM_WHOLE | DEM_WHOLE << DEM_ON_FIRST;
+  d->work.homes.spread = true;
 }
 
 /* What chunks cost is measured anew from this step on: where the run goes on at another step or with other homes. */
@@ -97,6 +98,7 @@ void dem_homes_measure(dem_data *data);
 static inline void dem_homes_restored(dem_data *d) {
   dem_parted(d, DEM_WHOLE);
   d->work.homes.planned = false;
+  d->work.homes.spread = true;
   dem_homes_measure(d);
 }
 
@@ -116,8 +118,11 @@ void dem_unite_entries(dem_data *data, void *array, size_t size, const size_t *c
  * entry of each chunk, of all, and their number. */
 void dem_lay_out(dem_data *data, size_t *chunk);
 
-/* The largest of all ranks' numbers, each of n; is something so on any rank? */
+/* The largest of all ranks' numbers, the smallest, the largest of each of n. */
 double dem_homes_largest(const dem_data *data, double x);
+static inline double dem_homes_smallest(const dem_data *d, double x) {
+  return -dem_homes_largest(d, -x);
+}
 void dem_homes_largest_of(const dem_data *data, double *x, int n);
 
 /* n records of each rank, of `size` bytes, on all ranks: one rank's behind the other's, `*all` of them. The caller's to
@@ -127,7 +132,7 @@ void *dem_homes_join(const dem_data *data, const void *own, int n, size_t size, 
 /* Each rank's number, on all ranks: all (ranks). */
 void dem_homes_number(const dem_data *data, long x, long *all);
 
-/* The sum of all ranks' numbers. */
+/* The sum of all ranks' numbers; is something so on any rank? */
 long dem_homes_sum(const dem_data *data, long x);
 bool dem_homes_any(const dem_data *data, bool here);
 

@@ -4,8 +4,24 @@
 
 #include "dem/seam/homes.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
+
+void dem_sum_chunks(dem_data *d, int n, dem_chunk_sums *of_chunk, const void *of, double *sums) {
+  double *all = d->work.chunk_sum;
+  assert(n <= DEM_CHUNK_SUMS);
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
+    memset(all + (size_t)c * (size_t)n, 0, (size_t)n * sizeof *all);
+    of_chunk(d, c, of, all + (size_t)c * (size_t)n);
+  }
+  dem_unite_chunks(d, all, (size_t)n * sizeof *all);
+  memset(sums, 0, (size_t)n * sizeof *sums);
+  for (int c = 0; c < d->lists.nchunk; c++)
+    for (int k = 0; k < n; k++)
+      sums[k] += all[c * n + k];
+}
 
 /* ---- loads and energies of a step ---- */
 

@@ -323,7 +323,7 @@ static void lend_push(dem_data *d, bool all) {
 }
 
 static void take_push_back(dem_data *d) {
-  dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
+  dem_scratch_done(&d->work.scratch);
   memset(d->work.scratch.block, 0, d->work.scratch.most);
 }
 
@@ -378,7 +378,7 @@ tdm_status dem_lists_build(dem_data *d) {
   bool carry = d->model->columns.ncolumn > 0 && d->lists.valid;
   const int *old;
   d->lists.valid = false;
-  d->work.scratch = (dem_scratch){0};
+  d->work.scratch = (dem_scratch){.kept = d->work.scratch.kept};
   if (dem_alone(d))
     lend_push(d, true);
   tdm_status status = renumber(d, sort, renewed, carry, &old);

@@ -55,7 +55,7 @@ void dem_search_destroy(dem_search **search) {
     return;
   if (s->method->release)
     s->method->release(s->state);
-  dem_scratch_back(&s->scratch, (dem_scratch_mark){0});
+  dem_scratch_free(&s->scratch);
   free(s->state);
   free(s);
   *search = NULL;
@@ -227,7 +227,7 @@ tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem
   dem_nearby nearby;
   if (!in.scratch) {
     in.scratch = &search->scratch;
-    dem_scratch_back(in.scratch, (dem_scratch_mark){0});
+    dem_scratch_done(in.scratch);
   }
   if (choose_spheres(search, &in, &nearby))
     return TDM_ERR_MEMORY;

@@ -75,10 +75,7 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
 static tdm_status choose_times(dem_data *d, dem_settled *out, double *quiet, tdm_error *err) {
   const dem_model *m = d->model;
   dem_limits limits;
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d))
-    dem_limits_now(d, &limits, err);
-  if (dem_homes_follow(d, &limits, sizeof limits, err))
+  if (dem_limits_now(d, &limits, err))
     return err->status;
   out->dt = m->settle.dt > 0 ? m->settle.dt : fmin(0.2 * limits.rayleigh, limits.contact / 30);
   double g = tdm_norm(m->gravity);
@@ -110,9 +107,7 @@ static tdm_status settle(dem_data *d, tdm_participant *p, dem_settled *out, tdm_
   double quiet;
   if (choose_times(d, out, &quiet, err))
     return err->status;
-  if (d->model->settle.dt > 0 && dem_homes_writes(d))
-    dem_check_step(d, out->dt, "dem.settle.dt", err);
-  if (dem_homes_follow(d, NULL, 0, err))
+  if (d->model->settle.dt > 0 && dem_check_step(d, out->dt, "dem.settle.dt", err))
     return err->status;
   if (run(d, quiet, p, out, err))
     return err->status;
@@ -128,7 +123,6 @@ static const double press_speed = 0.05; /* of a lid on its way [m/s] */
  * deviation from the wanted force, as a share of it. */
 static double move_lids(dem_data *d, double dt) {
   double worst = 0;
-  dem_unite(d, DEM_PLACES | DEM_MOTION | DEM_CONTACTS | DEM_LISTS);
   for (int k = 0; k < d->model->nbox; k++) {
     const dem_box *box = &d->model->box[k];
     if (box->lid < 0 || !(box->press > 0))

@@ -42,6 +42,7 @@ static size_t layout_particles(dem_data *d, char *block) {
   PLACE(lists.crossings.chunk, nchunk + 1)
   PLACE(work.chunk_load, nchunk * (size_t)d->model->nload)
   PLACE(work.chunk_flux, nchunk)
+  PLACE(work.chunk_sum, nchunk * DEM_CHUNK_SUMS)
   PLACE(work.section, (size_t)d->work.nthread)
   PLACE(work.chunk_supplied, nchunk)
   return used;
@@ -211,6 +212,8 @@ static tdm_status copy_lists(dem_data *dst, const dem_data *src) {
   dst->lists.pairs.count = p->count;
   dst->lists.walls.count = w->count;
   dst->lists.crossings.count = c->count;
+  dst->lists.crossings.first = c->first;
+  dst->lists.crossings.end = c->end;
   if (p->count > 0) {
     memcpy(dst->lists.pairs.one, p->one, p->count * sizeof *p->one);
     memcpy(dst->lists.pairs.other, p->other, p->count * sizeof *p->other);
@@ -260,6 +263,7 @@ void dem_data_destroy(dem_data **data) {
   dem_data *d = *data;
   if (!d)
     return;
+  dem_scratch_free(&d->work.scratch);
   dem_homes *homes = &d->work.homes;
   void *arrays[] = {d->lists.pairs.one,
                     d->lists.pairs.other,

@@ -60,6 +60,7 @@ typedef struct {
   int *order;    /* (count) places by the chunk of the particle, ascending in each */
   int *chunk;    /* (nchunk + 1) first of a chunk in order */
   int count, capacity;
+  int first, end; /* places of home chunks: first ... end - 1 */
 } dem_crossings;
 
 /* How far a source is. */
@@ -203,6 +204,9 @@ enum { DEM_CHUNK = 2048, DEM_LANES_MAX = 8 };
  * order of sums depends on no list, skin or search. */
 enum { DEM_SORT_STEPS = 1000 };
 
+/* Most sums over chunks at a time (seam/sums.h). */
+enum { DEM_CHUNK_SUMS = 10 };
+
 static inline int dem_chunks(int nparticle) {
   return nparticle > 0 ? (nparticle + DEM_CHUNK - 1) / DEM_CHUNK : 1;
 }
@@ -311,6 +315,7 @@ typedef struct {
 typedef struct {
   const dem_ranks *ranks; /* borrowed; NULL: alone */
   unsigned united;        /* what is the same on all ranks now (DEM_PLACES ...) */
+  bool spread;            /* this rank may have memory for more than its home and what was near to it */
   bool planned;           /* the rest is for the present crossings */
   bool visiting;          /* particles are on their way to those that they visit */
   bool stop, stopped;     /* this rank wants to end; one wanted to at the last step */
@@ -354,6 +359,7 @@ typedef struct {
   /* an evaluation */
   tdm_wrench *chunk_load; /* (nchunk x model.nload) body_load by chunk */
   dem_flux *chunk_flux;   /* (nchunk) of the contacts' energies */
+  double *chunk_sum;      /* (nchunk x DEM_CHUNK_SUMS) dem_sum_chunks */
   double *chunk_supplied; /* (nchunk) by the box, where particles pass its boundary [J] */
   dem_section *section;   /* (nthread) scratch: of a pass over chunks */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */

@@ -26,7 +26,7 @@ static void add_kicks(dem_window_sums *sums, const dem_data *d, uint64_t k, uint
   }
 }
 
-void dem_window_sums_add(dem_window_sums *sums, const dem_data *d, uint64_t k, uint64_t n, const dem_path *path) {
+void dem_window_sums_add(dem_window_sums *sums, dem_data *d, uint64_t k, uint64_t n, const dem_path *path) {
   if (sums->body)
     add_kicks(sums, d, k, n, path);
   if (k == 0)

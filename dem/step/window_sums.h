@@ -16,6 +16,6 @@ typedef struct {
 
 /* Step k of n is done, 0: the window begins. The loads are those of kicks: half of one at both ends. Works only with a
  * path (ncoupled); NULL: whoever carries the bodies knows them. */
-void dem_window_sums_add(dem_window_sums *sums, const dem_data *data, uint64_t k, uint64_t n, const dem_path *path);
+void dem_window_sums_add(dem_window_sums *sums, dem_data *data, uint64_t k, uint64_t n, const dem_path *path);
 
 #endif

@@ -73,10 +73,11 @@ static void check_inside(const dem_data *d, int i, tdm_error *err) {
   }
 }
 
-tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
+/* The particles first ... end - 1; returns how many are behind a plane. */
+static int check_among(const dem_data *d, int first, int end, tdm_error *err) {
   const dem_model *m = d->model;
-  *nbehind = 0;
-  for (int i = 0; i < d->state.nparticle && !err->status; i++) {
+  int nbehind = 0;
+  for (int i = first; i < end && !err->status; i++) {
     for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
       int j = d->lists.pairs.other[k];
       double overlap = d->state.sphere[i].radius + d->state.sphere[j].radius -
@@ -93,12 +94,23 @@ tdm_status dem_check_start(const dem_data *d, int *nbehind, tdm_error *err) {
       if (!through && d->state.sphere[i].radius - gap > most_overlap(m) * d->state.sphere[i].radius)
         refuse_wall(d, i, w, d->state.sphere[i].radius - gap, err);
     }
-    *nbehind += behind;
+    nbehind += behind;
   }
+  return nbehind;
+}
+
+tdm_status dem_check_start(dem_data *d, int *nbehind, tdm_error *err) {
+  tdm_error found = {0};
+  *nbehind = check_among(d, dem_home_first_particle(d), dem_home_end_particle(d), &found);
+  *nbehind = (int)dem_homes_sum(d, *nbehind);
+  if (!dem_homes_any(d, found.status))
+    return TDM_OK;
+  dem_unite(d, DEM_WHOLE); /* all ranks say the same */
+  check_among(d, 0, d->state.nparticle, err);
   return err->status;
 }
 
-tdm_status dem_check_step(const dem_data *d, double dt, const char *path, tdm_error *err) {
+tdm_status dem_check_step(dem_data *d, double dt, const char *path, tdm_error *err) {
   const dem_guard_def *guard = &d->model->guard;
   if (guard->chosen && guard->action == DEM_GUARD_WARN)
     return TDM_OK;

@@ -8,7 +8,10 @@
 #include "dem/particles/field.h"
 #include "dem/seam/homes.h"
 #include "dem/seam/notes.h"
+#include "dem/seam/sums.h"
 #include "dem/state/wall_gap.h"
+
+#include <string.h>
 
 /* ---- stored ---- */
 
@@ -112,13 +115,13 @@ static void rates_at_wall(const dem_data *d, const dem_wall_entry *e, double gap
   c->at.mass = 1 / dem_per_effective_mass(&d->state.mobility[body], s->inverse_mass, lever, n);
 }
 
-/* Listed wall k; of the parts of a wall the first that is listed stands for the normal law of all, and each has the
- * springs of its own history. */
-static double elastic_of_wall(const dem_data *d, size_t k) {
+/* Listed wall k, of a chunk's entries begin ... end - 1; of the parts of a wall the first that is listed stands for the
+ * normal law of all, and each has the springs of its own history. */
+static double elastic_of_wall(const dem_data *d, size_t k, size_t begin, size_t end) {
   const dem_model *m = d->model;
   const dem_wall_entry *e = &d->lists.walls.entry[k];
   const dem_sphere *s = &d->state.sphere[e->particle];
-  const bool first = k == 0 || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].shape->parts;
+  const bool first = k == begin || !same_contact(d, k - 1, k), alone = first && !m->wall[e->wall].shape->parts;
   tdm_vec3 n;
   double gap = dem_gap(d, e->particle, e->wall, &n), overlap = s->radius - gap;
   if (s->inverse_mass == 0 || !(overlap > 0) || overlap >= 2 * s->radius)
@@ -130,33 +133,42 @@ static double elastic_of_wall(const dem_data *d, size_t k) {
                .stride = d->lists.walls.capacity,
                .dt = alone ? step_ahead(d) : 0}; /* the normal at a part is not known here */
   rates_at_wall(d, e, gap, n, &c);
-  for (size_t part = k; part < d->lists.walls.count && same_contact(d, k, part); part++)
+  for (size_t part = k; part < end && same_contact(d, k, part); part++)
     c.at.deepest = fmax(c.at.deepest, dem_wall_deepest_so_far(d, part));
   dem_among among = {c.pair, c.at, overlap, e->particle, -1, dem_note_of_contact(d, k)};
   c.overlap = dem_overlap_among(d, m, &among);
   return (first ? dem_elastic_among(d, m, &among) : 0) + springs_of(m, &c);
 }
 
-double dem_rest_energy(const dem_data *d) {
-  double mass = 0;
-  for (int i = 0; i < d->state.nparticle; i++)
-    mass += d->state.mass[i];
-  return 0.5 * mass * d->model->settle.speed * d->model->settle.speed;
+double dem_rest_energy(const dem_model *m, double mass) {
+  return 0.5 * mass * m->settle.speed * m->settle.speed;
 }
 
-dem_stored_energy dem_stored_energy_now(const dem_data *d) {
+/* what a chunk adds to each member of dem_stored_energy */
+static void add_stored(const dem_data *d, int chunk, const void *of, double *sums) {
   dem_stored_energy e = {0};
-  for (int i = 0; i < d->state.nparticle; i++) {
+  (void)of;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++) {
     double potential;
     e.kinetic += dem_particle_energy(d, i, &potential);
     e.potential += potential;
     e.magnitude += fabs(potential);
+    e.mass += d->state.mass[i];
     for (int k = d->lists.pairs.first[i];
          k < d->lists.pairs.first[i + 1] && d->lists.pairs.other[k] < d->state.nparticle; k++)
       e.elastic += elastic_of_pair(d, i, k);
   }
-  for (size_t k = 0; k < d->lists.walls.count; k++)
-    e.elastic += elastic_of_wall(d, k);
+  for (size_t k = d->lists.walls.chunk[chunk]; k < d->lists.walls.chunk[chunk + 1]; k++)
+    e.elastic += elastic_of_wall(d, k, d->lists.walls.chunk[chunk], d->lists.walls.chunk[chunk + 1]);
+  memcpy(sums, &e, sizeof e);
+}
+
+dem_stored_energy dem_stored_energy_now(dem_data *d) {
+  dem_stored_energy e;
+  enum { N = sizeof e / sizeof(double) };
+  double sums[N];
+  dem_sum_chunks(d, N, add_stored, NULL, sums);
+  memcpy(&e, sums, sizeof e);
   return e;
 }
 
@@ -202,11 +214,7 @@ tdm_energy dem_energy_balance_look(dem_data *d) {
       .kinetic = NAN, .stored = NAN, .supplied = d->state.energy_balance.flow + d->state.energy_balance.driven};
   if (d->state.nstep < d->state.energy_balance.next_look || !dem_energy_balance_known(m))
     return e;
-  dem_stored_energy now = {0};
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d))
-    now = dem_stored_energy_now(d);
-  dem_homes_follow(d, &now, sizeof now, NULL);
+  const dem_stored_energy now = dem_stored_energy_now(d);
   d->state.energy_balance.next_look = d->state.nstep + (uint64_t)(m->guard.every > 0 ? m->guard.every : DEM_LOOK_STEPS);
   e.kinetic = now.kinetic;
   e.stored = now.kinetic + now.potential + now.elastic;

@@ -24,13 +24,14 @@ typedef struct {
   double potential; /* in gravity and the constant forces of groups, zero at the world's origin */
   double elastic;
   double magnitude;  /* sum of the potentials' magnitudes, for round-off */
-} dem_stored_energy; /* [J] */
+  double mass;       /* [kg] */
+} dem_stored_energy; /* [J], unless it says something else */
 
-/* In all particles, and in the contacts of the lists. */
-dem_stored_energy dem_stored_energy_now(const dem_data *data);
+/* In all particles, and in the contacts of the lists. All ranks ask for it. */
+dem_stored_energy dem_stored_energy_now(dem_data *data);
 
-/* Of all particles at the speed that counts as rest (dem.settle.speed) [J]: less than that is no motion to judge by. */
-double dem_rest_energy(const dem_data *data);
+/* Of so much mass at the speed that counts as rest (dem.settle.speed) [J]: less than that is no motion to judge by. */
+double dem_rest_energy(const dem_model *model, double mass);
 
 /* Can the energy of this scene be accounted for? */
 bool dem_energy_balance_known(const dem_model *model);

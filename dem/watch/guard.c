@@ -139,18 +139,15 @@ static tdm_status look_at_overlaps(dem_data *d, double t, tdm_error *err) {
 
 /* ---- particles behind planes ---- */
 
-static uint64_t count_lost(const dem_data *d) {
-  return (uint64_t)dem_homes_sum(d, dem_count_lost_among(d, dem_home_first_particle(d), dem_home_end_particle(d)));
-}
-
 void dem_guard_begin(dem_data *d) {
-  d->state.guard = (dem_guard_state){
-      .leaper = d->state.guard.leaper, .leap = d->state.guard.leap, .lost = count_lost(d)}; /* leaps: of settling */
+  d->state.guard = (dem_guard_state){.leaper = d->state.guard.leaper,
+                                     .leap = d->state.guard.leap,
+                                     .lost = (uint64_t)dem_count_lost(d)}; /* leaps: of settling */
 }
 
 static tdm_status look_at_lost(dem_data *d, double t, tdm_error *err) {
   const dem_model *m = d->model;
-  uint64_t lost = count_lost(d), known = d->state.guard.lost;
+  uint64_t lost = (uint64_t)dem_count_lost(d), known = d->state.guard.lost;
   d->state.guard.lost = lost;
   if (lost <= known)
     return TDM_OK;
@@ -244,10 +241,7 @@ static tdm_status look_at_pace(dem_data *d, double t, double dt, bool *due, tdm_
 
 static tdm_status look_at_step(dem_data *d, double t, double dt, tdm_error *err) {
   dem_limits now;
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d))
-    dem_limits_now(d, &now, err);
-  if (dem_homes_follow(d, &now, sizeof now, err))
+  if (dem_limits_now(d, &now, err))
     return err->status;
   double eigen = DEM_EIGEN_SHARE * now.eigen, contact = DEM_CONTACT_SHARE_MOST * now.contact;
   if (!(dt > fmin(eigen, contact)))
@@ -278,17 +272,7 @@ static bool can_judge(const dem_data *d, double t, double dt) {
 static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   dem_guard_state *g = &d->state.guard;
   uint64_t flow = d->state.ledger.created + d->state.ledger.removed;
-  struct {
-    dem_stored_energy now;
-    double rest;
-  } found;
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d)) {
-    found.now = dem_stored_energy_now(d);
-    found.rest = dem_rest_energy(d);
-  }
-  dem_homes_follow(d, &found, sizeof found, NULL);
-  const dem_stored_energy e = found.now;
+  const dem_stored_energy e = dem_stored_energy_now(d);
   double all = e.kinetic + e.potential + e.elastic;
   if (!g->judging || g->flow != flow) {
     g->judging = 1;
@@ -300,7 +284,7 @@ static tdm_status look_at_energy(dem_data *d, double t, tdm_error *err) {
   }
   g->lowest = fmin(g->lowest, all);
   g->potential = fmin(g->potential, e.potential);
-  double there = fmax(g->start - g->potential, found.rest), rise = all - g->lowest;
+  double there = fmax(g->start - g->potential, dem_rest_energy(d->model, e.mass)), rise = all - g->lowest;
   if (!(rise > d->model->guard.energy * there + 1e-9 * (e.magnitude + there)))
     return TDM_OK;
   char text[TDM_MESSAGE_MAX];
@@ -317,10 +301,7 @@ tdm_status dem_guard_proxy(dem_data *d, const dem_proxy *proxy, double t, double
   double rate2;
   if (every == 0 || d->state.nstep % every != 0)
     return TDM_OK;
-  dem_collect(d, DEM_WHOLE);
-  if (dem_homes_writes(d))
-    dem_proxy_rate2(proxy, d, &rate2, err);
-  if (dem_homes_follow(d, &rate2, sizeof rate2, err))
+  if (dem_proxy_rate2(proxy, d, &rate2, err))
     return err->status;
   double limit = DEM_EIGEN_SHARE * 2 / sqrt(rate2);
   if (!(dt > limit))
@@ -360,7 +341,7 @@ tdm_status dem_guard(dem_data *d, double t, double dt, tdm_error *err) {
   return TDM_OK;
 }
 
-void dem_guard_end(const dem_data *d, double t) {
+void dem_guard_end(dem_data *d, double t) {
   long lost = dem_count_lost(d);
   if (lost > 0)
     tdm_remark(

@@ -36,7 +36,7 @@ void dem_guard_note_leap(dem_data *data, double dt);
 tdm_status dem_guard(dem_data *data, double t, double dt, tdm_error *err);
 
 /* At the end of the run, t [s]: remarks on particles that are lost behind planes, or fall below every wall. */
-void dem_guard_end(const dem_data *data, double t);
+void dem_guard_end(dem_data *data, double t);
 
 /* The same for bodies that DEM moves itself: looks, every dem.guard.every steps, whether dt [s] is short enough for
  * them on the springs of their contacts. */

@@ -4,6 +4,7 @@
 
 #include "dem/particles/domain.h"
 #include "dem/seam/notes.h"
+#include "dem/seam/visits.h"
 #include "dem/state/wall_gap.h"
 
 #include <stdlib.h>
@@ -45,10 +46,12 @@ double dem_impact_speed(const dem_data *d) {
   double fastest = 0, largest = 0, body_speed = 0;
   for (int b = 0; b < m->nbody; b++)
     body_speed = fmax(body_speed, tdm_norm(d->state.twist[b].velocity));
-  for (int i = 0; i < d->state.nparticle; i++) {
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++) {
     fastest = fmax(fastest, tdm_norm(d->state.pace[i].velocity));
     largest = fmax(largest, d->state.sphere[i].radius);
   }
+  fastest = dem_homes_largest(d, fastest);
+  largest = dem_homes_largest(d, largest);
   for (uint64_t i = d->state.ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
     largest = fmax(largest, m->radius[i]);
   for (int k = 0; k < m->npouring && d->state.ledger.created < (uint64_t)m->nparticle; k++)
@@ -84,10 +87,13 @@ static double fall_height(const dem_data *d) {
     return 0;
   extent e = {tdm_scale(-1, tdm_unit(m->gravity)), INFINITY, -INFINITY};
   double deepest = 0;
-  for (int i = 0; i < d->state.nparticle; i++) {
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++) {
     include(&e, d->state.sphere[i].position);
     deepest = fmax(deepest, fall_of(d, e.up, d->state.sphere[i].position));
   }
+  e.low = dem_homes_smallest(d, e.low);
+  e.high = dem_homes_largest(d, e.high);
+  deepest = dem_homes_largest(d, deepest);
   for (int s = 0; s < m->nsource; s++) {
     include(&e, m->source[s].low);
     include(&e, m->source[s].high);
@@ -114,9 +120,9 @@ static double driven_speed(const dem_data *d) {
     double reach = 0;
     if (!m->body[b].drive.given)
       continue;
-    for (int i = 0; i < d->state.nparticle; i++)
+    for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
       reach = fmax(reach, tdm_norm(tdm_sub(d->state.sphere[i].position, m->body[b].drive.center)));
-    fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, reach));
+    fastest = fmax(fastest, dem_drive_speed(&m->body[b].drive, dem_homes_largest(d, reach)));
   }
   for (int w = 0; w < m->nwall; w++) {
     const dem_wall *wall = &m->wall[w];
@@ -124,14 +130,14 @@ static double driven_speed(const dem_data *d) {
       continue;
     bool ends = dem_wall_ends(wall);
     fastest = fmax(fastest, ends ? dem_wall_belt_speed(wall) : tdm_norm(wall->surface.velocity));
-    for (int i = 0; i < d->state.nparticle && !ends; i++) {
+    for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d) && !ends; i++) {
       tdm_vec3 n;
       double gap = dem_gap(d, i, w, &n);
       tdm_vec3 below = tdm_axpy(-gap, n, d->state.sphere[i].position); /* on the surface */
       fastest = fmax(fastest, tdm_norm(dem_wall_belt(wall, dem_wall_own(&d->state.wall[w], below))));
     }
   }
-  return fastest;
+  return dem_homes_largest(d, fastest);
 }
 
 double dem_expected_speed(const dem_data *d) {
@@ -180,24 +186,52 @@ static double stiffness(const dem_data *d, const dem_among *c) {
               3.5 * dem_tangential_stiffness(m, c->pair, c->at, dem_overlap_among(d, m, c)));
 }
 
-/* Sum of the stiffnesses at particle i over its listed pairs (added to both) and walls; `sum` (nparticle). Returns how
- * many pairs touch. */
-static int add_stiffness(const dem_data *d, int i, double *sum) {
-  int touching = 0;
+/* Stiffness of the listed pair k of particle i, 0: it does not touch, or neither can move. */
+static double pair_stiffness(const dem_data *d, int i, int k) {
   const dem_model *m = d->model;
-  for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
-    int j = d->lists.pairs.other[k];
-    double both = d->state.sphere[i].radius + d->state.sphere[j].radius;
-    double overlap = both - tdm_norm(dem_between(d, d->state.sphere[i].position, d->state.sphere[j].position));
-    if (!(overlap > 0))
-      continue;
-    touching++;
-    const dem_pair *pair = &m->pair[d->state.material[i] * m->nmaterial + d->state.material[j]];
-    dem_impact at = {.mass = 1 / (1 / d->state.mass[i] + 1 / d->state.mass[j]),
-                     .radius = d->state.sphere[i].radius * d->state.sphere[j].radius / both};
-    double s = stiffness(d, &(dem_among){pair, at, overlap, i, j, (size_t)k});
+  const int j = d->lists.pairs.other[k];
+  const dem_sphere *a = &d->state.sphere[i], *b = &d->state.sphere[j];
+  const double both = a->radius + b->radius, per_mass = a->inverse_mass + b->inverse_mass;
+  const double overlap = both - tdm_norm(dem_between(d, a->position, b->position));
+  if (!(overlap > 0) || !(per_mass > 0))
+    return 0;
+  return stiffness(d, &(dem_among){.pair = &m->pair[d->state.material[i] * m->nmaterial + d->state.material[j]],
+                                   .at = {.mass = 1 / per_mass, .radius = a->radius * b->radius / both},
+                                   .overlap = overlap,
+                                   .particle = i,
+                                   .other = j,
+                                   .place = (size_t)k});
+}
+
+/* What other ranks' contacts add to the sums of home particles, in the order of one process: before their own. It goes
+ * as reactions do. */
+static void add_from_others(dem_data *d, double *sum) {
+  const dem_pairs *list = &d->lists.pairs;
+  const dem_parcels *returned = &d->work.homes.returned;
+  const int end = dem_home_end_particle(d);
+  if (dem_alone(d))
+    return;
+  for (int i = dem_home_first_particle(d); i < end; i++)
+    for (int k = list->first[i]; k < list->first[i + 1]; k++)
+      if (list->other[k] >= end && list->other[k] < d->state.nparticle)
+        d->state.push[list->reaction_slot[k]].force.x = pair_stiffness(d, i, k);
+  dem_reactions_return(d);
+  for (int q = 0; q < returned->first[d->work.homes.ranks->size]; q++) {
+    dem_push *came = &d->state.push[dem_crossing_slot(d, returned->item[q])];
+    sum[d->lists.crossings.particle[returned->item[q]]] += came->force.x;
+    *came = (dem_push){0};
+  }
+}
+
+/* Sum of the stiffnesses at home particle i over its listed pairs (added to both). Returns how many of them touch. */
+static int add_stiffness(const dem_data *d, int i, double *sum) {
+  const dem_pairs *list = &d->lists.pairs;
+  int touching = 0;
+  for (int k = list->first[i]; k < list->first[i + 1] && list->other[k] < d->state.nparticle; k++) {
+    const double s = pair_stiffness(d, i, k);
+    touching += s > 0;
     sum[i] += s;
-    sum[j] += s;
+    sum[list->other[k]] += s;
   }
   return touching;
 }
@@ -221,31 +255,38 @@ static bool add_wall_stiffness(const dem_data *d, size_t k, double *sum) {
 }
 
 /* the smallest 2/omega [s], inf when nothing touches; and the coordination number */
-static tdm_status look_at_contacts(const dem_data *d, dem_limits *l, tdm_error *err) {
-  double *sum = calloc((size_t)d->state.nparticle + 1, sizeof *sum);
-  if (!sum)
+static tdm_status look_at_contacts(dem_data *d, dem_limits *l, tdm_error *err) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  double *sum = calloc((size_t)d->state.nparticle + 1, sizeof *sum); /* others' places take no memory */
+  if (!sum || dem_homes_plan(d)) {
+    free(sum);
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the limits of the step of %d particles",
                     d->state.nparticle);
+  }
   long touching = 0;
-  l->eigen = INFINITY;
-  for (int i = 0; i < d->state.nparticle; i++)
+  double eigen = INFINITY;
+  add_from_others(d, sum);
+  for (int i = first; i < end; i++)
     touching += 2 * add_stiffness(d, i, sum);
-  for (size_t k = 0; k < d->lists.walls.count; k++)
+  for (size_t k = d->lists.walls.chunk[dem_home_first(d)]; k < d->lists.walls.chunk[dem_home_end(d)]; k++)
     touching += add_wall_stiffness(d, k, sum);
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = first; i < end; i++)
     if (sum[i] > 0)
-      l->eigen =
-          fmin(l->eigen, takes(d->model, d->state.mass[i]) * 2 / sqrt(2 * sum[i] * d->state.sphere[i].inverse_mass));
+      eigen = fmin(eigen, takes(d->model, d->state.mass[i]) * 2 / sqrt(2 * sum[i] * d->state.sphere[i].inverse_mass));
+  l->eigen = dem_homes_smallest(d, eigen);
+  touching = dem_homes_sum(d, touching);
   l->coordination = d->state.nparticle > 0 ? (double)touching / d->state.nparticle : 0;
   free(sum);
   return TDM_OK;
 }
 
-static tdm_status limits_at(const dem_data *d, double speed, dem_limits *l, tdm_error *err) {
+static tdm_status limits_at(dem_data *d, double speed, dem_limits *l, tdm_error *err) {
   const dem_model *m = d->model;
   *l = (dem_limits){.rayleigh = INFINITY, .contact = INFINITY, .speed = speed};
-  for (int i = 0; i < d->state.nparticle; i++)
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
     add_particle(l, m, d->state.material[i], d->state.sphere[i].radius, d->state.mass[i]);
+  l->rayleigh = dem_homes_smallest(d, l->rayleigh);
+  l->contact = dem_homes_smallest(d, l->contact);
   for (uint64_t i = d->state.ledger.created; i < (uint64_t)m->nparticle; i++) /* still to be poured */
     add_particle(l, m, m->particle_material[i], m->radius[i], m->mass[i]);
   return look_at_contacts(d, l, err);
@@ -260,14 +301,14 @@ static void choose_step(dem_limits *l) {
                                                      : "0.4 of the Rayleigh step";
 }
 
-tdm_status dem_limits_now(const dem_data *d, dem_limits *l, tdm_error *err) {
+tdm_status dem_limits_now(dem_data *d, dem_limits *l, tdm_error *err) {
   if (limits_at(d, dem_impact_speed(d), l, err))
     return err->status;
   choose_step(l);
   return TDM_OK;
 }
 
-tdm_status dem_limits_expected(const dem_data *d, dem_limits *l, tdm_error *err) {
+tdm_status dem_limits_expected(dem_data *d, dem_limits *l, tdm_error *err) {
   const dem_model *m = d->model;
   if (limits_at(d, dem_expected_speed(d), l, err))
     return err->status;

@@ -43,10 +43,10 @@ double dem_impact_speed(const dem_data *data);
 
 /* The limits of the present state, with the contact time at the speed of the fastest relative motion or of a fall by a
  * diameter, whichever is higher. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_limits_now(const dem_data *data, dem_limits *limits, tdm_error *err);
+tdm_status dem_limits_now(dem_data *data, dem_limits *limits, tdm_error *err);
 
 /* The same with the contact time at dem_expected_speed. */
-tdm_status dem_limits_expected(const dem_data *data, dem_limits *limits, tdm_error *err);
+tdm_status dem_limits_expected(dem_data *data, dem_limits *limits, tdm_error *err);
 
 /* The largest relative speed to be expected [m/s]: dem.expected_speed if the scene has it, else that of the fastest
  * motion now, or of a source, after a fall over the largest height that is there: of the particles and containers, and

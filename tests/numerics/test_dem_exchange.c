@@ -58,7 +58,7 @@ static void look_for_near(const dem_ranks *ranks, void *context) {
   for (int k = 0; k < near.nrun; k++)
     ck_assert_mem_eq(&d->state.sphere[near.run[2 * k]], &expected->alone->state.sphere[near.run[2 * k]],
                      (size_t)(near.run[2 * k + 1] - near.run[2 * k]) * sizeof(dem_sphere));
-  dem_scratch_back(&d->work.scratch, (dem_scratch_mark){0});
+  dem_scratch_done(&d->work.scratch);
   rig_free(r);
 }
 

@@ -317,7 +317,7 @@ END_TEST
 
 /* ---- the stiffness that holds the bodies ---- */
 
-static double walls_rate2(const dem_data *d, int nfree, const double *J, const double *B) {
+static double walls_rate2(dem_data *d, int nfree, const double *J, const double *B) {
   tdm_error err = {0};
   double out;
   ck_assert(!dem_walls_rate2(d, nfree, J, B, &out, &err));

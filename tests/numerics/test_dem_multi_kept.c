@@ -61,7 +61,7 @@ START_TEST(test_energy) {
                 "'material':'a','radius':0.01,'positions':[[-0.0201,0,0]],'velocity':[0.5,0,0]},{'type':'list',"
                 "'material':'a','radius':0.01,'positions':[[0.0201,0,0]],'velocity':[-0.5,0,0]}]",
                 2e-6);
-  const dem_data *d = r->data;
+  dem_data *d = r->data;
   double start = dem_stored_energy_now(d).kinetic, most = 0, off = 0;
   for (int k = 0; k < 200000 && !(most > 0 && d->state.ncontact == 0); k++) {
     rig_steps(r, 1);
@@ -144,7 +144,7 @@ START_TEST(test_work_of_a_press) {
                    "'point':[0.0497,0,0]},{'type':'plane','normal':[0,1,0],'point':[0,-0.0099,0]},{'type':'plane',"
                    "'normal':[0,-1,0],'point':[0,0.0497,0]}]}"),
            1e-5);
-  const dem_data *d = r->data;
+  dem_data *d = r->data;
   dem_energy_balance_begin(r->data);
   dem_energy_begin(&r->data->state.energy);
   const dem_stored_energy start = dem_stored_energy_now(d);

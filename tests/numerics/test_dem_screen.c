@@ -37,7 +37,7 @@ static void place(rig *r, int i, tdm_vec3 x, tdm_vec3 v) {
   d->lists.stale = true;
 }
 
-static double kinetic(const dem_data *d) {
+static double kinetic(dem_data *d) {
   return dem_stored_energy_now(d).kinetic;
 }
 

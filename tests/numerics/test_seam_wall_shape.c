@@ -100,7 +100,7 @@ static const double length = 0.2 + 0.03 - 0.01; /* of the pendulum that a ball i
 /* In the upright channel a smooth ball swings as a pendulum does, and loses no energy. */
 START_TEST(a_ball_swings_in_it) {
   rig *r = rig_of("[0,0,-9.81]", UPRIGHT, "[0.002,0,0.78001]", "");
-  const dem_data *d = r->data;
+  dem_data *d = r->data;
   rig_steps(r, 1);
   const dem_stored_energy start = dem_stored_energy_now(d);
   const double height = start.potential / (d->state.mass[0] * 9.81) - 1 + length,

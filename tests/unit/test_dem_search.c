@@ -342,7 +342,7 @@ START_TEST(test_scratch) {
     in.scratch = &scratch;
     dem_rows rows;
     for (int call = 0; call < 2; call++) {
-      dem_scratch_back(&scratch, (dem_scratch_mark){0});
+      dem_scratch_done(&scratch);
       ck_assert_int_eq(dem_search_run(b.search[0], &in, &rows), TDM_OK);
       compare(c.what, fast[0], N, &rows, &b.wanted);
     }
@@ -350,9 +350,11 @@ START_TEST(test_scratch) {
     ck_assert_uint_le(scratch.most, size);
     for (int k = 0; k < GUARD; k++)
       ck_assert_int_eq(block[size + (size_t)k], 7);
-    dem_scratch_back(&scratch, (dem_scratch_mark){0});
+    dem_scratch_done(&scratch);
     ck_assert_ptr_null(scratch.heap);
     ck_assert_uint_eq(scratch.used, 0);
+    dem_scratch_free(&scratch);
+    ck_assert_ptr_null(scratch.kept);
   }
   free(block);
   finish(&b);
