@@ -286,7 +286,7 @@ tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *er
 
 tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
   dem_orders_give(DEM_ORDER_SNAPSHOT, snapshot->with_contacts);
-  dem_collect(e->data, DEM_WHOLE);
+  dem_collect(e->data, snapshot->with_contacts ? DEM_WHOLE : DEM_PLACES | DEM_MOTION | DEM_FORCES);
   if (dem_homes_writes(e->data))
     dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
   e->view.looks = true;

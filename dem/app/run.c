@@ -258,7 +258,9 @@ static void conclude(tdm_standalone *alone, tdm_error *err) {
   dem_moldyn_close(&run->moldyn, err);
   if (run->alone.channels) {
     tdm_standalone_close(&run->alone, err);
-    if (run->engine && take_snapshot(run, &late) == TDM_OK)
+    if (run->settings.repose_along >= 0 && run->engine)
+      take_snapshot(run, &late);
+    if (!late.status)
       tdm_standalone_plot(&run->alone, "channels", NULL, &notice);
   }
   if (notice.status != TDM_OK && !tdm_plot_interrupted())
@@ -274,8 +276,9 @@ static void conclude(tdm_standalone *alone, tdm_error *err) {
   if (run->nstep > 0)
     printf("%.6g s simulated in %llu steps, %d particles at the end; %.2f s wall, %.2f s of it until the start; %.3g "
            "particle-steps/s; results in %s\n",
-           (double)run->nstep * run->settings.time.dt, (unsigned long long)run->nstep, run->outputs.snapshot.nparticle,
-           wall, run->alone.setup, run->particle_steps / run->step, run->alone.results.dir);
+           (double)run->nstep * run->settings.time.dt, (unsigned long long)run->nstep,
+           dem_engine_data(run->engine)->state.nparticle, wall, run->alone.setup, run->particle_steps / run->step,
+           run->alone.results.dir);
 }
 
 static void let_go(tdm_standalone *alone) {
