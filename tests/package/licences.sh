@@ -18,12 +18,16 @@ licence_of() {
   sed -n "s,^[/#* ]*SPDX-License""-Identifier: \([A-Za-z0-9.-]*\).*,\1,p" "$1"
 }
 
-for file in $(find CMakeLists.txt .clang-format .ci protocol dem mbd coupler scenarios tests docs -type f 2>/dev/null |
-    grep -E '(\.([ch]|sh|in|py|awk|cmake|js|css|html)|Doxyfile|/CMakeLists\.txt|^CMakeLists\.txt|\.ci/.*|\.clang-format)$'); do
-  case $(licence_of "$file") in
-    MIT | GPL-3.0-or-later) ;;
-    *) fail "$file: give it one line with SPDX-License""-Identifier: MIT or GPL-3.0-or-later" ;;
-  esac
+sources() {
+  find CMakeLists.txt .clang-format .ci protocol dem mbd coupler scenarios tests docs -type f 2>/dev/null |
+    grep -E '(\.([ch]|sh|in|py|awk|cmake|js|css|html)|Doxyfile|/CMakeLists\.txt|^CMakeLists\.txt|\.ci/.*|\.clang-format)$'
+}
+
+# all files at once: those with another number of lines than one, and those whose line names another licence
+line="^[/#* ]*SPDX-License""-Identifier: "
+for file in $({ sources | xargs grep -HcE "$line" | sed -n '/:1$/!s/:[0-9]*$//p'
+    sources | xargs grep -LE "$line(MIT|GPL-3\.0-or-later)([^A-Za-z0-9.-]|\$)"; } | sort -u); do
+  fail "$file: give it one line with SPDX-License""-Identifier: MIT or GPL-3.0-or-later"
 done
 
 # the library's sources, and all headers of ours that these include, and so on
