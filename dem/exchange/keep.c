@@ -55,14 +55,24 @@ static void forget_walls(const dem_data *d, const dem_wall_contacts *w, size_t f
     forget_others(w->history + q * w->capacity, sizeof *w->history, first, end, w->capacity);
 }
 
+/* Is it time to forget? Not while arrays are gathered for every list, as where particles come or go all the time:
+ * taking pages anew costs more than the gathering. */
+static bool may_forget(dem_homes *s) {
+  const bool again = s->spread && s->spread_before;
+  const bool forget = !again && (s->spread || s->holds);
+  s->holds = again;
+  s->spread_before = s->spread;
+  s->spread = false;
+  return forget;
+}
+
 void dem_keep_home(dem_data *d) {
   const dem_wall_contacts *walls = &d->lists.walls;
   if (dem_alone(d))
     return;
   dem_parted(d, DEM_WHOLE);
-  if (!d->work.homes.spread && !dem_keep_poisons)
+  if (!may_forget(&d->work.homes) && !dem_keep_poisons)
     return;
-  d->work.homes.spread = false;
   forget_particles(d);
   forget_pairs(d);
   forget_walls(d, walls, walls->chunk[dem_home_first(d)], walls->chunk[dem_home_end(d)]);

@@ -315,7 +315,9 @@ typedef struct {
 typedef struct {
   const dem_ranks *ranks; /* borrowed; NULL: alone */
   unsigned united;        /* what is the same on all ranks now (DEM_PLACES ...) */
-  bool spread;            /* this rank may have memory for more than its home and what was near to it */
+  bool spread;            /* since the last list this rank got memory for more than its home and what is near to it */
+  bool spread_before;     /* likewise before the last list */
+  bool holds;             /* it has such memory from then */
   bool planned;           /* the rest is for the present crossings */
   bool visiting;          /* particles are on their way to those that they visit */
   bool stop, stopped;     /* this rank wants to end; one wanted to at the last step */
