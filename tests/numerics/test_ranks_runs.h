@@ -161,6 +161,8 @@ static inline void lead(void *context) {
     out->triangle_force += isfinite(s.force_on[f].z) ? tdm_norm(s.force_on[f]) : 0;
   for (int c = 0; k->contacts && c < s.ncontact; c++)
     out->contact_force += fabs(s.contact[c].force);
+  s.with_contacts = true; /* then rank 0 has the whole state */
+  ck_assert_msg(!dem_engine_snapshot(e, &s, &err), "%s", err.message);
   ck_assert(!dem_state_save(dem_engine_data(e), &out->bytes, &out->size));
   out->nparticle = dem_engine_data(e)->state.nparticle;
   out->moves = dem_engine_data(e)->work.homes.nmove;
