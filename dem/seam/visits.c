@@ -133,21 +133,68 @@ static tdm_status know_chunks(dem_data *d) {
   return TDM_OK;
 }
 
-/* home chunks, those without visitors first */
-static tdm_status order_chunks(dem_data *d) {
+/* Home chunks in the order of their evaluation: half of those without visitors while visitors come, those with, and the
+ * others while reactions return. place: of each in that order. */
+static void order_chunks(dem_data *d, int *place) {
   dem_homes *s = &d->work.homes;
   const int first = dem_home_first(d), n = dem_home_end(d) - first;
-  int *chunk = realloc(s->chunk, (size_t)(n + 1) * sizeof *chunk);
-  if (!chunk)
+  int inner = 0, at[3] = {0};
+  for (int c = first; c < first + n; c++) {
+    place[c - first] = has_visitors(d, c);
+    inner += !place[c - first];
+  }
+  s->first_outer = at[1] = inner / 2;
+  s->end_outer = at[2] = n - (inner - inner / 2);
+  for (int c = first; c < first + n; c++) {
+    const int part = place[c - first] ? 1 : at[0] < s->first_outer ? 0 : 2;
+    place[c - first] = at[part]++;
+    s->chunk[place[c - first]] = c;
+  }
+}
+
+/* When the step of each home chunk can end: when it is evaluated, and all that have reactions on it. ready: place in
+ * the order, the number of home chunks: after the reactions of other ranks. */
+static void find_ready(const dem_data *d, const int *place, int *ready) {
+  const dem_pairs *p = &d->lists.pairs;
+  const dem_parcels *returned = &d->work.homes.returned;
+  const int first = dem_home_first(d), end = dem_home_end(d), n = end - first;
+  memcpy(ready, place, (size_t)n * sizeof *ready);
+  for (int c = first; c < end; c++)
+    for (size_t k = p->chunk[c]; k < p->chunk[c + 1]; k++) {
+      const int to = p->reaction_slot[k] > d->state.nparticle ? p->other[k] / DEM_CHUNK : c;
+      if (to < end && ready[to - first] < place[c - first])
+        ready[to - first] = place[c - first];
+    }
+  for (int k = 0; k < returned->first[d->work.homes.ranks->size]; k++)
+    ready[d->lists.crossings.particle[returned->item[k]] / DEM_CHUNK - first] = n;
+}
+
+static tdm_status plan_chunks(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  const int first = dem_home_first(d), n = dem_home_end(d) - first;
+  const size_t room = (size_t)(n + 2);
+  int *chunk = realloc(s->chunk, room * sizeof *chunk);
+  s->chunk = chunk ? chunk : s->chunk;
+  int *ending = realloc(s->ending, room * sizeof *ending);
+  s->ending = ending ? ending : s->ending;
+  int *end_first = realloc(s->end_first, room * sizeof *end_first);
+  s->end_first = end_first ? end_first : s->end_first;
+  int *place = malloc(2 * room * sizeof *place), *ready = place + room;
+  if (!chunk || !ending || !end_first || !place) {
+    free(place);
     return TDM_ERR_MEMORY;
-  s->chunk = chunk;
-  int inner = 0, outer = n;
-  for (int c = first; c < first + n; c++)
-    if (has_visitors(d, c))
-      chunk[--outer] = c;
-    else
-      chunk[inner++] = c;
-  s->ninner = inner;
+  }
+  order_chunks(d, place);
+  find_ready(d, place, ready);
+  int at = 0;
+  for (int k = 0; k <= n; k++) { /* few chunks, and few that are ready at a time */
+    end_first[k] = at;
+    for (int c = 0; c < n; c++)
+      if (ready[c] == k)
+        ending[at++] = first + c;
+  }
+  end_first[n + 1] = at;
+  free(place);
   return TDM_OK;
 }
 
@@ -155,14 +202,27 @@ static size_t larger(size_t a, size_t b) {
   return a > b ? a : b;
 }
 
-enum { VISIT = sizeof(dem_sphere) + sizeof(dem_rotor) };
+/* What a visitor brings: each time, and the first time after a plan. */
+typedef struct {
+  tdm_vec3 position, velocity, surface;
+} visit;
+typedef struct {
+  visit now;
+  double radius, inverse_mass;
+} introduction;
+
+/* a reaction on its way */
+typedef struct {
+  tdm_vec3 force, twist;
+} reaction;
+
+enum { LETTER = sizeof(introduction) }; /* the longest about a particle or a contact */
 
 static tdm_status reserve_mail(dem_data *d) {
   dem_homes *s = &d->work.homes;
   const size_t size = (size_t)s->ranks->size;
-  const size_t out = larger((size_t)s->immigrants.first[size] * VISIT,
-                            (size_t)s->returning.first[size] * sizeof(dem_push)),
-               in = larger((size_t)s->visitors.first[size] * VISIT, (size_t)s->returned.first[size] * sizeof(dem_push)),
+  const size_t out = larger((size_t)s->immigrants.first[size], (size_t)s->returning.first[size]) * LETTER,
+               in = larger((size_t)s->visitors.first[size], (size_t)s->returned.first[size]) * LETTER,
                room = larger(out, in);
   if (!s->mail)
     s->mail = malloc(size * sizeof *s->mail);
@@ -212,12 +272,13 @@ tdm_status dem_homes_plan(dem_data *d) {
     return TDM_ERR_MEMORY;
   place_ranks(d, place);
   if (collect(d, place, true, &s->returning) || collect(d, place, false, &s->returned) ||
-      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) ||
-      order_chunks(d) || reserve_mail(d) || dem_sums_reserve(d))
+      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) || plan_chunks(d) ||
+      reserve_mail(d) || dem_sums_reserve(d))
     return TDM_ERR_MEMORY;
   if (d->model->nmaterial > 1)
     learn(d, d->state.material); /* visitors keep theirs until there are others */
   s->planned = true;
+  s->introduced = false;
   return TDM_OK;
 }
 
@@ -236,13 +297,15 @@ void dem_visitors_begin(dem_data *d) {
     return;
   assert(s->planned && !s->visiting);
   const double begin = tdm_clock();
+  const size_t each = s->introduced ? sizeof(visit) : sizeof(introduction);
   for (int k = 0; k < s->immigrants.first[s->ranks->size]; k++) {
     const int i = s->immigrants.item[k];
-    char *to = s->out + (size_t)k * VISIT;
-    memcpy(to, &d->state.sphere[i], sizeof(dem_sphere));
-    memcpy(to + sizeof(dem_sphere), &d->state.rotor[i], sizeof(dem_rotor));
+    const dem_sphere *sphere = &d->state.sphere[i];
+    const introduction all = {
+        {sphere->position, sphere->velocity, d->state.rotor[i].surface}, sphere->radius, sphere->inverse_mass};
+    memcpy(s->out + (size_t)k * each, &all, each);
   }
-  post(s, &s->immigrants, &s->visitors, VISIT);
+  post(s, &s->immigrants, &s->visitors, each);
   s->visiting = true;
   s->spent += tdm_clock() - begin;
 }
@@ -252,14 +315,18 @@ void dem_visitors_end(dem_data *d) {
   if (!s->visiting)
     return;
   const double begin = tdm_clock();
+  const size_t each = s->introduced ? sizeof(visit) : sizeof(introduction);
   s->ranks->finish();
   for (int k = 0; k < s->visitors.first[s->ranks->size]; k++) {
     const int j = s->visitors.item[k];
-    const char *from = s->in + (size_t)k * VISIT;
-    memcpy(&d->state.sphere[j], from, sizeof(dem_sphere));
-    memcpy(&d->state.rotor[j], from + sizeof(dem_sphere), sizeof(dem_rotor));
+    dem_sphere *sphere = &d->state.sphere[j];
+    introduction came = {.radius = sphere->radius, .inverse_mass = sphere->inverse_mass};
+    memcpy(&came, s->in + (size_t)k * each, each);
+    *sphere = (dem_sphere){came.now.position, came.radius, came.now.velocity, came.inverse_mass};
+    d->state.rotor[j] = (dem_rotor){came.now.surface, came.radius};
   }
   s->visiting = false;
+  s->introduced = true;
   s->spent += tdm_clock() - begin;
 }
 
@@ -268,7 +335,7 @@ void dem_homes_tell(dem_data *d, dem_course course, int n, dem_letter *write, de
   const size_t size = (size_t)n * sizeof(double);
   if (!s->ranks)
     return;
-  assert(s->planned && !s->visiting && size <= sizeof(dem_push) && size <= VISIT);
+  assert(s->planned && !s->visiting && size <= LETTER);
   const dem_parcels *const courses[][2] = {
       {&s->returning, &s->returned}, {&s->returned, &s->returning}, {&s->immigrants, &s->visitors}};
   const dem_parcels *out = courses[course][0], *in = courses[course][1];
@@ -282,16 +349,30 @@ void dem_homes_tell(dem_data *d, dem_course course, int n, dem_letter *write, de
   s->spent += tdm_clock() - begin;
 }
 
-static void write_reaction(dem_data *d, int k, double *entry) {
-  dem_push *from = &d->state.push[dem_crossing_slot(d, d->work.homes.returning.item[k])];
-  memcpy(entry, from, sizeof *from);
-  *from = (dem_push){0};
+void dem_reactions_begin(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  if (!s->ranks)
+    return;
+  assert(s->planned && !s->visiting);
+  const double begin = tdm_clock();
+  reaction *out = (reaction *)(void *)s->out;
+  for (int k = 0; k < s->returning.first[s->ranks->size]; k++) {
+    dem_push *from = &d->state.push[dem_crossing_slot(d, s->returning.item[k])];
+    out[k] = (reaction){from->force, from->twist};
+    *from = (dem_push){0};
+  }
+  post(s, &s->returning, &s->returned, sizeof *out);
+  s->spent += tdm_clock() - begin;
 }
 
-static void read_reaction(dem_data *d, int k, double *entry) {
-  memcpy(&d->state.push[dem_crossing_slot(d, d->work.homes.returned.item[k])], entry, sizeof(dem_push));
-}
-
-void dem_reactions_return(dem_data *d) {
-  dem_homes_tell(d, DEM_TO_HOME, sizeof(dem_push) / sizeof(double), write_reaction, read_reaction);
+void dem_reactions_end(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  if (!s->ranks)
+    return;
+  const double begin = tdm_clock();
+  const reaction *in = (const reaction *)(const void *)s->in;
+  s->ranks->finish();
+  for (int k = 0; k < s->returned.first[s->ranks->size]; k++)
+    d->state.push[dem_crossing_slot(d, s->returned.item[k])] = (dem_push){.force = in[k].force, .twist = in[k].twist};
+  s->spent += tdm_clock() - begin;
 }

@@ -15,8 +15,10 @@ tdm_status dem_visitors_learn(dem_data *data, int *array);
 void dem_visitors_begin(dem_data *data);
 void dem_visitors_end(dem_data *data);
 
-/* The reactions on visitors go home, and their places are empty again. */
-void dem_reactions_return(dem_data *data);
+/* The reactions on visitors go home, and their places are empty again; those on home particles have come. In between
+ * ranks tell each other nothing else. */
+void dem_reactions_begin(dem_data *data);
+void dem_reactions_end(dem_data *data);
 
 /* Which way something goes, and what entry k is about where it is written, and where it is read. */
 typedef enum {

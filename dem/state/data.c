@@ -296,6 +296,8 @@ void dem_data_destroy(dem_data **data) {
                     homes->rank_of,
                     homes->cost,
                     homes->chunk,
+                    homes->ending,
+                    homes->end_first,
                     homes->mail,
                     homes->out,
                     homes->in,

@@ -326,11 +326,14 @@ typedef struct {
   dem_parcels returning;  /* places of this rank's reactions on visitors */
   dem_parcels returned;   /* places of other ranks' reactions on immigrants */
   int *rank_of;           /* (nchunk) whose home a chunk is */
-  int *chunk;             /* (home chunks) home chunks, those without visitors first; NULL: alone */
-  int ninner;             /* chunks without visitors */
-  dem_mail *mail;         /* (size) */
-  char *out, *in;         /* (room) what goes and comes [bytes] */
-  double *sums;           /* (nsums) of the chunks, as they are gathered */
+  bool introduced;        /* visitors' radii and masses are known where they visit */
+  int *chunk;             /* (home chunks) in the order in which they are evaluated; NULL: alone */
+  int first_outer, end_outer; /* chunk[first_outer ... end_outer - 1] have visitors */
+  int *ending, *end_first;    /* (home chunks, and 2 more) when chunk[k] is evaluated the steps of the chunks
+                               * ending[end_first[k] ... end_first[k + 1] - 1] can end; the last, when reactions came */
+  dem_mail *mail;             /* (size) */
+  char *out, *in;             /* (room) what goes and comes [bytes] */
+  double *sums;               /* (nsums) of the chunks, as they are gathered */
   size_t room, nsums;
   double spent; /* time in exchanges with other ranks, waiting for them included [s] */
 

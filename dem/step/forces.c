@@ -239,34 +239,49 @@ static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integ
   return touching;
 }
 
-/* Forces of the chunks homes.chunk[first ... end - 1] of this rank. */
-static long some_forces(dem_data *d, int first, int end, const dem_loop_task *all) {
-  const int *chunk = d->work.homes.chunk;
+/* The end of the step of a home chunk. */
+static void end_chunk(dem_data *d, int chunk, const dem_integrator *integrator, double dt) {
+  const double begin = dem_homes_clock();
+  integrator->end(d, chunk, dt);
+  dem_home_took(d, chunk, begin);
+}
+
+/* Forces of the chunks homes.chunk[first ... end - 1] of this rank; integrator: and the end of the step of those that
+ * nothing is added to any more, while they are in the cache; NULL: of none. */
+static long some_forces(dem_data *d, int first, int end, const dem_loop_task *all, const dem_integrator *integrator) {
+  const dem_homes *s = &d->work.homes;
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
   for (int k = first; k < end; k++) {
     const double begin = dem_homes_clock();
-    touching += chunk_forces(d, chunk[k], all);
-    dem_home_took(d, chunk[k], begin);
+    touching += chunk_forces(d, s->chunk[k], all);
+    dem_home_took(d, s->chunk[k], begin);
+    for (int e = s->end_first[k]; integrator && e < s->end_first[k + 1]; e++)
+      end_chunk(d, s->ending[e], integrator, all->dt);
   }
   return touching;
 }
 
-/* Forces of the chunks of this rank, those without visitors while visitors are on their way; then the end of their
- * step, when the reactions of other ranks are there. */
+/* Forces of the chunks of this rank, and the end of their step: visitors come meanwhile, and reactions go. */
 static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
-  const int inner = d->work.homes.ninner;
-  long touching = some_forces(d, 0, inner, all);
+  const dem_homes *s = &d->work.homes;
+  const dem_integrator *now = d->work.nthread == 1 ? integrator : NULL;
+  const int n = dem_home_end(d) - dem_home_first(d);
+  long touching = some_forces(d, 0, s->first_outer, all, now);
   dem_visitors_end(d);
-  touching += some_forces(d, inner, dem_home_end(d) - dem_home_first(d), all);
+  touching += some_forces(d, s->first_outer, s->end_outer, all, now);
+  dem_reactions_begin(d);
+  touching += some_forces(d, s->end_outer, n, all, now);
   dem_parted(d, DEM_MOTION | DEM_FORCES | DEM_CONTACTS);
-  dem_reactions_return(d);
+  dem_reactions_end(d);
+  if (now)
+    for (int e = s->end_first[n]; e < s->end_first[n + 1]; e++)
+      end_chunk(d, s->ending[e], now, all->dt);
+  else if (integrator)
+    end_chunks(d, integrator, all->dt);
   if (all->entry_force)
     dem_unite_entries(d, all->entry_force, sizeof *all->entry_force, d->lists.walls.chunk);
-  touching = dem_sums_of_step(d, touching);
-  if (integrator)
-    end_chunks(d, integrator, all->dt);
-  return touching;
+  return dem_sums_of_step(d, touching);
 }
 
 /* Forces of all chunks, and the end of their step. */

@@ -215,7 +215,8 @@ static void add_from_others(dem_data *d, double *sum) {
     for (int k = list->first[i]; k < list->first[i + 1]; k++)
       if (list->other[k] >= end && list->other[k] < d->state.nparticle)
         d->state.push[list->reaction_slot[k]].force.x = pair_stiffness(d, i, k);
-  dem_reactions_return(d);
+  dem_reactions_begin(d);
+  dem_reactions_end(d);
   for (int q = 0; q < returned->first[d->work.homes.ranks->size]; q++) {
     dem_push *came = &d->state.push[dem_crossing_slot(d, returned->item[q])];
     sum[d->lists.crossings.particle[returned->item[q]]] += came->force.x;
