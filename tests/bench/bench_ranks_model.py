@@ -28,7 +28,7 @@ ORDER = 1000  # steps after which particles come in a new order; as DEM_SORT_STE
 RANKS = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 10000)
 STRONG = (100_000, 1_000_000, 1_000_000_000)
 SHARE = 100_000  # particles a rank of weak scaling
-PARTS = ("work", "apart", "imbalance", "halo", "waits", "sums", "looks", "places", "order")
+PARTS = ("work", "apart", "imbalance", "halo", "waits", "sums", "lists")
 
 
 # ---- points ----
@@ -169,13 +169,16 @@ def print_errors(points):
 def print_traffic(points, model):
     each, lists, orders = model.traffic["calls"]
     print(f"\ncollective calls: {each:.2f} a step, {lists:.1f} a list, {orders:.1f} an order")
-    looks, of_entry, of_place, of_visitor, of_state = model.traffic["bytes"]
+    of_place, of_visitor = model.traffic["bytes"]
     print(
-        f"their bytes: {fit.OF_CHUNK} a chunk, {fit.OF_RANK} a rank, {looks:.2f} a particle of all and {of_entry:.2f} "
-        f"an entry each step; at a list {of_place:.0f} a particle and {of_visitor:.0f} a visitor; at an order "
-        f"{of_state:.0f} a particle"
+        f"their bytes: {fit.OF_CHUNK} a chunk and {fit.OF_RANK} a rank each step; at a list {of_place:.1f} a particle of "
+        f"all and {of_visitor:.0f} a visitor"
     )
-    print(f"halo: {model.traffic['halo_bytes']:.0f} bytes a visitor and step, sent and received")
+    visit, at_list, at_order = model.traffic["messages"]
+    print(
+        f"bytes of messages, sent and received: {visit:.0f} a visitor each step, {at_list:.0f} a visitor at a list, "
+        f"{at_order:.0f} a particle of all at an order"
+    )
     process, of_all, of_home = model.memory
     print(
         f"memory of a rank: {process / 1e6:.0f} MB, {of_all:.0f} bytes a particle of all, {of_home:.0f} bytes a home "
@@ -225,7 +228,7 @@ def print_prediction(model):
         for how in predict.HOW:
             values = [f"{model.efficiency(n(p), p, how, weak):.2g}" if p > 1 else "1" for p in shown]
             print(f"| {name} | {how} | {' | '.join(values)} |")
-    print("\n| milliseconds of a step, whole | P | " + " | ".join(PARTS) + " | all | limits |")
+    print("\n| milliseconds of a step, now | P | " + " | ".join(PARTS) + " | all | limits |")
     print("| --- " * (len(PARTS) + 4) + "|")
     for name, n, _ in cases:
         for p in (8, 512, 10000):

@@ -7,7 +7,6 @@ processor time outside of exchanges; the others are those of summary.json (docs/
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 CACHE = 20000  # particles of a machine that its caches hold; chosen so that points left out are predicted best
-LOOKS = 0.01  # of the guard at all particles a step: dem.guard.every
 
 
 def beyond(particles):
@@ -24,10 +23,9 @@ TERMS = (
     ("contact", "contact that touches", lambda p, w: w["contacts"]),
     ("halo", "byte sent or received", lambda p, w: w["message_bytes"]),
     ("message", "message sent or received", lambda p, w: w["messages"]),
-    ("look", "particle of all, a look of the guard", lambda p, w: LOOKS * p["particles"]),
     ("list", "home particle, a list", lambda p, w: p["lists"] * w["particles"]),
     ("list_all", "particle of all, a list", lambda p, w: p["lists"] * p["particles"] if p["ranks"] > 1 else 0),
-    ("order", "particle of all, an order", lambda p, w: p["orders"] * p["particles"]),
+    ("order", "home particle, an order", lambda p, w: p["orders"] * w["particles"]),
     ("step", "step", lambda p, w: 1),
 )
 NAMES = [name for name, _, _ in TERMS]
@@ -122,31 +120,29 @@ def leave_out(points, group):
 
 
 def traffic(points):
-    """Collective calls by what asks for them: of each step, list and order. Their bytes: of a particle and of an entry
-    of all each step (the guard's looks), of a particle of all and of a visitor at a list, of a particle of all at an
-    order. Bytes of the halo of a visitor."""
+    """Collective calls by what asks for them: of each step, list and order. Their bytes, besides those that are known:
+    of a particle of all and of a visitor at a list. Bytes of messages, sent and received: of a visitor each step, of a
+    visitor at a list, of a particle of all at an order."""
     several = [p for p in points if p["ranks"] > 1]
-    calls = [[1, p["lists"], p["orders"]] for p in several]
-    sizes = [
-        [
-            p["particles"],
-            sum(w["near"] for w in p["work"]),
-            p["lists"] * p["particles"],
-            p["lists"] * visitors(p),
-            p["orders"] * p["particles"],
-        ]
-        for p in several
-    ]
 
     def law(rows, what, known=lambda p: 0):
-        right = [sum(p["work"][0][key] for key in what) - known(p) for p in several]
+        right = [what(p) - known(p) for p in several]
         return least_squares([[x / y for x in r] for r, y in zip(rows, right)], [1.0] * len(right))
 
-    messages = sum(sum(w["message_bytes"] for w in p["work"]) for p in several)
     return {
-        "calls": law(calls, ("gathers", "reductions")),
-        "bytes": law(sizes, ("gathered_bytes",), lambda p: OF_CHUNK * p["chunks"] + OF_RANK * p["ranks"]),
-        "halo_bytes": messages / sum(visitors(p) for p in several),
+        "calls": law(
+            [[1, p["lists"], p["orders"]] for p in several],
+            lambda p: sum(p["work"][0][key] for key in ("gathers", "reductions")),
+        ),
+        "bytes": law(
+            [[p["lists"] * p["particles"], p["lists"] * visitors(p)] for p in several],
+            lambda p: p["work"][0]["gathered_bytes"],
+            lambda p: OF_CHUNK * p["chunks"] + OF_RANK * p["ranks"],
+        ),
+        "messages": law(
+            [[visitors(p), p["lists"] * visitors(p), p["orders"] * p["particles"]] for p in several],
+            lambda p: sum(w["message_bytes"] for w in p["work"]),
+        ),
     }
 
 

@@ -14,9 +14,9 @@ MANY = 500  # ranks from which on their surfaces are alike
 BED = {"near": 3.5, "contacts": 2.5, "lists": 1 / 40, "orders": 1 / 1000}
 SUM = 3e-8  # of the loads and energies of a chunk, estimated: too little to be seen in the fit [s]
 IMBALANCE = 0.05  # the busiest rank's work beyond the mean, whole chunks apart
-# What everybody tells everybody: whole arrays go to all ranks; places and states go where they are near or at home;
-# besides that each rank looks at its home for the guard; and loads are summed along a tree over the chunks.
-HOW = ("whole", "near", "looks", "tree")
+# What everybody tells everybody: loads of all chunks each step and all crossings at each list, as it is; loads along a
+# tree over the chunks, crossings to those that they concern.
+HOW = ("now", "tree")
 
 
 def morton(x, y, z):
@@ -58,16 +58,15 @@ class Model:
         """calls among all ranks, along a tree, with so many bytes that reach each rank"""
         return calls * math.ceil(math.log2(ranks)) * self.latency + bytes_ / self.bandwidth
 
-    def step(self, particles, ranks, how="whole"):
+    def step(self, particles, ranks, how="now"):
         """seconds of a step by what takes them"""
         c, chunks = self.cost, max(1, math.ceil(particles / CHUNK))
         mean = particles / ranks
         most = min(particles, math.ceil(chunks / ranks) * CHUNK)
         far = fit.beyond(min(particles, CORES * most)) * c["far"]
         work = c["particle"] + (c["near"] + far) * BED["near"] + c["contact"] * BED["contacts"]
-        work += c["list"] * BED["lists"]
-        found = {"work": work * mean + c["step"], "order": c["order"] * BED["orders"] * particles}
-        found["looks"] = fit.LOOKS * c["look"] * particles
+        work += c["list"] * BED["lists"] + c["order"] * BED["orders"]
+        found = {"work": work * mean + c["step"]}
         if ranks == 1:
             return found
         found["apart"] = c["apart"] * mean
@@ -78,33 +77,29 @@ class Model:
         return found
 
     def halo(self, home, ranks):
-        """places go, reactions return"""
+        """places go, reactions return; at lists places of near chunks, at orders the particles themselves"""
         skin, partners = surface(min(ranks, MANY))
-        bytes_ = skin * home ** (2 / 3) * self.traffic["halo_bytes"]
+        visit, at_list, at_order = self.traffic["messages"]
+        bytes_ = skin * home ** (2 / 3) * (visit + BED["lists"] * at_list) + home * BED["orders"] * at_order
         processor = self.cost["halo"] * bytes_ + self.cost["message"] * 2 * partners
         return processor + 2 * self.latency + bytes_ / self.bandwidth
 
     def told_to_all(self, particles, ranks, chunks, home, how):
-        """waits and sums of each step, the guard's looks, places at each list, whole states at each order"""
+        """waits and sums of each step; at each list boxes of all chunks, and crossings"""
         each, at_list, at_order = self.traffic["calls"]
-        of_look, of_entry, of_place, of_visitor, of_state = self.traffic["bytes"]
+        of_place, of_visitor = self.traffic["bytes"]
         lists, orders, c = BED["lists"], BED["orders"], self.cost
         crossings = of_visitor * surface(min(ranks, MANY))[0] * home ** (2 / 3)
         edge = CHUNK ** (1 / 3)
         near = min(particles, (home ** (1 / 3) + 2 * edge) ** 3)  # of home chunks and those beside them
-        listed, ordered = (particles, particles) if how == "whole" else (near, home)
-        looked = home if how in ("looks", "tree") else particles
-        sums = math.log2(chunks + 1) if how == "tree" else chunks
-        crossing = crossings * ranks if how == "whole" else crossings
-        found = {
-            "waits": self.collective(each, fit.OF_RANK * ranks, ranks),
-            "sums": (SUM + fit.OF_CHUNK / self.bandwidth) * sums,
-            "looks": (fit.LOOKS * c["look"] + (of_look + BED["near"] * of_entry) / self.bandwidth) * looked,
-            "places": lists
+        tree = how == "tree"
+        listed, crossing = (near, crossings) if tree else (particles, crossings * ranks)
+        return {
+            "waits": self.collective(each + orders * at_order, fit.OF_RANK * ranks, ranks),
+            "sums": (SUM + fit.OF_CHUNK / self.bandwidth) * (math.log2(chunks + 1) if tree else chunks),
+            "lists": lists
             * (c["list_all"] * listed + self.collective(at_list, of_place * listed + crossing, ranks)),
-            "order": orders * (c["order"] * ordered + self.collective(at_order, of_state * ordered, ranks)),
         }
-        return found
 
     def whole(self, point):
         """seconds of a step of a point that was measured, with its counted work and exchanges"""
@@ -114,10 +109,10 @@ class Model:
         letters = 2 * self.latency if ranks > 1 else 0
         return max(works) + self.collective(w["gathers"] + w["reductions"], bytes_, ranks) + letters
 
-    def time(self, particles, ranks, how="whole"):
+    def time(self, particles, ranks, how="now"):
         return sum(self.step(particles, ranks, how).values())
 
-    def efficiency(self, particles, ranks, how="whole", weak=False):
+    def efficiency(self, particles, ranks, how="now", weak=False):
         """weak: against one rank with its share of the particles"""
         alone = self.time(particles / ranks, 1) if weak else self.time(particles, 1) / ranks
         return alone / self.time(particles, ranks, how)
