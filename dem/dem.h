@@ -99,7 +99,8 @@ tdm_status dem_engine_restore(dem_engine *engine, int slot, tdm_error *err);
 /* ---- observe ---- */
 
 /* The state: particles, contacts, poses and loads of the bodies (state/data.h); its model is what the scene fixed. Both
- * are the engine's and change with every step. */
+ * are the engine's and change with every step. On several ranks those of other homes are there only after
+ * dem_engine_scenery or dem_engine_snapshot, contacts after a snapshot with contacts. */
 const struct dem_data *dem_engine_data(const dem_engine *engine);
 
 /* What there is to see (protocol/view/view.h): the scenery once, then snapshots of the present state. Both objects are

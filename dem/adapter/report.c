@@ -224,7 +224,8 @@ static sinking find_sinking(const dem_data *d, double speed) {
   for (int i = first; i < end; i++) {
     const double radius = d->state.sphere[i].radius;
     found.smallest = fmin(found.smallest, radius);
-    if (i == first || d->state.mass[i] != d->state.mass[i - 1] || d->state.material[i] != d->state.material[i - 1])
+    if (i == first || radius != d->state.sphere[i - 1].radius || d->state.mass[i] != d->state.mass[i - 1] ||
+        d->state.material[i] != d->state.material[i - 1])
       include_kind(&found, m, d->state.material[i], radius, d->state.mass[i], speed);
   }
   found.smallest = dem_homes_smallest(d, found.smallest);

@@ -45,7 +45,7 @@ double dem_deepest(const dem_data *data, int w);
 double dem_wall_deepest_so_far(const dem_data *data, size_t k);
 
 /* Elastic part of the force of the particles listed with a lid, along its outward normal [N]: of the normal law,
- * without cohesion. */
+ * without cohesion. All ranks ask for it. */
 double dem_lid_force(dem_data *data, const dem_box *box);
 
 #endif

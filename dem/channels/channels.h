@@ -20,7 +20,8 @@ typedef struct {
 tdm_status dem_channels_make(dem_channels *channels, const dem_model *model, tdm_error *err);
 void dem_channels_free(dem_channels *channels);
 
-/* The values of the present state into out (count); loads are the means of the last output interval. */
+/* The values of the present state into out (count); loads are the means of the last output interval. All ranks
+ * ask for it. */
 void dem_channels_sample(const dem_channels *channels, dem_data *data, double *out);
 
 /* Values at `share` in [0, 1) of a step of dt [s], into now (count), from those at both ends: `before` it and `now`,

@@ -27,7 +27,7 @@ tdm_status dem_flow_leave(dem_data *data);
 /* At the end of the run, t [s]: remarks on sources whose particles still wait. */
 void dem_flow_end(const dem_data *data, double t);
 
-/* Created and initial particles less removed ones less those inside: 0, and 0 kg exactly. */
+/* Created and initial particles less removed ones less those inside: 0, and 0 kg exactly. All ranks ask for it. */
 double dem_balance_number(const dem_data *data);
 double dem_balance_mass(const dem_data *data);
 

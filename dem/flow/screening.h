@@ -22,7 +22,7 @@
 
 #include "dem/state/data.h"
 
-/* The run begins with the particles that are there; sources have made nothing yet. */
+/* The run begins with the particles that are there; sources have made nothing yet. All ranks ask for it. */
 void dem_screening_begin(dem_data *data);
 
 /* A step boundary at time t [s]: before sinks act. */
@@ -31,7 +31,8 @@ void dem_screening_step(dem_data *data, double t);
 /* Particle i leaves by this sink. */
 void dem_screening_count(dem_data *data, int sink, int i);
 
-/* Warn of particles of the product that left by no outlet since the last call; t [s]: for the message. */
+/* Warn of particles of the product that left by no outlet since the last call; t [s]: for the message. All ranks
+ * ask for it. */
 void dem_screening_watch(dem_data *data, double t);
 
 /* ---- measures: of the present state ---- */
@@ -55,6 +56,7 @@ typedef struct {
   int64_t lost; /* fed - inside - out */
 } dem_screening_balance;
 
+/* All ranks ask for it. */
 dem_screening_balance dem_screening_balance_of(const dem_data *data);
 
 #endif

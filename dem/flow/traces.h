@@ -26,7 +26,7 @@ typedef struct {
 
 dem_relative dem_relative_to(const tdm_pose *pose, const tdm_twist *twist, tdm_vec3 position, tdm_vec3 velocity);
 
-/* Path k now; all NaN before its particle is made, and after it has left. */
+/* Path k now; all NaN before its particle is made, and after it has left. All ranks ask for it. */
 dem_relative dem_trace_now(const dem_data *data, int k);
 
 #endif

@@ -13,13 +13,14 @@ static inline tdm_vec3 dem_field(const dem_data *d, int i) {
   return d->model->driven ? tdm_add(d->model->gravity, d->state.drive[i].velocity) : d->model->gravity;
 }
 
-/* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. */
+/* Sum of the contact forces on all fixed particles at the last evaluation [N]; of multi-step at the last substep. All
+ * ranks ask for it. */
 tdm_vec3 dem_fixed_force(dem_data *data);
 
 /* Kinetic energy of particle i, and its potential one [J]. */
 double dem_particle_energy(const dem_data *data, int i, double *potential);
 
-/* Kinetic energy of all particles, with rotation [J]. */
+/* Kinetic energy of all particles, with rotation [J], in a process that is alone. */
 double dem_kinetic_energy(const dem_data *data);
 
 /* Mass of all particles [kg]. All ranks ask for it. */

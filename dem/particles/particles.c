@@ -214,7 +214,8 @@ tdm_status dem_data_remove(dem_data *d, const int *gone) {
   }
   d->state.nparticle = after;
   d->work.notes.valid = d->work.among = false;
-  dem_crossings_forget(d); /* their places follow the last particle, and are empty between steps */
+  d->work.homes.spread = true; /* all was gathered; where particles were, there will be places of crossings */
+  dem_crossings_forget(d);     /* their places follow the last particle, and are empty between steps */
   dem_data_end(d);
   d->state.push[after] = (dem_push){0};
   if (d->state.spare_push)

@@ -35,7 +35,7 @@ static inline size_t dem_push_count(const dem_data *d) {
 tdm_status dem_crossings_place(dem_data *d);
 
 /* No reaction of home chunks on others, nor on the dummy particle; push: state.push or state.spare_push. On several
- * ranks most places are others' and take no memory; those on home particles are written before they are read. */
+ * ranks most places are others' and take no memory; they are empty, too, where memory is given back (homes.spread). */
 void dem_crossings_empty(const dem_data *data, dem_push *push);
 
 /* There are no crossings until the lists are built next. */

@@ -136,7 +136,7 @@ static void gather_lists(dem_data *d, readers who) {
 }
 
 static void gather_what(dem_data *d, unsigned what, readers who) {
-  d->work.homes.spread = true;
+  d->work.homes.spread = d->work.homes.spread || who == ALL || dem_homes_writes(d);
   if (what & DEM_PLACES)
     gather_particles(d, true, who);
   if (what & DEM_MOTION)
@@ -217,19 +217,6 @@ long dem_homes_sum(const dem_data *d, long x) {
 
 bool dem_homes_any(const dem_data *d, bool here) {
   return dem_alone(d) ? here : dem_homes_largest(d, here) > 0;
-}
-
-tdm_status dem_homes_follow(const dem_data *d, void *found, size_t size, tdm_error *err) {
-  const dem_ranks *ranks = d->work.homes.ranks;
-  int status = err ? (int)err->status : 0;
-  if (ranks) {
-    ranks->broadcast(&status, sizeof status);
-    if (size > 0)
-      ranks->broadcast(found, size);
-    if (err && status && !err->status)
-      tdm_fail(err, (tdm_status)status, NULL, "rank 0 failed");
-  }
-  return (tdm_status)status;
 }
 
 tdm_status dem_homes_alive(dem_data *d, tdm_participant *p) {

@@ -105,7 +105,7 @@ static inline void dem_homes_restored(dem_data *d) {
 /* Make this the same on all ranks: what is there of a particle or contact is what its home has. */
 void dem_unite(dem_data *data, unsigned what);
 
-/* Likewise on rank 0 alone, for what it makes of it for all (dem_homes_follow); the others keep what they have. */
+/* Likewise on rank 0 alone, which writes files and tells others than ranks; these keep what they have. */
 void dem_collect(dem_data *data, unsigned what);
 
 /* Likewise an array with an entry of `size` bytes a particle, a chunk, or for each entry of a list (chunk: as below).
@@ -140,9 +140,6 @@ bool dem_homes_any(const dem_data *data, bool here);
 static inline bool dem_homes_writes(const dem_data *d) {
   return dem_alone(d) || d->work.homes.ranks->rank == 0;
 }
-
-/* What rank 0 found, `size` bytes, goes to all, and whether it failed: then all fail. err: may be NULL. */
-tdm_status dem_homes_follow(const dem_data *data, void *found, size_t size, tdm_error *err);
 
 /* tdm_participant_alive with one answer for all ranks: that of the last step. */
 tdm_status dem_homes_alive(dem_data *data, tdm_participant *participant);

@@ -160,9 +160,11 @@ size_t dem_note_of_contact(const dem_data *d, size_t k) {
   size_t at = k;
   if (!d->work.notes.valid)
     return dem_note_of_wall(d, k);
-  while (at < d->lists.walls.count && entry[at].wall == entry[k].wall && entry[at].particle == entry[k].particle &&
+  const int chunk = entry[k].particle / DEM_CHUNK; /* behind its entries may be another rank's */
+  const size_t end = chunk < d->lists.nchunk ? d->lists.walls.chunk[chunk + 1] : d->lists.walls.count;
+  while (at < end && entry[at].wall == entry[k].wall && entry[at].particle == entry[k].particle &&
          !(width[dem_note_of_wall(d, at)] > 0))
     at++;
-  bool found = at < d->lists.walls.count && entry[at].wall == entry[k].wall && entry[at].particle == entry[k].particle;
+  bool found = at < end && entry[at].wall == entry[k].wall && entry[at].particle == entry[k].particle;
   return dem_note_of_wall(d, found ? at : k);
 }

@@ -30,7 +30,7 @@ typedef enum {
 /* Entry k, of n doubles, from where this rank has it, or to there. */
 typedef void dem_letter(dem_data *data, int k, double *entry);
 
-/* Tell other ranks n doubles of each contact or particle, no more than a reaction has. */
+/* Tell other ranks n doubles of each contact or particle, no more than an introduction has. */
 void dem_homes_tell(dem_data *data, dem_course course, int n, dem_letter *write, dem_letter *read);
 
 #endif

@@ -20,7 +20,9 @@ typedef enum {
                      forces are to be evaluated */
 } dem_state_use;
 
-/* *bytes is the caller's to free. Errors: TDM_ERR_MEMORY. */
+/* *bytes is the caller's to free. On several ranks that of rank 0, after dem_collect(DEM_WHOLE). Errors:
+ * TDM_ERR_MEMORY.
+ */
 tdm_status dem_state_save(const dem_data *data, void **bytes, size_t *size);
 
 /* Make data, which belongs to a model of the same scene, what was saved. TDM_ERR_FILE: these bytes are no state of this

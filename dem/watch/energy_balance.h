@@ -43,7 +43,7 @@ void dem_energy_balance_begin(dem_data *data);
 void dem_energy_balance_step(dem_data *data, double dt);
 
 /* Stored and supplied at the end of a window. Looked at every dem.guard.every steps at most (DEM_LOOK_STEPS if the
- * guard is off), else and in scenes that cannot be accounted for: stored NaN. */
+ * guard is off), else and in scenes that cannot be accounted for: stored NaN. All ranks ask for it. */
 enum { DEM_LOOK_STEPS = 100 };
 tdm_energy dem_energy_balance_look(dem_data *data);
 

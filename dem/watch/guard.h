@@ -35,7 +35,8 @@ void dem_guard_note_leap(dem_data *data, double dt);
 /* After a step of dt that ended at t. TDM_ERR_NUMERIC: stop. */
 tdm_status dem_guard(dem_data *data, double t, double dt, tdm_error *err);
 
-/* At the end of the run, t [s]: remarks on particles that are lost behind planes, or fall below every wall. */
+/* At the end of the run, t [s]: remarks on particles that are lost behind planes, or fall below every wall. All ranks
+ * ask for it. */
 void dem_guard_end(dem_data *data, double t);
 
 /* The same for bodies that DEM moves itself: looks, every dem.guard.every steps, whether dt [s] is short enough for

@@ -38,11 +38,11 @@ typedef struct {
 double dem_rayleigh(double radius, double density, double shear, double poisson);
 
 /* The highest speed at which a contact may begin now [m/s]: of the fastest particle and the fastest body against each
- * other, but no less than after a fall by a diameter. */
+ * other, but no less than after a fall by a diameter. All ranks ask for it. */
 double dem_impact_speed(const dem_data *data);
 
 /* The limits of the present state, with the contact time at the speed of the fastest relative motion or of a fall by a
- * diameter, whichever is higher. Errors: TDM_ERR_MEMORY. */
+ * diameter, whichever is higher. Errors: TDM_ERR_MEMORY. All ranks ask for it. */
 tdm_status dem_limits_now(dem_data *data, dem_limits *limits, tdm_error *err);
 
 /* The same with the contact time at dem_expected_speed. */
@@ -50,7 +50,7 @@ tdm_status dem_limits_expected(dem_data *data, dem_limits *limits, tdm_error *er
 
 /* The largest relative speed to be expected [m/s]: dem.expected_speed if the scene has it, else that of the fastest
  * motion now, or of a source, after a fall over the largest height that is there: of the particles and containers, and
- * of particles and sources above planes. */
+ * of particles and sources above planes. All ranks ask for it. */
 double dem_expected_speed(const dem_data *data);
 
 #endif

@@ -30,7 +30,8 @@ static json_t *scene(const char *law, const char *pair, const char *floor, doubl
       "'restitution':0.6,%s},{'materials':['b','b'],'restitution':0.4,%s}],"
       "'bodies':[{'name':'body','material':'b','shapes':[%s,{'type':"
       "'cylinder','axis':[0,1,0],'point':[3,0,-0.27],'radius':0.3,'length':20,'side':'outside'}]}],"
-      "'particles':[{'type':'block','material':'a','radius':0.5,'count':[16,16,16],'corner':[0,0,0.51],'spacing':1,"
+      "'particles':[{'type':'block','material':'a','radius':[0.49,0.5],'mass':50000,'count':[16,16,16],'corner':[0,0,0."
+      "51],'spacing':1,"
       "'velocity':[0.3,0.1,0]},{'type':'block','material':'b','radius':0.5,'count':[16,16,16],'corner':[%g,0,0.51],"
       "'spacing':1},{'type':'list','material':'a','radius':0.25,'positions':[[2,2,17.5]],'fixed':true},{'type':'list',"
       "'material':'b','radius':[0.2,0.3],'positions':[[30,1,18],[1,30,-22]],'velocity':[0,0,-4]}],"
@@ -58,7 +59,23 @@ typedef struct {
   tdm_vec3 fixed;
   int nbehind, first_fallen;
   tdm_error refused;
+  char report[20000]; /* its figures, then its warnings */
 } looks;
+
+static void take_report(dem_data *d, looks *l) {
+  const dem_settled settled = {.rest = true, .pressed = true};
+  dem_report report;
+  tdm_error err = {0};
+  ck_assert(!dem_report_make(&report, d, &settled, l->nbehind, &err));
+  char *text = json_dumps(report.json, JSON_SORT_KEYS);
+  int n = snprintf(l->report, sizeof l->report, "%s", text);
+  for (int k = 0; k < report.nwarning; k++)
+    n += snprintf(l->report + n, sizeof l->report - (size_t)n, "\n%s: %s", report.warning[k].path,
+                  report.warning[k].message);
+  ck_assert_int_lt(n, (int)sizeof l->report);
+  free(text);
+  json_decref(report.json);
+}
 
 static void look(rig *r, looks *l) {
   static const double J[12] = {1, 0, 0, 1, 0.2, 0, 0, 0.3, 0.1, 0, 0, 0}; /* two velocities */
@@ -82,6 +99,7 @@ static void look(rig *r, looks *l) {
   ck_assert(!dem_channels_make(&channels, r->model, &err) && channels.count <= MANY_CHANNELS);
   dem_channels_sample(&channels, d, l->channel);
   dem_channels_free(&channels);
+  take_report(d, l);
   dem_check_start(d, &l->nbehind, &l->refused);
   l->fallen = dem_count_fallen(d, &l->first_fallen);
 }
@@ -118,6 +136,7 @@ START_TEST(looks_on_ranks) {
   dem_keep_poisons = true;
   ck_assert_double_gt(alone.energy.elastic, 0);
   ck_assert_double_gt(alone.rate2, 0);
+  ck_assert_msg(strstr(alone.report, "dem.guard.overlap: is") != NULL, "%s", alone.report);
   ck_assert_double_gt(alone.deepest, 0);
   ck_assert(alone.now.eigen > 0 && alone.now.eigen < 1 && alone.now.coordination > 4);
   ck_assert_int_eq(alone.fallen, _i != 1); /* a plane has no end */

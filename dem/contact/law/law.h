@@ -143,6 +143,7 @@ typedef struct {
   size_t place;         /* of its notes */
 } dem_among;
 
+/* On several ranks of the other particle only sphere, rotor, material and sums of laws are there. */
 typedef double dem_of_among(const struct dem_data *data, const dem_among *contact);
 
 /* How the contacts of a particle act on each other: loops that stand in the place of the normal law's, which is
