@@ -25,6 +25,7 @@
 
 #include "dem/base/ranks.h"
 #include "dem/bodies/path.h"
+#include "protocol/output/share.h"
 #include "protocol/wire/participant.h"
 
 /* A scene of particles that is being computed. */
@@ -99,8 +100,8 @@ tdm_status dem_engine_restore(dem_engine *engine, int slot, tdm_error *err);
 /* ---- observe ---- */
 
 /* The state: particles, contacts, poses and loads of the bodies (state/data.h); its model is what the scene fixed. Both
- * are the engine's and change with every step. On several ranks those of other homes are there only after
- * dem_engine_scenery or dem_engine_snapshot, contacts after a snapshot with contacts. */
+ * are the engine's and change with every step. On several ranks particles and contacts of other homes are there only
+ * after a snapshot with contacts. */
 const struct dem_data *dem_engine_data(const dem_engine *engine);
 
 /* What there is to see (protocol/view/view.h): the scenery once, then snapshots of the present state. Both objects are
@@ -108,6 +109,12 @@ const struct dem_data *dem_engine_data(const dem_engine *engine);
  * each window where new particles are. */
 tdm_status dem_engine_scenery(dem_engine *engine, tdm_scenery *scenery, tdm_error *err);
 tdm_status dem_engine_snapshot(dem_engine *engine, tdm_snapshot *snapshot, tdm_error *err);
+
+/* The same, but on several ranks with a share of the particles alone: each rank has another one, until the next look,
+ * and writes it into the files of a frame (protocol/output/share.h) when it is told to. So none has all. */
+tdm_status dem_engine_share(dem_engine *engine, tdm_snapshot *snapshot, tdm_error *err);
+tdm_status dem_engine_write_shares(dem_engine *engine, const tdm_snapshot *share, const tdm_shared_frame *frame,
+                                   tdm_error *err);
 
 /* What each rank did in the windows so far: work (size of the ranks, base/ranks.h). Nothing in a process that is alone.
  */

@@ -277,18 +277,30 @@ tdm_status dem_engine_work(dem_engine *e, dem_rank_work *work, tdm_error *err) {
 
 tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *err) {
   dem_orders_give(DEM_ORDER_SCENERY, 0);
-  dem_collect(e->data, DEM_PLACES | DEM_MOTION);
-  if (dem_homes_writes(e->data))
-    dem_view_scenery(&e->view, e->data, scenery, err);
-  e->view.looks = true; /* all ranks know that rank 0 looks after each window */
+  dem_view_scenery(&e->view, e->data, scenery, err);
   return dem_orders_done(err);
 }
 
 tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
   dem_orders_give(DEM_ORDER_SNAPSHOT, snapshot->with_contacts);
-  dem_collect(e->data, snapshot->with_contacts ? DEM_WHOLE : DEM_PLACES | DEM_MOTION | DEM_FORCES);
-  if (dem_homes_writes(e->data))
-    dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
-  e->view.looks = true;
+  if (snapshot->with_contacts)
+    dem_collect(e->data, DEM_WHOLE);
+  dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
+  return dem_orders_done(err);
+}
+
+tdm_status dem_engine_share(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
+  dem_orders_give(DEM_ORDER_SHARE, snapshot->with_contacts);
+  if (snapshot->with_contacts)
+    dem_collect(e->data, DEM_WHOLE);
+  dem_view_share(&e->view, e->data, e->time, snapshot, err);
+  return dem_orders_done(err);
+}
+
+tdm_status dem_engine_write_shares(dem_engine *e, const tdm_snapshot *share, const tdm_shared_frame *frame,
+                                   tdm_error *err) {
+  dem_orders_write(frame);
+  if (!dem_homes_writes(e->data))
+    tdm_share_write(frame, share, err);
   return dem_orders_done(err);
 }

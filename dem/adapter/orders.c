@@ -309,6 +309,24 @@ static void follow_advance(order *o, dem_engine *engine) {
   free(sample_time);
 }
 
+/* ---- frames ---- */
+
+void dem_orders_write(const tdm_shared_frame *frame) {
+  if (!leads())
+    return;
+  order o;
+  order_write(&o, DEM_ORDER_WRITE, 0);
+  put(&o, frame, sizeof *frame);
+  order_send(&o);
+}
+
+static void follow_write(order *o, dem_engine *engine, const tdm_snapshot *share) {
+  tdm_shared_frame frame;
+  tdm_error err = {0};
+  get(o, &frame, sizeof frame);
+  dem_engine_write_shares(engine, share, &frame, &err);
+}
+
 /* ---- both sides ---- */
 
 tdm_status dem_orders_done(tdm_error *err) {
@@ -327,7 +345,7 @@ tdm_status dem_orders_done(tdm_error *err) {
   return err->status;
 }
 
-/* what is to be seen, though nobody looks here: looking changes what an engine remembers */
+/* what is to be seen: all ranks look together, and this one has its share until it is written */
 typedef struct {
   tdm_scenery scenery;
   tdm_snapshot snapshot;
@@ -361,6 +379,13 @@ static void obey(const head *h, order *o, dem_engine **engine, sight *seen) {
   case DEM_ORDER_SNAPSHOT:
     seen->snapshot.with_contacts = h->number;
     dem_engine_snapshot(*engine, &seen->snapshot, &err);
+    break;
+  case DEM_ORDER_SHARE:
+    seen->snapshot.with_contacts = h->number;
+    dem_engine_share(*engine, &seen->snapshot, &err);
+    break;
+  case DEM_ORDER_WRITE:
+    follow_write(o, *engine, &seen->snapshot);
     break;
   case DEM_ORDER_WORK:
     follow_work(*engine);

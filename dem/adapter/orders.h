@@ -19,6 +19,8 @@ typedef enum {
   DEM_ORDER_RESTORE,
   DEM_ORDER_SCENERY,
   DEM_ORDER_SNAPSHOT,
+  DEM_ORDER_SHARE,
+  DEM_ORDER_WRITE,
   DEM_ORDER_WORK,
   DEM_ORDER_DESTROY,
   DEM_ORDER_END
@@ -36,6 +38,7 @@ const dem_ranks *dem_orders_ranks(void);
 void dem_orders_give(dem_order_kind kind, int number);
 void dem_orders_create(const tdm_assignment *assignment);
 void dem_orders_advance(const dem_window *window, const dem_outcome *outcome, int ncoupled);
+void dem_orders_write(const tdm_shared_frame *frame);
 
 /* ---- every rank ---- */
 

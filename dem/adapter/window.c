@@ -180,9 +180,7 @@ static tdm_status advance(dem_engine *e, const dem_window *w, const dem_outcome 
   e->time = w->t1;
   if (dem_check_finite(e->data, w->t1, err))
     return err->status;
-  if (e->view.looks)
-    dem_collect(e->data, DEM_PLACES | DEM_MOTION);
-  return dem_homes_writes(e->data) ? dem_view_watch(&e->view, e->data, err) : TDM_OK;
+  return dem_view_watch(&e->view, e->data, err);
 }
 
 tdm_status dem_engine_advance(dem_engine *e, const dem_window *w, const dem_outcome *out, tdm_error *err) {

@@ -80,9 +80,15 @@ static double now(const run_state *run) {
   return (double)run->nstep * run->settings.time.dt;
 }
 
-static tdm_status take_snapshot(run_state *run, tdm_error *err) {
+/* all: also on several ranks, with all particles in this one */
+static tdm_status take_snapshot(run_state *run, bool all, tdm_error *err) {
   run->outputs.snapshot.with_contacts = tdm_outputs_want_contacts(&run->outputs, now(run));
-  return dem_engine_snapshot(run->engine, &run->outputs.snapshot, err);
+  return (all ? dem_engine_snapshot : dem_engine_share)(run->engine, &run->outputs.snapshot, err);
+}
+
+static tdm_status write_shares(void *self, const tdm_shared_frame *frame, tdm_error *err) {
+  run_state *run = self;
+  return dem_engine_write_shares(run->engine, &run->outputs.snapshot, frame, err);
 }
 
 static tdm_status begin_outputs(run_state *run, tdm_error *err) {
@@ -99,6 +105,7 @@ static tdm_status begin_outputs(run_state *run, tdm_error *err) {
   if (dem_moldyn_open(&run->moldyn, set->xb, set->str, dem_engine_data(run->engine), set->outputs.particles_interval,
                       &run->alone.results, err) != TDM_OK)
     return err->status;
+  run->outputs.sharers = (tdm_sharers){write_shares, run};
   return tdm_outputs_begin(&run->outputs, &set->outputs, &run->alone.results,
                            (double)tdm_total_steps(&set->time) * set->time.dt, set->time.dt, err);
 }
@@ -133,7 +140,8 @@ static tdm_status write_due(run_state *run, tdm_error *err) {
     if (tdm_standalone_row(&run->alone, run->due[k], run->rows + k * run->alone.figures.nchannel, err) != TDM_OK)
       return err->status;
   const int frames = run->outputs.pvd.number;
-  if (run->nstep >= look_step(run) && take_snapshot(run, err) == TDM_OK)
+  const bool all = tdm_outputs_want_all(&run->outputs, now(run)) || dem_moldyn_wanted(&run->moldyn);
+  if (run->nstep >= look_step(run) && take_snapshot(run, all, err) == TDM_OK)
     tdm_outputs_write(&run->outputs, &run->outputs.snapshot, err);
   if (err->status == TDM_OK && run->outputs.pvd.number > frames)
     dem_moldyn_write(&run->moldyn, dem_engine_data(run->engine), &run->outputs.snapshot, err);
@@ -259,7 +267,7 @@ static void conclude(tdm_standalone *alone, tdm_error *err) {
   if (run->alone.channels) {
     tdm_standalone_close(&run->alone, err);
     if (run->settings.repose_along >= 0 && run->engine)
-      take_snapshot(run, &late);
+      take_snapshot(run, true, &late);
     if (!late.status)
       tdm_standalone_plot(&run->alone, "channels", NULL, &notice);
   }

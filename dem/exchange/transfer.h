@@ -10,7 +10,8 @@
 #include <stddef.h>
 
 typedef struct {
-  const dem_ranks *ranks;
+  const dem_ranks *ranks;  /* NULL: there is this one alone */
+  int size, here;          /* of ranks; this one's number */
   size_t nout, nin;        /* things that go from here and that come here, those that stay among both */
   size_t *sent, *received; /* (size + 1) first of each rank */
   int *from;               /* (nout) where they are, rank by rank, ascending for each */
@@ -27,6 +28,9 @@ void dem_transfer_close(dem_transfer *t);
  * `to`. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_transfer_fetch(const dem_transfer *t, const void *array, size_t size, void *arrived);
 tdm_status dem_transfer_move(const dem_transfer *t, void *array, size_t size);
+
+/* Of each thing `size` bytes go, which lie `stride` bytes apart from `first` on: to result (nin), by `to`. Likewise. */
+tdm_status dem_transfer_pick(const dem_transfer *t, const void *first, size_t stride, size_t size, void *result);
 
 /* An array of those that arrived (nin) goes back: to the places that they came from. */
 tdm_status dem_transfer_answer(const dem_transfer *t, const void *arrived, size_t size, void *array);

@@ -40,7 +40,6 @@ tdm_status dem_moldyn_open(dem_moldyn_files *f, bool xb, bool str, const dem_dat
     return TDM_OK;
   if (check(xb, str, d->model, err))
     return err->status;
-  f->bounds = dem_scene_bounds(d);
   f->xb = xb ? tdm_results_file(r, "particles.xb", err) : NULL;
   f->str = str ? tdm_results_file(r, "scene.str", err) : NULL;
   if (f->str)
@@ -101,7 +100,20 @@ static void write_str(FILE *f, const dem_data *d, const tdm_snapshot *s) {
 
 /* ---- both ---- */
 
-tdm_status dem_moldyn_write(const dem_moldyn_files *f, const dem_data *d, const tdm_snapshot *s, tdm_error *err) {
+static void begin(dem_moldyn_files *f, const dem_data *d, const tdm_snapshot *s) {
+  f->bounds = dem_fixed_bounds(d);
+  for (int i = 0; i < s->nparticle; i++)
+    dem_bounds_add(&f->bounds, s->position[i], s->radius[i]);
+  f->begun = true;
+}
+
+bool dem_moldyn_wanted(const dem_moldyn_files *f) {
+  return f->xb || f->str;
+}
+
+tdm_status dem_moldyn_write(dem_moldyn_files *f, const dem_data *d, const tdm_snapshot *s, tdm_error *err) {
+  if (dem_moldyn_wanted(f) && !f->begun)
+    begin(f, d, s);
   if (f->xb)
     write_xb(f->xb, d, s, &f->bounds);
   if (f->str)

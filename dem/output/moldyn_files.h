@@ -17,15 +17,19 @@
 /* Zero-initialise; a file is open while it is written. */
 typedef struct {
   FILE *xb, *str;
-  dem_bounds bounds; /* of the scene at the start */
+  bool begun;
+  dem_bounds bounds; /* of the scene when it was written first */
 } dem_moldyn_files;
 
 /* Open those that are wanted; refuse what they cannot show. interval: between two times [s]. */
 tdm_status dem_moldyn_open(dem_moldyn_files *files, bool xb, bool str, const dem_data *data, double interval,
                            const tdm_results *results, tdm_error *err);
 
-/* Write the state that the snapshot shows into those that are open. */
-tdm_status dem_moldyn_write(const dem_moldyn_files *files, const dem_data *data, const tdm_snapshot *snapshot,
+/* Whether one is open. */
+bool dem_moldyn_wanted(const dem_moldyn_files *files);
+
+/* Write the state that the snapshot shows, with all particles, into those that are open. */
+tdm_status dem_moldyn_write(dem_moldyn_files *files, const dem_data *data, const tdm_snapshot *snapshot,
                             tdm_error *err);
 
 void dem_moldyn_close(dem_moldyn_files *files, tdm_error *err);

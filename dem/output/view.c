@@ -2,7 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/output/view.h"
 
+#include "dem/exchange/transfer.h"
 #include "dem/output/contacts.h"
+#include "dem/seam/homes.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -13,11 +15,9 @@ _Static_assert((int)DEM_CORNERS_MAX <= (int)TDM_VIEW_CORNERS_MAX, "a wall's poly
 
 /* ---- scenery ---- */
 
-dem_bounds dem_scene_bounds(const dem_data *d) {
+dem_bounds dem_fixed_bounds(const dem_data *d) {
   const dem_model *m = d->model;
   dem_bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-  for (int i = 0; i < d->state.nparticle; i++)
-    dem_bounds_add(&b, d->state.sphere[i].position, d->state.sphere[i].radius);
   for (int k = 0; k < m->nbox; k++)
     dem_bounds_add_box(&b, dem_frame_at(&d->state.pose[m->box[k].body], m->box[k].center, m->box[k].turn),
                        m->box[k].half);
@@ -27,9 +27,18 @@ dem_bounds dem_scene_bounds(const dem_data *d) {
     dem_bounds_add(&b, m->source[k].low, m->source[k].sizes.max);
     dem_bounds_add(&b, m->source[k].high, m->source[k].sizes.max);
   }
-  if (!(b.low.x <= b.high.x))
-    b = (dem_bounds){{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
   return b;
+}
+
+dem_bounds dem_scene_bounds(const dem_data *d) {
+  dem_bounds b = dem_fixed_bounds(d);
+  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
+    dem_bounds_add(&b, d->state.sphere[i].position, d->state.sphere[i].radius);
+  double most[6] = {b.high.x, b.high.y, b.high.z, -b.low.x, -b.low.y, -b.low.z};
+  dem_homes_largest_of(d, most, 6);
+  if (!(-most[3] <= most[0]))
+    return (dem_bounds){{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
+  return (dem_bounds){{-most[3], -most[4], -most[5]}, {most[0], most[1], most[2]}};
 }
 
 /* What is drawn of a wall, in the axes of its body. A wall without end is cut to its container, or to the bounds. */
@@ -133,64 +142,158 @@ static void add_planes(dem_bounds *b, const dem_data *d) {
   }
 }
 
-tdm_status dem_view_scenery(dem_view *v, const dem_data *d, tdm_scenery *scenery, tdm_error *err) {
+static tdm_status make_scenery(dem_view *v, const dem_data *d, const dem_bounds *bounds, tdm_scenery *scenery,
+                               tdm_error *err) {
   dem_polygons all = {0};
-  dem_bounds bounds = dem_scene_bounds(d);
-  add_planes(&bounds, d);
-  v->looks = true;
   tdm_scenery_clear(scenery);
   scenery->gravity = d->model->gravity;
-  if (add_names(d->model, scenery, err) == TDM_OK && dem_polygons_make(&all, d, &bounds, err) == TDM_OK &&
+  if (add_names(d->model, scenery, err) == TDM_OK && dem_polygons_make(&all, d, bounds, err) == TDM_OK &&
       (d->model->ntriangle == 0 || number_triangles(v, d->model, &all, err) == TDM_OK))
     add_polygons(&all, scenery, err);
   v->npolygon = scenery->npolygon;
   dem_polygons_free(&all);
-  return err->status != TDM_OK ? err->status : dem_view_watch(v, d, err);
+  return err->status;
 }
 
-/* ---- snapshot ---- */
+tdm_status dem_view_scenery(dem_view *v, const dem_data *d, tdm_scenery *scenery, tdm_error *err) {
+  dem_bounds bounds = dem_scene_bounds(d);
+  add_planes(&bounds, d);
+  v->looks = true;
+  if (dem_homes_writes(d) && make_scenery(v, d, &bounds, scenery, err) != TDM_OK)
+    return err->status;
+  return dem_view_watch(v, d, err);
+}
+
+/* ---- who keeps what of particles ----
+ *
+ * Blocks of ids go round the ranks: of a particle whose id is in a block, that rank remembers the first place, and
+ * writes what there is to see. So a snapshot in the order of the ids has a few ranges of particles from each rank. */
+
+enum { BLOCK = 2048 };
+
+static uint64_t rank_count(const dem_data *d) {
+  return dem_alone(d) ? 1 : (uint64_t)d->work.homes.ranks->size;
+}
+
+static int keeper(const dem_data *d, uint64_t id) {
+  return (int)(id / BLOCK % rank_count(d));
+}
+
+/* number of an id among those that its keeper has */
+static size_t kept_at(const dem_data *d, uint64_t id) {
+  return (size_t)(id / BLOCK / rank_count(d) * BLOCK + id % BLOCK);
+}
+
+/* Where each home particle from id `least` on goes; NULL: no memory. */
+static int *keepers(const dem_data *d, uint64_t least) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  int *rank = malloc(((size_t)(end - first) + 1) * sizeof *rank);
+  for (int i = first; rank && i < end; i++)
+    rank[i - first] = d->state.id[i] >= least ? keeper(d, d->state.id[i]) : -1;
+  return rank;
+}
+
+static tdm_status no_memory(const dem_data *d, tdm_error *err) {
+  return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", d->state.nparticle);
+}
+
+/* ---- first places ---- */
+
+static tdm_status reserve_born(dem_view *v, const dem_data *d, uint64_t all, tdm_error *err) {
+  const size_t need = (size_t)(all / (BLOCK * rank_count(d)) + 1) * BLOCK;
+  if (need <= v->capacity)
+    return TDM_OK;
+  const size_t room = v->nborn > 0 ? 2 * need : need;
+  tdm_vec3 *born = realloc(v->born, room * sizeof *born);
+  if (!born)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the first places of %llu particles",
+                    (unsigned long long)all);
+  v->born = born;
+  v->capacity = room;
+  return TDM_OK;
+}
 
 tdm_status dem_view_watch(dem_view *v, const dem_data *d, tdm_error *err) {
   const uint64_t all = d->state.ledger.created; /* ids are given in the order of creation */
   if (!v->looks || all <= v->nborn)
     return TDM_OK;
-  if ((size_t)all > v->capacity) {
-    size_t room = 2 * (size_t)all;
-    tdm_vec3 *born = realloc(v->born, room * sizeof *born);
-    if (!born)
-      return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the first places of %llu particles",
-                      (unsigned long long)all);
-    v->born = born;
-    v->capacity = room;
+  dem_transfer t = {0};
+  int *rank = keepers(d, v->nborn);
+  uint64_t *id = NULL;
+  tdm_vec3 *place = NULL;
+  tdm_status status = rank ? reserve_born(v, d, all, err) : TDM_ERR_MEMORY;
+  if (!status)
+    status = dem_transfer_open(&t, d->work.homes.ranks, dem_home_first_particle(d),
+                               dem_home_end_particle(d) - dem_home_first_particle(d), rank);
+  if (!status) {
+    id = malloc((t.nin + 1) * sizeof *id);
+    place = malloc((t.nin + 1) * sizeof *place);
+    for (size_t k = 0; k < t.nin; k++)
+      t.to[k] = (int)k;
+    status = id && place ? dem_transfer_fetch(&t, d->state.id, sizeof *id, id) : TDM_ERR_MEMORY;
   }
-  for (int i = 0; i < d->state.nparticle; i++)
-    if (d->state.id[i] >= v->nborn)
-      v->born[d->state.id[i]] = d->state.sphere[i].position;
+  if (!status)
+    status = dem_transfer_pick(&t, &d->state.sphere[0].position, sizeof *d->state.sphere, sizeof *place, place);
+  for (size_t k = 0; !status && k < t.nin; k++)
+    v->born[kept_at(d, id[k])] = place[k];
   v->nborn = all;
-  return TDM_OK;
+  dem_transfer_close(&t);
+  free(rank);
+  free(id);
+  free(place);
+  return status ? no_memory(d, err) : TDM_OK;
 }
+
+/* ---- particles in the order of their ids ---- */
 
 typedef struct {
   uint64_t id;
-  int particle;
-} rank;
+  int arrival;
+} numbered;
 
 static int by_id(const void *a, const void *b) {
-  const rank *x = a, *y = b;
+  const numbered *x = a, *y = b;
   return (x->id > y->id) - (x->id < y->id);
 }
 
-/* The particles in the order of their ids, whatever the order in which the engine keeps them; NULL: no memory. */
-static rank *rank_particles(const dem_data *d) {
-  rank *order = malloc(((size_t)d->state.nparticle + 1) * sizeof *order);
+/* The things of a transfer come to places in the order of their ids, of which `id` is the array. */
+static tdm_status sort(dem_transfer *t, const void *id) {
+  uint64_t *came = malloc((t->nin + 1) * sizeof *came);
+  numbered *order = malloc((t->nin + 1) * sizeof *order);
+  tdm_status status = came && order ? dem_transfer_fetch(t, id, sizeof *came, came) : TDM_ERR_MEMORY;
   bool ascending = true;
-  for (int i = 0; order && i < d->state.nparticle; i++) {
-    order[i] = (rank){d->state.id[i], i};
-    ascending = ascending && (i == 0 || d->state.id[i] > d->state.id[i - 1]);
+  for (size_t k = 0; !status && k < t->nin; k++) {
+    order[k] = (numbered){came[k], (int)k};
+    ascending = ascending && (k == 0 || came[k] > came[k - 1]);
   }
-  if (order && !ascending)
-    qsort(order, (size_t)d->state.nparticle, sizeof *order, by_id);
-  return order;
+  if (!status && !ascending)
+    qsort(order, t->nin, sizeof *order, by_id);
+  for (size_t k = 0; !status && k < t->nin; k++)
+    t->to[order[k].arrival] = (int)k;
+  free(came);
+  free(order);
+  return status;
+}
+
+/* Which of all particles those of the share are, from how many there are in each block. */
+static tdm_status find_ranges(const dem_data *d, tdm_snapshot *s, tdm_error *err) {
+  const size_t nblock = (size_t)(d->state.ledger.created / BLOCK + 1);
+  double *count = calloc(nblock, sizeof *count);
+  if (!count)
+    return no_memory(d, err);
+  for (int k = 0; k < s->nparticle; k++)
+    count[s->id[k] / BLOCK]++;
+  if (!dem_alone(d))
+    d->work.homes.ranks->sum(count, (int)nblock);
+  tdm_snapshot_share(s, d->state.nparticle);
+  int first = 0;
+  for (size_t b = 0, k = 0; b < nblock && !err->status; first += (int)count[b++])
+    if (k < (size_t)s->nparticle && (size_t)s->id[k] / BLOCK == b) {
+      tdm_snapshot_add_range(s, first, (int)count[b], err);
+      k += (size_t)count[b];
+    }
+  free(count);
+  return err->status;
 }
 
 static int size_class(const dem_sink *sink, double radius) {
@@ -200,53 +303,110 @@ static int size_class(const dem_sink *sink, double radius) {
   return sink ? k : -1;
 }
 
-static tdm_vec3 contact_force(const dem_data *d, int i) {
-  const tdm_vec3 force = d->state.push[i].force;
-  return d->state.spare_push ? tdm_add(force, d->state.spare_push[i].force) : force;
-}
-
-static void take_particles(const dem_view *v, const dem_data *d, const rank *order, tdm_snapshot *s) {
+/* What the share has of particles that came from their homes by the transfer. */
+static tdm_status fetch_particles(const dem_view *v, const dem_data *d, const dem_transfer *t, tdm_snapshot *s) {
   const dem_sink *sink = sorting_sink(d->model);
-  for (int k = 0; k < s->nparticle; k++) {
-    int i = order[k].particle;
-    s->id[k] = (int64_t)d->state.id[i];
-    s->material[k] = d->state.material[i];
-    s->radius[k] = d->state.sphere[i].radius;
+  tdm_vec3 *spare = d->state.spare_push ? malloc((t->nin + 1) * sizeof *spare) : NULL;
+  tdm_status status = d->state.spare_push && !spare ? TDM_ERR_MEMORY : TDM_OK;
+#define PICK(array, member, result) \
+  status = status ? status : dem_transfer_pick(t, &(member), sizeof *(array), sizeof(member), result)
+  PICK(d->state.id, *d->state.id, s->id);
+  PICK(d->state.material, *d->state.material, s->material);
+  PICK(d->state.sphere, d->state.sphere->radius, s->radius);
+  PICK(d->state.sphere, d->state.sphere->position, s->position);
+  PICK(d->state.pace, d->state.pace->velocity, s->velocity);
+  PICK(d->state.pace, d->state.pace->spin, s->spin);
+  PICK(d->state.push, d->state.push->force, s->force);
+  if (spare)
+    PICK(d->state.spare_push, d->state.spare_push->force, spare);
+  if (s->oriented)
+    PICK(d->state.orientation, *d->state.orientation, s->orientation);
+#undef PICK
+  for (int k = 0; !status && k < s->nparticle; k++) {
     s->size_class[k] = size_class(sink, s->radius[k]);
-    s->position[k] = d->state.sphere[i].position;
-    s->velocity[k] = d->state.pace[i].velocity;
-    s->spin[k] = d->state.pace[i].spin;
-    s->force[k] = contact_force(d, i);
-    s->born[k] = v->born[d->state.id[i]];
-    if (s->norientation > 0)
-      s->orientation[k] = d->state.orientation[i];
+    s->born[k] = v->born[kept_at(d, (uint64_t)s->id[k])];
+    if (spare)
+      s->force[k] = tdm_add(s->force[k], spare[k]);
   }
+  free(spare);
+  return status;
 }
 
-static void take_forces(const dem_view *v, const dem_data *d, tdm_snapshot *s) {
+/* polygons whose forces are known, on the rank that made the scenery */
+static int forces_known(const dem_view *v, const dem_data *d) {
+  return v->triangle && d->work.traction.force ? v->npolygon : 0;
+}
+
+/* The particles that this rank keeps. */
+static tdm_status share_particles(dem_view *v, const dem_data *d, tdm_snapshot *s, tdm_error *err) {
+  dem_transfer t = {0};
+  int *rank = keepers(d, 0);
+  tdm_status status = rank ? dem_transfer_open(&t, d->work.homes.ranks, dem_home_first_particle(d),
+                                               dem_home_end_particle(d) - dem_home_first_particle(d), rank)
+                           : TDM_ERR_MEMORY;
+  free(rank);
+  if (!status)
+    status = sort(&t, d->state.id);
+  if (!status)
+    status = tdm_snapshot_resize(s, d->model->nbody, 0, forces_known(v, d), (int)t.nin, err);
+  if (!status && d->model->oriented)
+    status = tdm_snapshot_orient(s, err);
+  if (!status)
+    status = fetch_particles(v, d, &t, s);
+  dem_transfer_close(&t);
+  return status ? no_memory(d, err) : find_ranges(d, s, err);
+}
+
+/* All particles on rank 0, from the shares of all. */
+static tdm_status join_particles(const dem_data *d, const tdm_snapshot *share, tdm_snapshot *s, tdm_error *err) {
+  dem_transfer t = {0};
+  int *first = calloc((size_t)share->nparticle + 1, sizeof *first);
+  tdm_status status = first ? dem_transfer_open(&t, d->work.homes.ranks, 0, share->nparticle, first) : TDM_ERR_MEMORY;
+  free(first);
+  if (!status)
+    status = sort(&t, share->id);
+  if (!status)
+    status = tdm_snapshot_resize(s, share->nbody, 0, share->nforce, (int)t.nin, err);
+  if (!status && share->oriented)
+    status = tdm_snapshot_orient(s, err);
+#define X(type, name, n, unit, text) \
+  status = status ? status : dem_transfer_pick(&t, share->name, sizeof(type), sizeof(type), s->name);
+  TDM_VIEW_PARTICLE_LIST(X)
+#undef X
+  if (!status && s->oriented)
+    status = dem_transfer_pick(&t, share->orientation, sizeof(tdm_quat), sizeof(tdm_quat), s->orientation);
+  dem_transfer_close(&t);
+  return status ? no_memory(d, err) : TDM_OK;
+}
+
+/* ---- snapshot ---- */
+
+/* What a snapshot has besides particles. */
+static tdm_status take_rest(const dem_view *v, const dem_data *d, double t, tdm_snapshot *s, tdm_error *err) {
+  s->time = t;
+  memcpy(s->pose, d->state.pose, (size_t)d->model->nbody * sizeof *s->pose);
   for (int k = 0; k < s->nforce; k++)
     s->force_on[k] = v->triangle[k] >= 0 ? d->work.traction.force[v->triangle[k]] : (tdm_vec3){NAN, NAN, NAN};
+  return s->with_contacts && dem_homes_writes(d) ? dem_contacts_look(d, s, err) : TDM_OK;
+}
+
+tdm_status dem_view_share(dem_view *v, const dem_data *d, double t, tdm_snapshot *s, tdm_error *err) {
+  v->looks = true;
+  if (dem_view_watch(v, d, err) != TDM_OK || share_particles(v, d, s, err) != TDM_OK)
+    return err->status;
+  return take_rest(v, d, t, s, err);
 }
 
 tdm_status dem_view_snapshot(dem_view *v, const dem_data *d, double t, tdm_snapshot *s, tdm_error *err) {
+  if (dem_alone(d))
+    return dem_view_share(v, d, t, s, err);
+  tdm_snapshot share = {0};
   v->looks = true;
-  const int nforce = v->triangle && d->work.traction.force ? v->npolygon : 0;
-  if (dem_view_watch(v, d, err) != TDM_OK ||
-      tdm_snapshot_resize(s, d->model->nbody, 0, nforce, d->state.nparticle, err) != TDM_OK)
-    return err->status;
-  rank *order = rank_particles(d);
-  if (!order)
-    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", d->state.nparticle);
-  if (d->model->oriented && tdm_snapshot_orient(s, err) != TDM_OK) {
-    free(order);
-    return err->status;
-  }
-  s->time = t;
-  memcpy(s->pose, d->state.pose, (size_t)d->model->nbody * sizeof *s->pose);
-  take_particles(v, d, order, s);
-  take_forces(v, d, s);
-  free(order);
-  return s->with_contacts ? dem_contacts_look(d, s, err) : TDM_OK;
+  if (dem_view_watch(v, d, err) == TDM_OK && share_particles(v, d, &share, err) == TDM_OK &&
+      join_particles(d, &share, s, err) == TDM_OK)
+    take_rest(v, d, t, s, err);
+  tdm_snapshot_free(&share);
+  return err->status;
 }
 
 void dem_view_free(dem_view *v) {

@@ -5,6 +5,7 @@
 #include "protocol/scene/remark.h"
 #include "protocol/scene/time_section.h"
 
+#include <assert.h>
 #include <math.h>
 
 /* ---- settings ---- */
@@ -120,6 +121,13 @@ bool tdm_outputs_want_contacts(const tdm_outputs *o, double t) {
   return want;
 }
 
+bool tdm_outputs_want_all(const tdm_outputs *o, double t) {
+  for (int i = 0; o->settings && i < o->settings->pictures.count; i++)
+    if (t + o->slack >= next_picture(o, i))
+      return true;
+  return false;
+}
+
 /* The state of time t is written. */
 static void go_on(tdm_outputs *o, double t) {
   const double interval = o->settings->particles_interval;
@@ -153,10 +161,22 @@ tdm_status tdm_outputs_begin(tdm_outputs *o, const tdm_outputs_settings *s, cons
   return s->particles_interval > 0 ? begin_frames(o, err) : TDM_OK;
 }
 
+/* The shares that others have; where they cannot be written no file of particles is left half written. */
+static tdm_status write_shares(const tdm_outputs *o, const tdm_frame_place *place, tdm_error *err) {
+  tdm_shared_frame frame = {.number = o->pvd.number, .arrays = place->arrays};
+  snprintf(frame.dir, sizeof frame.dir, "%s", o->results->dir);
+  if (o->sharers.write(o->sharers.with, &frame, err) != TDM_OK)
+    tdm_vtp_remove(o->results, o->pvd.number, "particles");
+  return err->status;
+}
+
 static tdm_status write_frame(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_error *err) {
+  tdm_frame_place place;
   if (tdm_vtp_write(o->results, o->pvd.number, &o->scenery, snapshot, o->parts, err) != TDM_OK ||
       (o->settings->contacts && tdm_force_histogram_add(&o->histogram, snapshot, err) != TDM_OK) ||
-      tdm_frames_write(o->frames, o->path, snapshot, &o->bytes, err) != TDM_OK ||
+      tdm_frames_write(o->frames, o->path, snapshot, &place, &o->bytes, err) != TDM_OK ||
+      (snapshot->nparticle < snapshot->nall && write_shares(o, &place, err) != TDM_OK) ||
+      tdm_frames_end(o->frames, o->path, &place, err) != TDM_OK ||
       tdm_pvd_add(&o->pvd, o->results, snapshot->time, o->parts, err) != TDM_OK)
     return err->status;
   go_on(o, snapshot->time);
@@ -169,6 +189,7 @@ tdm_status tdm_outputs_write(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_e
     return TDM_OK;
   if (tdm_results_there(o->results, err) == TDM_OK && t >= next_frame(o))
     write_frame(o, snapshot, err);
+  assert(snapshot->nparticle == snapshot->nall || !tdm_outputs_want_all(o, snapshot->time));
   for (int i = 0; i < o->settings->pictures.count; i++)
     while (err->status == TDM_OK && t >= next_picture(o, i))
       tdm_drawer_submit(&o->drawer, i, &o->scenery, snapshot, err);

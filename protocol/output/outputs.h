@@ -19,6 +19,7 @@
 
 #include "protocol/draw/drawer.h"
 #include "protocol/output/histogram.h"
+#include "protocol/output/share.h"
 #include "protocol/output/vtp.h"
 #include "protocol/scene/scene.h"
 #include "protocol/view/frames.h"
@@ -50,6 +51,7 @@ typedef struct {
   const tdm_results *results;           /* borrowed */
   tdm_scenery scenery;                  /* the caller fills it, before tdm_outputs_begin */
   tdm_snapshot snapshot;                /* for the caller's use */
+  tdm_sharers sharers;                  /* who else has shares of snapshots; the caller sets it if there are some */
   double end;                           /* time of the last state [s] */
   double slack;                         /* times this near are the same [s] */
   uint64_t grid;                        /* number of the next time of the grid */
@@ -75,10 +77,13 @@ tdm_status tdm_outputs_begin(tdm_outputs *outputs, const tdm_outputs_settings *s
 double tdm_outputs_next(const tdm_outputs *outputs);
 bool tdm_outputs_due(const tdm_outputs *outputs, double t);
 
-/* Whether what is due at time t shows contacts. */
+/* Whether what is due at time t shows contacts; whether it needs all particles in one process: pictures do, the files
+ * of a frame are content with shares. */
 bool tdm_outputs_want_contacts(const tdm_outputs *outputs, double t);
+bool tdm_outputs_want_all(const tdm_outputs *outputs, double t);
 
-/* Write the state into what is due at its time; of a frame all files are whole, or it is not listed. */
+/* Write the state, or this process's share and then the others', into what is due at its time; of a frame all files are
+ * whole, or it is not listed. */
 tdm_status tdm_outputs_write(tdm_outputs *outputs, const tdm_snapshot *snapshot, tdm_error *err);
 
 /* At the end of a run, also one that failed: wait for the pictures. What went wrong with them becomes a notice among

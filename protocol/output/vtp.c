@@ -2,8 +2,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "protocol/output/vtp.h"
 
+#include "protocol/view/frames.h"
+
+#include <assert.h>
 #include <errno.h>
-#include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -12,177 +15,208 @@
 #error "arrays are written as they lie in memory, which must be little-endian"
 #endif
 
-/* ---- base64 (RFC 4648) ---- */
-
-enum { ENCODER_GROUPS = 1024 };
-
-typedef struct {
-  FILE *file;
-  uint8_t rest[3];
-  int nrest, ngroup;
-  char text[4 * ENCODER_GROUPS];
-} encoder;
-
-static void put_group(encoder *e, const uint8_t b[3]) {
-  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  char *out = e->text + 4 * e->ngroup++;
-  out[0] = digits[b[0] >> 2];
-  out[1] = digits[(b[0] & 3) << 4 | b[1] >> 4];
-  out[2] = digits[(b[1] & 15) << 2 | b[2] >> 6];
-  out[3] = digits[b[2] & 63];
-  if (e->ngroup == ENCODER_GROUPS) {
-    fwrite(e->text, 4, ENCODER_GROUPS, e->file);
-    e->ngroup = 0;
-  }
-}
-
-static void encode(encoder *e, const void *bytes, size_t n) {
-  const uint8_t *p = bytes, *stop = p + n;
-  for (; p < stop && e->nrest > 0;) {
-    e->rest[e->nrest++] = *p++;
-    if (e->nrest == 3) {
-      put_group(e, e->rest);
-      e->nrest = 0;
-    }
-  }
-  for (; stop - p >= 3; p += 3)
-    put_group(e, p);
-  while (p < stop)
-    e->rest[e->nrest++] = *p++;
-}
-
-static void end_text(encoder *e) {
-  const int nrest = e->nrest;
-  if (nrest > 0) {
-    memset(e->rest + nrest, 0, (size_t)(3 - nrest));
-    if (e->ngroup == ENCODER_GROUPS - 1) { /* so that the last one stays to be changed */
-      fwrite(e->text, 4, (size_t)e->ngroup, e->file);
-      e->ngroup = 0;
-    }
-    put_group(e, e->rest);
-    memset(e->text + 4 * e->ngroup - (3 - nrest), '=', (size_t)(3 - nrest));
-  }
-  fwrite(e->text, 4, (size_t)e->ngroup, e->file);
-}
-
-/* One DataArray: `n` tuples of `components` numbers of `size` bytes. */
-static void write_array(FILE *f, const char *type, const char *name, int components, const void *values, size_t n,
-                        size_t size) {
-  uint64_t bytes = (uint64_t)n * (uint64_t)components * size;
-  encoder e = {.file = f};
-  fprintf(f, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"binary\">\n", type, name,
-          components);
-  encode(&e, &bytes, sizeof bytes);
-  encode(&e, values, (size_t)bytes);
-  end_text(&e);
-  fputs("\n</DataArray>\n", f);
-}
-
 /* ---- files ---- */
 
 static const char head[] = "<?xml version=\"1.0\"?>\n"
                            "<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
 
-static FILE *open_vtp(const tdm_results *r, const char *what, int number, char name[64], tdm_error *err) {
-  snprintf(name, 64, "%s_%06d.vtp", what, number);
-  FILE *f = tdm_results_file(r, name, err);
-  if (f)
-    fprintf(f, head, "PolyData");
-  return f;
+enum { ARRAYS_MAX = 16 };
+
+/* A file that is being written. Arrays are declared in the text and stand behind it. */
+typedef struct {
+  char path[4352];
+  FILE *file;
+  bool leads;                /* writes all but the shares of other processes, who only count what the text takes */
+  const tdm_snapshot *share; /* whose particles the arrays are of; NULL: they are whole */
+  size_t text, data;         /* bytes of the text so far, and of arrays that were declared */
+  int narray;
+  struct {
+    const void *values;
+    size_t n, width; /* entries, of all particles in a share; bytes of each */
+  } array[ARRAYS_MAX];
+} vtp;
+
+static void print(vtp *v, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void print(vtp *v, const char *format, ...) {
+  va_list list;
+  va_start(list, format);
+  const int n = v->leads ? vfprintf(v->file, format, list) : vsnprintf(NULL, 0, format, list);
+  va_end(list);
+  v->text += n > 0 ? (size_t)n : 0;
+}
+
+/* The file of rank 0, or of a process that runs alone; false: it cannot be written. */
+static bool begin(vtp *v, const tdm_results *r, const char *what, int number, tdm_error *err) {
+  char name[64];
+  *v = (vtp){.leads = true};
+  snprintf(name, sizeof name, "%s_%06d.vtp", what, number);
+  tdm_results_path(r, name, v->path, sizeof v->path);
+  v->file = tdm_results_file(r, name, err);
+  if (v->file)
+    print(v, head, "PolyData");
+  return v->file;
+}
+
+/* The same file as another process opens it, which has only a share to write. */
+static bool join(vtp *v, const char *dir, const char *what, int number, tdm_error *err) {
+  *v = (vtp){0};
+  snprintf(v->path, sizeof v->path, "%s/%s_%06d.vtp", dir, what, number);
+  v->file = tdm_share_open(v->path, err);
+  print(v, head, "PolyData");
+  return v->file;
+}
+
+/* One DataArray: n entries of `components` numbers of `size` bytes. The values are borrowed until the end. */
+static void array(vtp *v, const char *type, const char *name, int components, const void *values, size_t n,
+                  size_t size) {
+  assert(v->narray < ARRAYS_MAX);
+  print(v, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%zu\"/>\n", type,
+        name, components, v->data);
+  v->array[v->narray].values = values;
+  v->array[v->narray].n = n;
+  v->array[v->narray++].width = (size_t)components * size;
+  v->data += sizeof(uint64_t) + n * (size_t)components * size;
+}
+
+/* The arrays, behind the text; false: not all of them, and errno says why. */
+static bool put_arrays(vtp *v) {
+  bool good = true;
+  size_t at = v->text;
+  for (int k = 0; k < v->narray && good; k++) {
+    const size_t width = v->array[k].width;
+    const uint64_t bytes = v->array[k].n * width;
+    if (v->leads)
+      good = tdm_put_at(v->file, (long)at, &bytes, sizeof bytes);
+    at += sizeof bytes;
+    good = good && (v->share ? tdm_put_share(v->file, (long)at, v->share, v->array[k].values, width)
+                             : tdm_put_at(v->file, (long)at, v->array[k].values, bytes));
+    at += bytes;
+  }
+  static const char tail[] = "\n</AppendedData>\n</VTKFile>\n";
+  return good && (!v->leads || tdm_put_at(v->file, (long)at, tail, sizeof tail - 1));
 }
 
 /* A file that cannot be written to its end goes. */
-static tdm_status close_file(const tdm_results *r, const char *name, FILE *f, tdm_error *err) {
-  char path[4352];
-  bool bad = ferror(f);
-  if (fclose(f) == 0 && !bad)
+static tdm_status end(vtp *v, tdm_error *err) {
+  errno = 0;
+  print(v, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
+  const bool good = put_arrays(v) && !ferror(v->file);
+  const int why = good ? 0 : errno;
+  if (fclose(v->file) == 0 && good)
     return err->status;
-  tdm_fail(err, TDM_ERR_FILE, NULL, "%s/%s: cannot be written: %s", r->dir, name, strerror(errno));
-  unlink(tdm_results_path(r, name, path, sizeof path));
+  tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", v->path, strerror(why ? why : errno));
+  unlink(v->path);
   return err->status;
 }
 
-static tdm_status write_particles(const tdm_results *r, int number, const tdm_snapshot *s, tdm_error *err) {
-  char name[64];
-  size_t n = (size_t)s->nparticle;
-  int64_t *index = malloc((2 * n + 1) * sizeof *index);
+/* ---- particles ---- */
+
+/* `index` (2 x nparticle): vertex i is point i; it ends at i + 1 */
+static void number_vertices(const tdm_snapshot *s, int64_t *index) {
+  for (int k = 0, i = 0; k < s->nrange; k++)
+    for (int q = 0; q < s->range[k].count; q++, i++) {
+      index[i] = s->range[k].first + q;
+      index[s->nparticle + i] = index[i] + 1;
+    }
+}
+
+static void put_particles(vtp *v, const tdm_snapshot *s, const int64_t *index) {
+  const size_t n = (size_t)s->nall;
+  v->share = s;
+  print(v, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\">\n<PointData Scalars=\"radius\">\n", n, n);
+  array(v, "Float64", "radius", 1, s->radius, n, sizeof(double));
+  array(v, "Float64", "velocity", 3, s->velocity, n, sizeof(double));
+  array(v, "Float64", "spin", 3, s->spin, n, sizeof(double));
+  if (s->oriented)
+    array(v, "Float64", "orientation", 4, s->orientation, n, sizeof(double));
+  array(v, "Int64", "id", 1, s->id, n, sizeof(int64_t));
+  array(v, "Int32", "material", 1, s->material, n, sizeof(int32_t));
+  array(v, "Float64", "force", 3, s->force, n, sizeof(double));
+  array(v, "Int32", "size_class", 1, s->size_class, n, sizeof(int32_t));
+  print(v, "</PointData>\n<Points>\n");
+  array(v, "Float64", "position", 3, s->position, n, sizeof(double));
+  print(v, "</Points>\n<Verts>\n");
+  array(v, "Int64", "connectivity", 1, index, n, sizeof(int64_t));
+  array(v, "Int64", "offsets", 1, index + s->nparticle, n, sizeof(int64_t));
+  print(v, "</Verts>\n");
+}
+
+/* r: of the process that leads, else NULL; dir: of the others */
+static tdm_status write_particles(const tdm_results *r, const char *dir, int number, const tdm_snapshot *s,
+                                  tdm_error *err) {
+  vtp v = {0};
+  int64_t *index = malloc((2 * (size_t)s->nparticle + 1) * sizeof *index);
   if (!index)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", s->nparticle);
-  for (size_t i = 0; i < n; i++) { /* vertex i is point i; it ends at i + 1 */
-    index[i] = (int64_t)i;
-    index[n + i] = (int64_t)i + 1;
-  }
-  FILE *f = open_vtp(r, "particles", number, name, err);
-  if (f) {
-    fprintf(f, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfVerts=\"%zu\">\n<PointData Scalars=\"radius\">\n", n,
-            n);
-    write_array(f, "Float64", "radius", 1, s->radius, n, sizeof(double));
-    write_array(f, "Float64", "velocity", 3, s->velocity, n, sizeof(double));
-    write_array(f, "Float64", "spin", 3, s->spin, n, sizeof(double));
-    if (s->norientation > 0)
-      write_array(f, "Float64", "orientation", 4, s->orientation, n, sizeof(double));
-    write_array(f, "Int64", "id", 1, s->id, n, sizeof(int64_t));
-    write_array(f, "Int32", "material", 1, s->material, n, sizeof(int32_t));
-    write_array(f, "Float64", "force", 3, s->force, n, sizeof(double));
-    write_array(f, "Int32", "size_class", 1, s->size_class, n, sizeof(int32_t));
-    fputs("</PointData>\n<Points>\n", f);
-    write_array(f, "Float64", "position", 3, s->position, n, sizeof(double));
-    fputs("</Points>\n<Verts>\n", f);
-    write_array(f, "Int64", "connectivity", 1, index, n, sizeof(int64_t));
-    write_array(f, "Int64", "offsets", 1, index + n, n, sizeof(int64_t));
-    fputs("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n", f);
-    close_file(r, name, f, err);
+  number_vertices(s, index);
+  if (r ? begin(&v, r, "particles", number, err) : join(&v, dir, "particles", number, err)) {
+    put_particles(&v, s, index);
+    end(&v, err);
   }
   free(index);
   return err->status;
+}
+
+tdm_status tdm_vtp_write_share(const char *dir, int number, const tdm_snapshot *share, tdm_error *err) {
+  return write_particles(NULL, dir, number, share, err);
 }
 
 /* ---- contacts ---- */
 
-static void write_contact_arrays(FILE *f, const tdm_snapshot *s, tdm_vec3 *point, double *force, int64_t *index) {
+/* What the arrays of contacts are made of, n of them. */
+typedef struct {
+  tdm_vec3 *point; /* (n x 2) */
+  double *force;   /* (n) */
+  int64_t *index;  /* (n x 5) ids of the first ones, of the others, numbers of points, the point behind each line */
+} links;
+
+static bool make_links(links *l, const tdm_snapshot *s) {
   const size_t n = (size_t)s->ncontact;
+  *l = (links){.point = malloc((2 * n + 1) * sizeof *l->point),
+               .force = malloc((n + 1) * sizeof *l->force),
+               .index = malloc((5 * n + 1) * sizeof *l->index)};
+  if (!l->point || !l->force || !l->index)
+    return false;
   for (size_t k = 0; k < n; k++) {
-    force[k] = s->contact[k].force;
-    index[k] = s->contact[k].particle;
-    index[n + k] = s->contact[k].other;
+    l->point[2 * k] = s->contact[k].from;
+    l->point[2 * k + 1] = s->contact[k].to;
+    l->force[k] = s->contact[k].force;
+    l->index[k] = s->contact[k].particle;
+    l->index[n + k] = s->contact[k].other;
+    l->index[2 * n + 2 * k] = 2 * (int64_t)k;
+    l->index[2 * n + 2 * k + 1] = 2 * (int64_t)k + 1;
+    l->index[4 * n + k] = 2 * (int64_t)k + 2;
   }
-  fprintf(f, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfLines=\"%zu\">\n<CellData Scalars=\"normal_force\">\n",
-          2 * n, n);
-  write_array(f, "Float64", "normal_force", 1, force, n, sizeof(double));
-  write_array(f, "Int64", "particle", 1, index, n, sizeof(int64_t));
-  write_array(f, "Int64", "other", 1, index + n, n, sizeof(int64_t));
-  for (size_t k = 0; k < n; k++) {
-    point[2 * k] = s->contact[k].from;
-    point[2 * k + 1] = s->contact[k].to;
-  }
-  fputs("</CellData>\n<Points>\n", f);
-  write_array(f, "Float64", "position", 3, point, 2 * n, sizeof(double));
-  fputs("</Points>\n<Lines>\n", f);
-  for (size_t k = 0; k < 2 * n; k++)
-    index[k] = (int64_t)k;
-  write_array(f, "Int64", "connectivity", 1, index, 2 * n, sizeof(int64_t));
-  for (size_t k = 0; k < n; k++) /* line k ends before point 2 k + 2 */
-    index[k] = 2 * (int64_t)k + 2;
-  write_array(f, "Int64", "offsets", 1, index, n, sizeof(int64_t));
-  fputs("</Lines>\n</Piece>\n</PolyData>\n</VTKFile>\n", f);
+  return true;
+}
+
+static void put_contacts(vtp *v, size_t n, const links *l) {
+  print(v, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfLines=\"%zu\">\n<CellData Scalars=\"normal_force\">\n",
+        2 * n, n);
+  array(v, "Float64", "normal_force", 1, l->force, n, sizeof(double));
+  array(v, "Int64", "particle", 1, l->index, n, sizeof(int64_t));
+  array(v, "Int64", "other", 1, l->index + n, n, sizeof(int64_t));
+  print(v, "</CellData>\n<Points>\n");
+  array(v, "Float64", "position", 3, l->point, 2 * n, sizeof(double));
+  print(v, "</Points>\n<Lines>\n");
+  array(v, "Int64", "connectivity", 1, l->index + 2 * n, 2 * n, sizeof(int64_t));
+  array(v, "Int64", "offsets", 1, l->index + 4 * n, n, sizeof(int64_t));
+  print(v, "</Lines>\n");
 }
 
 static tdm_status write_contacts(const tdm_results *r, int number, const tdm_snapshot *s, tdm_error *err) {
-  char name[64];
-  const size_t n = (size_t)s->ncontact;
-  tdm_vec3 *point = calloc(2 * n + 1, sizeof *point);
-  double *force = calloc(n + 1, sizeof *force);
-  int64_t *index = calloc(2 * n + 1, sizeof *index);
-  if (!point || !force || !index)
+  vtp v;
+  links l;
+  if (!make_links(&l, s))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d contacts", s->ncontact);
-  FILE *f = err->status == TDM_OK ? open_vtp(r, "contacts", number, name, err) : NULL;
-  if (f) {
-    write_contact_arrays(f, s, point, force, index);
-    close_file(r, name, f, err);
+  else if (begin(&v, r, "contacts", number, err)) {
+    put_contacts(&v, (size_t)s->ncontact, &l);
+    end(&v, err);
   }
-  free(point);
-  free(force);
-  free(index);
+  free(l.point);
+  free(l.force);
+  free(l.index);
   return err->status;
 }
 
@@ -193,14 +227,18 @@ enum { VERTS, LINES, POLYS, NKIND };
 
 typedef struct {
   int npoint, ncell[NKIND];
+  int begin[NKIND]; /* first point of a kind that has cells */
+  int closed;       /* points of cells */
   tdm_vec3 *point;
-  int64_t *end[NKIND];  /* (ncell) points up to the end of each */
+  int64_t *number;      /* (npoint) of each point */
+  int64_t *end[NKIND];  /* (ncell) points of this kind up to the end of each */
   int32_t *body;        /* (all cells) -1: a line */
   int32_t *line, *kind; /* (all cells) -1: a body */
 } cells;
 
 static void free_cells(cells *c) {
   free(c->point);
+  free(c->number);
   for (int k = 0; k < NKIND; k++)
     free(c->end[k]);
   free(c->body);
@@ -211,7 +249,10 @@ static void free_cells(cells *c) {
 static bool allocate(cells *c, size_t npoint, size_t ncell) {
   *c = (cells){0};
   c->point = malloc((npoint + 1) * sizeof *c->point);
-  bool all = c->point;
+  c->number = malloc((npoint + 1) * sizeof *c->number);
+  bool all = c->point && c->number;
+  for (size_t i = 0; i < npoint && all; i++)
+    c->number[i] = (int64_t)i;
   for (int k = 0; k < NKIND; k++)
     all = (c->end[k] = malloc((ncell + 1) * sizeof *c->end[k])) && all;
   c->body = malloc((ncell + 1) * sizeof *c->body);
@@ -223,7 +264,10 @@ static bool allocate(cells *c, size_t npoint, size_t ncell) {
 /* The points since the last cell are one of this kind. Cells come kind by kind. */
 static void end_cell(cells *c, int which, int body, int line, int kind) {
   const int k = c->ncell[VERTS] + c->ncell[LINES] + c->ncell[POLYS];
-  c->end[which][c->ncell[which]++] = c->npoint;
+  if (c->ncell[which] == 0)
+    c->begin[which] = c->closed;
+  c->end[which][c->ncell[which]++] = c->npoint - c->begin[which];
+  c->closed = c->npoint;
   c->body[k] = body;
   c->line[k] = line;
   c->kind[k] = kind;
@@ -263,69 +307,60 @@ static tdm_status make_cells(cells *c, const tdm_scenery *scenery, const tdm_sna
   return TDM_OK;
 }
 
-/* `which` cells as VTK has them: the numbers of their points, which count from `first` on */
-static void write_cells(FILE *f, const char *tag, const cells *c, int which, int64_t *index) {
-  int64_t first = 0;
-  for (int k = 0; k < which; k++)
-    first = c->ncell[k] > 0 ? c->end[k][c->ncell[k] - 1] : first;
-  const int n = c->ncell[which];
-  const int64_t npoint = n > 0 ? c->end[which][n - 1] - first : 0;
-  for (int64_t i = 0; i < npoint; i++)
-    index[i] = first + i;
-  for (int k = 0; k < n; k++)
-    c->end[which][k] -= first; /* offsets count the points of this kind alone */
-  fprintf(f, "<%s>\n", tag);
-  write_array(f, "Int64", "connectivity", 1, index, (size_t)npoint, sizeof(int64_t));
-  write_array(f, "Int64", "offsets", 1, c->end[which], (size_t)n, sizeof(int64_t));
-  fprintf(f, "</%s>\n", tag);
-  for (int k = 0; k < n; k++)
-    c->end[which][k] += first;
+/* `which` cells as VTK has them: the numbers of their points, then how many there are up to the end of each */
+static void put_cells(vtp *v, const char *tag, const cells *c, int which) {
+  const size_t n = (size_t)c->ncell[which], npoint = n > 0 ? (size_t)c->end[which][n - 1] : 0;
+  print(v, "<%s>\n", tag);
+  array(v, "Int64", "connectivity", 1, c->number + c->begin[which], npoint, sizeof(int64_t));
+  array(v, "Int64", "offsets", 1, c->end[which], n, sizeof(int64_t));
+  print(v, "</%s>\n", tag);
 }
 
-/* force, pressure and shear of each polygon of a body of DEM */
-static tdm_status write_forces(FILE *f, const tdm_scenery *scenery, const tdm_snapshot *s, tdm_error *err) {
-  size_t room = (size_t)scenery->npolygon + 1, n = 0;
-  tdm_vec3 *force = malloc(2 * room * sizeof *force), *shear = force ? force + room : NULL;
-  double *pressure = malloc(room * sizeof *pressure);
-  for (int i = 0; i < scenery->npolygon && force && pressure; i++) {
-    const tdm_view_polygon *p = &scenery->polygon[i];
-    if (!scenery->body[p->body].dem)
+/* What pushes the polygons of bodies of DEM. */
+typedef struct {
+  size_t n;
+  tdm_vec3 *force, *shear;
+  double *pressure;
+} pushes;
+
+static tdm_status make_pushes(pushes *p, const tdm_scenery *scenery, const tdm_snapshot *s, tdm_error *err) {
+  const size_t room = (size_t)scenery->npolygon + 1;
+  *p = (pushes){.force = malloc(room * sizeof *p->force),
+                .shear = malloc(room * sizeof *p->shear),
+                .pressure = malloc(room * sizeof *p->pressure)};
+  if (!p->force || !p->shear || !p->pressure)
+    return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d walls", scenery->npolygon);
+  for (int i = 0; i < s->nforce; i++) {
+    const tdm_view_polygon *polygon = &scenery->polygon[i];
+    if (!scenery->body[polygon->body].dem)
       continue;
-    tdm_vec3 twice = tdm_cross(tdm_sub(p->corner[1], p->corner[0]), tdm_sub(p->corner[2], p->corner[0]));
-    twice = tdm_quat_rotate(s->pose[p->body].orientation, twice);
+    const tdm_vec3 *corner = polygon->corner;
+    tdm_vec3 twice = tdm_cross(tdm_sub(corner[1], corner[0]), tdm_sub(corner[2], corner[0]));
+    twice = tdm_quat_rotate(s->pose[polygon->body].orientation, twice);
     double per_area = 2 / tdm_norm(twice); /* of a triangle; the others have no force */
     tdm_vec3 normal = tdm_unit(twice), traction = tdm_scale(per_area, s->force_on[i]);
-    force[n] = s->force_on[i];
-    pressure[n] = -tdm_dot(traction, normal);
-    shear[n] = tdm_axpy(pressure[n], normal, traction);
-    n++;
+    p->force[p->n] = s->force_on[i];
+    p->pressure[p->n] = -tdm_dot(traction, normal);
+    p->shear[p->n] = tdm_axpy(p->pressure[p->n], normal, traction);
+    p->n++;
   }
-  if (force && pressure) {
-    write_array(f, "Float64", "force", 3, force, n, sizeof(double));
-    write_array(f, "Float64", "pressure", 1, pressure, n, sizeof(double));
-    write_array(f, "Float64", "shear", 3, shear, n, sizeof(double));
-  } else {
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d walls", scenery->npolygon);
-  }
-  free(force);
-  free(pressure);
-  return err->status;
+  return TDM_OK;
 }
 
 /* ---- walls and mechanism ---- */
 
 /* Names, as the codes of their characters with a zero behind each. */
-static void write_names(FILE *f, const char *what, const void *first, size_t stride, int n) {
-  fprintf(f, "<Array type=\"String\" Name=\"%s\" NumberOfTuples=\"%d\" format=\"ascii\">\n", what, n);
+static void print_names(vtp *v, const char *what, const void *first, size_t stride, int n) {
+  print(v, "<Array type=\"String\" Name=\"%s\" NumberOfTuples=\"%d\" format=\"ascii\">\n", what, n);
   for (int k = 0; k < n; k++) {
     for (const char *c = (const char *)first + (size_t)k * stride; *c; c++)
-      fprintf(f, "%d ", (unsigned char)*c);
-    fputs("0\n", f);
+      print(v, "%d ", (unsigned char)*c);
+    print(v, "0\n");
   }
-  fputs("</Array>\n", f);
+  print(v, "</Array>\n");
 }
 
-static void write_field(FILE *f, const tdm_scenery *s) {
+static void print_field(vtp *v, const tdm_scenery *s) {
   static const struct {
     char text[64];
   } kinds[] = {
@@ -333,58 +368,58 @@ static void write_field(FILE *f, const tdm_scenery *s) {
       TDM_VIEW_LINE_LIST(X)
 #undef X
   };
-  fputs("<FieldData>\n", f);
+  print(v, "<FieldData>\n");
   if (s->nbody > 0)
-    write_names(f, "body_names", s->body[0].name, sizeof *s->body, s->nbody);
+    print_names(v, "body_names", s->body[0].name, sizeof *s->body, s->nbody);
   if (s->nline > 0)
-    write_names(f, "line_names", s->line[0].name, sizeof *s->line, s->nline);
-  write_names(f, "kind_names", kinds[0].text, sizeof kinds[0], TDM_VIEW_LINE_COUNT);
-  fputs("</FieldData>\n", f);
+    print_names(v, "line_names", s->line[0].name, sizeof *s->line, s->nline);
+  print_names(v, "kind_names", kinds[0].text, sizeof kinds[0], TDM_VIEW_LINE_COUNT);
+  print(v, "</FieldData>\n");
 }
 
-/* All of a file but its head: of the bodies that DEM computes with, or of the others and the lines. */
-static void write_body(FILE *f, const tdm_scenery *scenery, const tdm_snapshot *s, bool dem, cells *c, int64_t *index,
-                       tdm_error *err) {
+/* Of the bodies that DEM computes with, or of the others and the lines. */
+static void put_bodies(vtp *v, const tdm_scenery *scenery, bool dem, const cells *c, const pushes *p) {
   const size_t n = (size_t)(c->ncell[VERTS] + c->ncell[LINES] + c->ncell[POLYS]);
-  fputs("<PolyData>\n", f);
+  print(v, "<PolyData>\n");
   if (!dem)
-    write_field(f, scenery);
-  fprintf(f, "<Piece NumberOfPoints=\"%d\" ", c->npoint);
+    print_field(v, scenery);
+  print(v, "<Piece NumberOfPoints=\"%d\" ", c->npoint);
   if (!dem)
-    fprintf(f, "NumberOfVerts=\"%d\" NumberOfLines=\"%d\" ", c->ncell[VERTS], c->ncell[LINES]);
-  fprintf(f, "NumberOfPolys=\"%d\">\n<CellData Scalars=\"body\">\n", c->ncell[POLYS]);
-  write_array(f, "Int32", "body", 1, c->body, n, sizeof(int32_t));
+    print(v, "NumberOfVerts=\"%d\" NumberOfLines=\"%d\" ", c->ncell[VERTS], c->ncell[LINES]);
+  print(v, "NumberOfPolys=\"%d\">\n<CellData Scalars=\"body\">\n", c->ncell[POLYS]);
+  array(v, "Int32", "body", 1, c->body, n, sizeof(int32_t));
   if (!dem) {
-    write_array(f, "Int32", "line", 1, c->line, n, sizeof(int32_t));
-    write_array(f, "Int32", "kind", 1, c->kind, n, sizeof(int32_t));
-  } else if (s->nforce > 0) {
-    write_forces(f, scenery, s, err);
+    array(v, "Int32", "line", 1, c->line, n, sizeof(int32_t));
+    array(v, "Int32", "kind", 1, c->kind, n, sizeof(int32_t));
+  } else if (p->force) {
+    array(v, "Float64", "force", 3, p->force, p->n, sizeof(double));
+    array(v, "Float64", "pressure", 1, p->pressure, p->n, sizeof(double));
+    array(v, "Float64", "shear", 3, p->shear, p->n, sizeof(double));
   }
-  fputs("</CellData>\n<Points>\n", f);
-  write_array(f, "Float64", "position", 3, c->point, (size_t)c->npoint, sizeof(double));
-  fputs("</Points>\n", f);
+  print(v, "</CellData>\n<Points>\n");
+  array(v, "Float64", "position", 3, c->point, (size_t)c->npoint, sizeof(double));
+  print(v, "</Points>\n");
   if (!dem) {
-    write_cells(f, "Verts", c, VERTS, index);
-    write_cells(f, "Lines", c, LINES, index);
+    put_cells(v, "Verts", c, VERTS);
+    put_cells(v, "Lines", c, LINES);
   }
-  write_cells(f, "Polys", c, POLYS, index);
-  fputs("</Piece>\n</PolyData>\n</VTKFile>\n", f);
+  put_cells(v, "Polys", c, POLYS);
 }
 
 static tdm_status write_bodies(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,
                                bool dem, tdm_error *err) {
-  char name[64];
+  vtp v;
   cells c;
-  make_cells(&c, scenery, s, dem, err);
-  int64_t *index = err->status == TDM_OK ? malloc(((size_t)c.npoint + 1) * sizeof *index) : NULL;
-  if (!index)
-    tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d polygons", scenery->npolygon);
-  FILE *f = index ? open_vtp(r, dem ? "walls" : "mechanism", number, name, err) : NULL;
-  if (f) {
-    write_body(f, scenery, s, dem, &c, index, err);
-    close_file(r, name, f, err);
+  pushes p = {0};
+  if (make_cells(&c, scenery, s, dem, err) == TDM_OK &&
+      (!dem || s->nforce == 0 || make_pushes(&p, scenery, s, err) == TDM_OK) &&
+      begin(&v, r, dem ? "walls" : "mechanism", number, err)) {
+    put_bodies(&v, scenery, dem, &c, &p);
+    end(&v, err);
   }
-  free(index);
+  free(p.force);
+  free(p.shear);
+  free(p.pressure);
   free_cells(&c);
   return err->status;
 }
@@ -398,10 +433,16 @@ tdm_vtp_parts tdm_vtp_parts_of(const tdm_scenery *s) {
   return parts;
 }
 
+void tdm_vtp_remove(const tdm_results *r, int number, const char *what) {
+  char name[64], path[4352];
+  snprintf(name, sizeof name, "%s_%06d.vtp", what, number);
+  unlink(tdm_results_path(r, name, path, sizeof path));
+}
+
 tdm_status tdm_vtp_write(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,
                          tdm_vtp_parts parts, tdm_error *err) {
-  if (parts.particles &&
-      (write_particles(r, number, s, err) != TDM_OK || write_bodies(r, number, scenery, s, true, err) != TDM_OK))
+  if (parts.particles && (write_particles(r, r->dir, number, s, err) != TDM_OK ||
+                          write_bodies(r, number, scenery, s, true, err) != TDM_OK))
     return err->status;
   if (parts.contacts && write_contacts(r, number, s, err) != TDM_OK)
     return err->status;

@@ -4,13 +4,16 @@
  *   contacts_NNNNNN.vtp   where contacts are wanted: lines between centres, or from a centre to a wall, with the normal
  *                         force and the ids of both particles (-1: a wall)
  *   walls_NNNNNN.vtp      the surfaces of bodies that DEM computes with, as polygons with the index of their body;
- * where forces on triangles are known also `force` [N], `pressure` [Pa], > 0 when pushed from the front, and `shear`,
- * the traction along the triangle [Pa] (NaN elsewhere) mechanism_NNNNNN.vtp  of the others: polygons with the index of
- * their body; bodies without a surface as vertices; lines and dots with their number and kind; the names of all three
- * as field data scene.pvd             all of them at their times
+ *                         where forces on triangles are known also `force` [N], `pressure` [Pa], > 0 when pushed
+ *                         from the front, and `shear`, the traction along the triangle [Pa] (NaN elsewhere)
+ *   mechanism_NNNNNN.vtp  of the others: polygons with the index of their body; bodies without a surface as vertices;
+ *                         lines and dots with their number and kind; the names of all three as field data
+ *   scene.pvd             all of them at their times
  *
- * Arrays are base64 of a 64-bit byte count and the little-endian numbers, so that the files are XML. They hold nothing
- * that differs between two runs of the same scene.
+ * Arrays stand behind the XML text as VTK's raw appended data: a 64-bit byte count and the little-endian numbers. So
+ * each place in a file is known from counts alone, and processes that have a share of the particles each (view.h) write
+ * into one file, each what it has, by tdm_vtp_write_share. Files hold nothing that differs between two runs of the same
+ * scene.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TDM_OUTPUT_VTP_H
@@ -28,9 +31,16 @@ typedef struct {
 
 tdm_vtp_parts tdm_vtp_parts_of(const tdm_scenery *scenery);
 
-/* The files of one time. After an error none of them is left half written. */
+/* The files of one time; with a share of the particles, all but the other shares. After an error none of them is left
+ * half written. */
 tdm_status tdm_vtp_write(const tdm_results *results, int number, const tdm_scenery *scenery,
                          const tdm_snapshot *snapshot, tdm_vtp_parts parts, tdm_error *err);
+
+/* Remove a file of that number, which others have not written to its end. */
+void tdm_vtp_remove(const tdm_results *results, int number, const char *what);
+
+/* The share of another process, into DIR/particles_NNNNNN.vtp, which is there but for it. */
+tdm_status tdm_vtp_write_share(const char *dir, int number, const tdm_snapshot *share, tdm_error *err);
 
 /* scene.pvd, open. It grows with every time, and is whole in between. Zero-initialise; freed with tdm_pvd_close. */
 typedef struct {

@@ -126,7 +126,7 @@ _Static_assert(sizeof(tdm_pose) == 7 * sizeof(double), "a pose is 7 doubles");
 tdm_status tdm_snapshot_encode(const tdm_snapshot *s, bool single, tdm_view_bytes *bytes, tdm_error *err) {
   writer w = {.bytes = bytes, .single = single, .err = err};
   size_t start = begin(&w, TDM_VIEW_SNAPSHOT), n = (size_t)s->nparticle;
-  const int counts[6] = {s->nbody, s->nline, s->npoint, s->nforce, s->nparticle, s->norientation};
+  const int counts[6] = {s->nbody, s->nline, s->npoint, s->nforce, s->nall, s->oriented ? s->nall : 0};
   for (int k = 0; k < 6; k++)
     put_u32(&w, (uint32_t)counts[k]);
   put(&w, &s->time, sizeof s->time);
@@ -148,6 +148,23 @@ tdm_status tdm_snapshot_encode(const tdm_snapshot *s, bool single, tdm_view_byte
     put_reals(&w, numbers, CONTACT_REALS);
   }
   return end(&w, start);
+}
+
+#define WIDTH_double(real) (real)
+#define WIDTH_tdm_vec3(real) (3 * (real))
+#define WIDTH_int32_t(real) sizeof(int32_t)
+#define WIDTH_int64_t(real) sizeof(int64_t)
+
+tdm_view_layout tdm_snapshot_layout(const tdm_snapshot *s, bool single) {
+  const size_t real = single ? sizeof(float) : sizeof(double);
+  tdm_view_layout l = {.before = HEAD_BYTES + 6 * sizeof(uint32_t) + sizeof s->time + 7 * real * (size_t)s->nbody +
+                                 sizeof(int32_t) * (size_t)s->nline + 3 * real * (size_t)(s->npoint + s->nforce)};
+#define X(type, name, numbers, unit, text) l.width[l.narray++] = WIDTH_##type(real);
+  TDM_VIEW_PARTICLE_LIST(X)
+#undef X
+  if (s->oriented)
+    l.width[l.narray++] = 4 * real;
+  return l;
 }
 
 /* ---- reading ---- */
@@ -366,5 +383,6 @@ tdm_status tdm_snapshot_decode(tdm_snapshot *s, const void *data, size_t size, t
   if (close_record(&r, "snapshot", err) == TDM_OK)
     return TDM_OK;
   s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = s->ncontact = 0;
+  tdm_snapshot_share(s, 0);
   return err ? err->status : TDM_ERR_PROTOCOL;
 }

@@ -3,32 +3,119 @@
 #include "protocol/view/frames.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { HEAD_BYTES = 24, TIME_AT = 48 }; /* of a record; of a snapshot's time in it */
+enum { HEAD_BYTES = 24, LENGTH_AT = 16, TIME_AT = 48 }; /* of a record; of its length and a snapshot's time in it */
 
-static tdm_status append(FILE *file, const char *path, tdm_view_bytes *bytes, tdm_error *err) {
-  size_t size = bytes->size;
-  bytes->size = 0;
-  errno = 0;
-  if (fwrite(bytes->data, 1, size, file) != size || fflush(file) != 0)
-    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
-  return TDM_OK;
+static tdm_status cannot(const char *path, tdm_error *err) {
+  return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", path, strerror(errno));
 }
 
 tdm_status tdm_frames_write_scenery(FILE *file, const char *path, const tdm_scenery *scenery, tdm_view_bytes *bytes,
                                     tdm_error *err) {
   bytes->size = 0;
-  tdm_status status = tdm_scenery_encode(scenery, true, bytes, err);
-  return status == TDM_OK ? append(file, path, bytes, err) : status;
+  const tdm_status status = tdm_scenery_encode(scenery, true, bytes, err);
+  if (status != TDM_OK)
+    return status;
+  errno = 0;
+  if (fwrite(bytes->data, 1, bytes->size, file) != bytes->size || fflush(file) != 0)
+    return cannot(path, err);
+  return TDM_OK;
 }
 
-tdm_status tdm_frames_write(FILE *file, const char *path, const tdm_snapshot *snapshot, tdm_view_bytes *bytes,
-                            tdm_error *err) {
+/* ---- shares ---- */
+
+bool tdm_put_at(FILE *file, long at, const void *data, size_t size) {
+  return size == 0 || (fseek(file, at, SEEK_SET) == 0 && fwrite(data, 1, size, file) == size);
+}
+
+bool tdm_put_share(FILE *file, long at, const tdm_snapshot *share, const void *values, size_t width) {
+  const char *from = values;
+  bool good = true;
+  for (int k = 0; k < share->nrange && good; k++) {
+    const size_t size = (size_t)share->range[k].count * width;
+    good = tdm_put_at(file, at + (long)((size_t)share->range[k].first * width), from, size);
+    from += size;
+  }
+  return good;
+}
+
+FILE *tdm_share_open(const char *path, tdm_error *err) {
+  const int fd = open(path, O_WRONLY | O_CLOEXEC); /* fopen would cut the file, or read it */
+  FILE *file = fd >= 0 ? fdopen(fd, "w") : NULL;
+  if (!file && fd >= 0)
+    close(fd);
+  if (!file)
+    tdm_fail(
+        err, TDM_ERR_FILE, NULL,
+        "%s: cannot be written: %s; processes on other machines need the result directory, too, under the same path",
+        path, strerror(errno));
+  return file;
+}
+
+/* the arrays of a record in memory, to their places behind `at`, which becomes that behind them */
+static bool put_arrays(FILE *file, long *at, const tdm_snapshot *s, const tdm_view_layout *l, const uint8_t *record) {
+  const uint8_t *from = record + l->before;
+  bool good = true;
+  for (int a = 0; a < l->narray && good; a++) {
+    good = tdm_put_share(file, *at, s, from, l->width[a]);
+    from += (size_t)s->nparticle * l->width[a];
+    *at += (long)((size_t)s->nall * l->width[a]);
+  }
+  return good;
+}
+
+/* bytes of the arrays of n particles */
+static size_t array_bytes(const tdm_view_layout *l, int n) {
+  size_t bytes = 0;
+  for (int a = 0; a < l->narray; a++)
+    bytes += (size_t)n * l->width[a];
+  return bytes;
+}
+
+tdm_status tdm_frames_write(FILE *file, const char *path, const tdm_snapshot *s, tdm_frame_place *place,
+                            tdm_view_bytes *bytes, tdm_error *err) {
+  const tdm_view_layout l = tdm_snapshot_layout(s, true);
   bytes->size = 0;
-  tdm_status status = tdm_snapshot_encode(snapshot, true, bytes, err);
-  return status == TDM_OK ? append(file, path, bytes, err) : status;
+  const tdm_status status = tdm_snapshot_encode(s, true, bytes, err);
+  if (status != TDM_OK)
+    return status;
+  const size_t own = array_bytes(&l, s->nparticle), rest = bytes->size - l.before - own;
+  *place = (tdm_frame_place){.start = ftell(file)};
+  long at = place->arrays = place->start + (long)l.before;
+  memset(bytes->data + LENGTH_AT, 0x7f, sizeof(uint64_t)); /* until tdm_frames_end */
+  errno = 0;
+  if (!tdm_put_at(file, place->start, bytes->data, l.before) || !put_arrays(file, &at, s, &l, bytes->data) ||
+      !tdm_put_at(file, at, bytes->data + l.before + own, rest) || fflush(file) != 0)
+    return cannot(path, err);
+  place->end = at + (long)rest;
+  return TDM_OK;
+}
+
+tdm_status tdm_frames_end(FILE *file, const char *path, const tdm_frame_place *place, tdm_error *err) {
+  const uint64_t length = (uint64_t)(place->end - place->start);
+  errno = 0;
+  if (!tdm_put_at(file, place->start + LENGTH_AT, &length, sizeof length) || fflush(file) != 0 ||
+      fseek(file, place->end, SEEK_SET) != 0)
+    return cannot(path, err);
+  return TDM_OK;
+}
+
+tdm_status tdm_frames_write_share(const char *path, const tdm_snapshot *share, long arrays, tdm_error *err) {
+  const tdm_view_layout l = tdm_snapshot_layout(share, true);
+  tdm_view_bytes bytes = {0};
+  if (tdm_snapshot_encode(share, true, &bytes, err) == TDM_OK) {
+    FILE *file = tdm_share_open(path, err);
+    errno = 0;
+    const bool good = file && put_arrays(file, &arrays, share, &l, bytes.data);
+    if (file && (fclose(file) != 0 || !good))
+      cannot(path, err);
+  }
+  tdm_view_bytes_free(&bytes);
+  return err->status;
 }
 
 /* ---- reading ---- */

@@ -83,7 +83,7 @@ void tdm_scenery_free(tdm_scenery *s) {
 
 /* ---- snapshot ---- */
 
-enum { POSES, ENDS, POINTS, FORCES, PARTICLES, ORIENTATIONS, CONTACTS };
+enum { POSES, ENDS, POINTS, FORCES, PARTICLES, ORIENTATIONS, CONTACTS, RANGES };
 
 #define GROW(s, which, array, n)                                                                  \
   do {                                                                                            \
@@ -108,6 +108,8 @@ static tdm_status resize_particles(tdm_snapshot *s, int n, tdm_error *err) {
 
 tdm_status tdm_snapshot_resize(tdm_snapshot *s, int nbody, int nline, int nforce, int nparticle, tdm_error *err) {
   s->nbody = s->nline = s->npoint = s->nforce = s->nparticle = s->norientation = s->ncontact = 0;
+  s->oriented = false;
+  tdm_snapshot_share(s, 0);
   GROW(s, POSES, pose, nbody);
   GROW(s, ENDS, line_end, nline);
   GROW(s, FORCES, force_on, nforce);
@@ -118,12 +120,27 @@ tdm_status tdm_snapshot_resize(tdm_snapshot *s, int nbody, int nline, int nforce
   s->nbody = nbody;
   s->nline = nline;
   s->nforce = nforce;
-  s->nparticle = nparticle;
+  s->nparticle = s->nall = nparticle;
+  return tdm_snapshot_add_range(s, 0, nparticle, err);
+}
+
+void tdm_snapshot_share(tdm_snapshot *s, int nall) {
+  s->nall = nall;
+  s->nrange = 0;
+}
+
+tdm_status tdm_snapshot_add_range(tdm_snapshot *s, int first, int count, tdm_error *err) {
+  tdm_view_range *last = s->nrange > 0 ? &s->range[s->nrange - 1] : NULL;
+  if (last && last->first + last->count == first)
+    last->count += count;
+  else
+    APPEND(s, RANGES, range, nrange, ((tdm_view_range){first, count}));
   return TDM_OK;
 }
 
 tdm_status tdm_snapshot_orient(tdm_snapshot *s, tdm_error *err) {
   GROW(s, ORIENTATIONS, orientation, s->nparticle);
+  s->oriented = true;
   s->norientation = s->nparticle;
   return TDM_OK;
 }
@@ -150,6 +167,7 @@ void tdm_snapshot_free(tdm_snapshot *s) {
   free(s->force_on);
   free(s->orientation);
   free(s->contact);
+  free(s->range);
 #define X(type, name, n, unit, text) free(s->name);
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X

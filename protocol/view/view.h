@@ -116,7 +116,12 @@ typedef struct {
   double force;            /* along the line between the centres, or the wall's normal; > 0: they repel [N] */
 } tdm_view_contact;
 
-/* The state of one instant. */
+/* Particles of a snapshot that are next to each other among all of the state, too. */
+typedef struct {
+  int first, count; /* place of the first among all; how many */
+} tdm_view_range;
+
+/* The state of one instant; or a share of it, where several processes have some of its particles each. */
 typedef struct {
   double time; /* [s] */
 
@@ -130,23 +135,31 @@ typedef struct {
   int nforce;         /* npolygon of the scenery, or 0: forces on polygons are not known */
   tdm_vec3 *force_on; /* (nforce) of the particles on each polygon, world [N]; NaN: not known for this one */
 
-  int norientation;      /* nparticle, or 0: the scene does not keep them */
+  bool oriented;         /* the scene keeps orientations of the particles */
+  int norientation;      /* nparticle if oriented, else 0 */
   tdm_quat *orientation; /* (norientation) of the particles */
 
   int nparticle; /* arrays (nparticle), ascending by id */
 #define X(type, name, n, unit, text) type *name;
   TDM_VIEW_PARTICLE_LIST(X)
 #undef X
+  int nall;              /* particles of the state: nparticle, or more of a share */
+  int nrange;            /* which of all the particles are; not on the wire */
+  tdm_view_range *range; /* (nrange) ascending; a whole snapshot has one, {0, nparticle} */
+
   bool with_contacts; /* set by who asks for a snapshot: contacts are wanted, which cost an evaluation of all forces */
   int ncontact;       /* number of contacts */
   tdm_view_contact *contact; /* (ncontact) in an order that means nothing */
-  size_t capacity[7];        /* of bodies, lines, points, forces, particles, orientations, contacts */
+  size_t capacity[8];        /* of bodies, lines, points, forces, particles, orientations, contacts, ranges */
 } tdm_snapshot;
 
 /* Make room for so many and set the counts; contents are undefined. Points and contacts are added one by one. */
 tdm_status tdm_snapshot_resize(tdm_snapshot *snapshot, int nbody, int nline, int nforce, int nparticle, tdm_error *err);
 /* Make room for an orientation of each particle; contents are undefined. */
 tdm_status tdm_snapshot_orient(tdm_snapshot *snapshot, tdm_error *err);
+/* The particles are a share of so many; which of them is to be added, range by range, ascending. */
+void tdm_snapshot_share(tdm_snapshot *snapshot, int nall);
+tdm_status tdm_snapshot_add_range(tdm_snapshot *snapshot, int first, int count, tdm_error *err);
 /* Append a point; then say that line k ends there. Lines are to be filled in their order. */
 tdm_status tdm_snapshot_add_point(tdm_snapshot *snapshot, tdm_vec3 point, tdm_error *err);
 void tdm_snapshot_end_line(tdm_snapshot *snapshot, int k);
@@ -167,6 +180,15 @@ typedef struct {
 tdm_status tdm_scenery_encode(const tdm_scenery *scenery, bool single, tdm_view_bytes *bytes, tdm_error *err);
 /* Likewise. */
 tdm_status tdm_snapshot_encode(const tdm_snapshot *snapshot, bool single, tdm_view_bytes *bytes, tdm_error *err);
+/* How the record of a snapshot lies in memory: `before` bytes, the arrays of the particles one behind the other, each
+ * of so many bytes a particle, and the rest. The record of a share has the counts of all, and the arrays of its own. */
+enum { TDM_VIEW_ARRAYS_MAX = 16 };
+typedef struct {
+  size_t before;                     /* bytes in front of the arrays */
+  int narray;                        /* number of arrays */
+  size_t width[TDM_VIEW_ARRAYS_MAX]; /* (narray) bytes a particle */
+} tdm_view_layout;
+tdm_view_layout tdm_snapshot_layout(const tdm_snapshot *snapshot, bool single);
 /* Free the buffer; *bytes is as new. */
 void tdm_view_bytes_free(tdm_view_bytes *bytes);
 

@@ -3,7 +3,7 @@
 
 usage: tests/bench/bench_ranks.py [--bin DIR] [--out DIR] [--particles N,N,...] [--million] [--ranks P,P,...]
                                   [--repeat K] [--liggghts [--bed FILE] [--steps N]]
-       tests/bench/bench_ranks.py --memory N [--ranks P,P,...] [--steps K] [--bin DIR] [--out DIR]
+       tests/bench/bench_ranks.py --memory N [--frames] [--ranks P,P,...] [--steps K] [--bin DIR] [--out DIR]
 
 A lattice of spheres in a box, pressed a little, for so many steps that a run takes seconds. Prints for each number of
 particles and ranks the time of the steps t, speed-up tau = t_1/t, efficiency eta = tau/P, normalised cost nu = P t/t_1
@@ -17,9 +17,9 @@ rank: tandem-dem without MPI. Times are medians. Draws time.svg, speedup.svg, ef
 core and on two: one process, the MPI build on 1 rank, 2 threads, 2 ranks, LIGGGHTS on 1 and 2 ranks, one after the
 other in each of K rounds, with what is compared in the words of the goals. Of 1e6 particles: ten beds of 100 000.
 
---memory N [--ranks P,P,...] [--steps K]: instead, the peak memory of each rank with N particles that fall, beside the
+--memory N [--frames] [--ranks P,P,...] [--steps K]: instead, the peak memory of each rank with N particles that fall, beside the
 share: what one process takes, divided by P. What a program takes with a thousand particles is subtracted first. More
-than 1000 steps have a renewal of the order in them.
+than 1000 steps have a renewal of the order in them. --frames: with frames of the start, the middle and the end.
 """
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
@@ -149,6 +149,7 @@ def main():
     parser.add_argument("--bed", type=pathlib.Path)
     parser.add_argument("--steps", type=int)
     parser.add_argument("--memory", type=lambda text: int(float(text)))
+    parser.add_argument("--frames", action="store_true")
     options = parser.parse_args()
     options.particles = options.particles or ([100000] if options.liggghts else [916, 9000, 14884, 144400])
     options.ranks = options.ranks if options.memory else sorted({1, *options.ranks})

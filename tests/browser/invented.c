@@ -135,9 +135,12 @@ tdm_status invented_run(const char *dir, int nparticle, int nframe, tdm_error *e
   snprintf(path, sizeof path, "%s/%s", dir, TDM_FRAMES_FILE);
   if (frames && invented_scenery(&scenery, err) == TDM_OK)
     tdm_frames_write_scenery(frames, path, &scenery, &bytes, err);
-  for (int k = 0; k < nframe && err->status == TDM_OK; k++)
-    if (invented_snapshot(&snapshot, interval * k, nparticle, err) == TDM_OK)
-      tdm_frames_write(frames, path, &snapshot, &bytes, err);
+  for (int k = 0; k < nframe && err->status == TDM_OK; k++) {
+    tdm_frame_place place;
+    if (invented_snapshot(&snapshot, interval * k, nparticle, err) == TDM_OK &&
+        tdm_frames_write(frames, path, &snapshot, &place, &bytes, err) == TDM_OK)
+      tdm_frames_end(frames, path, &place, err);
+  }
   if (summary)
     fputs("{\"scene\": \"invented.json\", \"status\": \"TDM_ERR_NUMERIC\", \"error\": \"the bucket </script> burst\",\n"
           " \"wall_s\": {\"all\": 2.5}, \"error_estimate\": {\"worst\": 0.012, \"worst_body\": \"bucket\", "

@@ -48,6 +48,28 @@ static char *read_all(const char *out, const char *name) {
 
 /* ---- a little XML ---- */
 
+/* the arrays behind the text; NULL: there are none */
+static const char *data_of(const char *xml) {
+  const char *at = strstr(xml, "<AppendedData encoding=\"raw\">");
+  return at ? strchr(at, '_') + 1 : NULL;
+}
+
+static uint64_t bytes_at(const char *data) {
+  uint64_t n;
+  memcpy(&n, data, sizeof n);
+  return n;
+}
+
+/* one array stands behind the other; the end of the last one */
+static const char *behind_data(const char *xml) {
+  const char *data = data_of(xml), *at = data;
+  for (const char *p = strstr(xml, "offset=\""); p && p < data; p = strstr(p + 1, "offset=\"")) {
+    ck_assert_uint_eq(strtoul(p + 8, NULL, 10), (size_t)(at - data));
+    at += sizeof(uint64_t) + bytes_at(at);
+  }
+  return at;
+}
+
 /* every element is closed in its turn */
 static void expect_balanced(const char *xml) {
   char open[32][32];
@@ -65,45 +87,24 @@ static void expect_balanced(const char *xml) {
     } else {
       ck_assert_int_lt(depth, 32);
       strcpy(open[depth++], name);
+      if (strcmp(name, "AppendedData") == 0)
+        p = behind_data(xml);
     }
   }
   ck_assert_int_eq(depth, 0);
 }
 
-static int digit(char c) {
-  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const char *at = c ? strchr(digits, c) : NULL;
-  return at ? (int)(at - digits) : -1;
-}
-
-/* The bytes of a DataArray behind its byte count, which must be right; returns their number. */
+/* The bytes of a DataArray; returns their number. */
 static size_t decode(const char *xml, const char *name, unsigned char *out, size_t size) {
   char what[64];
   snprintf(what, sizeof what, "Name=\"%s\"", name);
   const char *p = strstr(xml, what);
   ck_assert_msg(p != NULL, "no array %s", name);
-  p = strchr(p, '\n') + 1;
-  size_t n = 0;
-  uint32_t bits = 0;
-  int nbit = 0;
-  for (; digit(*p) >= 0; p++) {
-    bits = bits << 6 | (uint32_t)digit(*p);
-    nbit += 6;
-    if (nbit >= 8) {
-      nbit -= 8;
-      ck_assert_uint_lt(n, size);
-      out[n++] = (unsigned char)(bits >> nbit);
-    }
-  }
-  while (*p == '=')
-    p++;
-  ck_assert_int_eq(*p, '\n');
-  uint64_t count;
-  ck_assert_uint_ge(n, sizeof count);
-  memcpy(&count, out, sizeof count);
-  memmove(out, out + sizeof count, n - sizeof count);
-  ck_assert_uint_eq(count, n - sizeof count);
-  return n - sizeof count;
+  p = data_of(xml) + strtoul(strstr(p, "offset=\"") + 8, NULL, 10);
+  const size_t n = bytes_at(p);
+  ck_assert_uint_le(n, size);
+  memcpy(out, p + sizeof(uint64_t), n);
+  return n;
 }
 
 /* ---- tests ---- */

@@ -45,7 +45,9 @@ static void write_frames(const char *dir, int count) {
   ck_assert_int_eq(tdm_frames_write_scenery(f, path, &scenery, &bytes, NULL), TDM_OK);
   for (int k = 0; k < count; k++) {
     tdm_snapshot s = a_snapshot(0.1 * k);
-    ck_assert_int_eq(tdm_frames_write(f, path, &s, &bytes, NULL), TDM_OK);
+    tdm_frame_place place;
+    ck_assert_int_eq(tdm_frames_write(f, path, &s, &place, &bytes, NULL), TDM_OK);
+    ck_assert_int_eq(tdm_frames_end(f, path, &place, NULL), TDM_OK);
     tdm_snapshot_free(&s);
   }
   fclose(f);

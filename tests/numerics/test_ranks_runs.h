@@ -35,6 +35,7 @@ typedef struct {
   /* out */
   int moves;
   dem_rank_work work[THREAD_RANKS_MAX]; /* of each rank */
+  tdm_view_bytes seen;                  /* what there was to see */
   void *bytes;                          /* (size) the whole state at the end */
   size_t size;
   int nchannel, nparticle;
@@ -155,7 +156,8 @@ static inline void lead(void *context) {
   for (int w = 0; w < k->nwindow; w++) {
     window(out, e, w);
     if (w % 2 == 1 || w + 1 == k->nwindow)
-      ck_assert_msg(!dem_engine_snapshot(e, &s, &err), "%s", err.message);
+      ck_assert_msg(!dem_engine_snapshot(e, &s, &err) && !tdm_snapshot_encode(&s, false, &out->seen, &err), "%s",
+                    err.message);
   }
   for (int f = 0; f < s.nforce; f++)
     out->triangle_force += isfinite(s.force_on[f].z) ? tdm_norm(s.force_on[f]) : 0;
@@ -173,6 +175,7 @@ static inline void lead(void *context) {
 }
 
 static inline void let_go(outcome *out) {
+  tdm_view_bytes_free(&out->seen);
   free(out->bytes);
   free(out->channel);
   free(out->load);
@@ -190,6 +193,8 @@ static inline void ck_same(const outcome *a, const outcome *b, int size) {
   ck_assert_mem_eq(a->body, b->body, n * sizeof *a->body);
   ck_assert_uint_eq(a->size, b->size);
   ck_assert_msg(memcmp(a->bytes, b->bytes, a->size) == 0, "the states of 1 and %d ranks differ", size);
+  ck_assert_uint_eq(a->seen.size, b->seen.size);
+  ck_assert_msg(memcmp(a->seen.data, b->seen.data, a->seen.size) == 0, "what 1 and %d ranks show differs", size);
   ck_assert(a->contact_force == b->contact_force && a->triangle_force == b->triangle_force);
 }
 

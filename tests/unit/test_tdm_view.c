@@ -136,7 +136,9 @@ START_TEST(a_file_of_a_killed_run_shows_what_there_is) {
   ck_assert_int_eq(tdm_frames_write_scenery(f, path, &a, &bytes, &err), TDM_OK);
   for (int k = 0; k < 70; k++) {
     tdm_snapshot s = a_snapshot(0.5 * k, k);
-    ck_assert_int_eq(tdm_frames_write(f, path, &s, &bytes, &err), TDM_OK);
+    tdm_frame_place place;
+    ck_assert_int_eq(tdm_frames_write(f, path, &s, &place, &bytes, &err), TDM_OK);
+    ck_assert_int_eq(tdm_frames_end(f, path, &place, &err), TDM_OK);
     tdm_snapshot_free(&s);
   }
   long size = ftell(f);

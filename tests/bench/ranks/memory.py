@@ -16,7 +16,10 @@ sys.exit(os.waitstatus_to_exitcode(status))
 
 def peaks(options, particles, ranks):
     """most memory of each rank [MB], of a block of spheres that falls into a corner"""
-    file = runs.write(options, "memory.json", runs.scene("falling", particles, options.steps or 100))
+    scene = runs.scene("falling", particles, options.steps or 100)
+    if options.frames:
+        scene["output"]["particles_interval"] = scene["time"]["end"] / 2
+    file = runs.write(options, "memory.json", scene)
     peak = options.out / "peak"
     command = runs.MPIRUN + [ranks] if ranks > 1 else []
     command += [sys.executable, "-c", PEAK, peak, options.bin / "tandem-dem-mpi", "run", file]
