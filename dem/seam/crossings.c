@@ -6,6 +6,7 @@
 #include "dem/seam/homes.h"
 
 #include <limits.h>
+#include <stdlib.h>
 
 static bool crosses(const dem_data *d, int chunk, int other) {
   return other < d->state.nparticle && other >= (chunk + 1) * DEM_CHUNK;
@@ -14,8 +15,9 @@ static bool crosses(const dem_data *d, int chunk, int other) {
 /* The places of the crossings of home chunks, and who they are on. `first` (nchunk + 1): those of each chunk begin */
 static void place_home(dem_data *d, const size_t *first) {
   dem_pairs *list = &d->lists.pairs;
+  d->lists.crossings.from[dem_home_end(d)] = d->lists.crossings.end;
   for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    int place = (int)first[c];
+    int place = d->lists.crossings.from[c] = (int)first[c];
     for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
       if (crosses(d, c, list->other[k])) {
         d->lists.crossings.particle[place] = list->other[k];
@@ -66,4 +68,64 @@ tdm_status dem_crossings_place(dem_data *d) {
   if (d->state.spare_push)
     dem_crossings_empty(d, d->state.spare_push);
   return TDM_OK;
+}
+
+static tdm_status reserve_givers(dem_givers *g, int need) {
+  if (need <= g->capacity)
+    return TDM_OK;
+  const int capacity = need + need / 2 + 64;
+  int *to = realloc(g->to, (size_t)capacity * sizeof *to);
+  if (!to)
+    return TDM_ERR_MEMORY;
+  g->to = to;
+  g->capacity = capacity;
+  return TDM_OK;
+}
+
+tdm_status dem_givers_find(dem_data *d) {
+  dem_givers *g = &d->work.givers;
+  const dem_crossings *x = &d->lists.crossings;
+  const dem_parcels *returned = &d->work.homes.returned;
+  const int first = dem_home_first(d), end = dem_home_end(d), nchunk = d->lists.nchunk;
+  int n = 0;
+  for (int c = 0; c < nchunk; c++) {
+    g->all[c] = 0;
+    g->seen[c] = -1;
+  }
+  for (int c = first; c < end; c++) {
+    const int count = x->from[c + 1] - x->from[c];
+    if (reserve_givers(g, n + 1 + (count < nchunk ? count : nchunk)))
+      return TDM_ERR_MEMORY;
+    g->first[c] = n;
+    g->to[n++] = c;
+    g->all[c]++;
+    for (int p = x->from[c]; p < x->from[c + 1]; p++) {
+      const int other = x->particle[p] / DEM_CHUNK;
+      if (other >= end || g->seen[other] == c)
+        continue;
+      g->seen[other] = c;
+      g->to[n++] = other;
+      g->all[other]++;
+    }
+  }
+  g->first[end] = n;
+  for (int k = 0; !dem_alone(d) && k < returned->first[d->work.homes.ranks->size]; k++) {
+    const int c = x->particle[returned->item[k]] / DEM_CHUNK;
+    g->all[c] += g->seen[c] != nchunk;
+    g->seen[c] = nchunk;
+  }
+  return TDM_OK;
+}
+
+void dem_givers_begin(dem_data *d) {
+  const int first = dem_home_first(d);
+  memcpy(d->work.givers.left + first, d->work.givers.all + first,
+         (size_t)(dem_home_end(d) - first) * sizeof *d->work.givers.left);
+}
+
+bool dem_gave(dem_data *d, int to) {
+  int left;
+#pragma omp atomic capture acq_rel
+  left = --d->work.givers.left[to];
+  return left == 0;
 }

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/seam/visits.h"
 
+#include "dem/seam/crossings.h"
 #include "dem/seam/sums.h"
 
 #include <assert.h>
@@ -93,11 +94,8 @@ static tdm_status particles_of(const dem_data *d, const dem_parcels *places, dem
 /* where the places of the crossings of each rank's chunks begin (size + 1) */
 static void place_ranks(const dem_data *d, int *place) {
   const dem_ranks *ranks = d->work.homes.ranks;
-  const dem_pairs *p = &d->lists.pairs;
-  long here = 0, count[DEM_RANKS_MAX];
-  for (size_t k = p->chunk[dem_home_first(d)]; k < p->chunk[dem_home_end(d)]; k++)
-    here += p->reaction_slot[k] > d->state.nparticle;
-  dem_homes_number(d, here, count);
+  long count[DEM_RANKS_MAX];
+  dem_homes_number(d, d->lists.crossings.end - d->lists.crossings.first, count);
   place[0] = 0;
   for (int r = 0; r < ranks->size; r++)
     place[r + 1] = place[r] + (int)count[r];
@@ -106,9 +104,9 @@ static void place_ranks(const dem_data *d, int *place) {
 
 /* Does a contact of the chunk name a particle of another rank? */
 static bool has_visitors(const dem_data *d, int chunk) {
-  const dem_pairs *p = &d->lists.pairs;
-  for (size_t k = p->chunk[chunk]; k < p->chunk[chunk + 1]; k++)
-    if (p->reaction_slot[k] > d->state.nparticle && p->other[k] / DEM_CHUNK >= dem_home_end(d))
+  const dem_crossings *x = &d->lists.crossings;
+  for (int p = x->from[chunk]; p < x->from[chunk + 1]; p++)
+    if (x->particle[p] / DEM_CHUNK >= dem_home_end(d))
       return true;
   return false;
 }
@@ -134,67 +132,22 @@ static tdm_status know_chunks(dem_data *d) {
 }
 
 /* Home chunks in the order of their evaluation: half of those without visitors while visitors come, those with, and the
- * others while reactions return. place: of each in that order. */
-static void order_chunks(dem_data *d, int *place) {
+ * others while reactions return. */
+static tdm_status order_chunks(dem_data *d) {
   dem_homes *s = &d->work.homes;
-  const int first = dem_home_first(d), n = dem_home_end(d) - first;
-  int inner = 0, at[3] = {0};
-  for (int c = first; c < first + n; c++) {
-    place[c - first] = has_visitors(d, c);
-    inner += !place[c - first];
-  }
-  s->first_outer = at[1] = inner / 2;
-  s->end_outer = at[2] = n - (inner - inner / 2);
-  for (int c = first; c < first + n; c++) {
-    const int part = place[c - first] ? 1 : at[0] < s->first_outer ? 0 : 2;
-    place[c - first] = at[part]++;
-    s->chunk[place[c - first]] = c;
-  }
-}
-
-/* When the step of each home chunk can end: when it is evaluated, and all that have reactions on it. ready: place in
- * the order, the number of home chunks: after the reactions of other ranks. */
-static void find_ready(const dem_data *d, const int *place, int *ready) {
-  const dem_pairs *p = &d->lists.pairs;
-  const dem_parcels *returned = &d->work.homes.returned;
-  const int first = dem_home_first(d), end = dem_home_end(d), n = end - first;
-  memcpy(ready, place, (size_t)n * sizeof *ready);
-  for (int c = first; c < end; c++)
-    for (size_t k = p->chunk[c]; k < p->chunk[c + 1]; k++) {
-      const int to = p->reaction_slot[k] > d->state.nparticle ? p->other[k] / DEM_CHUNK : c;
-      if (to < end && ready[to - first] < place[c - first])
-        ready[to - first] = place[c - first];
-    }
-  for (int k = 0; k < returned->first[d->work.homes.ranks->size]; k++)
-    ready[d->lists.crossings.particle[returned->item[k]] / DEM_CHUNK - first] = n;
-}
-
-static tdm_status plan_chunks(dem_data *d) {
-  dem_homes *s = &d->work.homes;
-  const int first = dem_home_first(d), n = dem_home_end(d) - first;
-  const size_t room = (size_t)(n + 2);
-  int *chunk = realloc(s->chunk, room * sizeof *chunk);
-  s->chunk = chunk ? chunk : s->chunk;
-  int *ending = realloc(s->ending, room * sizeof *ending);
-  s->ending = ending ? ending : s->ending;
-  int *end_first = realloc(s->end_first, room * sizeof *end_first);
-  s->end_first = end_first ? end_first : s->end_first;
-  int *place = malloc(2 * room * sizeof *place), *ready = place + room;
-  if (!chunk || !ending || !end_first || !place) {
-    free(place);
+  const int first = dem_home_first(d), end = dem_home_end(d);
+  int *chunk = realloc(s->chunk, (size_t)(end - first + 1) * sizeof *chunk);
+  if (!chunk)
     return TDM_ERR_MEMORY;
-  }
-  order_chunks(d, place);
-  find_ready(d, place, ready);
-  int at = 0;
-  for (int k = 0; k <= n; k++) { /* few chunks, and few that are ready at a time */
-    end_first[k] = at;
-    for (int c = 0; c < n; c++)
-      if (ready[c] == k)
-        ending[at++] = first + c;
-  }
-  end_first[n + 1] = at;
-  free(place);
+  s->chunk = chunk;
+  int inner = 0;
+  for (int c = first; c < end; c++)
+    inner += !has_visitors(d, c);
+  s->first_outer = inner / 2;
+  s->end_outer = end - first - (inner - inner / 2);
+  int before = 0, outer = s->first_outer, after = s->end_outer;
+  for (int c = first; c < end; c++)
+    chunk[has_visitors(d, c) ? outer++ : before < s->first_outer ? before++ : after++] = c;
   return TDM_OK;
 }
 
@@ -263,22 +216,29 @@ static void learn(dem_data *d, int *array) {
     array[s->visitors.item[k]] = in[k];
 }
 
-tdm_status dem_homes_plan(dem_data *d) {
+static tdm_status plan_visits(dem_data *d) {
   dem_homes *s = &d->work.homes;
   int place[DEM_RANKS_MAX + 1];
-  if (!s->ranks || s->planned)
-    return TDM_OK;
   if (know_chunks(d))
     return TDM_ERR_MEMORY;
   place_ranks(d, place);
   if (collect(d, place, true, &s->returning) || collect(d, place, false, &s->returned) ||
-      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) || plan_chunks(d) ||
-      reserve_mail(d) || dem_sums_reserve(d))
+      particles_of(d, &s->returning, &s->visitors) || particles_of(d, &s->returned, &s->immigrants) ||
+      order_chunks(d) || reserve_mail(d) || dem_sums_reserve(d))
     return TDM_ERR_MEMORY;
   if (d->model->nmaterial > 1)
     learn(d, d->state.material); /* visitors keep theirs until there are others */
-  s->planned = true;
   s->introduced = false;
+  return TDM_OK;
+}
+
+tdm_status dem_homes_plan(dem_data *d) {
+  dem_homes *s = &d->work.homes;
+  if (s->planned)
+    return TDM_OK;
+  if ((s->ranks && plan_visits(d)) || dem_givers_find(d))
+    return TDM_ERR_MEMORY;
+  s->planned = true;
   return TDM_OK;
 }
 

@@ -5,7 +5,8 @@
 
 #include "dem/seam/homes.h"
 
-/* Work out who visits whom by the present crossings, unless that is known. Errors: TDM_ERR_MEMORY. */
+/* Work out who visits whom, and which chunks wait for which, by the present crossings, unless that is known. Errors:
+ * TDM_ERR_MEMORY. */
 tdm_status dem_homes_plan(dem_data *data);
 
 /* Of visitors array[i] becomes what it is at their homes; of home particles it is there. Errors: TDM_ERR_MEMORY. */

@@ -40,6 +40,11 @@ static size_t layout_particles(dem_data *d, char *block) {
   PLACE(work.spare_walls.chunk, nchunk + 1)
   PLACE(work.chunk_spare, nchunk + 1)
   PLACE(lists.crossings.chunk, nchunk + 1)
+  PLACE(lists.crossings.from, nchunk + 1)
+  PLACE(work.givers.first, nchunk + 1)
+  PLACE(work.givers.all, nchunk)
+  PLACE(work.givers.left, nchunk)
+  PLACE(work.givers.seen, nchunk)
   PLACE(work.chunk_load, nchunk * (size_t)d->model->nload)
   PLACE(work.chunk_flux, nchunk)
   PLACE(work.chunk_sum, nchunk * DEM_CHUNK_SUMS)
@@ -74,6 +79,7 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
   memcpy(dst->lists.pairs.chunk, d->lists.pairs.chunk, nchunk * sizeof *d->lists.pairs.chunk);
   memcpy(dst->lists.walls.chunk, d->lists.walls.chunk, nchunk * sizeof *d->lists.walls.chunk);
   memcpy(dst->lists.crossings.chunk, d->lists.crossings.chunk, nchunk * sizeof *d->lists.crossings.chunk);
+  memcpy(dst->lists.crossings.from, d->lists.crossings.from, nchunk * sizeof *d->lists.crossings.from);
 }
 
 /* nowhere, so that it touches nothing */
@@ -153,6 +159,7 @@ tdm_status dem_data_reserve(dem_data *d, int n) {
       copy_particles(&grown, d);
     free(d->work.particle_block);
     *d = grown;
+    d->work.homes.planned = false;
   }
   return dem_crossings_reserve(d, n - d->state.nparticle);
 }
@@ -243,7 +250,7 @@ tdm_status dem_data_copy(dem_data *dst, const dem_data *src) {
   memcpy(dst->work.block, src->work.block, src->work.block_size);
   copy_particles(dst, src);
   dem_data_end(dst);
-  dst->work.notes.valid = dst->work.among = false;
+  dst->work.notes.valid = dst->work.among = dst->work.homes.planned = false;
   if (copy_lists(dst, src)) {
     dst->lists.valid = false;
     return TDM_ERR_MEMORY;
@@ -275,6 +282,7 @@ void dem_data_destroy(dem_data **data) {
                     d->work.spare_walls.history,
                     d->lists.crossings.particle,
                     d->lists.crossings.order,
+                    d->work.givers.to,
                     d->work.traction.force,
                     d->work.traction.entry_force,
                     d->state.push,
@@ -296,8 +304,6 @@ void dem_data_destroy(dem_data **data) {
                     homes->rank_of,
                     homes->cost,
                     homes->chunk,
-                    homes->ending,
-                    homes->end_first,
                     homes->mail,
                     homes->out,
                     homes->in,

@@ -59,6 +59,7 @@ typedef struct {
   int *particle; /* (count) by place */
   int *order;    /* (count) places by the chunk of the particle, ascending in each */
   int *chunk;    /* (nchunk + 1) first of a chunk in order */
+  int *from;     /* (nchunk + 1) first place of a chunk's own contacts; of home chunks */
   int count, capacity;
   int first, end; /* places of home chunks: first ... end - 1 */
 } dem_crossings;
@@ -311,14 +312,25 @@ typedef struct {
   int capacity;
 } dem_parcels;
 
-/* What this rank and others tell each other (homes.h); all 0 in a process that is alone. */
+/* Which chunks add to a chunk in a step, so that its step ends as soon as nothing more will (crossings.h). By chunk, of
+ * home chunks. */
+typedef struct {
+  int *to;    /* (capacity) where a chunk adds to: itself and those that its contacts have reactions on */
+  int *first; /* (nchunk + 1) first of a chunk in `to` */
+  int *all;   /* (nchunk) how many add to it; all other ranks together are one */
+  int *left;  /* (nchunk) of these, in this step */
+  int *seen;  /* (nchunk) scratch */
+  int capacity;
+} dem_givers;
+
+/* What this rank and others tell each other (homes.h); all but `planned` 0 in a process that is alone. */
 typedef struct {
   const dem_ranks *ranks; /* borrowed; NULL: alone */
   unsigned united;        /* what is the same on all ranks now (DEM_PLACES ...) */
   bool spread;            /* since the last list this rank got memory for more than its home and what is near to it */
   bool spread_before;     /* likewise before the last list */
   bool holds;             /* it has such memory from then */
-  bool planned;           /* the rest is for the present crossings */
+  bool planned;           /* the rest, and work.givers, are for the present crossings */
   bool visiting;          /* particles are on their way to those that they visit */
   bool stop, stopped;     /* this rank wants to end; one wanted to at the last step */
   dem_parcels immigrants; /* home particles that visit another rank */
@@ -329,8 +341,6 @@ typedef struct {
   bool introduced;        /* visitors' radii and masses are known where they visit */
   int *chunk;             /* (home chunks) in the order in which they are evaluated; NULL: alone */
   int first_outer, end_outer; /* chunk[first_outer ... end_outer - 1] have visitors */
-  int *ending, *end_first;    /* (home chunks, and 2 more) when chunk[k] is evaluated the steps of the chunks
-                               * ending[end_first[k] ... end_first[k + 1] - 1] can end; the last, when reactions came */
   dem_mail *mail;             /* (size) */
   char *out, *in;             /* (room) what goes and comes [bytes] */
   double *sums;               /* (nsums) of the chunks, as they are gathered */
@@ -367,6 +377,7 @@ typedef struct {
   double *chunk_sum;      /* (nchunk x DEM_CHUNK_SUMS) dem_sum_chunks */
   double *chunk_supplied; /* (nchunk) by the box, where particles pass its boundary [J] */
   dem_section *section;   /* (nthread) scratch: of a pass over chunks */
+  dem_givers givers;      /* whom each chunk waits for */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
 

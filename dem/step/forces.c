@@ -25,16 +25,6 @@ static void add_energy(dem_data *d, dem_share share, double dt) {
   dem_energy_step(&d->state.energy, share == DEM_FAST ? &d->state.energy.fast : &d->state.energy.now, &sum, dt);
 }
 
-static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    const double begin = dem_alone(d) ? 0 : dem_homes_clock();
-    integrator->end(d, c, dt);
-    if (!dem_alone(d))
-      dem_home_took(d, c, begin);
-  }
-}
-
 /* A chunk's walls, geometry by geometry: what a body's load grows by is the load of the geometry. The same sums, in the
  * same order, as all walls at once. */
 static void geometry_loads(dem_loop_task *task) {
@@ -182,6 +172,7 @@ static void take_notes(dem_data *d, bool settling) {
 /* A chunk's forces, by a task like `all`; how many of its contacts touch. */
 static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all) {
   const dem_model *m = d->model;
+  const double begin = dem_alone(d) ? 0 : dem_homes_clock();
   dem_loop_task task = *all;
   task.chunk = chunk;
   task.wall_first = d->lists.walls.chunk[chunk];
@@ -194,6 +185,8 @@ static long chunk_forces(dem_data *d, int chunk, const dem_loop_task *all) {
   else
     m->wall_loops->walls(&task);
   d->work.chunk_flux[chunk] = task.flux;
+  if (!dem_alone(d))
+    dem_home_took(d, chunk, begin);
   return task.touching;
 }
 
@@ -212,6 +205,25 @@ static long forces_alone(dem_data *d, const dem_loop_task *all, const dem_integr
   return touching;
 }
 
+/* The end of the step of a home chunk. */
+static void end_chunk(dem_data *d, int chunk, const dem_integrator *integrator, double dt) {
+  const double begin = dem_alone(d) ? 0 : dem_homes_clock();
+  integrator->end(d, chunk, dt);
+  if (!dem_alone(d))
+    dem_home_took(d, chunk, begin);
+}
+
+/* A chunk's forces on one of several threads or ranks; how many of its contacts touch. And the end of the step of those
+ * chunks that nothing will be added to any more, while they are in the cache. */
+static long chunk_step(dem_data *d, int chunk, const dem_loop_task *all, const dem_integrator *integrator) {
+  const dem_givers *givers = &d->work.givers;
+  const long touching = chunk_forces(d, chunk, all);
+  for (int k = givers->first[chunk]; integrator && k < givers->first[chunk + 1]; k++)
+    if (dem_gave(d, givers->to[k]))
+      end_chunk(d, givers->to[k], integrator, all->dt);
+  return touching;
+}
+
 /* The next chunk of a section, -1: none is left. */
 static int take(dem_section *from) {
   int c;
@@ -220,8 +232,8 @@ static int take(dem_section *from) {
   return c < from->end ? c : -1;
 }
 
-/* The same on several threads. Each begins with the chunks that it moves, too, which are in its core's cache; who has
- * done these helps the others. */
+/* Of all chunks, on several threads. Each begins with the chunks that it moves, too, which are in its core's cache; who
+ * has done these helps the others. */
 static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
   const int n = d->work.nthread;
   dem_section *section = d->work.section;
@@ -233,52 +245,39 @@ static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integ
   for (int t = 0; t < n; t++)
     for (int k = 0; k < n; k++)
       for (int c; (c = take(&section[(t + k) % n])) >= 0;)
-        touching += chunk_forces(d, c, all);
-  if (integrator)
-    end_chunks(d, integrator, all->dt);
+        touching += chunk_step(d, c, all, integrator);
   return touching;
 }
 
-/* The end of the step of a home chunk. */
-static void end_chunk(dem_data *d, int chunk, const dem_integrator *integrator, double dt) {
-  const double begin = dem_homes_clock();
-  integrator->end(d, chunk, dt);
-  dem_home_took(d, chunk, begin);
-}
-
-/* Forces of the chunks homes.chunk[first ... end - 1] of this rank; integrator: and the end of the step of those that
- * nothing is added to any more, while they are in the cache; NULL: of none. */
+/* Of the chunks homes.chunk[first ... end - 1] of this rank. */
 static long some_forces(dem_data *d, int first, int end, const dem_loop_task *all, const dem_integrator *integrator) {
-  const dem_homes *s = &d->work.homes;
   long touching = 0;
 #pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : touching)
-  for (int k = first; k < end; k++) {
-    const double begin = dem_homes_clock();
-    touching += chunk_forces(d, s->chunk[k], all);
-    dem_home_took(d, s->chunk[k], begin);
-    for (int e = s->end_first[k]; integrator && e < s->end_first[k + 1]; e++)
-      end_chunk(d, s->ending[e], integrator, all->dt);
-  }
+  for (int k = first; k < end; k++)
+    touching += chunk_step(d, d->work.homes.chunk[k], all, integrator);
   return touching;
 }
 
-/* Forces of the chunks of this rank, and the end of their step: visitors come meanwhile, and reactions go. */
+/* The end of the step of the chunks that waited for reactions of other ranks. */
+static void end_last(dem_data *d, const dem_integrator *integrator, double dt) {
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+    if (d->work.givers.left[c] > 0 && dem_gave(d, c))
+      end_chunk(d, c, integrator, dt);
+}
+
+/* Of the chunks of this rank: visitors come meanwhile, and reactions go. */
 static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
   const dem_homes *s = &d->work.homes;
-  const dem_integrator *now = d->work.nthread == 1 ? integrator : NULL;
-  const int n = dem_home_end(d) - dem_home_first(d);
-  long touching = some_forces(d, 0, s->first_outer, all, now);
+  long touching = some_forces(d, 0, s->first_outer, all, integrator);
   dem_visitors_end(d);
-  touching += some_forces(d, s->first_outer, s->end_outer, all, now);
+  touching += some_forces(d, s->first_outer, s->end_outer, all, integrator);
   dem_reactions_begin(d);
-  touching += some_forces(d, s->end_outer, n, all, now);
+  touching += some_forces(d, s->end_outer, dem_home_end(d) - dem_home_first(d), all, integrator);
   dem_parted(d, DEM_MOTION | DEM_FORCES | DEM_CONTACTS);
   dem_reactions_end(d);
-  if (now)
-    for (int e = s->end_first[n]; e < s->end_first[n + 1]; e++)
-      end_chunk(d, s->ending[e], now, all->dt);
-  else if (integrator)
-    end_chunks(d, integrator, all->dt);
+  if (integrator)
+    end_last(d, integrator, all->dt);
   if (all->entry_force)
     dem_unite_entries(d, all->entry_force, sizeof *all->entry_force, d->lists.walls.chunk);
   return dem_sums_of_step(d, touching);
@@ -286,6 +285,8 @@ static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integra
 
 /* Forces of all chunks, and the end of their step. */
 static long all_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
+  if (integrator)
+    dem_givers_begin(d);
   if (!dem_alone(d))
     return home_forces(d, all, integrator);
   return d->work.nthread == 1 ? forces_alone(d, all, integrator) : forces_shared(d, all, integrator);
@@ -314,6 +315,12 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
 }
 
 /* ---- two sets of forces ---- */
+
+static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+    end_chunk(d, c, integrator, dt);
+}
 
 void dem_forces_clear(const dem_data *d, dem_push *push) {
   const int first = dem_home_first_particle(d);
