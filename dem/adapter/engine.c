@@ -302,5 +302,5 @@ tdm_status dem_engine_write_shares(dem_engine *e, const tdm_snapshot *share, con
   dem_orders_write(frame);
   if (!dem_homes_writes(e->data))
     tdm_share_write(frame, share, err);
-  return dem_orders_done(err);
+  return dem_orders_written(err);
 }

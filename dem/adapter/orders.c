@@ -329,20 +329,29 @@ static void follow_write(order *o, dem_engine *engine, const tdm_snapshot *share
 
 /* ---- both sides ---- */
 
-tdm_status dem_orders_done(tdm_error *err) {
+/* patience: of a rank that failed, with those that did not [s]; < 0: it waits for ever */
+static tdm_status meet(tdm_error *err, double patience) {
   if (!ranks)
     return err->status;
   int worst = !err->status ? 0 : ranks->rank > 0 ? 1 : 2; /* 2: rank 0 says it */
   char message[TDM_PATH_MAX + TDM_MESSAGE_MAX + 64];
   snprintf(message, sizeof message, "rank %d of %d: %s%s%s", ranks->rank, ranks->size, err->path,
            err->path[0] ? ": " : "", err->message);
-  if (!ranks->meet(&worst, worst ? PATIENCE : -1))
+  if (!ranks->meet(&worst, worst ? patience : -1))
     ranks->abandon(message);
   if (worst && !err->status)
     tdm_fail(err, TDM_ERR_SYSTEM, NULL, "another rank failed; standard error has its message");
   else if (worst == 1)
     fprintf(stderr, "tandem-dem: %s\n", message);
   return err->status;
+}
+
+tdm_status dem_orders_done(tdm_error *err) {
+  return meet(err, PATIENCE);
+}
+
+tdm_status dem_orders_written(tdm_error *err) {
+  return meet(err, -1);
 }
 
 /* what is to be seen: all ranks look together, and this one has its share until it is written */

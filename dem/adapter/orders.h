@@ -45,6 +45,9 @@ void dem_orders_write(const tdm_shared_frame *frame);
 /* What was ordered is done here, with err; wait for the others. An error elsewhere becomes err. */
 tdm_status dem_orders_done(tdm_error *err);
 
+/* Likewise of an order in which ranks tell each other nothing, but may take long: all get here. */
+tdm_status dem_orders_written(tdm_error *err);
+
 /* A rank other than 0: do what rank 0 says until it says that it ends. */
 void dem_orders_follow(void);
 

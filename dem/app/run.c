@@ -36,6 +36,7 @@ typedef struct {
 
   uint64_t nstep; /* done */
   double particle_steps;
+  bool reposed;      /* the last state is in outputs.snapshot, of all particles */
   double loop, step; /* wall times: the loop, the solver's part of it [s] */
 } run_state;
 
@@ -245,7 +246,7 @@ static json_t *summary(run_state *run, double wall, const tdm_error *err) {
                           run->alone.setup, "dem", run->step, "output", fmax(0, run->loop - run->step), "pictures",
                           tdm_outputs_pictures(&run->outputs));
   json_object_update_new(json, own);
-  if (s->repose_along >= 0)
+  if (run->reposed)
     json_object_set_new(json, "repose", repose(run));
   if (d && !dem_alone(d))
     json_object_set_new(json, "ranks", ranks_summary(run));
@@ -267,7 +268,7 @@ static void conclude(tdm_standalone *alone, tdm_error *err) {
   if (run->alone.channels) {
     tdm_standalone_close(&run->alone, err);
     if (run->settings.repose_along >= 0 && run->engine)
-      take_snapshot(run, true, &late);
+      run->reposed = take_snapshot(run, true, &late) == TDM_OK;
     if (!late.status)
       tdm_standalone_plot(&run->alone, "channels", NULL, &notice);
   }

@@ -6,7 +6,9 @@
 #include "protocol/scene/time_section.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <math.h>
+#include <string.h>
 
 /* ---- settings ---- */
 
@@ -161,21 +163,32 @@ tdm_status tdm_outputs_begin(tdm_outputs *o, const tdm_outputs_settings *s, cons
   return s->particles_interval > 0 ? begin_frames(o, err) : TDM_OK;
 }
 
-/* The shares that others have; where they cannot be written no file of particles is left half written. */
-static tdm_status write_shares(const tdm_outputs *o, const tdm_frame_place *place, tdm_error *err) {
+/* The shares that others have. Meanwhile the file is closed here, since several machines see what one of them wrote
+ * when it has closed the file, and may write over it when they have it open. */
+static tdm_status write_shares(tdm_outputs *o, const tdm_frame_place *place, tdm_error *err) {
   tdm_shared_frame frame = {.number = o->pvd.number, .arrays = place->arrays};
   snprintf(frame.dir, sizeof frame.dir, "%s", o->results->dir);
-  if (o->sharers.write(o->sharers.with, &frame, err) != TDM_OK)
-    tdm_vtp_remove(o->results, o->pvd.number, "particles");
+  const int closed = fclose(o->frames);
+  o->frames = NULL;
+  if (closed != 0)
+    return tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", o->path, strerror(errno));
+  if (o->sharers.write(o->sharers.with, &frame, err) == TDM_OK)
+    o->frames = tdm_share_open(o->path, err);
   return err->status;
 }
 
 static tdm_status write_frame(tdm_outputs *o, const tdm_snapshot *snapshot, tdm_error *err) {
+  const bool shared = snapshot->nparticle < snapshot->nall;
   tdm_frame_place place;
   if (tdm_vtp_write(o->results, o->pvd.number, &o->scenery, snapshot, o->parts, err) != TDM_OK ||
       (o->settings->contacts && tdm_force_histogram_add(&o->histogram, snapshot, err) != TDM_OK) ||
       tdm_frames_write(o->frames, o->path, snapshot, &place, &o->bytes, err) != TDM_OK ||
-      (snapshot->nparticle < snapshot->nall && write_shares(o, &place, err) != TDM_OK) ||
+      (shared && write_shares(o, &place, err) != TDM_OK)) {
+    if (shared)
+      tdm_vtp_finish_shares(o->results, o->pvd.number, false, err);
+    return err->status;
+  }
+  if ((shared && tdm_vtp_finish_shares(o->results, o->pvd.number, true, err) != TDM_OK) ||
       tdm_frames_end(o->frames, o->path, &place, err) != TDM_OK ||
       tdm_pvd_add(&o->pvd, o->results, snapshot->time, o->parts, err) != TDM_OK)
     return err->status;

@@ -46,11 +46,15 @@ static void print(vtp *v, const char *format, ...) {
   v->text += n > 0 ? (size_t)n : 0;
 }
 
-/* The file of rank 0, or of a process that runs alone; false: it cannot be written. */
-static bool begin(vtp *v, const tdm_results *r, const char *what, int number, tdm_error *err) {
+/* what a file is called until all shares are in it */
+static const char unfinished[] = ".part";
+
+/* The file of rank 0, or of a process that runs alone; shared: others will write into it. False: it cannot be written.
+ */
+static bool begin(vtp *v, const tdm_results *r, const char *what, int number, bool shared, tdm_error *err) {
   char name[64];
   *v = (vtp){.leads = true};
-  snprintf(name, sizeof name, "%s_%06d.vtp", what, number);
+  snprintf(name, sizeof name, "%s_%06d.vtp%s", what, number, shared ? unfinished : "");
   tdm_results_path(r, name, v->path, sizeof v->path);
   v->file = tdm_results_file(r, name, err);
   if (v->file)
@@ -61,7 +65,7 @@ static bool begin(vtp *v, const tdm_results *r, const char *what, int number, td
 /* The same file as another process opens it, which has only a share to write. */
 static bool join(vtp *v, const char *dir, const char *what, int number, tdm_error *err) {
   *v = (vtp){0};
-  snprintf(v->path, sizeof v->path, "%s/%s_%06d.vtp", dir, what, number);
+  snprintf(v->path, sizeof v->path, "%s/%s_%06d.vtp%s", dir, what, number, unfinished);
   v->file = tdm_share_open(v->path, err);
   print(v, head, "PolyData");
   return v->file;
@@ -97,7 +101,7 @@ static bool put_arrays(vtp *v) {
   return good && (!v->leads || tdm_put_at(v->file, (long)at, tail, sizeof tail - 1));
 }
 
-/* A file that cannot be written to its end goes. */
+/* A file that cannot be written to its end goes; one of shares goes when all that write into it are done. */
 static tdm_status end(vtp *v, tdm_error *err) {
   errno = 0;
   print(v, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
@@ -106,7 +110,8 @@ static tdm_status end(vtp *v, tdm_error *err) {
   if (fclose(v->file) == 0 && good)
     return err->status;
   tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s", v->path, strerror(why ? why : errno));
-  unlink(v->path);
+  if (v->leads)
+    unlink(v->path);
   return err->status;
 }
 
@@ -150,7 +155,7 @@ static tdm_status write_particles(const tdm_results *r, const char *dir, int num
   if (!index)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d particles", s->nparticle);
   number_vertices(s, index);
-  if (r ? begin(&v, r, "particles", number, err) : join(&v, dir, "particles", number, err)) {
+  if (r ? begin(&v, r, "particles", number, s->nparticle < s->nall, err) : join(&v, dir, "particles", number, err)) {
     put_particles(&v, s, index);
     end(&v, err);
   }
@@ -210,7 +215,7 @@ static tdm_status write_contacts(const tdm_results *r, int number, const tdm_sna
   links l;
   if (!make_links(&l, s))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the output of %d contacts", s->ncontact);
-  else if (begin(&v, r, "contacts", number, err)) {
+  else if (begin(&v, r, "contacts", number, false, err)) {
     put_contacts(&v, (size_t)s->ncontact, &l);
     end(&v, err);
   }
@@ -413,7 +418,7 @@ static tdm_status write_bodies(const tdm_results *r, int number, const tdm_scene
   pushes p = {0};
   if (make_cells(&c, scenery, s, dem, err) == TDM_OK &&
       (!dem || s->nforce == 0 || make_pushes(&p, scenery, s, err) == TDM_OK) &&
-      begin(&v, r, dem ? "walls" : "mechanism", number, err)) {
+      begin(&v, r, dem ? "walls" : "mechanism", number, false, err)) {
     put_bodies(&v, scenery, dem, &c, &p);
     end(&v, err);
   }
@@ -433,10 +438,18 @@ tdm_vtp_parts tdm_vtp_parts_of(const tdm_scenery *s) {
   return parts;
 }
 
-void tdm_vtp_remove(const tdm_results *r, int number, const char *what) {
-  char name[64], path[4352];
-  snprintf(name, sizeof name, "%s_%06d.vtp", what, number);
-  unlink(tdm_results_path(r, name, path, sizeof path));
+tdm_status tdm_vtp_finish_shares(const tdm_results *r, int number, bool whole, tdm_error *err) {
+  char name[64], part[80], path[4352], from[4352];
+  snprintf(name, sizeof name, "particles_%06d.vtp", number);
+  snprintf(part, sizeof part, "%s%s", name, unfinished);
+  tdm_results_path(r, name, path, sizeof path);
+  tdm_results_path(r, part, from, sizeof from);
+  if (whole && rename(from, path) == 0)
+    return TDM_OK;
+  const int why = errno;
+  unlink(from);
+  return whole ? tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be renamed to %s: %s", from, name, strerror(why))
+               : TDM_OK;
 }
 
 tdm_status tdm_vtp_write(const tdm_results *r, int number, const tdm_scenery *scenery, const tdm_snapshot *s,

@@ -31,15 +31,15 @@ typedef struct {
 
 tdm_vtp_parts tdm_vtp_parts_of(const tdm_scenery *scenery);
 
-/* The files of one time; with a share of the particles, all but the other shares. After an error none of them is left
- * half written. */
+/* The files of one time. After an error none of them is left half written. With a share of the particles, all but the
+ * other shares, and that file is called particles_NNNNNN.vtp.part until tdm_vtp_finish_shares, also after an error. */
 tdm_status tdm_vtp_write(const tdm_results *results, int number, const tdm_scenery *scenery,
                          const tdm_snapshot *snapshot, tdm_vtp_parts parts, tdm_error *err);
 
-/* Remove a file of that number, which others have not written to its end. */
-void tdm_vtp_remove(const tdm_results *results, int number, const char *what);
+/* All shares are written: the file of that number gets its name. Not whole: it is removed. */
+tdm_status tdm_vtp_finish_shares(const tdm_results *results, int number, bool whole, tdm_error *err);
 
-/* The share of another process, into DIR/particles_NNNNNN.vtp, which is there but for it. */
+/* The share of another process, into DIR/particles_NNNNNN.vtp.part, which is there but for it. */
 tdm_status tdm_vtp_write_share(const char *dir, int number, const tdm_snapshot *share, tdm_error *err);
 
 /* scene.pvd, open. It grows with every time, and is whole in between. Zero-initialise; freed with tdm_pvd_close. */

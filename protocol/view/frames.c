@@ -49,10 +49,9 @@ FILE *tdm_share_open(const char *path, tdm_error *err) {
   if (!file && fd >= 0)
     close(fd);
   if (!file)
-    tdm_fail(
-        err, TDM_ERR_FILE, NULL,
-        "%s: cannot be written: %s; processes on other machines need the result directory, too, under the same path",
-        path, strerror(errno));
+    tdm_fail(err, TDM_ERR_FILE, NULL, "%s: cannot be written: %s%s", path, strerror(errno),
+             errno == ENOENT ? "; processes on other machines need the result directory, too, under the same path"
+                             : "");
   return file;
 }
 
@@ -92,6 +91,8 @@ tdm_status tdm_frames_write(FILE *file, const char *path, const tdm_snapshot *s,
       !tdm_put_at(file, at, bytes->data + l.before + own, rest) || fflush(file) != 0)
     return cannot(path, err);
   place->end = at + (long)rest;
+  if (s->nparticle < s->nall && ftruncate(fileno(file), place->end) != 0) /* the end may be another's share */
+    return cannot(path, err);
   return TDM_OK;
 }
 

@@ -7,8 +7,11 @@
 #include "dem/exchange/keep.h"
 #include "protocol/output/outputs.h"
 #include "test_ranks_support.h"
+#include "tests/command.h"
 #include "tests/test_main.h"
 
+#include <errno.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { WINDOWS = 5, STEPS = 60 };
@@ -17,7 +20,8 @@ static const double dt = 2e-5;
 /* A run with frames, which go to a folder of their own. */
 typedef struct {
   const char *name;
-  bool lost; /* other ranks are told of a folder that is not there */
+  bool lost;    /* other ranks are told of a folder that is not there */
+  bool blocked; /* rank 0 cannot write the walls */
   tdm_error err;
   int nparticle, nranges; /* at the end; ranges of rank 0's last share */
 } frames_run;
@@ -65,6 +69,7 @@ static void lead(void *context) {
   frames_run *run = context;
   char dir[256];
   snprintf(dir, sizeof dir, TANDEM_TEST_DIR "/%s", run->name);
+  directory_remove(dir);
   dem_keep_poisons = true;
   const tdm_results_def def = {.dir = dir, .log = "log", .force = true};
   const tdm_outputs_settings settings = {.particles_interval = STEPS * dt};
@@ -74,6 +79,10 @@ static void lead(void *context) {
   dem_engine *e = NULL;
   ck_assert_msg(!tdm_results_open(&results, &def, &run->err) && !tdm_results_start(&results, &run->err), "%s",
                 run->err.message);
+  if (run->blocked) {
+    strcat(dir, "/walls_000000.vtp");
+    ck_assert(mkdir(dir, 0777) == 0 || errno == EEXIST);
+  }
   ck_assert_msg(!dem_engine_create(&e, &assignment, NULL, &run->err), "%s: %s", run->err.path, run->err.message);
   sharers with = {e, &o.snapshot, run->lost};
   o.sharers = (tdm_sharers){write_shares, &with};
@@ -141,13 +150,21 @@ START_TEST(the_same_files) {
 }
 END_TEST
 
+static void ck_no_particles(const char *dir) {
+  char path[512];
+  for (int part = 0; part < 2; part++) {
+    snprintf(path, sizeof path, TANDEM_TEST_DIR "/%s/particles_000000.vtp%s", dir, part ? ".part" : "");
+    ck_assert_int_ne(access(path, F_OK), 0);
+  }
+}
+
 /* The run ends; of the frame that is not whole nothing is left or listed, and what was there before can be read. */
 START_TEST(a_rank_that_cannot_write) {
   frames_run run = {.name = "frames-lost", .lost = true};
   on_ranks(3, lead, &run);
   ck_assert_int_eq(run.err.status, TDM_ERR_SYSTEM);
   ck_assert_ptr_nonnull(strstr(run.err.message, "another rank failed"));
-  ck_assert_int_ne(access(TANDEM_TEST_DIR "/frames-lost/particles_000000.vtp", F_OK), 0);
+  ck_no_particles("frames-lost");
   size_t size;
   char *list = read_file(run.name, "scene.pvd", &size);
   list[size] = '\0';
@@ -161,4 +178,14 @@ START_TEST(a_rank_that_cannot_write) {
 }
 END_TEST
 
-TEST_MAIN("dem_ranks_frames", the_same_files, a_rank_that_cannot_write)
+/* Of what the others did not write nothing is left when another file of the frame cannot be written. */
+START_TEST(walls_that_cannot_be_written) {
+  frames_run run = {.name = "frames-blocked", .blocked = true};
+  on_ranks(3, lead, &run);
+  ck_assert_int_eq(run.err.status, TDM_ERR_FILE);
+  ck_assert_ptr_nonnull(strstr(run.err.message, "walls_000000.vtp"));
+  ck_no_particles("frames-blocked");
+}
+END_TEST
+
+TEST_MAIN("dem_ranks_frames", the_same_files, a_rank_that_cannot_write, walls_that_cannot_be_written)
