@@ -141,21 +141,10 @@ static tdm_status check_ranks(const dem_model *m, tdm_error *err) {
   return TDM_OK;
 }
 
-/* How particles start is in the data of the ranks whose home they are, unless some are still to come. Rank 0 keeps it:
- * it writes states, which say what they are of. */
-static void forget_start(dem_model *m) {
-  if (m->npoured > 0 || m->settle.store || m->start)
-    return;
-  free(m->mass);
-  free(m->particle_material);
-  free(m->position);
-  free(m->velocity);
-  free(m->spin);
-  free(m->orientation);
-  m->mass = NULL;
-  m->particle_material = NULL;
-  m->position = m->velocity = m->spin = NULL;
-  m->orientation = NULL;
+/* Will nobody ask again how particles start? It is in the data of the ranks whose home they are; but some may still be
+ * to come, and a stored state says what it is of. */
+static bool placed(const dem_model *m) {
+  return m->npoured == 0 && !m->settle.store && !m->start;
 }
 
 static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {
@@ -169,16 +158,20 @@ static tdm_status allocate(dem_engine *e, const tdm_assignment *assignment, tdm_
   e->proxy = dem_proxy_create(e->model, assignment);
   if (!e->data || !e->load || !e->initial || !e->before || !e->proxy)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", e->model->nparticle);
-  if (!dem_homes_writes(e->data))
-    forget_start(e->model);
+  if (dem_orders_ranks() && placed(e->model))
+    dem_model_forget_start(e->model);
   return dem_forces_begin(e->data, err);
 }
 
 static tdm_status make(dem_engine *e, const tdm_assignment *assignment, tdm_error *err) {
-  if (dem_model_read(&e->model, assignment, err) || check_ranks(e->model, err) ||
+  if (dem_model_read_on(&e->model, assignment, dem_orders_ranks(), err) || check_ranks(e->model, err) ||
       (assignment->proxy && dem_engine_check_proxy(e, err)) || allocate(e, assignment, err))
     return err->status;
-  return start(e, err);
+  if (start(e, err))
+    return err->status;
+  if (dem_orders_ranks())
+    dem_model_forget_start(e->model);
+  return TDM_OK;
 }
 
 static void let_go(dem_engine **engine) {

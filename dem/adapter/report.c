@@ -145,7 +145,7 @@ static void warn_behind(dem_report *r, const dem_data *d) {
 /* walls have no images: one that reaches a face of a box that repeats ends there */
 static void warn_repeats(dem_report *r, const dem_data *d) {
   const dem_model *m = d->model;
-  double radius = dem_largest_radius(m);
+  double radius = m->largest_radius;
   for (int w = 0; w < m->nwall; w++)
     for (int a = 0; a < 3; a++) {
       tdm_vec3 up = {0, 0, 0};
@@ -370,7 +370,7 @@ static void report_lids(dem_report *r, const dem_data *d) {
 static void warn_scale(dem_report *r, const dem_data *d) {
   const double many = 1000, large = 20, few = 0.1; /* diameters; [m]; diameters */
   const dem_model *m = d->model;
-  const double diameter = 2 * dem_largest_radius(m);
+  const double diameter = 2 * m->largest_radius;
   for (int w = 0; w < m->nwall; w++) {
     const dem_wall *wall = &m->wall[w];
     if (!wall->shape->file || !dem_wall_ends(wall) || wall->plates || diameter == 0)

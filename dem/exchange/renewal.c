@@ -338,10 +338,10 @@ static tdm_status begin_renewal(renewal *r, const double *home) {
   if (!r->begin || !r->rank_of)
     return TDM_ERR_MEMORY;
   for (int h = 0; h <= size; h++)
-    r->begin[h] = dem_chunk_start(d, dem_chunk_of_share(d, home[h]));
+    r->begin[h] = dem_chunk_start(d, dem_chunk_of_share(d->lists.nchunk, home[h]));
   for (int h = 0; h < size; h++)
-    for (int c = dem_chunk_of_share(d, home[h]); c < dem_chunk_of_share(d, home[h + 1]); c++)
-      r->rank_of[c] = h;
+    for (int i = r->begin[h]; i < r->begin[h + 1]; i += DEM_CHUNK)
+      r->rank_of[i / DEM_CHUNK] = h;
   return TDM_OK;
 }
 

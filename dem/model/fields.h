@@ -75,6 +75,9 @@
   F(balance, "results have the same bits")                   \
   F(skin, "results have the same bits")                      \
   F(mean_radius, "for the skin")                             \
+  F(largest_radius, "follows from the radii")                \
+  F(first_here, "others are on their ranks")                 \
+  F(end_here, "others are on their ranks")                   \
   F(loops, "follow from the laws")                           \
   F(wall_loops, "follow from the laws")                      \
   F(sum_loops, "follow from the laws")                       \

@@ -19,13 +19,14 @@ int dem_find_body(const dem_model *m, const char *name) {
   return -1;
 }
 
-double dem_largest_radius(const dem_model *m) {
-  double largest = 0;
-  for (int i = 0; i < m->nparticle; i++)
-    largest = fmax(largest, m->radius[i]);
-  for (int s = 0; s < m->nsource; s++)
-    largest = fmax(largest, m->source[s].sizes.max);
-  return largest;
+void dem_model_forget_start(dem_model *m) {
+  void *arrays[] = {m->radius, m->mass, m->particle_material, m->position, m->velocity, m->spin, m->orientation};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+    free(arrays[i]);
+  m->radius = m->mass = NULL;
+  m->particle_material = NULL;
+  m->position = m->velocity = m->spin = NULL;
+  m->orientation = NULL;
 }
 
 void dem_model_destroy(dem_model **model) {
@@ -50,11 +51,11 @@ void dem_model_destroy(dem_model **model) {
     dem_wall_release(&m->wall[w]);
   free(m->settle.store);
   free(m->start);
-  void *arrays[] = {m->pouring,           m->source,         m->sink,     m->box,         m->material,
-                    m->geometry,          m->first_triangle, m->pair,     m->settle_pair, m->body,
-                    m->coupled_body,      m->wall,           m->group,    m->radius,      m->mass,
-                    m->particle_material, m->position,       m->velocity, m->spin,        m->still,
-                    m->orientation,       m->screening.deck, m->trace,    m->container};
+  dem_model_forget_start(m);
+  void *arrays[] = {m->pouring,        m->source,         m->sink,  m->box,         m->material,
+                    m->geometry,       m->first_triangle, m->pair,  m->settle_pair, m->body,
+                    m->coupled_body,   m->wall,           m->group, m->still,       m->trace,
+                    m->screening.deck, m->container};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     free(arrays[i]);
   free(m);

@@ -265,11 +265,12 @@ typedef struct dem_model {
   dem_guard_def guard;
   int slices; /* 1, 2, 3: particles are in the order of slices across x, y, z; 0: of a curve (search/order.h) */
   dem_balance_def balance;
-  char *start;        /* stored state that the run starts from, NULL: none */
-  bool clip;          /* the normal force never attracts */
-  double wall_mass;   /* [kg] taken for every wall in the damping; 0: the body's own mass */
-  double skin;        /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
-  double mean_radius; /* of the particles, every source's counted as one [m] */
+  char *start;           /* stored state that the run starts from, NULL: none */
+  bool clip;             /* the normal force never attracts */
+  double wall_mass;      /* [kg] taken for every wall in the damping; 0: the body's own mass */
+  double skin;           /* of the neighbour lists [m]; 0: chosen while running (search/pairs.h) */
+  double mean_radius;    /* of the particles, every source's counted as one [m] */
+  double largest_radius; /* that is there or that a source will make [m]; 0 without any */
 
   int nmaterial;
   dem_material *material; /* (nmaterial) */
@@ -313,9 +314,11 @@ typedef struct dem_model {
   int ntrace;
   dem_trace *trace; /* (ntrace) */
 
-  /* the particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
-   * settling and have no position yet. */
+  /* The particles at the start; how many there are now, and which, is in the data. The last npoured of them come while
+   * settling and have no position yet. On several ranks places and motion are there of first_here ... end_here - 1
+   * only, and all these arrays are NULL when the run begins. */
   int nparticle, npoured;
+  int first_here, end_here;
   double *radius;         /* (nparticle) [m] */
   double *mass;           /* (nparticle) [kg] */
   int *particle_material; /* (nparticle) index of material */
@@ -334,15 +337,15 @@ typedef struct dem_model {
 int dem_find_material(const dem_model *model, const char *name);
 int dem_find_body(const dem_model *model, const char *name);
 
-/* Largest radius that is there or that a source will make [m]; 0 without any. */
-double dem_largest_radius(const dem_model *model);
-
 /* v with `at` for the component along which particles do not move. */
 static inline tdm_vec3 dem_flatten(const dem_model *m, tdm_vec3 v, double at) {
   if (m->flat >= 0)
     (&v.x)[m->flat] = at;
   return v;
 }
+
+/* Free how particles start: radius, mass, particle_material, position, velocity, spin, orientation. */
+void dem_model_forget_start(dem_model *model);
 
 /* Frees and sets *model to NULL; *model may be NULL. */
 void dem_model_destroy(dem_model **model);

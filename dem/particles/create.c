@@ -6,6 +6,8 @@
 #include "dem/particles/field.h"
 #include "dem/seam/homes.h"
 
+#include <assert.h>
+
 void dem_skin_begin(dem_data *d, double mean_radius) {
   d->lists.mean_radius = mean_radius;
   d->lists.skin = d->model->skin > 0 ? d->model->skin : 0.05 * mean_radius;
@@ -20,6 +22,7 @@ static void begin(dem_data *d, const dem_ranks *ranks) {
   dem_homes_begin(d, ranks);
   dem_parted(d, DEM_WHOLE);
   const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  assert(first >= m->first_here && end <= m->end_here);
   for (int i = first; i < end; i++) {
     d->state.id[i] = (uint64_t)i;
     d->state.mass[i] = m->mass[i];

@@ -396,7 +396,7 @@ static double law_reach(const dem_model *m) {
   double reach = 0;
   for (int k = 0; k < m->nmaterial * m->nmaterial; k++)
     if (m->cohesion->reach && m->pair[k].given)
-      reach = fmax(reach, m->cohesion->reach(&m->pair[k], dem_largest_radius(m)));
+      reach = fmax(reach, m->cohesion->reach(&m->pair[k], m->largest_radius));
   return reach;
 }
 

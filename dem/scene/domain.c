@@ -98,20 +98,3 @@ void dem_read_dimension(dem_model *m, tdm_object *section) {
   m->flat = tdm_get_choice(section, "plane", planes, 3, 1);
   m->flat_at = tdm_get_number(section, "plane_at", 0, TDM_ANY);
 }
-
-void dem_put_in_plane(dem_model *m, tdm_error *err) {
-  for (int g = 0; m->flat >= 0 && g < m->ngroup; g++)
-    for (int i = m->group[g].first; i < m->group[g].first + m->group[g].count; i++) {
-      m->position[i] = dem_flatten(m, m->position[i], m->flat_at);
-      tdm_vec3 turn = m->spin[i];
-      (&turn.x)[m->flat] = 0;
-      char path[TDM_PATH_MAX];
-      snprintf(path, sizeof path, "dem.particles[%d]", g);
-      if ((&m->velocity[i].x)[m->flat] != 0 || tdm_norm(turn) > 0) {
-        tdm_fail(err, TDM_ERR_SCENE, path,
-                 "moves out of the plane of dem.plane; with dem.dimension 2 give velocities in it and spins about %c",
-                 "xyz"[m->flat]);
-        return;
-      }
-    }
-}

@@ -11,6 +11,7 @@
 #include "dem/model/cells.h"
 #include "dem/moldyn/particles.h"
 #include "dem/scene/keys.h"
+#include "dem/seam/homes.h"
 
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
@@ -41,6 +42,7 @@ typedef struct {
   tdm_vec3 spin;     /* world [rad/s] */
   double mass;       /* of one particle [kg], 0: from the density */
   double total_mass; /* of all [kg], 0: from the density */
+  bool counting;     /* particles are not made, but counted */
 } filler;
 
 /* Let *array hold n items. */
@@ -68,12 +70,16 @@ static void set_vector(tdm_vec3 *place, tdm_vec3 v) {
     *place = v;
 }
 
-/* room for n more particles */
-static tdm_status make_room(filler *f, long n) {
+/* Room for n more particles, which are to be added now; false: they are not. */
+static bool make_room(filler *f, long n) {
   dem_model *m = f->m;
   if (n > PARTICLES_MAX - m->nparticle) {
     tdm_object_fail(f->o, NULL, "makes %ld particles; at most %d in all are supported", n, PARTICLES_MAX);
-    return f->o->err->status;
+    return false;
+  }
+  if (f->counting) {
+    m->nparticle += (int)n;
+    return false;
   }
   size_t before = (size_t)m->nparticle, total = before + (size_t)n + 1;
   if (grow(&m->radius, total, sizeof *m->radius) || grow(&m->mass, total, sizeof *m->mass) ||
@@ -81,8 +87,8 @@ static tdm_status make_room(filler *f, long n) {
       grow(&m->position, total, sizeof *m->position) || grow_zero(&m->velocity, before, total) ||
       grow_zero(&m->spin, before, total) || (m->still && grow(&m->still, total, sizeof *m->still)) ||
       (m->oriented && grow(&m->orientation, total, sizeof *m->orientation)))
-    return tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
-  return TDM_OK;
+    tdm_fail(f->o->err, TDM_ERR_MEMORY, f->o->path, "no memory for %ld particles", n);
+  return !f->o->err->status;
 }
 
 static double mass_of(const filler *f, double radius) {
@@ -94,18 +100,21 @@ static double radius_of(const filler *f, uint64_t k) {
   return dem_sizes_draw(&f->sizes, f->seed, k);
 }
 
-/* Add a particle at x (coordinates of the entry). There is room. */
+/* Add a particle at x (coordinates of the entry). There is room. Others' places are not touched, so they take no
+ * memory. */
 static void add(filler *f, tdm_vec3 x, double radius) {
   dem_model *m = f->m;
   int i = m->nparticle++;
   m->radius[i] = radius;
   m->mass[i] = mass_of(f, radius);
   m->particle_material[i] = f->material;
-  m->position[i] = tdm_pose_point(f->frame, x);
-  set_vector(&m->velocity[i], f->velocity);
-  set_vector(&m->spin[i], f->spin);
   if (m->still)
     m->still[i] = false;
+  if (i < m->first_here || i >= m->end_here)
+    return;
+  m->position[i] = dem_flatten(m, tdm_pose_point(f->frame, x), m->flat_at);
+  set_vector(&m->velocity[i], f->velocity);
+  set_vector(&m->spin[i], f->spin);
   if (m->oriented)
     m->orientation[i] = tdm_quat_identity();
 }
@@ -128,7 +137,7 @@ static void read_list(filler *f) {
   if (radii && json_array_size(radii) != n)
     tdm_object_fail(o, "radii", "has %zu entries but there are %zu positions; give each its radius",
                     json_array_size(radii), n);
-  if (o->err->status || make_room(f, (long)n))
+  if (o->err->status || !make_room(f, (long)n))
     return;
   for (size_t i = 0; i < n; i++) {
     json_t *entry = json_array_get(positions, i);
@@ -167,7 +176,7 @@ static void read_block(filler *f) {
     tdm_object_fail(o, "spacing", "is %g m, so that particles of radius %g m overlap; give at least %g", spacing,
                     radius, 2 * radius);
   double n = count[0] * count[1] * count[2];
-  if (o->err->status || make_room(f, n > PARTICLES_MAX ? PARTICLES_MAX + 1L : (long)n))
+  if (o->err->status || !make_room(f, n > PARTICLES_MAX ? PARTICLES_MAX + 1L : (long)n))
     return;
   uint64_t number = 0;
   for (int k = 0; k < (int)count[2]; k++)
@@ -241,7 +250,7 @@ static void read_random(filler *f) {
   tdm_vec3 low, high;
   read_region(o, largest, &low, &high);
   double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
-  if (o->err->status || count == 0 || make_room(f, count))
+  if (o->err->status || count == 0 || !make_room(f, count))
     return;
   if (!choose_cells(size, 2 * largest, count, n)) {
     double room = cells_of(size, 2 * largest, n), layer = n[0] * n[1];
@@ -308,7 +317,7 @@ static void read_poured(filler *f) {
   p.largest = f->sizes.max;
   read_region(o, p.largest, &p.low, &p.high);
   check_pouring(o, f, &p);
-  if (o->err->status || make_room(f, count))
+  if (o->err->status || !make_room(f, count))
     return;
   p.count = (int)count;
   for (int k = 0; k < p.count; k++)
@@ -332,6 +341,18 @@ static void hold(filler *f, int i) {
   m->driven = m->fixes = true;
 }
 
+/* refuse what no particle can do in two dimensions, or without rotation */
+static void check_motion(const filler *f, tdm_vec3 velocity, tdm_vec3 spin) {
+  const dem_model *m = f->m;
+  if (m->unturned && tdm_dot(spin, spin) > 0)
+    tdm_fail(f->o->err, TDM_ERR_SCENE, "dem.rotation",
+             "is false, but a particle has a spin at the start; remove the spin");
+  if (m->flat >= 0 && ((&velocity.x)[m->flat] != 0 || tdm_norm(dem_flatten(m, spin, 0)) > 0))
+    tdm_fail(f->o->err, TDM_ERR_SCENE, f->o->path,
+             "moves out of the plane of dem.plane; with dem.dimension 2 give velocities in it and spins about %c",
+             "xyz"[m->flat]);
+}
+
 /* what a file says of each particle itself */
 static void set_particle(filler *f, int i, const dem_pin_particle *p) {
   dem_model *m = f->m;
@@ -339,6 +360,7 @@ static void set_particle(filler *f, int i, const dem_pin_particle *p) {
   m->spin[i] = tdm_quat_rotate(f->frame.orientation, p->spin);
   if (m->oriented)
     m->orientation[i] = tdm_quat_mul(f->frame.orientation, p->orientation);
+  check_motion(f, m->velocity[i], m->spin[i]);
   if (!p->moves)
     hold(f, i);
 }
@@ -355,7 +377,7 @@ static void read_moldyn(filler *f) {
   tdm_path(path, o, "file", -1);
   if (o->err->status)
     return;
-  if (dem_pin_read(&pin, file, path, o->err) == TDM_OK && !make_room(f, pin.count)) {
+  if (dem_pin_read(&pin, file, path, o->err) == TDM_OK && make_room(f, pin.count)) {
     int first = f->m->nparticle;
     for (int k = 0; k < pin.count; k++)
       add(f, pin.particle[k].position, pin.particle[k].radius);
@@ -414,7 +436,7 @@ static void read_extras(dem_model *m, dem_group *group, tdm_object *o) {
   m->fixes = m->fixes || (group->count > 0 && group->fixed);
 }
 
-static void read_entry(dem_model *m, tdm_object *o, int entry) {
+static void read_entry(dem_model *m, tdm_object *o, int entry, bool counting) {
   static const char *const types[] = {
 #define X(name) #name,
       FILL_LIST(X)
@@ -425,7 +447,7 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
       FILL_LIST(X)
 #undef X
   };
-  filler f = {.m = m, .o = o, .entry = entry};
+  filler f = {.m = m, .o = o, .entry = entry, .counting = counting};
   int type = tdm_get_choice(o, "type", types, sizeof types / sizeof types[0], -1);
   read_names(&f);
   const tdm_vec3 zero = {0, 0, 0};
@@ -446,6 +468,10 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
     return;
   int first = m->nparticle;
   read[type](&f);
+  if (counting)
+    return;
+  if (m->nparticle > first)
+    check_motion(&f, f.velocity, f.spin);
   if (f.total_mass > 0 && m->nparticle > first)
     scale_mass(m, first, f.total_mass);
   check_masses(&f, first);
@@ -457,21 +483,44 @@ static void read_entry(dem_model *m, tdm_object *o, int entry) {
   tdm_object_close(o);
 }
 
-void dem_fill_read(dem_model *m, json_t *particles, tdm_error *err) {
+static bool is_of_type(json_t *particles, size_t entry, const char *type) {
+  const char *own = json_string_value(json_object_get(json_array_get(particles, entry), "type"));
+  return own && strcmp(own, type) == 0;
+}
+
+static void read_entries(dem_model *m, json_t *particles, bool counting, tdm_error *err) {
+  for (int poured = 0; poured < 2; poured++) /* those that are poured are the last */
+    for (size_t i = 0; i < json_array_size(particles) && !err->status; i++) {
+      if (is_of_type(particles, i, "poured") != poured)
+        continue;
+      char path[TDM_PATH_MAX];
+      snprintf(path, sizeof path, "dem.particles[%zu]", i);
+      tdm_object o = tdm_object_open(json_array_get(particles, i), path, err);
+      read_entry(m, &o, (int)i, counting);
+    }
+}
+
+/* Which particles' places and motion this rank needs: those of its home. Of those that are poured all ranks need all; a
+ * file is not worth reading twice. */
+static void choose_home(dem_model *m, json_t *particles, const dem_ranks *ranks, tdm_error *err) {
+  for (size_t i = 0; i < json_array_size(particles); i++)
+    if (is_of_type(particles, i, "poured") || is_of_type(particles, i, "moldyn"))
+      return;
+  read_entries(m, particles, true, err);
+  m->first_here = dem_first_at_start(m->nparticle, ranks->rank, ranks->size);
+  m->end_here = dem_first_at_start(m->nparticle, ranks->rank + 1, ranks->size);
+  m->nparticle = 0;
+}
+
+void dem_fill_read(dem_model *m, json_t *particles, const dem_ranks *ranks, tdm_error *err) {
   size_t n = json_array_size(particles);
   m->group = calloc(n + 1, sizeof *m->group);
   m->pouring = calloc(n + 1, sizeof *m->pouring);
   m->ngroup = (int)n;
   if (!m->group || !m->pouring)
     tdm_fail(err, TDM_ERR_MEMORY, "dem.particles", "no memory");
-  for (int poured = 0; poured < 2; poured++) /* those that are poured are the last */
-    for (size_t i = 0; i < n && !err->status; i++) {
-      const char *type = json_string_value(json_object_get(json_array_get(particles, i), "type"));
-      if ((type && strcmp(type, "poured") == 0) != poured)
-        continue;
-      char path[TDM_PATH_MAX];
-      snprintf(path, sizeof path, "dem.particles[%zu]", i);
-      tdm_object o = tdm_object_open(json_array_get(particles, i), path, err);
-      read_entry(m, &o, (int)i);
-    }
+  m->end_here = PARTICLES_MAX;
+  if (ranks)
+    choose_home(m, particles, ranks, err);
+  read_entries(m, particles, false, err);
 }

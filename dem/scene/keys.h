@@ -3,6 +3,7 @@
 #ifndef DEM_SCENE_KEYS_H
 #define DEM_SCENE_KEYS_H
 
+#include "dem/base/ranks.h"
 #include "dem/model/model.h"
 
 /* Three numbers whose square is a number too: of what is squared or divided by on the way. */
@@ -38,8 +39,9 @@ int dem_read_body(const dem_model *model, tdm_object *o, const char *key);
 /* Fail at `path` because dem.bodies has no body `name`; the nearest name is suggested. */
 void dem_fail_unknown_body(const dem_model *model, const char *path, const char *name, tdm_error *err);
 
-/* "particles" (an array, may be NULL; fill.c). Materials and bodies are there already. */
-void dem_fill_read(dem_model *model, json_t *particles, tdm_error *err);
+/* "particles" (an array, may be NULL; fill.c). Materials, bodies, plane and rotation are there already. ranks: as in
+ * dem_model_read_on. */
+void dem_fill_read(dem_model *model, json_t *particles, const dem_ranks *ranks, tdm_error *err);
 
 /* The arrays "sources", "sinks" and "containers" (may be NULL; flow.c). Materials and bodies are there already. */
 void dem_sources_read(dem_model *model, json_t *sources, tdm_error *err);
@@ -60,8 +62,5 @@ void dem_domain_check(const dem_model *model, double largest_radius, tdm_error *
 
 /* Read "dimension", "plane" and "plane_at" (domain.c). */
 void dem_read_dimension(dem_model *model, tdm_object *section);
-
-/* Put the particles at the start into the plane; refuse motion out of it. */
-void dem_put_in_plane(dem_model *model, tdm_error *err);
 
 #endif

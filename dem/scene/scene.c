@@ -28,13 +28,8 @@ static void read_rotation(dem_model *m, tdm_object *section) {
     tdm_object_fail(section, "orientation", "is for particles that turn; remove it, or \"rotation\": false");
 }
 
-/* after particles and laws */
+/* after the laws */
 static void check_rotation(const dem_model *m, tdm_object *section) {
-  bool spins = false;
-  for (int i = 0; i < m->nparticle; i++)
-    spins = spins || tdm_dot(m->spin[i], m->spin[i]) > 0;
-  if (m->unturned && spins)
-    tdm_object_fail(section, "rotation", "is false, but a particle has a spin at the start; remove the spin");
   if (m->unturned && m->couples)
     tdm_object_fail(section, "rotation",
                     "is false, but contact.rolling or contact.twisting resists rotation; set them "
@@ -66,7 +61,7 @@ static void read_search(dem_model *m, tdm_object *section) {
   dem_search *search = name != names[0] ? dem_search_create(name) : NULL;
   m->search = search ? name : NULL;
   if (search)
-    m->skin = dem_search_skin(search, m->skin, dem_largest_radius(m));
+    m->skin = dem_search_skin(search, m->skin, m->largest_radius);
   dem_search_destroy(&search);
 }
 
@@ -233,6 +228,15 @@ static double mean_radius_ahead(const dem_model *m) {
   return n ? sum / n : 1;
 }
 
+static double largest_radius(const dem_model *m) {
+  double largest = 0;
+  for (int i = 0; i < m->nparticle; i++)
+    largest = fmax(largest, m->radius[i]);
+  for (int s = 0; s < m->nsource; s++)
+    largest = fmax(largest, m->source[s].sizes.max);
+  return largest;
+}
+
 static void read_settle(dem_model *m, tdm_object *section) {
   m->settle.wanted = tdm_has(section, "settle");
   tdm_object o = tdm_get_object(section, "settle", false);
@@ -278,7 +282,13 @@ static void read_decomposition(dem_model *m, tdm_object *section) {
   tdm_object_close(&o);
 }
 
-static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error *err) {
+/* Is more needed of how particles start than what becomes of it on the rank whose home they are? What a stored state is
+ * of is all of them. */
+static bool needs_all(const tdm_object *section) {
+  return json_object_get(section->json, "start") || json_object_get(json_object_get(section->json, "settle"), "store");
+}
+
+static void read_model(dem_model *m, const tdm_assignment *assignment, const dem_ranks *ranks, tdm_error *err) {
   m->dt = assignment->dt;
   m->time_start = assignment->time_start;
   m->proxy = assignment->proxy;
@@ -302,15 +312,14 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   read_rotation(m, &o);
   json_t *particles = tdm_get_array(&o, "particles", false);
   if (!err->status)
-    dem_fill_read(m, particles, err);
-  if (!err->status)
-    dem_put_in_plane(m, err);
+    dem_fill_read(m, particles, ranks && !needs_all(&o) ? ranks : NULL, err);
   read_integrator(m, &o);
   json_t *sources = tdm_get_array(&o, "sources", false), *sinks = tdm_get_array(&o, "sinks", false);
   if (!err->status)
     dem_sources_read(m, sources, err);
   if (!err->status)
     dem_sinks_read(m, sinks, err);
+  m->largest_radius = largest_radius(m);
   json_t *containers = tdm_get_array(&o, "containers", false);
   if (!err->status)
     dem_containers_read(m, containers, err);
@@ -343,7 +352,7 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
   read_decomposition(m, &o);
   dem_domain_read(m, &o);
   if (!err->status)
-    dem_domain_check(m, dem_largest_radius(m), err);
+    dem_domain_check(m, m->largest_radius, err);
   read_guard(m, &o);
   const char *start = tdm_has(&o, "start") ? tdm_get_string(&o, "start", NULL) : NULL;
   m->start = start ? dem_copy_text(start, err) : NULL;
@@ -358,12 +367,17 @@ static void read_model(dem_model *m, const tdm_assignment *assignment, tdm_error
 }
 
 tdm_status dem_model_read(dem_model **model, const tdm_assignment *assignment, tdm_error *err) {
+  return dem_model_read_on(model, assignment, NULL, err);
+}
+
+tdm_status dem_model_read_on(dem_model **model, const tdm_assignment *assignment, const dem_ranks *ranks,
+                             tdm_error *err) {
   tdm_error own = {0}; /* so that err may be NULL */
   if (!err)
     err = &own;
   *model = calloc(1, sizeof **model);
   if (!*model)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for the DEM model");
-  read_model(*model, assignment, err);
+  read_model(*model, assignment, ranks, err);
   return err->status;
 }

@@ -3,9 +3,15 @@
 #ifndef DEM_SCENE_SCENE_H
 #define DEM_SCENE_SCENE_H
 
+#include "dem/base/ranks.h"
 #include "dem/model/model.h"
 
 /* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
 tdm_status dem_model_read(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
+
+/* The same on one of several ranks (NULL: alone): of its home's particles alone it has places and motion, where these
+ * are not poured, read from a file or of stored states. */
+tdm_status dem_model_read_on(dem_model **model, const tdm_assignment *assignment, const dem_ranks *ranks,
+                             tdm_error *err);
 
 #endif

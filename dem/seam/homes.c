@@ -10,7 +10,7 @@ void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
   d->work.homes.ranks = ranks;
   d->work.homes.planned = false;
   for (int r = 0; ranks && r <= ranks->size; r++)
-    d->lists.home[r] = (double)r / ranks->size;
+    d->lists.home[r] = dem_home_at_start(r, ranks->size);
   dem_united(d);
 }
 

@@ -44,14 +44,25 @@ static inline bool dem_alone(const dem_data *d) {
 }
 
 /* The chunk before which such a share of all chunks lies. */
-static inline int dem_chunk_of_share(const dem_data *d, double share) {
+static inline int dem_chunk_of_share(int nchunk, double share) {
   const double round_off = 1e-6;
-  return (int)ceil(d->lists.nchunk * share - round_off);
+  return (int)ceil(nchunk * share - round_off);
+}
+
+/* Where the homes of so many ranks begin at the start, as shares of the chunks. */
+static inline double dem_home_at_start(int rank, int size) {
+  return (double)rank / size;
+}
+
+/* The first of n particles of a rank's home at the start; of rank `size` n. */
+static inline int dem_first_at_start(int n, int rank, int size) {
+  const int nchunk = dem_chunks(n), c = dem_chunk_of_share(nchunk, dem_home_at_start(rank, size));
+  return c < nchunk ? c * DEM_CHUNK : n;
 }
 
 /* First chunk of a rank's home; of rank `size` the number of chunks. */
 static inline int dem_chunk_of_rank(const dem_data *d, int rank) {
-  return dem_chunk_of_share(d, d->lists.home[rank]);
+  return dem_chunk_of_share(d->lists.nchunk, d->lists.home[rank]);
 }
 
 /* Home chunks: from the first to before the end; all of them in a process that is alone. */

@@ -87,11 +87,11 @@ static int length_of(const int *run, int nrun) {
   return n;
 }
 
-tdm_status dem_nearby_choose(dem_nearby *nearby, const dem_search_input *input) {
+tdm_status dem_nearby_choose(dem_search_input *input) {
   const int behind[] = {input->end, input->n}, *run = input->run ? input->run : behind;
   const int nrun = input->run ? input->nrun : 1;
-  int n = input->end - input->begin, *number;
-  number = dem_scratch_take(input->scratch, (size_t)(n + length_of(run, nrun) + 1) * sizeof *number);
+  int n = input->end - input->begin;
+  int *number = dem_scratch_take(input->scratch, (size_t)(n + length_of(run, nrun) + 1) * sizeof *number);
   if (!number)
     return TDM_ERR_MEMORY;
   for (int k = 0; k < n; k++)
@@ -100,17 +100,15 @@ tdm_status dem_nearby_choose(dem_nearby *nearby, const dem_search_input *input) 
   marks m;
   if (n > 0 && mark(&m, input, number, reach_of(input, run, nrun)))
     return TDM_ERR_MEMORY;
-  const bool any = n > 0;
-  for (int k = 0; any && k < nrun; k++)
+  const int own = n;
+  for (int k = 0; own > 0 && k < nrun; k++)
     for (int j = run[2 * k]; j < run[2 * k + 1]; j++)
       if (may_be_near(&m, input->sphere[j].position))
         number[n++] = j;
   dem_scratch_back(input->scratch, before);
-  dem_sphere *sphere = dem_scratch_take(input->scratch, (size_t)(n + 1) * sizeof *sphere);
-  if (!sphere)
-    return TDM_ERR_MEMORY;
-  for (int k = 0; k < n; k++)
-    sphere[k] = input->sphere[number[k]];
-  *nearby = (dem_nearby){n, number, sphere};
+  input->number = number;
+  input->n = n;
+  input->begin = 0;
+  input->end = own;
   return TDM_OK;
 }

@@ -6,13 +6,8 @@
 
 #include "dem/search/method/method.h"
 
-typedef struct {
-  int n;
-  int *number;        /* (n) in the input, ascending; first all of the part */
-  dem_sphere *sphere; /* (n) copies */
-} dem_nearby;
-
-/* Choose from the input's spheres by its begin and end, in its scratch memory. Errors: TDM_ERR_MEMORY. */
-tdm_status dem_nearby_choose(dem_nearby *nearby, const dem_search_input *input);
+/* The input becomes one of these: `number`, in its scratch memory, names them, first all of the part, which is
+ * begin ... end - 1 of them. Errors: TDM_ERR_MEMORY. */
+tdm_status dem_nearby_choose(dem_search_input *input);
 
 #endif

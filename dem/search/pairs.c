@@ -279,7 +279,7 @@ static void adapt_skin(dem_data *d, bool sort) {
   double best = sqrt(3 * r * d->lists.skin / steps), most = 0.5 * r;
   for (int a = 0; a < 3; a++) /* as much as a box that repeats allows */
     if (d->state.domain.periodic[a])
-      most = fmin(most, 0.45 * d->state.domain.length[a] - 2 * dem_largest_radius(d->model));
+      most = fmin(most, 0.45 * d->state.domain.length[a] - 2 * d->model->largest_radius);
   d->lists.skin = fmax(0.02 * r, fmin(most, sqrt(best * d->lists.skin)));
 }
 

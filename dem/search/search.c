@@ -183,28 +183,20 @@ static tdm_status make_rows(const dem_found *found, const dem_search_input *inpu
 
 /* From here on the search is one among the spheres that the wanted rows can name; a search with a state knows spheres
  * by their numbers and gets all. */
-static tdm_status choose_spheres(const dem_search *search, dem_search_input *in, dem_nearby *nearby) {
-  *nearby = (dem_nearby){0};
-  if (!in->some) {
-    in->begin = 0;
-    in->end = in->n;
-  } else if (!dem_search_wants_all(search)) {
-    if (dem_nearby_choose(nearby, in))
-      return TDM_ERR_MEMORY;
-    in->sphere = nearby->sphere;
-    in->n = nearby->n;
-    in->end -= in->begin;
-    in->begin = 0;
-  }
+static tdm_status choose_spheres(const dem_search *search, dem_search_input *in) {
+  if (in->some)
+    return dem_search_wants_all(search) ? TDM_OK : dem_nearby_choose(in);
+  in->begin = 0;
+  in->end = in->n;
   return TDM_OK;
 }
 
 /* the numbers that the particles of the rows have in the whole input */
-static void number_rows(dem_rows *rows, const dem_nearby *nearby, const dem_search_input *input) {
-  if (!nearby->number)
+static void number_rows(dem_rows *rows, const int *number, const dem_search_input *input) {
+  if (!number)
     return;
   for (size_t k = 0; k < rows->count; k++)
-    rows->other[k] = nearby->number[rows->other[k]];
+    rows->other[k] = number[rows->other[k]];
   rows->begin = input->begin;
   rows->end = input->end;
 }
@@ -224,12 +216,11 @@ static dem_found *make_lists(const dem_search *search, const dem_search_input *i
 tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem_rows *rows) {
   assert(input->n >= 0 && input->nthread >= 1 && input->skin >= 0);
   dem_search_input in = *input;
-  dem_nearby nearby;
   if (!in.scratch) {
     in.scratch = &search->scratch;
     dem_scratch_done(in.scratch);
   }
-  if (choose_spheres(search, &in, &nearby))
+  if (choose_spheres(search, &in))
     return TDM_ERR_MEMORY;
   in.nthread = dem_search_threads(&in, in.n);
   dem_found *found = make_lists(search, &in);
@@ -248,7 +239,7 @@ tdm_status dem_search_run(dem_search *search, const dem_search_input *input, dem
   if (!status && in.n > 0)
     search->expected = (double)count / in.n;
   if (!status)
-    number_rows(rows, &nearby, input);
+    number_rows(rows, in.number, input);
   return status;
 }
 

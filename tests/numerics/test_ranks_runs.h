@@ -128,6 +128,17 @@ static inline json_t *scene_of(const outcome *out) {
   return scene;
 }
 
+/* of a model that has the start of all particles, as a state says what it is of */
+static inline void save_state(outcome *out, const dem_data *d, const tdm_assignment *assignment) {
+  dem_data whole = *d;
+  dem_model *model;
+  tdm_error err = {0};
+  ck_assert_msg(!dem_model_read(&model, assignment, &err), "%s: %s", err.path, err.message);
+  whole.model = model;
+  ck_assert(!dem_state_save(&whole, &out->bytes, &out->size));
+  dem_model_destroy(&model);
+}
+
 static inline void lead(void *context) {
   outcome *out = context;
   const kind *k = out->kind;
@@ -144,7 +155,6 @@ static inline void lead(void *context) {
   dem_engine *e = NULL;
   tdm_error err = {0};
   ck_assert_msg(!dem_engine_create(&e, &assignment, NULL, &err), "%s: %s", err.path, err.message);
-  json_decref(assignment.scene);
   const size_t n = (size_t)k->nwindow;
   out->nchannel = dem_engine_start(e)->nchannel;
   out->channel = calloc(n * (size_t)out->nchannel + 1, sizeof *out->channel);
@@ -165,7 +175,8 @@ static inline void lead(void *context) {
     out->contact_force += fabs(s.contact[c].force);
   s.with_contacts = true; /* then rank 0 has the whole state */
   ck_assert_msg(!dem_engine_snapshot(e, &s, &err), "%s", err.message);
-  ck_assert(!dem_state_save(dem_engine_data(e), &out->bytes, &out->size));
+  save_state(out, dem_engine_data(e), &assignment);
+  json_decref(assignment.scene);
   out->nparticle = dem_engine_data(e)->state.nparticle;
   out->moves = dem_engine_data(e)->work.homes.nmove;
   ck_assert(!dem_engine_work(e, out->work, &err));

@@ -7,7 +7,7 @@ static tdm_status find_all(void *state, const dem_search_input *input, dem_found
   dem_near near = dem_near_make(input);
   for (int i = 0; i < input->n; i++)
     for (int j = i + 1; j < input->n; j++)
-      if (dem_spheres_near(&near, &input->sphere[i], &input->sphere[j])) {
+      if (dem_spheres_near(&near, dem_search_sphere(input, i), dem_search_sphere(input, j))) {
         if (dem_found_reserve(found, 1))
           return TDM_ERR_MEMORY;
         found->pair[found->count++] = (dem_found_pair){i, j};

@@ -30,7 +30,7 @@ void dem_bins_cell(const dem_bins *bins, const double x[3], int cell[3]) {
 }
 
 static const dem_sphere *sphere_of(const dem_search_input *input, const int *member, int k) {
-  return &input->sphere[member ? member[k] : k];
+  return dem_search_sphere(input, member ? member[k] : k);
 }
 
 static double coordinate(const dem_sphere *s, int axis) {

@@ -6,7 +6,7 @@
 static double largest_radius(const dem_search_input *input) {
   double largest = 0;
   for (int i = 0; i < input->n; i++)
-    largest = input->sphere[i].radius > largest ? input->sphere[i].radius : largest;
+    largest = dem_search_sphere(input, i)->radius > largest ? dem_search_sphere(input, i)->radius : largest;
   return largest;
 }
 

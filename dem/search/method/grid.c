@@ -34,7 +34,7 @@ static int class_of(double radius, double smallest) {
 
 /* radius with half the skin */
 static double radius_of(const dem_search_input *input, int i) {
-  return input->sphere[i].radius + input->skin / 2;
+  return dem_search_sphere(input, i)->radius + input->skin / 2;
 }
 
 static double smallest_radius(const dem_search_input *input) {

@@ -18,17 +18,23 @@
 
 /* What a search is given. */
 typedef struct {
-  const dem_sphere *sphere; /* (n) */
+  const dem_sphere *sphere; /* (n), or more */
   int n;
-  bool some;      /* only the rows of particles begin ... end - 1 are wanted; else of all */
-  int begin, end; /* (some) */
-  const int *run; /* (2 x nrun) these may be named besides: run[2 k] ... run[2 k + 1] - 1; NULL: all behind */
+  const int *number; /* (n) which of the spheres are searched, ascending; NULL: all */
+  bool some;         /* only the rows of particles begin ... end - 1 are wanted; else of all */
+  int begin, end;    /* (some) */
+  const int *run;    /* (2 x nrun) these may be named besides: run[2 k] ... run[2 k + 1] - 1; NULL: all behind */
   int nrun;
   double skin; /* [m] */
   dem_domain domain;
   int nthread;          /* threads that may be used; the result does not depend on it */
   dem_scratch *scratch; /* for the rows and what it takes to find them; NULL: the search has its own */
 } dem_search_input;
+
+/* Sphere k of those that are searched. */
+static inline const dem_sphere *dem_search_sphere(const dem_search_input *input, int k) {
+  return &input->sphere[input->number ? input->number[k] : k];
+}
 
 /* of every kernel: specialised by its constant arguments */
 #define DEM_SEARCH_KERNEL static inline __attribute__((always_inline))
