@@ -29,12 +29,12 @@ static dem_scratch_piece *take_kept(dem_scratch *s, size_t bytes) {
   return NULL;
 }
 
-/* Pieces that were not taken since this was called last go back to the heap. */
-static void free_idle(dem_scratch *s) {
+/* Pieces that were not taken since the last piece of work was done go back to the heap. `done`: so is this one. */
+static void free_idle(dem_scratch *s, bool done) {
   for (dem_scratch_piece **at = &s->kept; *at;) {
     dem_scratch_piece *piece = *at;
     if (piece->taken) {
-      piece->taken = false;
+      piece->taken = !done;
       at = &piece->before;
     } else {
       *at = piece->before;
@@ -53,6 +53,7 @@ void *dem_scratch_take(dem_scratch *s, size_t bytes) {
   }
   dem_scratch_piece *piece = take_kept(s, bytes);
   if (!piece) {
+    free_idle(s, false);                                 /* the work has changed: they may not fit either */
     const size_t size = whole_lines(bytes + bytes / 16); /* the next time it may be a little more */
     piece = aligned_alloc(LINE, LINE + size);
     if (!piece)
@@ -81,10 +82,10 @@ void dem_scratch_back(dem_scratch *s, dem_scratch_mark mark) {
 
 void dem_scratch_done(dem_scratch *s) {
   dem_scratch_back(s, (dem_scratch_mark){0});
-  free_idle(s);
+  free_idle(s, true);
 }
 
 void dem_scratch_free(dem_scratch *s) {
   dem_scratch_done(s);
-  free_idle(s); /* all of them: none was taken in between */
+  free_idle(s, true); /* all of them: none was taken in between */
 }

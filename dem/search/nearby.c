@@ -108,7 +108,5 @@ tdm_status dem_nearby_choose(dem_search_input *input) {
   dem_scratch_back(input->scratch, before);
   input->number = number;
   input->n = n;
-  input->begin = 0;
-  input->end = own;
   return TDM_OK;
 }

@@ -6,8 +6,8 @@
 
 #include "dem/search/method/method.h"
 
-/* The input becomes one of these: `number`, in its scratch memory, names them, first all of the part, which is
- * begin ... end - 1 of them. Errors: TDM_ERR_MEMORY. */
+/* The input becomes one among these: `number`, in its scratch memory, names them, first all of the part. Errors:
+ * TDM_ERR_MEMORY. */
 tdm_status dem_nearby_choose(dem_search_input *input);
 
 #endif

@@ -10,6 +10,7 @@
 #include "dem/seam/crossings.h"
 #include "dem/seam/homes.h"
 #include "dem/search/near_walls.h"
+#include "dem/search/nearby.h"
 #include "dem/search/order.h"
 #include "dem/search/search.h"
 
@@ -152,7 +153,8 @@ static void drop_fixed(dem_data *d) {
   rows->count = (size_t)at;
 }
 
-/* the particles of other ranks that the search may name, whose spheres come here */
+/* The particles of other ranks that the search may name, whose spheres come here; the input is one among these and
+ * those of home. */
 static tdm_status find_near(dem_data *d, dem_search_input *input) {
   dem_near_runs near;
   if (dem_search_wants_all(d->work.search)) {
@@ -163,6 +165,10 @@ static tdm_status find_near(dem_data *d, dem_search_input *input) {
     return TDM_ERR_MEMORY;
   input->run = near.run;
   input->nrun = near.nrun;
+  if (dem_nearby_choose(input))
+    return TDM_ERR_MEMORY;
+  const int own = input->end - input->begin;
+  dem_keep_near(d, &near, input->number + own, input->n - own);
   return TDM_OK;
 }
 

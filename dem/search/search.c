@@ -184,10 +184,12 @@ static tdm_status make_rows(const dem_found *found, const dem_search_input *inpu
 /* From here on the search is one among the spheres that the wanted rows can name; a search with a state knows spheres
  * by their numbers and gets all. */
 static tdm_status choose_spheres(const dem_search *search, dem_search_input *in) {
-  if (in->some)
-    return dem_search_wants_all(search) ? TDM_OK : dem_nearby_choose(in);
-  in->begin = 0;
-  in->end = in->n;
+  if (in->some && !in->number && !dem_search_wants_all(search) && dem_nearby_choose(in))
+    return TDM_ERR_MEMORY;
+  if (!in->some || in->number) {
+    in->end = in->some ? in->end - in->begin : in->n;
+    in->begin = 0;
+  }
   return TDM_OK;
 }
 

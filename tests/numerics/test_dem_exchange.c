@@ -1,10 +1,12 @@
-/* What goes from rank to rank when lists are made: places of chunks that are near, and particles to new homes. */
+/* What goes from rank to rank when lists are made: places of chunks that are near, and particles to new homes;
+ * and with which particles each begins. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
 #include "dem/exchange/keep.h"
 #include "dem/exchange/near_chunks.h"
 #include "dem/exchange/renewal.h"
+#include "dem/scene/scene.h"
 #include "dem/seam/visits.h"
 #include "test_ranks_support.h"
 #include "tests/test_main.h"
@@ -168,4 +170,79 @@ START_TEST(particles_in_new_homes) {
 }
 END_TEST
 
-TEST_MAIN("dem_exchange", chunks_that_are_near, particles_in_new_homes)
+/* ---- the start ---- */
+
+/* particles of several kinds, some of a common mass, in two entries that chunks and homes divide; with more keys */
+static json_t *mixture(const char *more) {
+  static const char scene[] =
+      "{'materials':[{'name':'a','density':1000},{'name':'b','density':2000}],'orientation':true,'contact':{'normal':"
+      "'hooke','tangential':'none'},'pairs':[{'materials':['a','a'],'stiffness':1,'damping':0},{'materials':['a','b'],"
+      "'stiffness':1,'damping':0},{'materials':['b','b'],'stiffness':1,'damping':0}],'particles':[{'type':'block',"
+      "'material':'a','radius':0.4,'count':[20,20,8],'corner':[0,0,0],'spacing':1,'velocity':[1,2,3]},{'type':'random',"
+      "'material':'b','count':3000,'radius':[0.3,0.5],'total_mass':7,'region':{'min':[0,0,9],'max':[20,20,30]},"
+      "'spin':[0,0,5]}]%s}";
+  return scene_json(scene, more);
+}
+
+typedef struct {
+  const json_t *scene;
+  const dem_model *whole;
+  const dem_data *alone;
+  bool all; /* each rank has all */
+} beginning;
+
+/* A rank that has read no more than its home begins with the same particles there. */
+static void begin_home(const dem_ranks *ranks, void *context) {
+  const beginning *b = context;
+  const dem_model *m = b->whole;
+  json_t *scene = json_deep_copy(b->scene);
+  const tdm_assignment assignment = {.scene = scene, .time_end = 1, .dt = 1e-4, .n = 1};
+  dem_model *own;
+  tdm_error err = {0};
+  ck_assert_msg(!dem_model_read_on(&own, &assignment, ranks, &err), "%s: %s", err.path, err.message);
+  ck_assert_int_eq(own->nparticle, m->nparticle);
+  ck_assert_mem_eq(own->radius, m->radius, (size_t)m->nparticle * sizeof *m->radius);
+  ck_assert_mem_eq(own->mass, m->mass, (size_t)m->nparticle * sizeof *m->mass);
+  ck_assert(own->largest_radius == m->largest_radius && own->mean_radius == m->mean_radius);
+  dem_data *d = dem_data_create_on(own, ranks);
+  ck_assert_ptr_nonnull(d);
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+  ck_assert_int_eq(own->first_here, b->all ? 0 : first);
+  ck_assert(b->all ? own->end_here >= m->nparticle : own->end_here == end);
+  dem_model_forget_start(own);
+#define X(field, n, name)                                                                                   \
+  if ((n) > 0 && end > first)                                                                               \
+    ck_assert_mem_eq(&d->field[(size_t)first * (size_t)(n)], &b->alone->field[(size_t)first * (size_t)(n)], \
+                     (size_t)(end - first) * (size_t)(n) * sizeof *d->field);
+  DEM_PARTICLE_STATE(X)
+#undef X
+  ck_assert_mem_eq(&d->state.ledger, &b->alone->state.ledger, sizeof d->state.ledger);
+  dem_data_destroy(&d);
+  dem_model_destroy(&own);
+  json_decref(scene);
+}
+
+START_TEST(start_of_home) {
+  static const struct {
+    const char *more;
+    bool all;
+  } cases[] = {
+      {"", false}, {",'settle':{'speed':1}", false}, {",'settle':{'store':'x'}", true}, {",'start':'x'", true}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    json_t *scene = mixture(cases[i].more);
+    const tdm_assignment assignment = {.scene = scene, .time_end = 1, .dt = 1e-4, .n = 1};
+    dem_model *whole;
+    tdm_error err = {0};
+    ck_assert_msg(!dem_model_read(&whole, &assignment, &err), "%s: %s", err.path, err.message);
+    dem_data *alone = dem_data_create(whole);
+    beginning b = {scene, whole, alone, cases[i].all};
+    for (int size = 2; size <= 7; size++) /* more ranks than chunks, too */
+      each_rank(size, begin_home, &b);
+    dem_data_destroy(&alone);
+    dem_model_destroy(&whole);
+    json_decref(scene);
+  }
+}
+END_TEST
+
+TEST_MAIN("dem_exchange", chunks_that_are_near, particles_in_new_homes, start_of_home)

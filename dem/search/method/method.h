@@ -20,7 +20,7 @@
 typedef struct {
   const dem_sphere *sphere; /* (n), or more */
   int n;
-  const int *number; /* (n) which of the spheres are searched, ascending; NULL: all */
+  const int *number; /* (n) which of the spheres are searched, ascending, first `begin` ... end - 1; NULL: all */
   bool some;         /* only the rows of particles begin ... end - 1 are wanted; else of all */
   int begin, end;    /* (some) */
   const int *run;    /* (2 x nrun) these may be named besides: run[2 k] ... run[2 k + 1] - 1; NULL: all behind */
