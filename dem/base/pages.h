@@ -40,4 +40,21 @@ static inline void dem_pages_zero(void *array, size_t bytes) {
   memset(end, 0, (size_t)((char *)array + bytes - end));
 }
 
+/* memcpy, after which no more takes memory than has to: pieces that are zero are given back. */
+static inline void dem_pages_copy(void *to, const void *from, size_t bytes) {
+  enum { PIECE = 1 << 14 };
+  char *t = to;
+  const char *f = from;
+  size_t zero = 0; /* from there on all is zero */
+  for (size_t at = 0, n; at < bytes; at += n) {
+    n = bytes - at < PIECE ? bytes - at : PIECE;
+    if (f[at] == 0 && memcmp(f + at, f + at + 1, n - 1) == 0)
+      continue;
+    dem_pages_zero(t + zero, at - zero);
+    memcpy(t + at, f + at, n);
+    zero = at + n;
+  }
+  dem_pages_zero(t + zero, bytes - zero);
+}
+
 #endif

@@ -26,6 +26,30 @@ static void place_home(dem_data *d, const size_t *first) {
   }
 }
 
+/* places by the chunk of the particle, of home chunks */
+static void order_home(dem_data *d) {
+  dem_crossings *x = &d->lists.crossings;
+  const int nchunk = d->lists.nchunk, first = dem_home_first(d), end = dem_home_end(d);
+  memset(x->chunk, 0, (size_t)(nchunk + 1) * sizeof *x->chunk);
+  for (int p = 0; p < x->count; p++) {
+    const int c = x->particle[p] / DEM_CHUNK;
+    if (c >= first && c < end)
+      x->chunk[c + 1]++;
+  }
+  for (int c = 0; c < nchunk; c++)
+    x->chunk[c + 1] += x->chunk[c];
+  const int all = x->chunk[nchunk];
+  for (int p = x->count - 1; p >= 0; p--) { /* places of a chunk ascend: filled from its end */
+    const int c = x->particle[p] / DEM_CHUNK;
+    if (c >= first && c < end)
+      x->order[--x->chunk[c + 1]] = p;
+  }
+  /* every entry but the first now stands at the start of its chunk: shift by one */
+  for (int c = 0; c < nchunk; c++)
+    x->chunk[c] = x->chunk[c + 1];
+  x->chunk[nchunk] = all;
+}
+
 void dem_crossings_empty(const dem_data *d, dem_push *push) {
   const dem_crossings *x = &d->lists.crossings;
   if (!dem_alone(d) && d->work.homes.spread) /* others' go back to the system */
@@ -53,17 +77,7 @@ tdm_status dem_crossings_place(dem_data *d) {
   x->end = (int)first[dem_home_end(d)];
   place_home(d, first);
   dem_unite_entries(d, x->particle, sizeof *x->particle, first);
-  memset(x->chunk, 0, (size_t)(d->lists.nchunk + 1) * sizeof *x->chunk);
-  for (int p = 0; p < count; p++)
-    x->chunk[x->particle[p] / DEM_CHUNK + 1]++;
-  for (int c = 0; c < d->lists.nchunk; c++)
-    x->chunk[c + 1] += x->chunk[c];
-  for (int p = count - 1; p >= 0; p--) /* places of a chunk ascend: filled from its end */
-    x->order[--x->chunk[x->particle[p] / DEM_CHUNK + 1]] = p;
-  /* every entry but the first now stands at the start of its chunk: shift by one */
-  for (int c = 0; c < d->lists.nchunk; c++)
-    x->chunk[c] = x->chunk[c + 1];
-  x->chunk[d->lists.nchunk] = count;
+  order_home(d);
   dem_crossings_empty(d, d->state.push);
   if (d->state.spare_push)
     dem_crossings_empty(d, d->state.spare_push);

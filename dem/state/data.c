@@ -71,11 +71,11 @@ static void copy_particles(dem_data *dst, const dem_data *d) {
 #undef X
 #define X(field, n, name)   \
   if (np * (size_t)(n) > 0) \
-    memcpy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
+    dem_pages_copy(dst->field, d->field, np *(size_t)(n) * sizeof *d->field);
   DEM_PARTICLE_STATE(X)
 #undef X
   size_t nchunk = (size_t)d->lists.nchunk + 1;
-  memcpy(dst->lists.pairs.first, d->lists.pairs.first, (np + 1) * sizeof *d->lists.pairs.first);
+  dem_pages_copy(dst->lists.pairs.first, d->lists.pairs.first, (np + 1) * sizeof *d->lists.pairs.first);
   memcpy(dst->lists.pairs.chunk, d->lists.pairs.chunk, nchunk * sizeof *d->lists.pairs.chunk);
   memcpy(dst->lists.walls.chunk, d->lists.walls.chunk, nchunk * sizeof *d->lists.walls.chunk);
   memcpy(dst->lists.crossings.chunk, d->lists.crossings.chunk, nchunk * sizeof *d->lists.crossings.chunk);
@@ -222,23 +222,23 @@ static tdm_status copy_lists(dem_data *dst, const dem_data *src) {
   dst->lists.crossings.first = c->first;
   dst->lists.crossings.end = c->end;
   if (p->count > 0) {
-    memcpy(dst->lists.pairs.one, p->one, p->count * sizeof *p->one);
-    memcpy(dst->lists.pairs.other, p->other, p->count * sizeof *p->other);
-    memcpy(dst->lists.pairs.reaction_slot, p->reaction_slot, p->count * sizeof *p->reaction_slot);
+    dem_pages_copy(dst->lists.pairs.one, p->one, p->count * sizeof *p->one);
+    dem_pages_copy(dst->lists.pairs.other, p->other, p->count * sizeof *p->other);
+    dem_pages_copy(dst->lists.pairs.reaction_slot, p->reaction_slot, p->count * sizeof *p->reaction_slot);
   }
   if (w->count > 0)
-    memcpy(dst->lists.walls.entry, w->entry, w->count * sizeof *w->entry);
+    dem_pages_copy(dst->lists.walls.entry, w->entry, w->count * sizeof *w->entry);
   if (c->count > 0) {
-    memcpy(dst->lists.crossings.particle, c->particle, (size_t)c->count * sizeof *c->particle);
-    memcpy(dst->lists.crossings.order, c->order, (size_t)c->count * sizeof *c->order);
+    dem_pages_copy(dst->lists.crossings.particle, c->particle, (size_t)c->count * sizeof *c->particle);
+    dem_pages_copy(dst->lists.crossings.order, c->order, (size_t)c->chunk[src->lists.nchunk] * sizeof *c->order);
   }
   for (size_t q = 0; q < (size_t)ncolumn; q++) {
     if (p->count > 0)
-      memcpy(dst->lists.pairs.history + q * dst->lists.pairs.capacity, p->history + q * p->capacity,
-             p->count * sizeof(double));
+      dem_pages_copy(dst->lists.pairs.history + q * dst->lists.pairs.capacity, p->history + q * p->capacity,
+                     p->count * sizeof(double));
     if (w->count > 0)
-      memcpy(dst->lists.walls.history + q * dst->lists.walls.capacity, w->history + q * w->capacity,
-             w->count * sizeof(double));
+      dem_pages_copy(dst->lists.walls.history + q * dst->lists.walls.capacity, w->history + q * w->capacity,
+                     w->count * sizeof(double));
   }
   return TDM_OK;
 }
@@ -256,10 +256,10 @@ tdm_status dem_data_copy(dem_data *dst, const dem_data *src) {
     return TDM_ERR_MEMORY;
   }
   size_t np = (size_t)src->state.nparticle, behind = (size_t)src->lists.crossings.count + 1;
-#define X(field, name)                                       \
-  if (src->field) {                                          \
-    memcpy(dst->field, src->field, np * sizeof *src->field); \
-    memset(dst->field + np, 0, behind * sizeof *src->field); \
+#define X(field, name)                                               \
+  if (src->field) {                                                  \
+    dem_pages_copy(dst->field, src->field, np * sizeof *src->field); \
+    dem_pages_zero(dst->field + np, behind * sizeof *src->field);    \
   }
   DEM_FORCE_STATE(X)
 #undef X

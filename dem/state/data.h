@@ -57,7 +57,7 @@ typedef struct {
  * that chunk ends its step, so that chunks do not disturb each other (crossings.h). */
 typedef struct {
   int *particle; /* (count) by place */
-  int *order;    /* (count) places by the chunk of the particle, ascending in each */
+  int *order;    /* (count) places by the chunk of the particle, ascending in each; of home chunks alone */
   int *chunk;    /* (nchunk + 1) first of a chunk in order */
   int *from;     /* (nchunk + 1) first place of a chunk's own contacts; of home chunks */
   int count, capacity;

@@ -3,6 +3,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
 
+#include "dem/base/pages.h"
 #include "dem/exchange/keep.h"
 #include "dem/exchange/near_chunks.h"
 #include "dem/exchange/renewal.h"
@@ -245,4 +246,26 @@ START_TEST(start_of_home) {
 }
 END_TEST
 
-TEST_MAIN("dem_exchange", chunks_that_are_near, particles_in_new_homes, start_of_home)
+/* ---- what a rank has saved ---- */
+
+START_TEST(copies_of_what_is_partly_zero) {
+  enum { SIZE = 200000 };
+  static const size_t sizes[] = {0, 1, 4096, 16384, 16385, 100000, SIZE};
+  char *from = malloc(SIZE), *to = malloc(SIZE + 64);
+  for (int k = 0; k < SIZE; k++) /* some pieces are zero, some begin or end with zeros */
+    from[k] = (char)(k / 10000 % 7 < 2 ? k % 251 : 0);
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+    for (size_t at = 0; at < 64; at += 21) {
+      memset(to, 7, SIZE + 64);
+      dem_pages_copy(to + at, from, sizes[i]);
+      ck_assert_int_eq(memcmp(to + at, from, sizes[i]), 0);
+      for (size_t k = 0; k < SIZE + 64; k++)
+        if ((k < at || k >= at + sizes[i]) && to[k] != 7)
+          ck_abort_msg("byte %zu behind %zu of %zu is touched", k, at, sizes[i]);
+    }
+  free(from);
+  free(to);
+}
+END_TEST
+
+TEST_MAIN("dem_exchange", chunks_that_are_near, particles_in_new_homes, start_of_home, copies_of_what_is_partly_zero)
