@@ -274,20 +274,23 @@ tdm_status dem_engine_scenery(dem_engine *e, tdm_scenery *scenery, tdm_error *er
   return dem_orders_done(err);
 }
 
-tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
-  dem_orders_give(DEM_ORDER_SNAPSHOT, snapshot->with_contacts);
+typedef tdm_status look(dem_view *view, const dem_data *data, double t, tdm_snapshot *snapshot, tdm_error *err);
+
+/* all ranks look by this function; contacts are found on rank 0 */
+static tdm_status take(dem_engine *e, dem_order_kind kind, look *by, tdm_snapshot *snapshot, tdm_error *err) {
+  dem_orders_give(kind, snapshot->with_contacts);
   if (snapshot->with_contacts)
     dem_collect(e->data, DEM_WHOLE);
-  dem_view_snapshot(&e->view, e->data, e->time, snapshot, err);
+  by(&e->view, e->data, e->time, snapshot, err);
   return dem_orders_done(err);
 }
 
+tdm_status dem_engine_snapshot(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
+  return take(e, DEM_ORDER_SNAPSHOT, dem_view_snapshot, snapshot, err);
+}
+
 tdm_status dem_engine_share(dem_engine *e, tdm_snapshot *snapshot, tdm_error *err) {
-  dem_orders_give(DEM_ORDER_SHARE, snapshot->with_contacts);
-  if (snapshot->with_contacts)
-    dem_collect(e->data, DEM_WHOLE);
-  dem_view_share(&e->view, e->data, e->time, snapshot, err);
-  return dem_orders_done(err);
+  return take(e, DEM_ORDER_SHARE, dem_view_share, snapshot, err);
 }
 
 tdm_status dem_engine_write_shares(dem_engine *e, const tdm_snapshot *share, const tdm_shared_frame *frame,

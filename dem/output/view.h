@@ -32,7 +32,7 @@ tdm_status dem_view_scenery(dem_view *view, const dem_data *data, tdm_scenery *s
  * first sees it. */
 tdm_status dem_view_watch(dem_view *view, const dem_data *data, tdm_error *err);
 
-/* The state at time t [s]. Of particles each rank has a share: by its ids, whoever's home they are in, so that shares
+/* The state at time t [s]. Of particles each rank has a share: by their ids, wherever their home is, so that shares
  * are ranges of all particles in the order of the ids. On rank 0 there are also contacts, if snapshot->with_contacts,
  * and forces on triangles, those of the last step that was asked to find them (dem_traction.wanted). */
 tdm_status dem_view_share(dem_view *view, const dem_data *data, double t, tdm_snapshot *snapshot, tdm_error *err);

@@ -116,7 +116,7 @@ static inline void dem_homes_restored(dem_data *d) {
 /* Make this the same on all ranks: what is there of a particle or contact is what its home has. */
 void dem_unite(dem_data *data, unsigned what);
 
-/* Likewise on rank 0 alone, which writes files and tells others than ranks; these keep what they have. */
+/* Likewise on rank 0 alone, which writes states and finds contacts to be seen; the others keep what they have. */
 void dem_collect(dem_data *data, unsigned what);
 
 /* Likewise an array with an entry of `size` bytes a particle, a chunk, or for each entry of a list (chunk: as below).

@@ -109,10 +109,12 @@ alone() {
   done <<<$'1 1\n2 1\n2 2\n3 1\n5 2\n8 1'
 }
 
-# started by dem.ranks, which needs no permission from Open MPI; in slices, with a law of contacts among others
+# started by dem.ranks, which needs no permission from Open MPI; in slices, with a law of contacts among others, which
+# are seen, too, and pictures, for which rank 0 has all particles
 asked() {
   local soft=(--set 'dem.contact={"multi_contact": "mc-strain", "iterations": 2}' --set 'dem.pairs[0].gamma=0.5'
-    --set dem.decomposition.order=slices --set time.end=0.005)
+    --set dem.decomposition.order=slices --set time.end=0.005
+    --set output.contacts=true --set 'output.pictures={"times": [0, 0.002]}')
   ranks 0 one run heap.json --out one --force --no-plots "${soft[@]}"
   (
     unset OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
