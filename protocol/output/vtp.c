@@ -442,9 +442,8 @@ tdm_status tdm_vtp_finish_shares(const tdm_results *r, int number, bool whole, t
   char name[64], part[80], path[4352], from[4352];
   snprintf(name, sizeof name, "particles_%06d.vtp", number);
   snprintf(part, sizeof part, "%s%s", name, unfinished);
-  tdm_results_path(r, name, path, sizeof path);
   tdm_results_path(r, part, from, sizeof from);
-  if (whole && rename(from, path) == 0)
+  if (whole && rename(from, tdm_results_claim(r, name, path, sizeof path)) == 0)
     return TDM_OK;
   const int why = errno;
   unlink(from);

@@ -181,10 +181,11 @@ errors() {
   refused 1 'dem.ranks.* is 5000 but must be at most' "${together[@]}" --set dem.ranks=5000
   refused 2 'ranks needs a number of processes' "${alone[@]}" --ranks two
   # a rank that does not see the result directory, as on another machine
-  refused 1 'rank 1 of 2: refused/particles_000000.vtp: cannot be written: No such file.*on other machines' \
+  refused 1 'rank 1 of 2: refused/particles_000000.vtp.part: cannot be written: No such file.*on other machines' \
     "${mpi[@]}" 1 tandem-dem-mpi "${alone[@]:1}" : -n 1 --wdir / tandem-dem-mpi
   grep -q '"status": "TDM_ERR_SYSTEM"' refused/summary.json
   [ ! -e refused/particles_000000.vtp ]
+  [ ! -e refused/particles_000000.vtp.part ]
   mkdir bin
   cp "$(command -v tandem-dem)" bin
   refused 1 'dem.ranks: .*tandem-dem-mpi.* install libopenmpi-dev' env PATH=/usr/bin:/bin bin/"${alone[@]}" \

@@ -112,6 +112,15 @@ static char *read_file(const char *dir, const char *name, size_t *size) {
   return bytes;
 }
 
+/* A later run may remove the files of particles: the mark of the folder names them. */
+static void ck_owned(const char *dir) {
+  size_t size;
+  char *mark = read_file(dir, ".tandem", &size);
+  mark[size] = '\0';
+  ck_assert_ptr_nonnull(strstr(mark, "file particles_000000.vtp\n"));
+  free(mark);
+}
+
 static void ck_same_file(const char *a, const char *b, const char *name) {
   size_t na, nb;
   char *x = read_file(a, name, &na), *y = read_file(b, name, &nb);
@@ -141,6 +150,7 @@ START_TEST(the_same_files) {
     }
     ck_same_file(alone.name, on.name, TDM_FRAMES_FILE);
     ck_same_file(alone.name, on.name, "scene.pvd");
+    ck_owned(on.name);
   }
   tdm_frames frames;
   tdm_error err = {0};
