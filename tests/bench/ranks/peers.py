@@ -77,7 +77,8 @@ def write_data(file, places, floor):
 
 
 def liggghts(options, data, floor, steps, ranks):
-    """time of the steps [s]; walls at the two sides, with the input that peers.sh has"""
+    """time of the steps [s]; walls at the two sides, with the input that peers.sh has. It runs in the folder of results,
+    where it leaves files (restart_forced_*) when it is killed."""
     text = INPUT.read_text().replace("yplane ${L}", "yplane ${B}")
     (options.out / "liggghts.in").write_text(text)
     log = options.out / "liggghts.log"
@@ -87,7 +88,7 @@ def liggghts(options, data, floor, steps, ranks):
         command += ["-var", name, value]
     if ranks > 1:
         command = runs.MPIRUN + [ranks] + command
-    runs.call((CORES if ranks > 1 else CORE) + command, options.out / "log")
+    runs.call((CORES if ranks > 1 else CORE) + command, options.out / "log", folder=options.out)
     return float([line for line in log.read_text().splitlines() if line.startswith("Loop time")][-1].split()[3])
 
 

@@ -94,12 +94,15 @@ def write(options, name, content):
     return file
 
 
-def call(command, log, **more):
-    """run a command; peak memory of its largest process [bytes]. Exits with its words where it fails."""
+def call(command, log, folder=None, **more):
+    """run a command, in this folder or here; peak memory of its largest process [bytes]. Exits with its words where it
+    fails."""
     environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", **more)
     command = [str(word) for word in command]
     with open(log, "w", encoding="utf-8") as file:
-        process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=file, stderr=file)
+        process = subprocess.Popen(
+            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=file, stderr=file
+        )
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
