@@ -2,6 +2,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dem/adapter/orders.h"
 
+#include "dem/state/data.h"
+#include "protocol/version.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +23,24 @@ const dem_ranks *dem_orders_ranks(void) {
 
 static bool leads(void) {
   return ranks && ranks->rank == 0;
+}
+
+/* ---- are the ranks alike? ---- */
+
+dem_rank_build dem_rank_build_here(void) {
+  dem_rank_build here = {.number = 1.0 / 3, .order = 0x01020304, .size = sizeof(dem_state)};
+  snprintf(here.version, sizeof here.version, "%s", TDM_VERSION);
+  return here;
+}
+
+const char *dem_ranks_differ(const dem_ranks *all, const dem_rank_build *own) {
+  dem_rank_build first = *own;
+  all->broadcast(&first, sizeof first);
+  double other = memcmp(&first, own, sizeof first) != 0;
+  all->largest(&other, 1);
+  return other > 0 ? "the ranks run different versions of tandem, or on machines of different kinds; install one "
+                     "version on machines of one kind"
+                   : NULL; /* bytes of a 1 in another order are more than 0, too */
 }
 
 /* ---- an order as bytes: ranks run the same program on machines of one kind ---- */

@@ -12,6 +12,8 @@
 #include "dem/base/ranks.h"
 #include "dem/dem.h"
 
+#include <stdint.h>
+
 typedef enum {
   DEM_ORDER_CREATE,
   DEM_ORDER_ADVANCE,
@@ -25,6 +27,19 @@ typedef enum {
   DEM_ORDER_DESTROY,
   DEM_ORDER_END
 } dem_order_kind;
+
+/* What must be the same on all ranks, which send each other records as they lie in memory; no gaps. */
+typedef struct {
+  char version[32];
+  double number;
+  uint32_t order, size; /* of bytes; of dem_state [bytes] */
+} dem_rank_build;
+
+/* Of this program. */
+dem_rank_build dem_rank_build_here(void);
+
+/* NULL: all ranks were built like rank 0. Else why they cannot work together, the same on all. `own`: of this one. */
+const char *dem_ranks_differ(const dem_ranks *all, const dem_rank_build *own);
 
 /* The engines of this thread belong to these ranks (borrowed) from now on; NULL: to none. */
 void dem_orders_join(const dem_ranks *ranks);

@@ -3,9 +3,8 @@
 #include "dem/ranks/mpi.h"
 #include "dem/ranks/trace.h"
 
-#include "dem/state/data.h"
+#include "dem/adapter/orders.h"
 #include "protocol/base/log.h"
-#include "protocol/version.h"
 
 #include <mpi.h>
 #include <stdio.h>
@@ -160,28 +159,6 @@ static void barrier(void) {
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-/* what must be the same everywhere: the version, how numbers lie in memory, how large records are */
-static void check_alike(void) {
-  struct {
-    char version[32];
-    double number;
-    unsigned order;
-    unsigned long size;
-  } here, first;
-  memset(&here, 0, sizeof here);
-  snprintf(here.version, sizeof here.version, "%s", TDM_VERSION);
-  here.number = 1.0 / 3;
-  here.order = 0x01020304;
-  here.size = sizeof(dem_state);
-  first = here;
-  MPI_Bcast(&first, (int)sizeof first, MPI_BYTE, 0, MPI_COMM_WORLD);
-  double other = memcmp(&first, &here, sizeof here) != 0;
-  largest(&other, 1);
-  if (other > 0)
-    abandon("the ranks run different versions of tandem, or on machines of different kinds; install one version on "
-            "machines of one kind");
-}
-
 const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
   int level;
   setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); /* Open MPI: who waits lets others work; the user's own goes before */
@@ -206,7 +183,10 @@ const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
     abandon("more than 4096 ranks; take fewer, with more dem.threads each");
   if (level < MPI_THREAD_FUNNELED)
     abandon("this MPI cannot live with threads");
-  check_alike();
+  const dem_rank_build here = dem_rank_build_here();
+  const char *differ = dem_ranks_differ(&own, &here);
+  if (differ)
+    abandon(differ);
   double missing = !dem_trace_wanted();
   MPI_Allreduce(MPI_IN_PLACE, &missing, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   dem_trace_begin(own.rank, missing == 0, barrier);

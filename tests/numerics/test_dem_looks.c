@@ -39,6 +39,20 @@ static json_t *scene(const char *law, const char *pair, const char *floor, doubl
   return scene_json(text, law, pair, pair, pair, floor, corner);
 }
 
+/* Spheres of one mass and material in slices across x, two chunks; the deepest impact is that of the one small sphere,
+ * which is the first of the second chunk. */
+#define BLOCK(x, layers)                                                                                         \
+  "{'type':'block','material':'a','radius':0.5,'mass':1000,'count':[" layers ",16,16],'corner':[" x ",0,0.51],'" \
+  "spacing':1.01,'velocity':[0,0,-4]}"
+
+static json_t *equal_masses(void) {
+  return scene_json("{'gravity':[0,0,-9.81],'decomposition':{'order':'slices'},'materials':[{'name':'a','density':1000,"
+                    "'young_modulus':1e7,'poisson_ratio':0.3}],'pairs':[{'materials':['a','a'],'restitution':0.5,"
+                    "'friction':0.4}],'bodies':[{'name':'body','material':'a','shapes':[" PLANE "]}],'particles':"
+                    "[" BLOCK("0", "8") ",{'type':'list','material':'a','radius':0.2,'mass':1000,'positions':"
+                                        "[[8.08,0,0.51]],'velocity':[0,0,-4]}," BLOCK("9.09", "7") "]}");
+}
+
 static rig *make(const json_t *json) {
   const tdm_assigned_body body = {.name = "body", .mass = 0.7, .state = state_at(0, 0, 0)};
   rig *r = rig_make(json_deep_copy(json), 1e-5, 1, &body);
@@ -149,4 +163,31 @@ START_TEST(looks_on_ranks) {
 }
 END_TEST
 
-TEST_MAIN_ROWS("dem_looks", {looks_on_ranks, 3})
+static void report_on_rank(const dem_ranks *ranks, void *context) {
+  const sharing *s = context;
+  rig *r = make(s->scene);
+  looks found = {0};
+  dem_homes_begin(r->data, ranks);
+  r->data->lists.stale = true;
+  rig_steps(r, 1);
+  take_report(r->data, &found);
+  ck_assert_str_eq(found.report, s->alone->report);
+  rig_free(r);
+}
+
+START_TEST(deepest_impact_on_ranks) {
+  json_t *json = equal_masses();
+  rig *r = make(json);
+  looks alone = {0};
+  rig_steps(r, 1);
+  take_report(r->data, &alone);
+  ck_assert_double_eq(r->data->state.sphere[DEM_CHUNK].radius, 0.2);
+  ck_assert_msg(strstr(alone.report, "a particle of radius 0.2 m that arrives") != NULL, "%s", alone.report);
+  for (int size = 2; size <= 3; size++)
+    each_rank(size, report_on_rank, &(sharing){json, &alone});
+  rig_free(r);
+  json_decref(json);
+}
+END_TEST
+
+TEST_MAIN_ROWS("dem_looks", {looks_on_ranks, 3}, {deepest_impact_on_ranks, 1})

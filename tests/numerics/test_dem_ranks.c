@@ -5,6 +5,8 @@
 
 #include <unistd.h>
 
+static char folder[] = "/tmp/tandem-test-XXXXXX"; /* for files; main removes it, whatever becomes of the tests */
+
 /* Every scene is run on some numbers of ranks, one of them on more. On two ranks homes move all the time. */
 #ifdef __SANITIZE_ADDRESS__
 static const int some[] = {2, 0}, more[] = {2, 5, 0}; /* slow there */
@@ -106,7 +108,7 @@ static char floor_file[64];
 /* a floor of triangles, in waves */
 static void write_floor(void) {
   enum { N = 12 };
-  snprintf(floor_file, sizeof floor_file, "ranks-%d.stl", (int)getpid());
+  snprintf(floor_file, sizeof floor_file, "%s/floor.stl", folder);
   FILE *f = fopen(floor_file, "w");
   ck_assert_ptr_nonnull(f);
   fprintf(f, "solid floor\n");
@@ -142,7 +144,6 @@ static void ck_mesh(const outcome *out) {
 START_TEST(bed_on_triangles) {
   write_floor();
   compare(&(kind){.scene = mesh, .dt = 2e-5, .nwindow = 6, .nstep = 100, .ncoupled = 1}, ck_mesh);
-  remove(floor_file);
 }
 END_TEST
 
@@ -244,10 +245,9 @@ START_TEST(start_outside_the_box) {
                                1),
                     1e-5, 0, NULL);
   tdm_error err = {0};
-  snprintf(start_file, sizeof start_file, "ranks-%d.start", (int)getpid());
+  snprintf(start_file, sizeof start_file, "%s/shifted.start", folder);
   ck_assert_msg(!dem_state_write(r->data, start_file, "dem.start", NULL, 0, &err), "%s", err.message);
   compare_on(sizes, &(kind){.scene = shifted_box, .dt = 1e-5, .nwindow = 2, .nstep = 30, .stays = true}, ck_shifted);
-  remove(start_file);
   rig_free(r);
 }
 END_TEST
@@ -295,13 +295,13 @@ START_TEST(bed_that_settles) {
   static const int ranks[] = {1, 3, 3, 1};
   for (int i = 0; i < 4; i++) {
     out[i] = (outcome){.kind = &k, .threads = 1};
-    snprintf(store, sizeof store, "ranks-%d-%d.bed", (int)getpid(), i / 2);
+    snprintf(store, sizeof store, "%s/%d.bed", folder, i / 2);
     on_ranks(ranks[i], lead, &out[i]);
   }
   ck_same(&out[0], &out[2], 3);
   ck_same(&out[3], &out[1], 3);
   for (int i = 0; i < 4; i++) {
-    snprintf(store, sizeof store, "ranks-%d-%d.bed", (int)getpid(), i / 2);
+    snprintf(store, sizeof store, "%s/%d.bed", folder, i / 2);
     ck_assert_int_eq(remove(store), i % 2 ? -1 : 0);
     let_go(&out[i]);
   }
@@ -402,7 +402,70 @@ START_TEST(what_is_refused) {
 }
 END_TEST
 
-TEST_MAIN_ROWS("dem_ranks", {bed_that_is_stirred, 1}, {windows_that_are_tried_twice, 1}, {windows_without_samples, 1},
-               {start_outside_the_box, 1}, {box_that_is_carried, 1}, {bed_on_triangles, 1},
-               {particles_that_come_and_go, 1}, {particles_that_are_screened, 1}, {box_that_repeats, 4},
-               {heap_that_slides, 3}, {bed_that_settles, 1}, {contacts_that_act_on_each_other, 6}, {what_is_refused, 1})
+/* Ranks that were not built alike: what rank 1 has instead. */
+typedef struct {
+  void (*change)(dem_rank_build *build);
+  const char *said[3];
+} unlike;
+
+static void no_change(dem_rank_build *build) {
+  (void)build;
+}
+
+static void other_version(dem_rank_build *build) {
+  build->version[0]++;
+}
+
+static void other_order(dem_rank_build *build) {
+  build->order = __builtin_bswap32(build->order);
+}
+
+static void other_numbers(dem_rank_build *build) {
+  build->number = (float)build->number;
+}
+
+static void other_records(dem_rank_build *build) {
+  build->size += 8;
+}
+
+static void compare_builds(const dem_ranks *ranks, void *context) {
+  unlike *u = context;
+  dem_rank_build build = dem_rank_build_here();
+  if (ranks->rank == 1)
+    u->change(&build);
+  u->said[ranks->rank] = dem_ranks_differ(ranks, &build);
+}
+
+START_TEST(ranks_that_differ) {
+  void (*const changes[])(dem_rank_build *) = {no_change, other_version, other_order, other_numbers, other_records};
+  unlike u = {.change = changes[_i]};
+  each_rank(3, compare_builds, &u);
+  for (int r = 0; r < 3; r++) { /* all of them end, and none waits for another */
+    ck_assert((u.said[r] == NULL) == (_i == 0));
+    ck_assert(_i == 0 || strstr(u.said[r], "different versions of tandem, or on machines of different kinds"));
+  }
+}
+END_TEST
+
+int main(void) {
+  const test_row rows[] = {{bed_that_is_stirred, 1},
+                           {windows_that_are_tried_twice, 1},
+                           {windows_without_samples, 1},
+                           {start_outside_the_box, 1},
+                           {box_that_is_carried, 1},
+                           {bed_on_triangles, 1},
+                           {particles_that_come_and_go, 1},
+                           {particles_that_are_screened, 1},
+                           {box_that_repeats, 4},
+                           {heap_that_slides, 3},
+                           {bed_that_settles, 1},
+                           {contacts_that_act_on_each_other, 6},
+                           {what_is_refused, 1},
+                           {ranks_that_differ, 5}};
+  char clear[64];
+  if (!mkdtemp(folder))
+    return EXIT_FAILURE;
+  const int status = test_run("dem_ranks", rows, sizeof rows / sizeof *rows);
+  snprintf(clear, sizeof clear, "rm -r '%s'", folder);
+  return system(clear) == 0 ? status : EXIT_FAILURE;
+}
