@@ -98,6 +98,7 @@ void dem_blocking_look(dem_data *d, double t) {
   if (!s->watched || d->state.nstep % s->every != 0)
     return;
   dem_unite(d, DEM_PLACES | DEM_MOTION); /* dem_gap asks which a screen has let go */
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int i = 0; i < d->state.nparticle; i++)
     note(d, i, t);
   count(d, t);

@@ -226,23 +226,42 @@ static bool any_gone(dem_data *d, int *gone, bool here) {
   return true;
 }
 
-static tdm_status run_sinks(dem_data *d) {
-  int *gone = d->work.number; /* scratch */
-  dem_zone zone[DEM_SINKS_MAX];
+/* Which particles go? */
+typedef struct {
+  const dem_zone *zone; /* of each sink */
+  int *gone;            /* (nparticle) where to, -1: it stays */
+  bool any;             /* goes */
+} leaving;
+
+static void note_any(leaving *l, bool any) {
+  if (any)
+#pragma omp atomic write
+    l->any = true;
+}
+
+static void sink_chunk(dem_data *d, int chunk, void *context) {
+  leaving *l = context;
   bool any = false;
+  for (int i = dem_chunk_start(d, chunk), end = dem_chunk_start(d, chunk + 1); i < end; i++) {
+    l->gone[i] = taker(d, l->zone, i);
+    any = any || l->gone[i] >= 0;
+  }
+  note_any(l, any);
+}
+
+static tdm_status run_sinks(dem_data *d) {
+  dem_zone zone[DEM_SINKS_MAX];
+  leaving l = {.zone = zone, .gone = d->work.number}; /* scratch */
   for (int s = 0; s < d->model->nsink; s++)
     zone[s] = dem_zone_now(d, s);
   dem_parted(d, DEM_MOTION); /* sinks note contacts of home particles */
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
-    gone[i] = taker(d, zone, i);
-    any = any || gone[i] >= 0;
-  }
-  if (!any_gone(d, gone, any))
+  dem_each_chunk(d, sink_chunk, &l);
+  if (!any_gone(d, l.gone, l.any))
     return TDM_OK;
   for (int i = 0; i < d->state.nparticle; i++)
-    if (gone[i] >= 0)
-      count_out(d, gone[i], i);
-  return dem_data_remove(d, gone);
+    if (l.gone[i] >= 0)
+      count_out(d, l.gone[i], i);
+  return dem_data_remove(d, l.gone);
 }
 
 tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
@@ -261,23 +280,29 @@ tdm_status dem_flow(dem_data *d, double t, double dt, tdm_error *err) {
 
 /* ---- the open box ---- */
 
-tdm_status dem_flow_leave(dem_data *d) {
-  int *gone = d->work.number; /* scratch */
+static void leave_chunk(dem_data *d, int chunk, void *context) {
+  leaving *l = context;
   bool any = false;
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
+  for (int i = dem_chunk_start(d, chunk), end = dem_chunk_start(d, chunk + 1); i < end; i++) {
     bool out = false;
     for (int a = 0; a < 3; a++) {
       double x = (&d->state.sphere[i].position.x)[a] - d->state.domain.low[a];
       out = out || (!d->state.domain.periodic[a] && (x < 0 || x > d->state.domain.length[a]));
     }
-    gone[i] = out ? 0 : -1;
+    l->gone[i] = out ? 0 : -1;
     any = any || out;
   }
-  if (!any_gone(d, gone, any))
+  note_any(l, any);
+}
+
+tdm_status dem_flow_leave(dem_data *d) {
+  leaving l = {.gone = d->work.number}; /* scratch */
+  dem_each_chunk(d, leave_chunk, &l);
+  if (!any_gone(d, l.gone, l.any))
     return TDM_OK;
   for (int i = 0; i < d->state.nparticle; i++)
-    d->state.ledger.left += gone[i] >= 0;
-  return dem_data_remove(d, gone);
+    d->state.ledger.left += l.gone[i] >= 0;
+  return dem_data_remove(d, l.gone);
 }
 
 /* ---- balances ---- */

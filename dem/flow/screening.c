@@ -14,8 +14,10 @@ static bool counting(const dem_data *d) {
 }
 
 static uint64_t product_inside(const dem_data *d) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
   long n = 0;
-  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(+ : n)
+  for (int i = first; i < end; i++)
     n += d->model->material[d->state.material[i]].product;
   return (uint64_t)dem_homes_sum(d, n);
 }

@@ -3,12 +3,12 @@
 #include "dem/particles/container.h"
 
 #include "dem/seam/homes.h"
+#include "dem/seam/sums.h"
 #include "protocol/scene/remark.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /* ---- counting ---- */
 
@@ -17,40 +17,38 @@ static bool within(const dem_container *c, tdm_vec3 x) {
          x.z <= c->high.z;
 }
 
+/* A container that is being counted, and its axes. */
+typedef struct {
+  int container;
+  tdm_pose frame;
+  tdm_mat3 axes;
+} counting;
+
+/* a chunk's particles inside: their mass, their number, how many of them entered, which are held from now on */
+static void add_inside(const dem_data *d, int chunk, const void *of, double *sums) {
+  const counting *count = of;
+  const dem_container *c = &d->model->container[count->container];
+  const uint32_t bit = (uint32_t)1 << count->container;
+  for (int i = dem_chunk_start(d, chunk), end = dem_chunk_start(d, chunk + 1); i < end; i++) {
+    const tdm_vec3 x = d->state.sphere[i].position;
+    if (!within(c, c->frame < 0 ? x : tdm_m3_tmul(count->axes, tdm_sub(x, count->frame.position))))
+      continue;
+    sums[0] += d->state.mass[i];
+    sums[1]++;
+    sums[2] += !(d->state.held[i] & bit);
+    d->state.held[i] |= bit;
+  }
+}
+
 static void count_inside(dem_data *d, int k) {
   const dem_container *c = &d->model->container[k];
   dem_container_state *now = &d->state.container[k];
-  const uint32_t bit = (uint32_t)1 << k;
   const tdm_pose frame = c->frame < 0 ? (tdm_pose){{0, 0, 0}, tdm_quat_identity()} : d->state.pose[c->frame];
-  const tdm_mat3 axes = tdm_quat_to_matrix(frame.orientation);
-  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
-  double *mass = dem_alone(d) ? NULL : malloc((size_t)(end - first + 1) * sizeof *mass);
-  int n = 0;
-  long entered = 0;
-  now->mass = 0;
-  if (!mass && !dem_alone(d))
-    d->work.homes.ranks->abandon("no memory for the masses in containers");
-  for (int i = first; i < end; i++) {
-    tdm_vec3 x = d->state.sphere[i].position;
-    if (!within(c, c->frame < 0 ? x : tdm_m3_tmul(axes, tdm_sub(x, frame.position))))
-      continue;
-    if (mass)
-      mass[n] = d->state.mass[i];
-    else
-      now->mass += d->state.mass[i];
-    n++;
-    entered += !(d->state.held[i] & bit);
-    d->state.held[i] |= bit;
-  }
-  if (mass) {
-    double *all = dem_homes_join(d, mass, n, sizeof *mass, &n);
-    for (int q = 0; q < n; q++) /* in the order of the particles */
-      now->mass += all[q];
-    free(all);
-    free(mass);
-  }
-  now->number = (uint64_t)n;
-  now->entered += (uint64_t)dem_homes_sum(d, entered);
+  double sums[3];
+  dem_sum_chunks(d, 3, add_inside, &(counting){k, frame, tdm_quat_to_matrix(frame.orientation)}, sums);
+  now->mass = sums[0];
+  now->number = (uint64_t)sums[1];
+  now->entered += (uint64_t)sums[2];
 }
 
 /* how many have left when so many tenths of the content have */

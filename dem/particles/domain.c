@@ -76,10 +76,13 @@ void dem_domain_begin(dem_data *d, int first, int end) {
     wrap(d, first, end);
 }
 
+static void wrap_chunk(dem_data *d, int c, void *supplied) {
+  ((double *)supplied)[c] = wrap(d, dem_chunk_start(d, c), dem_chunk_start(d, c + 1));
+}
+
 void dem_domain_wrap(dem_data *d) {
   double *supplied = d->work.chunk_supplied;
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
-    supplied[c] = wrap(d, dem_chunk_start(d, c), dem_chunk_start(d, c + 1));
+  dem_each_chunk(d, wrap_chunk, supplied);
   if (!d->model->energy)
     return;
   dem_unite_chunks(d, supplied, sizeof *supplied);

@@ -12,18 +12,24 @@ static bool crosses(const dem_data *d, int chunk, int other) {
   return other < d->state.nparticle && other >= (chunk + 1) * DEM_CHUNK;
 }
 
-/* The places of the crossings of home chunks, and who they are on. `first` (nchunk + 1): those of each chunk begin */
-static void place_home(dem_data *d, const size_t *first) {
+/* how many there are of a chunk; count: (nchunk) */
+static void count_chunk(dem_data *d, int c, void *count) {
+  const dem_pairs *list = &d->lists.pairs;
+  size_t n = 0;
+  for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
+    n += crosses(d, c, list->other[k]);
+  ((size_t *)count)[c] = n;
+}
+
+/* The places of those of a home chunk, and who they are on. `first` (nchunk + 1): those of each chunk begin */
+static void place_chunk(dem_data *d, int c, void *first) {
   dem_pairs *list = &d->lists.pairs;
-  d->lists.crossings.from[dem_home_end(d)] = d->lists.crossings.end;
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    int place = d->lists.crossings.from[c] = (int)first[c];
-    for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
-      if (crosses(d, c, list->other[k])) {
-        d->lists.crossings.particle[place] = list->other[k];
-        list->reaction_slot[k] = dem_crossing_slot(d, place++);
-      }
-  }
+  int place = d->lists.crossings.from[c] = (int)((const size_t *)first)[c];
+  for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
+    if (crosses(d, c, list->other[k])) {
+      d->lists.crossings.particle[place] = list->other[k];
+      list->reaction_slot[k] = dem_crossing_slot(d, place++);
+    }
 }
 
 /* places by the chunk of the particle, of home chunks */
@@ -55,19 +61,14 @@ void dem_crossings_empty(const dem_data *d, dem_push *push) {
   if (!dem_alone(d) && d->work.homes.spread) /* others' go back to the system */
     dem_pages_zero(push + d->state.nparticle, (size_t)(x->count + 1) * sizeof *push);
   push[d->state.nparticle] = (dem_push){0};
-  memset(push + dem_crossing_slot(d, x->first), 0, (size_t)(x->end - x->first) * sizeof *push);
+  dem_zero(d, push + dem_crossing_slot(d, x->first), (size_t)(x->end - x->first) * sizeof *push);
 }
 
 tdm_status dem_crossings_place(dem_data *d) {
-  dem_pairs *list = &d->lists.pairs;
   dem_crossings *x = &d->lists.crossings;
   size_t *first = d->work.chunk_spare;
   d->work.homes.planned = false;
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    first[c] = 0;
-    for (size_t k = list->chunk[c]; k < list->chunk[c + 1]; k++)
-      first[c] += crosses(d, c, list->other[k]);
-  }
+  dem_each_chunk(d, count_chunk, first);
   dem_lay_out(d, first);
   const int count = (int)first[d->lists.nchunk];
   if (first[d->lists.nchunk] > (size_t)(INT_MAX - d->state.nparticle - 1) || dem_crossings_reserve(d, count))
@@ -75,7 +76,8 @@ tdm_status dem_crossings_place(dem_data *d) {
   x->count = count;
   x->first = (int)first[dem_home_first(d)];
   x->end = (int)first[dem_home_end(d)];
-  place_home(d, first);
+  x->from[dem_home_end(d)] = x->end;
+  dem_each_chunk(d, place_chunk, first);
   dem_unite_entries(d, x->particle, sizeof *x->particle, first);
   order_home(d);
   dem_crossings_empty(d, d->state.push);

@@ -14,6 +14,24 @@ void dem_homes_begin(dem_data *d, const dem_ranks *ranks) {
   dem_united(d);
 }
 
+void dem_each_chunk(dem_data *d, dem_chunk_work *work, void *context) {
+  const int first = dem_home_first(d), end = dem_home_end(d);
+  if (d->work.nthread == 1)
+    for (int c = first; c < end; c++)
+      work(d, c, context);
+  else
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
+    for (int c = first; c < end; c++)
+      work(d, c, context);
+}
+
+void dem_zero(const dem_data *d, void *array, size_t bytes) {
+  const size_t piece = (size_t)1 << 16;
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
+  for (size_t at = 0; at < bytes; at += piece)
+    memset((char *)array + at, 0, bytes - at < piece ? bytes - at : piece);
+}
+
 /* ---- whole arrays ---- */
 
 /* what the entries of an array belong to, and who is to have them */

@@ -88,6 +88,14 @@ static inline int dem_home_end_particle(const dem_data *d) {
   return dem_alone(d) ? d->state.nparticle : dem_chunk_start(d, dem_home_end(d));
 }
 
+/* Work on each home chunk, on all threads: chunks do not touch each other's. One thread does not start OpenMP, which
+ * takes as long as some ten contacts. */
+typedef void dem_chunk_work(dem_data *data, int chunk, void *context);
+void dem_each_chunk(dem_data *data, dem_chunk_work *work, void *context);
+
+/* Zeros, on all threads. */
+void dem_zero(const dem_data *data, void *array, size_t bytes);
+
 /* Begin to share what is the same on all ranks now; NULL: stay alone. */
 void dem_homes_begin(dem_data *data, const dem_ranks *ranks);
 

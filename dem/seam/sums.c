@@ -8,14 +8,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct {
+  int n;
+  dem_chunk_sums *of_chunk;
+  const void *of;
+} summing;
+
+static void sum_chunk(dem_data *d, int chunk, void *context) {
+  const summing *s = context;
+  double *sums = d->work.chunk_sum + (size_t)chunk * (size_t)s->n;
+  memset(sums, 0, (size_t)s->n * sizeof *sums);
+  s->of_chunk(d, chunk, s->of, sums);
+}
+
 void dem_sum_chunks(dem_data *d, int n, dem_chunk_sums *of_chunk, const void *of, double *sums) {
   double *all = d->work.chunk_sum;
   assert(n <= DEM_CHUNK_SUMS);
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++) {
-    memset(all + (size_t)c * (size_t)n, 0, (size_t)n * sizeof *all);
-    of_chunk(d, c, of, all + (size_t)c * (size_t)n);
-  }
+  dem_each_chunk(d, sum_chunk, &(summing){n, of_chunk, of});
   dem_unite_chunks(d, all, (size_t)n * sizeof *all);
   memset(sums, 0, (size_t)n * sizeof *sums);
   for (int c = 0; c < d->lists.nchunk; c++)

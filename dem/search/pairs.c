@@ -330,7 +330,7 @@ static void lend_push(dem_data *d, bool all) {
 
 static void take_push_back(dem_data *d) {
   dem_scratch_done(&d->work.scratch);
-  memset(d->work.scratch.block, 0, d->work.scratch.most);
+  dem_zero(d, d->work.scratch.block, d->work.scratch.most);
 }
 
 /* The entries of walls of before are to ascend again, if their particles have other numbers or are in other chunks. The

@@ -10,27 +10,36 @@
 #include "dem/watch/check.h"
 #include "dem/watch/limits.h"
 
-static double fastest(const dem_data *d) {
+/* share: a double; the square of the largest speed that is left goes to chunk_sum */
+static void drag_chunk(dem_data *d, int chunk, void *share) {
+  const double keep = 1 - *(const double *)share;
   double v2 = 0;
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++)
-    v2 = fmax(v2, tdm_dot(d->state.pace[i].velocity, d->state.pace[i].velocity));
+  for (int i = dem_chunk_start(d, chunk), end = dem_chunk_start(d, chunk + 1); i < end; i++) {
+    dem_pace *p = &d->state.pace[i];
+    p->velocity = tdm_scale(keep, p->velocity);
+    p->spin = tdm_scale(keep, p->spin);
+    v2 = fmax(v2, tdm_dot(p->velocity, p->velocity));
+  }
+  d->work.chunk_sum[chunk] = v2;
+}
+
+/* Take a share of all velocities away: nothing else stops a sphere that rolls in a hollow. Returns the largest speed
+ * that is left [m/s]. */
+static double drag(dem_data *d, double share) {
+  double v2 = 0;
+  dem_parted(d, DEM_MOTION);
+  dem_each_chunk(d, drag_chunk, &share);
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+    v2 = fmax(v2, d->work.chunk_sum[c]);
   return sqrt(dem_homes_largest(d, v2));
 }
 
-/* take a share of all velocities away: nothing else stops a sphere that rolls in a hollow */
-static void drag(dem_data *d, double share) {
-  dem_parted(d, DEM_MOTION);
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++) {
-    d->state.pace[i].velocity = tdm_scale(1 - share, d->state.pace[i].velocity);
-    d->state.pace[i].spin = tdm_scale(1 - share, d->state.pace[i].spin);
-  }
-}
-
-/* step k of the settling, which is at `what` */
-static tdm_status step(dem_data *d, uint64_t k, double dt, tdm_participant *p, const char *what, tdm_error *err) {
+/* step k of the settling, which is at `what`; *speed: the largest after it */
+static tdm_status step(dem_data *d, uint64_t k, double dt, tdm_participant *p, const char *what, double *speed,
+                       tdm_error *err) {
   if (dem_step(d, &(dem_step_task){.dt = dt, .settling = true}, err))
     return err->status;
-  drag(d, d->model->settle.drag * dt);
+  *speed = drag(d, d->model->settle.drag * dt);
   if (dem_homes_alive(d, p))
     return tdm_fail(err, TDM_ERR_INTERRUPTED, NULL, "interrupted while %s", what);
   return k % 1024 == 0 ? dem_check_finite(d, (double)k * dt, err) : TDM_OK;
@@ -58,10 +67,9 @@ static tdm_status run(dem_data *d, double quiet, tdm_participant *p, dem_settled
       return err->status;
     bool poured = dem_pour_over(d);
     left -= poured;
-    if (step(d, k, out->dt, p, "settling", err))
+    if (step(d, k, out->dt, p, "settling", &out->speed, err))
       return err->status;
     out->time = (double)k * out->dt;
-    out->speed = fastest(d);
     say(d, p, out);
     slow = poured && out->speed < settle->speed ? slow + 1 : 0;
     out->rest = (double)slow * out->dt >= quiet;
@@ -151,9 +159,10 @@ static tdm_status press(dem_data *d, tdm_participant *p, dem_settled *out, tdm_e
       moved = 0;
       d->lists.stale = true;
     }
-    if (step(d, k, out->dt, p, "pressing a lid", err))
+    double speed;
+    if (step(d, k, out->dt, p, "pressing a lid", &speed, err))
       return err->status;
-    still = pressed && fastest(d) < settle->speed ? still + 1 : 0;
+    still = pressed && speed < settle->speed ? still + 1 : 0;
     tdm_participant_progress(p, "pressing a lid: %.3g of %.3g s at most", (double)k * out->dt, settle->max_time);
   }
   out->pressed = (double)still * out->dt >= quiet;

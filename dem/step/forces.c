@@ -52,27 +52,15 @@ static dem_loop_task task_of(dem_data *d, int chunk, bool settling) {
                          .wall_end = d->lists.walls.chunk[chunk + 1]};
 }
 
-typedef void (*chunk_work)(dem_data *d, int chunk, bool settling);
+/* ---- what contacts do to each other; settling: a bool ---- */
 
-/* Of all home chunks, on all threads. One thread does not start OpenMP, which takes as long as some ten contacts. */
-static void each_chunk(dem_data *d, bool settling, chunk_work work) {
-  const int first = dem_home_first(d), end = dem_home_end(d);
-  if (d->work.nthread == 1)
-    for (int c = first; c < end; c++)
-      work(d, c, settling);
-  else
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
-    for (int c = first; c < end; c++)
-      work(d, c, settling);
-}
-
-static void sum_own(dem_data *d, int chunk, bool settling) {
-  dem_loop_task task = task_of(d, chunk, settling);
+static void sum_own(dem_data *d, int chunk, void *settling) {
+  dem_loop_task task = task_of(d, chunk, *(const bool *)settling);
   d->model->sum_loops->pairs(&task);
   d->model->sum_loops->walls(&task);
 }
 
-static void sum_crossings(dem_data *d, int chunk, bool settling) {
+static void sum_crossings(dem_data *d, int chunk, void *settling) {
   const size_t nsum = (size_t)d->model->nsum;
   const dem_crossings *x = &d->lists.crossings;
   (void)settling;
@@ -111,26 +99,26 @@ static void read_visitor(dem_data *d, int k, double *entry) {
 static void sum_contacts(dem_data *d, bool settling) {
   memset(d->work.contact_sum, 0, dem_push_count(d) * (size_t)d->model->nsum * sizeof *d->work.contact_sum);
   dem_visitors_end(d);
-  each_chunk(d, settling, sum_own);
+  dem_each_chunk(d, sum_own, &settling);
   dem_homes_tell(d, DEM_TO_HOME, d->model->nsum, write_crossing, read_crossing);
-  each_chunk(d, settling, sum_crossings);
+  dem_each_chunk(d, sum_crossings, &settling);
   dem_homes_tell(d, DEM_TO_VISITED, d->model->nsum, write_immigrant, read_visitor);
 }
 
-static void write_notes(dem_data *d, int chunk, bool settling) {
-  dem_loop_task task = task_of(d, chunk, settling);
+static void write_notes(dem_data *d, int chunk, void *settling) {
+  dem_loop_task task = task_of(d, chunk, *(const bool *)settling);
   d->model->noting->write.pairs(&task);
   d->model->noting->write.walls(&task);
 }
 
-static void share_notes(dem_data *d, int chunk, bool settling) {
-  dem_loop_task task = task_of(d, chunk, settling);
+static void share_notes(dem_data *d, int chunk, void *settling) {
+  dem_loop_task task = task_of(d, chunk, *(const bool *)settling);
   d->model->noting->share(&task);
 }
 
 static void share_all(dem_data *d, bool settling) {
   dem_notes_send(d);
-  each_chunk(d, settling, share_notes);
+  dem_each_chunk(d, share_notes, &settling);
   dem_notes_return(d);
 }
 
@@ -162,7 +150,7 @@ static void take_notes(dem_data *d, bool settling) {
   const dem_noting *noting = d->model->noting;
   assert(d->work.notes.valid);
   dem_visitors_end(d);
-  each_chunk(d, settling, write_notes);
+  dem_each_chunk(d, write_notes, &settling);
   share_all(d, settling);
   for (long times = noting->iterations(d->model); times > 1 && notes_again(d, settling) > noting->tolerance(d->model);
        times--)

@@ -4,6 +4,7 @@
 
 #include "dem/particles/domain.h"
 #include "dem/seam/homes.h"
+#include "dem/seam/sums.h"
 #include "dem/state/wall_gap.h"
 #include "dem/watch/limits.h"
 
@@ -157,12 +158,19 @@ static void name_partner(const dem_data *d, int i, char out[256]) {
     }
 }
 
-tdm_status dem_check_finite(dem_data *d, double t, tdm_error *err) {
-  /* anything that is not finite makes the sum not finite */
+/* anything that is not finite makes the sum not finite */
+static void add_numbers(const dem_data *d, int chunk, const void *of, double *number) {
   tdm_vec3 sum = {0, 0, 0};
-  for (int i = dem_home_first_particle(d), end = dem_home_end_particle(d); i < end; i++)
+  (void)of;
+  for (int i = dem_chunk_start(d, chunk), end = dem_chunk_start(d, chunk + 1); i < end; i++)
     sum = tdm_add(sum, tdm_add(tdm_add(d->state.sphere[i].position, d->state.pace[i].velocity), d->state.pace[i].spin));
-  if (!dem_homes_any(d, !isfinite(sum.x + sum.y + sum.z)))
+  *number = sum.x + sum.y + sum.z;
+}
+
+tdm_status dem_check_finite(dem_data *d, double t, tdm_error *err) {
+  double sum;
+  dem_sum_chunks(d, 1, add_numbers, NULL, &sum);
+  if (isfinite(sum))
     return TDM_OK;
   dem_unite(d, DEM_WHOLE);
   for (int i = 0; i < d->state.nparticle; i++) {

@@ -87,11 +87,18 @@ typedef struct {
   int particle, other, wall;
 } deepest;
 
-/* among the contacts that are listed in chunks first ... end - 1 */
-static deepest find_deepest(const dem_data *d, int first, int end) {
+static const deepest none = {.particle = -1, .other = -1, .wall = -1};
+
+/* the deeper of two; of equals the one of the earlier particle, whoever found it */
+static deepest deeper(deepest a, deepest b) {
+  return b.share > a.share || (b.share == a.share && b.particle < a.particle) ? b : a;
+}
+
+/* among the contacts that are listed in a chunk */
+static deepest deepest_of(const dem_data *d, int chunk) {
   const dem_model *m = d->model;
-  deepest worst = {.particle = -1, .other = -1, .wall = -1};
-  for (int i = dem_chunk_start(d, first); i < dem_chunk_start(d, end); i++)
+  deepest worst = none;
+  for (int i = dem_chunk_start(d, chunk); i < dem_chunk_start(d, chunk + 1); i++)
     for (int k = d->lists.pairs.first[i]; k < d->lists.pairs.first[i + 1]; k++) {
       int j = d->lists.pairs.other[k];
       if (j >= d->state.nparticle)
@@ -103,13 +110,24 @@ static deepest find_deepest(const dem_data *d, int first, int end) {
       if (near > 0 && r2 < near * near)
         worst = (deepest){(sum - sqrt(r2)) / smaller, i, j, -1};
     }
-  for (size_t k = d->lists.walls.chunk[first]; k < d->lists.walls.chunk[end]; k++) {
+  for (size_t k = d->lists.walls.chunk[chunk]; k < d->lists.walls.chunk[chunk + 1]; k++) {
     const dem_wall_entry *e = &d->lists.walls.entry[k];
     const dem_sphere *s = &d->state.sphere[e->particle];
     double share = 1 - dem_gap(d, e->particle, e->wall, NULL) / s->radius;
     if (share > worst.share && !(m->wall[e->wall].shape->half_space && share >= 2))
       worst = (deepest){share, e->particle, -1, e->wall};
   }
+  return worst;
+}
+
+/* in chunks first ... end - 1 */
+static deepest find_deepest(const dem_data *d, int first, int end) {
+  deepest worst = none;
+#pragma omp declare reduction(deeper:deepest : omp_out = deeper(omp_out, omp_in)) initializer(omp_priv = omp_orig)
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) reduction(deeper \
+                                                                                                          : worst)
+  for (int c = first; c < end; c++)
+    worst = deeper(worst, deepest_of(d, c));
   return worst;
 }
 

@@ -46,7 +46,11 @@ double dem_impact_speed(const dem_data *d) {
   double fastest = 0, largest = 0, body_speed = 0;
   for (int b = 0; b < m->nbody; b++)
     body_speed = fmax(body_speed, tdm_norm(d->state.twist[b].velocity));
-  for (int i = dem_home_first_particle(d); i < dem_home_end_particle(d); i++) {
+  const int first = dem_home_first_particle(d), end = dem_home_end_particle(d);
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1) \
+    reduction(max                                                                               \
+              : fastest, largest)
+  for (int i = first; i < end; i++) {
     fastest = fmax(fastest, tdm_norm(d->state.pace[i].velocity));
     largest = fmax(largest, d->state.sphere[i].radius);
   }

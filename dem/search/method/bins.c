@@ -42,17 +42,22 @@ typedef struct {
 } extent;
 
 static extent extent_of_all(const dem_search_input *input, const int *member, int n) {
-  extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  const int nthread = dem_search_threads(input, n);
+  double x0 = INFINITY, y0 = INFINITY, z0 = INFINITY, x1 = -INFINITY, y1 = -INFINITY, z1 = -INFINITY;
+#pragma omp parallel for schedule(static) num_threads(nthread) if (nthread > 1) reduction(min           \
+                                                                                          : x0, y0, z0) \
+    reduction(max                                                                                       \
+              : x1, y1, z1)
   for (int k = 0; k < n; k++) {
     tdm_vec3 x = sphere_of(input, member, k)->position;
-    e.low[0] = x.x < e.low[0] ? x.x : e.low[0];
-    e.low[1] = x.y < e.low[1] ? x.y : e.low[1];
-    e.low[2] = x.z < e.low[2] ? x.z : e.low[2];
-    e.high[0] = x.x > e.high[0] ? x.x : e.high[0];
-    e.high[1] = x.y > e.high[1] ? x.y : e.high[1];
-    e.high[2] = x.z > e.high[2] ? x.z : e.high[2];
+    x0 = x.x < x0 ? x.x : x0;
+    y0 = x.y < y0 ? x.y : y0;
+    z0 = x.z < z0 ? x.z : z0;
+    x1 = x.x > x1 ? x.x : x1;
+    y1 = x.y > y1 ? x.y : y1;
+    z1 = x.z > z1 ? x.z : z1;
   }
-  return e;
+  return (extent){{x0, y0, z0}, {x1, y1, z1}};
 }
 
 static int compare_double(const void *a, const void *b) {

@@ -4,7 +4,9 @@
 #include "dem/search/method/bins.h"
 
 static double largest_radius(const dem_search_input *input) {
+  const int nthread = dem_search_threads(input, input->n);
   double largest = 0;
+#pragma omp parallel for schedule(static) num_threads(nthread) if (nthread > 1) reduction(max : largest)
   for (int i = 0; i < input->n; i++)
     largest = dem_search_sphere(input, i)->radius > largest ? dem_search_sphere(input, i)->radius : largest;
   return largest;
