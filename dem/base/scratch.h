@@ -1,6 +1,7 @@
 /* Memory for one piece of work: taken piece by piece, given back in the opposite order. The pieces lie in a block that
  * somebody lends; what does not fit there comes from the heap, and is kept for the next piece of work: pages that are
- * taken anew cost more than what is done with them. All zero at first. */
+ * taken anew cost more than what is done with them. When a piece fits in nothing that is kept, all that is kept and not
+ * in use goes first. All zero at first. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_BASE_SCRATCH_H
 #define DEM_BASE_SCRATCH_H

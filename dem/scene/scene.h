@@ -9,8 +9,8 @@
 /* Read the assignment's section "dem". *model is set also after an error (the caller destroys it). */
 tdm_status dem_model_read(dem_model **model, const tdm_assignment *assignment, tdm_error *err);
 
-/* The same on one of several ranks (NULL: alone): of its home's particles alone it has places and motion, where these
- * are not poured, read from a file or of stored states. */
+/* The same on one of several ranks (NULL: alone): of its home's particles alone it has places and motion. Of all, where
+ * any are poured or read from a file of MOLDYN, or the scene has dem.start or dem.settle.store. */
 tdm_status dem_model_read_on(dem_model **model, const tdm_assignment *assignment, const dem_ranks *ranks,
                              tdm_error *err);
 

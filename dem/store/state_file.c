@@ -159,6 +159,7 @@ static void take_counters(dem_data *d, const counters *c) {
 
 static tdm_status save(const dem_data *d, const void *note, size_t note_size, void **bytes, size_t *size) {
   const dem_model *m = d->model;
+  assert(m->nparticle == 0 || m->radius);
   writer w = {0};
   size_t np = (size_t)d->state.nparticle;
   header h = {.version = STATE_VERSION,

@@ -20,8 +20,8 @@ typedef enum {
                      forces are to be evaluated */
 } dem_state_use;
 
-/* *bytes is the caller's to free. On several ranks that of rank 0, after dem_collect(DEM_WHOLE). Errors:
- * TDM_ERR_MEMORY.
+/* *bytes is the caller's to free. On several ranks that of rank 0, after dem_collect(DEM_WHOLE). The model must have
+ * the start of all particles, of which the state has the fingerprint (dem_model_forget_start). Errors: TDM_ERR_MEMORY.
  */
 tdm_status dem_state_save(const dem_data *data, void **bytes, size_t *size);
 

@@ -393,6 +393,25 @@ START_TEST(test_verlet_circles) {
         ck_assert_int_eq(rows.other[at++], j);
     ck_assert_int_eq(at, rows.first[i + 1]);
   }
+  /* as a rank asks: some rows, of which the largest sphere is one; what is before them may be anything */
+  enum { BEGIN = 10, END = 200 };
+  for (int i = 0; i < BEGIN; i++)
+    sphere[i] = (dem_sphere){0};
+  in.some = true;
+  in.begin = BEGIN;
+  in.end = END;
+  ck_assert(dem_search_run(search, &in, &rows) == TDM_OK);
+  size_t count = 0;
+  for (int i = BEGIN; i < END; i++)
+    for (int j = i + 1; j < N; j++) {
+      const bool listed = count < rows.count && dem_row(&rows, i) <= (int)count && (int)count < dem_row(&rows, i + 1) &&
+                          rows.other[count] == j;
+      count += listed;
+      const double gap =
+          tdm_norm(tdm_sub(sphere[i].position, sphere[j].position)) - sphere[i].radius - sphere[j].radius;
+      ck_assert_msg(listed || gap >= in.skin, "%d and %d", i, j);
+    }
+  ck_assert_uint_eq(count, rows.count);
   dem_search_destroy(&search);
 }
 END_TEST

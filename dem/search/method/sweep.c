@@ -119,7 +119,7 @@ static tdm_status exchanged(dem_sweep *s, const dem_mark *left, const dem_mark *
  * so that round-off loses no pair. */
 static void move_boxes(dem_sweep *s, const dem_search_input *input) {
   for (int i = 0; i < s->n; i++) {
-    const dem_sphere *p = &input->sphere[i];
+    const dem_sphere *p = dem_search_sphere(input, i);
     double x[3] = {p->position.x, p->position.y, p->position.z};
     bool finite = isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
     for (int a = 0; a < 3; a++) {
@@ -284,7 +284,7 @@ static tdm_status find(void *state, const dem_search_input *input, dem_found *fo
   dem_near near = dem_near_make(input);
   for (int i = 0; i < s->n; i++)
     for (int l = s->head[i]; l >= 0; l = s->link[l].next)
-      if (dem_spheres_near(&near, &input->sphere[i], &input->sphere[s->link[l].other])) {
+      if (dem_spheres_near(&near, dem_search_sphere(input, i), dem_search_sphere(input, s->link[l].other))) {
         if (dem_found_reserve(found, 1))
           return TDM_ERR_MEMORY;
         found->pair[found->count++] = (dem_found_pair){i, s->link[l].other};
