@@ -19,20 +19,6 @@ static void forget(void *array, size_t first, size_t end, size_t size) {
     dem_pages_release(from, (end - first) * size, &begin, &last);
 }
 
-void dem_keep_near(dem_data *d, const dem_near_runs *near, const int *number, int n) {
-  const size_t size = sizeof *d->state.sphere;
-  if (d->work.homes.united & DEM_PLACES)
-    return;
-  for (int k = 0, q = 0; k < near->nrun; k++) {
-    int at = near->run[2 * k];
-    for (; q < n && number[q] < near->run[2 * k + 1]; q++) {
-      forget(d->state.sphere, (size_t)at, (size_t)number[q], size);
-      at = number[q] + 1;
-    }
-    forget(d->state.sphere, (size_t)at, (size_t)near->run[2 * k + 1], size);
-  }
-}
-
 /* of an array with an entry for each of `all`: all but first ... end - 1 */
 static void forget_others(void *array, size_t size, size_t first, size_t end, size_t all) {
   forget(array, 0, first, size);

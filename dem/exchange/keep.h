@@ -5,15 +5,11 @@
 #ifndef DEM_EXCHANGE_KEEP_H
 #define DEM_EXCHANGE_KEEP_H
 
-#include "dem/exchange/near_chunks.h"
+#include "dem/state/data.h"
 
 /* Forget what is not of home particles and their entries, when the lists are those of home and some of the rest may be
  * there (homes.spread); visitors come after. */
 void dem_keep_home(dem_data *data);
-
-/* Of the spheres that came from other ranks for the lists (near_chunks.h) only number[0] ... number[n - 1], which
- * ascend, are needed: forget the others. */
-void dem_keep_near(dem_data *data, const dem_near_runs *near, const int *number, int n);
 
 /* For tests: write what is no number over all that is forgotten, so that it shows where it is used. */
 extern bool dem_keep_poisons;

@@ -125,7 +125,7 @@ tdm_status dem_givers_find(dem_data *d) {
     }
   }
   g->first[end] = n;
-  for (int k = 0; !dem_alone(d) && k < returned->first[d->work.homes.ranks->size]; k++) {
+  for (int k = 0; k < returned->first[d->work.homes.ranks->size]; k++) {
     const int c = x->particle[returned->item[k]] / DEM_CHUNK;
     g->all[c] += g->seen[c] != nchunk;
     g->seen[c] = nchunk;
@@ -140,8 +140,5 @@ void dem_givers_begin(dem_data *d) {
 }
 
 bool dem_gave(dem_data *d, int to) {
-  int left;
-#pragma omp atomic capture acq_rel
-  left = --d->work.givers.left[to];
-  return left == 0;
+  return --d->work.givers.left[to] == 0;
 }

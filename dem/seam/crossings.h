@@ -38,13 +38,13 @@ tdm_status dem_crossings_place(dem_data *d);
  * ranks most places are others' and take no memory; they are empty, too, where memory is given back (homes.spread). */
 void dem_crossings_empty(const dem_data *data, dem_push *push);
 
-/* Who adds to whom in a step, by the present crossings. Errors: TDM_ERR_MEMORY. */
+/* Who adds to whom in a step on several ranks, by the present crossings. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_givers_find(dem_data *data);
 
 /* A step begins: nobody has given anything yet. */
 void dem_givers_begin(dem_data *data);
 
-/* A chunk that adds to chunk `to` is evaluated, on whatever thread; true: it was the last one. */
+/* A chunk that adds to chunk `to` is evaluated; true: it was the last one. */
 bool dem_gave(dem_data *data, int to);
 
 /* There are no crossings until the lists are built next. */

@@ -15,7 +15,7 @@
  * come from ranks behind and reactions return there, as in [A07]. Homes are as long as makes the measured times of
  * their chunks alike, if the scene asks for that (dem.decomposition.balance). Whoever reads more of particles that are
  * not at home asks for it first: dem_unite makes whole arrays the same on all ranks. What goes from home to home when
- * lists are built is in exchange/. In a process that is alone all of this is nothing, but for homes.planned.
+ * lists are built is in exchange/. In a process that is alone all of this is nothing.
  */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_SEAM_HOMES_H

@@ -234,9 +234,9 @@ static tdm_status plan_visits(dem_data *d) {
 
 tdm_status dem_homes_plan(dem_data *d) {
   dem_homes *s = &d->work.homes;
-  if (s->planned)
+  if (!s->ranks || s->planned)
     return TDM_OK;
-  if ((s->ranks && plan_visits(d)) || dem_givers_find(d))
+  if (plan_visits(d) || dem_givers_find(d))
     return TDM_ERR_MEMORY;
   s->planned = true;
   return TDM_OK;

@@ -165,11 +165,7 @@ static tdm_status find_near(dem_data *d, dem_search_input *input) {
     return TDM_ERR_MEMORY;
   input->run = near.run;
   input->nrun = near.nrun;
-  if (dem_nearby_choose(input))
-    return TDM_ERR_MEMORY;
-  const int own = input->end - input->begin;
-  dem_keep_near(d, &near, input->number + own, input->n - own);
-  return TDM_OK;
+  return dem_nearby_choose(input);
 }
 
 /* The new list, in the place of the old one. carry: its histories are taken over, stay: from this rank's own entries;

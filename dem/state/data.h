@@ -312,8 +312,8 @@ typedef struct {
   int capacity;
 } dem_parcels;
 
-/* Which chunks add to a chunk in a step, so that its step ends as soon as nothing more will (crossings.h). By chunk, of
- * home chunks. */
+/* On several ranks: which chunks add to a chunk in a step, so that its step ends as soon as nothing more will
+ * (crossings.h). By chunk, of home chunks. */
 typedef struct {
   int *to;    /* (capacity) where a chunk adds to: itself and those that its contacts have reactions on */
   int *first; /* (nchunk + 1) first of a chunk in `to` */
@@ -323,7 +323,7 @@ typedef struct {
   int capacity;
 } dem_givers;
 
-/* What this rank and others tell each other (homes.h); all but `planned` 0 in a process that is alone. */
+/* What this rank and others tell each other (homes.h); all 0 in a process that is alone. */
 typedef struct {
   const dem_ranks *ranks; /* borrowed; NULL: alone */
   unsigned united;        /* what is the same on all ranks now (DEM_PLACES ...) */

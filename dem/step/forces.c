@@ -201,8 +201,14 @@ static void end_chunk(dem_data *d, int chunk, const dem_integrator *integrator, 
     dem_home_took(d, chunk, begin);
 }
 
-/* A chunk's forces on one of several threads or ranks; how many of its contacts touch. And the end of the step of those
- * chunks that nothing will be added to any more, while they are in the cache. */
+static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
+#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
+  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
+    end_chunk(d, c, integrator, dt);
+}
+
+/* A chunk's forces on one of several ranks; how many of its contacts touch. integrator: and the end of the step of
+ * those chunks that nothing will be added to any more, while they are in the cache; NULL: of none. */
 static long chunk_step(dem_data *d, int chunk, const dem_loop_task *all, const dem_integrator *integrator) {
   const dem_givers *givers = &d->work.givers;
   const long touching = chunk_forces(d, chunk, all);
@@ -233,7 +239,9 @@ static long forces_shared(dem_data *d, const dem_loop_task *all, const dem_integ
   for (int t = 0; t < n; t++)
     for (int k = 0; k < n; k++)
       for (int c; (c = take(&section[(t + k) % n])) >= 0;)
-        touching += chunk_step(d, c, all, integrator);
+        touching += chunk_forces(d, c, all);
+  if (integrator)
+    end_chunks(d, integrator, all->dt);
   return touching;
 }
 
@@ -248,24 +256,29 @@ static long some_forces(dem_data *d, int first, int end, const dem_loop_task *al
 
 /* The end of the step of the chunks that waited for reactions of other ranks. */
 static void end_last(dem_data *d, const dem_integrator *integrator, double dt) {
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread) if (d->work.nthread > 1)
   for (int c = dem_home_first(d); c < dem_home_end(d); c++)
     if (d->work.givers.left[c] > 0 && dem_gave(d, c))
       end_chunk(d, c, integrator, dt);
 }
 
-/* Of the chunks of this rank: visitors come meanwhile, and reactions go. */
+/* Of the chunks of this rank: visitors come meanwhile, and reactions go. Several threads end all chunks afterwards: one
+ * would have to wait for those at the end of another's, and took longer in all. */
 static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
   const dem_homes *s = &d->work.homes;
-  long touching = some_forces(d, 0, s->first_outer, all, integrator);
+  const dem_integrator *now = d->work.nthread == 1 ? integrator : NULL;
+  if (now)
+    dem_givers_begin(d);
+  long touching = some_forces(d, 0, s->first_outer, all, now);
   dem_visitors_end(d);
-  touching += some_forces(d, s->first_outer, s->end_outer, all, integrator);
+  touching += some_forces(d, s->first_outer, s->end_outer, all, now);
   dem_reactions_begin(d);
-  touching += some_forces(d, s->end_outer, dem_home_end(d) - dem_home_first(d), all, integrator);
+  touching += some_forces(d, s->end_outer, dem_home_end(d) - dem_home_first(d), all, now);
   dem_parted(d, DEM_MOTION | DEM_FORCES | DEM_CONTACTS);
   dem_reactions_end(d);
-  if (integrator)
-    end_last(d, integrator, all->dt);
+  if (now)
+    end_last(d, now, all->dt);
+  else if (integrator)
+    end_chunks(d, integrator, all->dt);
   if (all->entry_force)
     dem_unite_entries(d, all->entry_force, sizeof *all->entry_force, d->lists.walls.chunk);
   return dem_sums_of_step(d, touching);
@@ -273,8 +286,6 @@ static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integra
 
 /* Forces of all chunks, and the end of their step. */
 static long all_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
-  if (integrator)
-    dem_givers_begin(d);
   if (!dem_alone(d))
     return home_forces(d, all, integrator);
   return d->work.nthread == 1 ? forces_alone(d, all, integrator) : forces_shared(d, all, integrator);
@@ -303,12 +314,6 @@ void dem_forces_add(dem_data *d, dem_share share, bool settling, double dt, cons
 }
 
 /* ---- two sets of forces ---- */
-
-static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt) {
-#pragma omp parallel for schedule(static) num_threads(d->work.nthread)
-  for (int c = dem_home_first(d); c < dem_home_end(d); c++)
-    end_chunk(d, c, integrator, dt);
-}
 
 void dem_forces_clear(const dem_data *d, dem_push *push) {
   const int first = dem_home_first_particle(d);
