@@ -240,6 +240,7 @@ static json_t *box_scene(const options *o) {
                         "pairs", "materials", "a", "a", "restitution", 0.5, "contact");
   for (int k = 0; k < LAW_PARTS; k++)
     add_law(s, part_family[k], o->law[k][0] ? o->law[k] : o->law[0][0] ? "none" : without[k]);
+  json_object_set_new(s, "threads", json_integer(o->threads));
   if (o->skin > 0)
     json_object_set_new(s, "skin", json_real(o->skin));
   json_object_set_new(s, "bodies",
@@ -319,7 +320,6 @@ static tdm_status engine_create(engine *e, const options *o, bed *b, tdm_error *
   }
   if (!good)
     return tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory for %d particles", b->n);
-  e->data->work.nthread = o->threads;
   if (dem_forces_begin(e->data, err))
     return err->status;
   return refuse_coincident(e->data, b, err);
@@ -423,6 +423,7 @@ static tdm_status make_referee(engine *referee, dem_data *d, const options *o, t
   options plain = *o;
   plain.simd = "plain";
   plain.search = "all";
+  plain.threads = 1;
   void *bytes = NULL;
   size_t size = 0;
   if (load_model(referee, &plain, err))

@@ -38,7 +38,7 @@ tdm_status dem_crossings_place(dem_data *d);
  * ranks most places are others' and take no memory; they are empty, too, where memory is given back (homes.spread). */
 void dem_crossings_empty(const dem_data *data, dem_push *push);
 
-/* Who adds to whom in a step on several ranks, by the present crossings. Errors: TDM_ERR_MEMORY. */
+/* Who adds to whom in a step, on several ranks of one thread each, by the present crossings. Errors: TDM_ERR_MEMORY. */
 tdm_status dem_givers_find(dem_data *data);
 
 /* A step begins: nobody has given anything yet. */

@@ -236,7 +236,7 @@ tdm_status dem_homes_plan(dem_data *d) {
   dem_homes *s = &d->work.homes;
   if (!s->ranks || s->planned)
     return TDM_OK;
-  if (plan_visits(d) || dem_givers_find(d))
+  if (plan_visits(d) || (d->work.nthread == 1 && dem_givers_find(d)))
     return TDM_ERR_MEMORY;
   s->planned = true;
   return TDM_OK;

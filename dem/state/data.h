@@ -312,8 +312,8 @@ typedef struct {
   int capacity;
 } dem_parcels;
 
-/* On several ranks: which chunks add to a chunk in a step, so that its step ends as soon as nothing more will
- * (crossings.h). By chunk, of home chunks. */
+/* On several ranks of one thread each: which chunks add to a chunk in a step, so that its step ends as soon as nothing
+ * more will (crossings.h). By chunk, of home chunks. */
 typedef struct {
   int *to;    /* (capacity) where a chunk adds to: itself and those that its contacts have reactions on */
   int *first; /* (nchunk + 1) first of a chunk in `to` */
@@ -377,7 +377,7 @@ typedef struct {
   double *chunk_sum;      /* (nchunk x DEM_CHUNK_SUMS) dem_sum_chunks */
   double *chunk_supplied; /* (nchunk) by the box, where particles pass its boundary [J] */
   dem_section *section;   /* (nthread) scratch: of a pass over chunks */
-  dem_givers givers;      /* whom each chunk waits for */
+  dem_givers givers;      /* who adds to whom */
   tdm_wrench *fast_load;  /* (model.nload) multi-step: body_load of the fast contacts */
   dem_traction traction;  /* forces on the triangles of meshes (bodies/traction.h) */
 

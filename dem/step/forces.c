@@ -212,7 +212,9 @@ static void end_chunks(dem_data *d, const dem_integrator *integrator, double dt)
 static long chunk_step(dem_data *d, int chunk, const dem_loop_task *all, const dem_integrator *integrator) {
   const dem_givers *givers = &d->work.givers;
   const long touching = chunk_forces(d, chunk, all);
-  for (int k = givers->first[chunk]; integrator && k < givers->first[chunk + 1]; k++)
+  if (!integrator)
+    return touching;
+  for (int k = givers->first[chunk]; k < givers->first[chunk + 1]; k++)
     if (dem_gave(d, givers->to[k]))
       end_chunk(d, givers->to[k], integrator, all->dt);
   return touching;
@@ -261,8 +263,8 @@ static void end_last(dem_data *d, const dem_integrator *integrator, double dt) {
       end_chunk(d, c, integrator, dt);
 }
 
-/* Of the chunks of this rank: visitors come meanwhile, and reactions go. Several threads end all chunks afterwards: one
- * would have to wait for those at the end of another's, and took longer in all. */
+/* Of the chunks of this rank: visitors come meanwhile, and reactions go. Several threads end all chunks afterwards: the
+ * step of those that another thread's chunks add to would end late, out of the cache, which took longer in all. */
 static long home_forces(dem_data *d, const dem_loop_task *all, const dem_integrator *integrator) {
   const dem_homes *s = &d->work.homes;
   const dem_integrator *now = d->work.nthread == 1 ? integrator : NULL;

@@ -94,11 +94,10 @@ START_TEST(test_threads) {
       r[t] =
           rig_make(scene_json("{" MATERIAL ",'domain':{'min':[0,0,0],'max':[1,1,1],'x':'periodic','y':'periodic','z':"
                               "'periodic'},'particles':[{'type':'random','material':'a','count':4500,'radius':[0.02,"
-                              "0.028],'region':{'min':[0,0,0],'max':[1,1,1]}}]%s}",
-                              0.5, integrators[k]),
+                              "0.028],'region':{'min':[0,0,0],'max':[1,1,1]}}],'threads':%d%s}",
+                              0.5, t + 1, integrators[k]),
                    5e-5, 0, NULL);
       dem_data *d = r[t]->data;
-      d->work.nthread = t + 1;
       for (int i = 0; i < 4500; i++)
         d->state.pace[i].velocity = tdm_v3(sin(3 * (double)d->state.id[i]), 5, cos((double)d->state.id[i]));
       tdm_vec3 before = {0, 0, 0}, after = {0, 0, 0};
