@@ -188,7 +188,10 @@ typedef struct {
   int narray;                        /* number of arrays */
   size_t width[TDM_VIEW_ARRAYS_MAX]; /* (narray) bytes a particle */
 } tdm_view_layout;
+
+/* Of a snapshot's record, with numbers in single precision or not. */
 tdm_view_layout tdm_snapshot_layout(const tdm_snapshot *snapshot, bool single);
+
 /* Free the buffer; *bytes is as new. */
 void tdm_view_bytes_free(tdm_view_bytes *bytes);
 
