@@ -15,7 +15,7 @@
 #include <sys/random.h>
 #include <time.h>
 
-enum { SECRET = 32, THREADS = 8 };
+enum { SECRET = 32, THREADS = 8, AWAKE = 3 /* a viewer without a question for so long has gone [s] */ };
 
 /* Bytes that several threads send at a time; the last one to let go frees them. */
 typedef struct {
@@ -38,7 +38,7 @@ struct cpl_server {
   uint32_t number;             /* of the frame */
   char *state;
   bool last, last_told; /* the state will not change any more; a viewer knows it */
-  bool parted;          /* and has got the histories after it, the last that it asks for */
+  bool parted;          /* and has asked for the histories after it, the last that it asks for, and got them */
   double watched;       /* when a frame was last asked for [s] */
   double polled;        /* when the state was [s] */
   char dir[4096];
@@ -218,6 +218,9 @@ static int send_channels(cpl_server *s, struct mg_connection *c) {
   tdm_error err = {0};
   tdm_view_bytes bytes = {0};
   FILE *out = open_memstream(&all, &size);
+  pthread_mutex_lock(&s->lock);
+  const bool parting = s->last_told;
+  pthread_mutex_unlock(&s->lock);
   pthread_mutex_lock(&s->reading);
   const bool begun = s->dir[0] != 0;
   if (out && begun && cpl_channels_read(&s->channels, s->dir, &err) == TDM_OK) {
@@ -241,7 +244,7 @@ static int send_channels(cpl_server *s, struct mg_connection *c) {
     refuse(c, 500, "Internal Server Error", err.status != TDM_OK ? err.message : "out of memory\n");
   }
   pthread_mutex_lock(&s->lock);
-  s->parted = s->last_told;
+  s->parted = s->parted || parting;
   pthread_cond_broadcast(&s->told);
   pthread_mutex_unlock(&s->lock);
   tdm_view_bytes_free(&bytes);
@@ -396,7 +399,7 @@ void cpl_server_frame(cpl_server *s, tdm_view_bytes *roster, tdm_view_bytes *fra
 bool cpl_server_watched(const cpl_server *server) {
   cpl_server *s = (cpl_server *)server; /* the lock is no part of what it says */
   pthread_mutex_lock(&s->lock);
-  const bool watched = s->watched > 0 && tdm_clock() - s->watched < 3;
+  const bool watched = s->watched > 0 && tdm_clock() - s->watched < AWAKE;
   pthread_mutex_unlock(&s->lock);
   return watched;
 }
@@ -408,9 +411,9 @@ void cpl_server_close(cpl_server **server) {
   if (s->web) {
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_sec++;
+    until.tv_sec += AWAKE;
     pthread_mutex_lock(&s->lock);
-    const bool awake = s->polled > 0 && tdm_clock() - s->polled < 1; /* who does not read is not waited for */
+    const bool awake = s->polled > 0 && tdm_clock() - s->polled < AWAKE; /* who does not read is not waited for */
     while (awake && s->last && !s->parted && pthread_cond_timedwait(&s->told, &s->lock, &until) == 0)
       ;
     pthread_mutex_unlock(&s->lock);

@@ -25,6 +25,12 @@ START_TEST(button_stops_the_run) {
   chrome_wait(&browser, "document.querySelectorAll('.curve').length > 0");
   ck_assert(!json_is_true(chrome_value(&browser, "location.href.includes('token')")));
   ck_assert_msg(browser.errors[0] == 0, "%s", browser.errors);
+  /* a button that moves while the text beside it changes is missed */
+  ck_assert(json_is_true(chrome_value(
+      &browser,
+      "(() => { const left = () => document.getElementById('stop').getBoundingClientRect().left, before = left();"
+      "for (const text of ['', '0 s', 'windows '.repeat(5), 'windows '.repeat(100)]) {"
+      "progress.textContent = text; if (left() !== before) return false; } return true; })()")));
   json_t *place = chrome_value(&browser, "(() => { const r = document.getElementById('stop').getBoundingClientRect(); "
                                          "return [r.left + r.width / 2, r.top + r.height / 2]; })()");
   chrome_click(&browser, json_number_value(json_array_get(place, 0)), json_number_value(json_array_get(place, 1)));

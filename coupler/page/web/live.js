@@ -64,12 +64,14 @@
       if (answer.status !== 200)
         return;
       const state = await answer.json();
-      if (state.over && !over) {
-        over = true;
+      const last = state.over && !over;
+      over = over || state.over;
+      on.state(state); /* how it ended is told even when the rest does not come */
+      if (last) {
         await getFrame(on);
         await getChannels(on);
+        on.state(state);
       }
-      on.state(state);
     }
 
     /* again and again, each so long after it was done */
