@@ -91,15 +91,12 @@ DEM_KERNEL void add_parts(dem_loop_task *task, batch *b, const touching_parts *n
 
 /* ---- entries looked at together ---- */
 
-enum { LOOK = 64, CLEAR_MAX = 4 }; /* entries; contacts of a particle that are made out here */
-
-/* Where an entry's nearest point is; else on the edge to this part, as dem_triangle.beyond. */
-enum { UNCLEAR = -1, APART = -2, INSIDE = -3, CORNER = -4 }; /* at corner k: CORNER - k */
+enum { LOOK = 64, UNSEEN = -1, CLEAR_MAX = 4 }; /* entries; lane; contacts of a particle that are made out here */
 
 typedef struct {
   size_t begin;
-  int at[LOOK];                         /* by entry */
-  int lane[LOOK];                       /* likewise, where the following are of what is not apart */
+  int lane[LOOK];                       /* by entry, where it has the following; UNSEEN: it is apart */
+  double at[LOOK];                      /* APART ... (triangles.h) */
   double height[LOOK], normal[3][LOOK]; /* inside: of the centre over the triangle [m]; towards it, world */
   double distance2[LOOK];               /* on an edge, at a corner: of the centre from that point [m2] */
 } look;
@@ -137,27 +134,6 @@ DEM_INLINE int choose_entries(const dem_data *d, const look_task *t, size_t begi
   return n;
 }
 
-/* what the lanes see */
-DEM_KERNEL void write_look(const dem_triangle *triangle, const int *part, const int *chosen, const triangle_look *seen,
-                           int *at) {
-  const unsigned inside = vm_bits(seen->inside), unclear = vm_bits(seen->unclear);
-  unsigned any = inside | unclear, edge[3], corner[3];
-  for (int k = 0; k < 3; k++) {
-    edge[k] = vm_bits(seen->edge[k]), corner[k] = vm_bits(seen->corner[k]);
-    any |= edge[k] | corner[k];
-  }
-  for (; any; any &= any - 1) {
-    const int l = __builtin_ctz(any);
-    int *to = &at[chosen[l]];
-    *to = inside >> l & 1 ? INSIDE : UNCLEAR;
-    for (int k = 0; k < 3; k++)
-      if (edge[k] >> l & 1)
-        *to = triangle[part[l]].beyond[k];
-      else if (corner[k] >> l & 1)
-        *to = CORNER - k;
-  }
-}
-
 /* entries begin ... end, of whole particles, at most LOOK */
 static __attribute__((noinline)) void look_at_entries(const dem_data *d, const look_task *t, size_t begin, size_t end,
                                                       look *out) {
@@ -167,7 +143,7 @@ static __attribute__((noinline)) void look_at_entries(const dem_data *d, const l
   const int n = choose_entries(d, t, begin, end, chosen);
   out->begin = begin;
   for (size_t k = 0; k < end - begin; k++)
-    out->at[k] = APART;
+    out->lane[k] = UNSEEN;
   for (int c = 0; c < n; c++)
     out->lane[chosen[c]] = c;
   for (int l = 0; l < DEM_W && n > 0; l++) /* lanes that are left over */
@@ -182,7 +158,7 @@ static __attribute__((noinline)) void look_at_entries(const dem_data *d, const l
     vd_spheres(d->state.sphere, i, s);
     vd3 own = vd3_turn(&back, vd3_sub((vd3){s[0], s[1], s[2]}, vd3_set(t->place->point)));
     const triangle_look seen = look_at_triangles(t->triangle, part, own, s[3] + vd_set(t->reach));
-    write_look(t->triangle, part, chosen + to, &seen, out->at);
+    vd_store(out->at + to, seen.at);
     vd_store(out->distance2 + to, seen.distance2);
     vd_store(out->height + to, seen.height);
     vd3 normal = vd3_pick(vm_less(seen.height, vd_set(0)), vd3_scale(vd_set(-1), seen.normal), seen.normal);
@@ -190,6 +166,12 @@ static __attribute__((noinline)) void look_at_entries(const dem_data *d, const l
     vd_store(out->normal[0] + to, normal.x), vd_store(out->normal[1] + to, normal.y);
     vd_store(out->normal[2] + to, normal.z);
   }
+}
+
+/* where the nearest point of an entry is */
+DEM_INLINE int where(const look *seen, size_t k) {
+  const int lane = seen->lane[k - seen->begin];
+  return lane == UNSEEN ? APART : (int)seen->at[lane];
 }
 
 static tdm_vec3 own_normal(const dem_data *d, const dem_triangle *triangle, const look *seen, size_t k) {
@@ -211,14 +193,13 @@ static bool all_apart(const dem_data *d, const dem_triangles *of, const look *se
 static bool corner_of_contact(const dem_data *d, const dem_triangle *triangle, const look *seen,
                               const touching_parts *now, int c, size_t k) {
   const dem_wall_entry *entry = d->lists.walls.entry;
-  const size_t place = k - seen->begin;
-  const tdm_vec3 corner = triangle[entry[k].part].corner[CORNER - seen->at[place]];
+  const tdm_vec3 corner = triangle[entry[k].part].corner[where(seen, k) - CORNER];
   bool has = false;
   for (int q = 0; q < 3; q++) {
     const tdm_vec3 *own = &triangle[entry[now->at[c]].part].corner[q];
     has = has || (own->x == corner.x && own->y == corner.y && own->z == corner.z);
   }
-  return has && now->gap[c] * now->gap[c] < seen->distance2[seen->lane[place]];
+  return has && now->gap[c] * now->gap[c] < seen->distance2[seen->lane[k - seen->begin]];
 }
 
 /* Does entry k, whose nearest point is on an edge or at a corner, lead to one of the contacts, by ever nearer ones? */
@@ -226,16 +207,17 @@ static bool leads_to_contact(const dem_data *d, const dem_triangle *triangle, co
                              const touching_parts *now, size_t k) {
   const dem_wall_entry *entry = d->lists.walls.entry;
   for (;;) {
-    const int at = seen->at[k - seen->begin];
+    const int at = where(seen, k);
+    const int beyond = at >= EDGE && at < CORNER ? triangle[entry[k].part].beyond[at - EDGE] : -1;
     for (int c = 0; c < now->n; c++)
-      if (at == entry[now->at[c]].part || (at <= CORNER && corner_of_contact(d, triangle, seen, now, c, k)))
+      if (beyond == entry[now->at[c]].part || (at >= CORNER && corner_of_contact(d, triangle, seen, now, c, k)))
         return true;
-    if (at < 0)
+    if (beyond < 0)
       return false;
     size_t next = now->begin;
-    while (next < now->end && entry[next].part != at)
+    while (next < now->end && entry[next].part != beyond)
       next++;
-    if (next == now->end || seen->at[next - seen->begin] == APART ||
+    if (next == now->end || where(seen, next) == APART ||
         !(seen->distance2[seen->lane[next - seen->begin]] < seen->distance2[seen->lane[k - seen->begin]]))
       return false;
     k = next;
@@ -244,26 +226,27 @@ static bool leads_to_contact(const dem_data *d, const dem_triangle *triangle, co
 
 /* Is it clear what the contacts of the particle with entries now->begin ... end are? */
 static bool clear_contacts(const dem_data *d, const dem_triangles *of, const look *seen, touching_parts *now) {
-  bool more = false;
+  size_t other[LOOK];
+  int nother = 0;
   now->n = 0;
   for (size_t k = now->begin; k < now->end; k++) {
-    const size_t l = k - seen->begin;
-    if (seen->at[l] != INSIDE) {
-      more = more || seen->at[l] != APART;
+    const int at = where(seen, k);
+    if (at == APART)
+      continue;
+    if (at != INSIDE) {
+      other[nother++] = k;
       continue;
     }
     if (now->n == CLEAR_MAX)
       return false;
+    const int lane = seen->lane[k - seen->begin];
     now->at[now->n] = k;
-    const int lane = seen->lane[l];
     now->gap[now->n] = fabs(seen->height[lane]);
     now->normal[now->n++] = (tdm_vec3){seen->normal[0][lane], seen->normal[1][lane], seen->normal[2][lane]};
   }
-  for (size_t k = now->begin; k < now->end && more; k++) {
-    const int at = seen->at[k - seen->begin];
-    if (at != APART && at != INSIDE && !leads_to_contact(d, of->triangle, seen, now, k))
+  for (int o = 0; o < nother; o++)
+    if (!leads_to_contact(d, of->triangle, seen, now, other[o]))
       return false;
-  }
   return now->n < 2 || all_apart(d, of, seen, now);
 }
 

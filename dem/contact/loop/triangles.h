@@ -9,12 +9,17 @@
 
 _Static_assert(sizeof(dem_triangle) == 24 * sizeof(double), "three records of eight doubles");
 
-/* What is nearer than the radius; in no mask: it is not. */
+/* Where the point of a triangle lies that is nearest to a sphere's centre. EDGE + k, CORNER + k: on that one. */
+enum {
+  APART,
+  INSIDE,
+  UNCLEAR,
+  EDGE,
+  CORNER = EDGE + 3
+}; /* APART: not within the radius; UNCLEAR: on a border of two */
+
 typedef struct {
-  vm inside;    /* the nearest point is inside the triangle */
-  vm edge[3];   /* on this edge */
-  vm corner[3]; /* at this corner */
-  vm unclear;   /* on the border between two of these */
+  vd at;        /* APART ... */
   vd height;    /* of the centre over the triangle [m] */
   vd distance2; /* of the centre from the point on the edge or at the corner [m2] */
   vd3 normal;   /* of the triangle, own axes */
@@ -73,36 +78,30 @@ DEM_KERNEL void look_at_edges(const triangle_lanes *t, vd3 x, const vd in[3], vm
   out->distance2 = vd_pick(at_edge, edge.distance2, corner.distance2);
   vm near = vm_and(outside, vm_less(out->distance2, radius2));
   vm tie = vm_or(vm_and(at_edge, edge.tie), vm_without(corner.tie, at_edge));
-  out->unclear = vm_or(out->unclear, vm_and(near, tie));
-  vm clear = vm_without(near, out->unclear);
-  for (int k = 0; k < 3; k++) {
-    out->edge[k] = vm_and(vm_and(clear, at_edge), vm_equal(edge.which, vd_set(k)));
-    out->corner[k] = vm_and(vm_without(clear, at_edge), vm_equal(corner.which, vd_set(k)));
-  }
+  vd at = vd_pick(at_edge, vd_set(EDGE) + edge.which, vd_set(CORNER) + corner.which);
+  out->at = vd_pick(near, vd_pick(tie, vd_set(UNCLEAR), at), out->at);
 }
 
 /* Spheres with the centre x, own axes, and triangles, by their parts. */
 DEM_KERNEL triangle_look look_at_triangles(const dem_triangle *triangle, const int *part, vd3 x, vd radius) {
-  const vm all = vm_first(DEM_W), none = vm_without(all, all);
+  const vm all = vm_first(DEM_W);
   const triangle_lanes t = load_triangles(triangle, part);
   const vd radius2 = radius * radius;
-  triangle_look out = {.unclear = none, .edge = {none, none, none}, .corner = {none, none, none}};
-  out.normal = t.normal;
-  out.distance2 = vd_set(0);
-  vm within = all;
+  vm within = all, border = vm_without(all, all);
   vd in[3];
   for (int k = 0; k < 3; k++) {
     in[k] = vd3_dot(vd3_sub(x, t.corner[DEM_EDGE_FROM(k)]), t.inward[k]);
     within = vm_and(within, vm_less(vd_set(0), in[k]));
-    out.unclear = vm_or(out.unclear, vm_equal(in[k], vd_set(0)));
+    border = vm_or(border, vm_equal(in[k], vd_set(0)));
   }
   vd3 origin = vd3_pick(vm_less(t.origin, vd_set(0.5)), t.corner[0],
                         vd3_pick(vm_less(t.origin, vd_set(1.5)), t.corner[1], t.corner[2]));
-  out.height = vd3_dot(vd3_sub(x, origin), t.normal);
-  out.inside = vm_and(within, vm_less(out.height * out.height, radius2));
+  triangle_look out = {.height = vd3_dot(vd3_sub(x, origin), t.normal), .distance2 = vd_set(0), .normal = t.normal};
+  out.at = vd_pick(vm_and(within, vm_less(out.height * out.height, radius2)), vd_set(INSIDE), vd_set(APART));
   vm outside = vm_without(all, within);
   if (vm_any(outside))
     look_at_edges(&t, x, in, outside, radius2, &out);
+  out.at = vd_pick(border, vd_set(UNCLEAR), out.at);
   return out;
 }
 
