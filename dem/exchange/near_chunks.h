@@ -1,6 +1,6 @@
-/* Which later chunks may have particles near to those of a rank's home. Every rank tells the others the boxes of its
- * chunks; from these, each pair of ranks knows which chunks the one has to send and the other will get. Only these
- * spheres go from rank to rank when lists are made. */
+/* Which parts of later chunks may have particles near to those of a rank's home. Every rank tells the others the boxes
+ * of its chunks and their parts; from these, each pair of ranks knows which parts the one has to send and the other
+ * will get. Only these spheres go from rank to rank when lists are made. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEM_EXCHANGE_NEAR_CHUNKS_H
 #define DEM_EXCHANGE_NEAR_CHUNKS_H

@@ -1,4 +1,4 @@
-/* What goes from rank to rank when lists are made: places of chunks that are near, and particles to new homes;
+/* What goes from rank to rank when lists are made: places of particles that are near, and particles to new homes;
  * and with which particles each begins. */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "test_dem_support.h"
@@ -12,8 +12,10 @@
 #include "test_ranks_support.h"
 #include "tests/test_main.h"
 
-/* A lattice of 32 x 16 x 16 spheres, 1 m apart: in slices across x four chunks, whose boxes are 1 m apart. Where it
- * repeats, the last one is 1 m from the first one's image. */
+/* A lattice of 32 x 16 x 16 spheres, 1 m apart: in slices across x four chunks, of 8 layers each, which are the parts
+ * that go together. Where it repeats, the last layer is 1 m from the first one's image. */
+enum { LAYER = 256 };
+
 static json_t *lattice(const char *repeats) {
   static const char scene[] =
       "{'gravity':[0,0,0],'contact':{'normal':'hooke','tangential':'none'},'decomposition':{'order':'slices'},"
@@ -29,14 +31,15 @@ static rig *make(const json_t *scene) {
   return rig_make(json_deep_copy(scene), 1e-4, 0, NULL);
 }
 
-/* ---- chunks that are near ---- */
+/* ---- layers that are near ---- */
 
 typedef struct {
   const char *repeats;
   const json_t *scene;
   const dem_data *alone;
   double skin;
-  int nrun[4], run[4][4]; /* of the rank that begins with chunk c: chunks, first and end of each run */
+  int nrun[4], run[4][4]; /* of the rank that has chunk c: layers, first and end of each run */
+  int ntogether;          /* runs of the rank that has the first two chunks */
 } nearness;
 
 static void look_for_near(const dem_ranks *ranks, void *context) {
@@ -54,9 +57,9 @@ static void look_for_near(const dem_ranks *ranks, void *context) {
   } else if (end == first + 1) {
     ck_assert_int_eq(near.nrun, expected->nrun[first]);
     for (int k = 0; k < 2 * near.nrun; k++)
-      ck_assert_int_eq(near.run[k], expected->run[first][k] * DEM_CHUNK);
-  } else if (first == 0) { /* two ranks: one run of two chunks, if all are near */
-    ck_assert_int_eq(near.nrun, expected->nrun[0] > 0);
+      ck_assert_int_eq(near.run[k], expected->run[first][k] * LAYER);
+  } else if (first == 0) {
+    ck_assert_int_eq(near.nrun, expected->ntogether);
   }
   for (int k = 0; k < near.nrun; k++)
     ck_assert_mem_eq(&d->state.sphere[near.run[2 * k]], &expected->alone->state.sphere[near.run[2 * k]],
@@ -65,18 +68,19 @@ static void look_for_near(const dem_ranks *ranks, void *context) {
   rig_free(r);
 }
 
-START_TEST(chunks_that_are_near) {
+START_TEST(layers_that_are_near) {
   static const nearness cases[] = {
-      {"", NULL, NULL, 0.1, {0}, {{0}}},
-      {"", NULL, NULL, 0.3, {1, 1, 1, 0}, {{1, 2}, {2, 3}, {3, 4}, {0}}},
-      {",\"x\":\"periodic\"", NULL, NULL, 0.1, {0}, {{0}}},
-      {",\"x\":\"periodic\"", NULL, NULL, 0.3, {2, 1, 1, 0}, {{1, 2, 3, 4}, {2, 3}, {3, 4}, {0}}},
+      {"", NULL, NULL, 0.1, {0}, {{0}}, 0},
+      {"", NULL, NULL, 0.3, {1, 1, 1, 0}, {{8, 9}, {16, 17}, {24, 25}, {0}}, 1},
+      {",\"x\":\"periodic\"", NULL, NULL, 0.1, {0}, {{0}}, 0},
+      {",\"x\":\"periodic\"", NULL, NULL, 0.3, {2, 1, 1, 0}, {{8, 9, 31, 32}, {16, 17}, {24, 25}, {0}}, 2},
       {",\"x\":\"periodic\",\"y\":\"periodic\",\"z\":\"periodic\"",
        NULL,
        NULL,
        9,
-       {1, 1, 1, 0},
-       {{1, 4}, {2, 4}, {3, 4}, {0}}},
+       {2, 2, 1, 0},
+       {{8, 17, 23, 32}, {16, 25, 31, 32}, {24, 32}, {0}},
+       1},
   };
   dem_keep_poisons = true;
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -268,4 +272,4 @@ START_TEST(copies_of_what_is_partly_zero) {
 }
 END_TEST
 
-TEST_MAIN("dem_exchange", chunks_that_are_near, particles_in_new_homes, start_of_home, copies_of_what_is_partly_zero)
+TEST_MAIN("dem_exchange", layers_that_are_near, particles_in_new_homes, start_of_home, copies_of_what_is_partly_zero)

@@ -77,7 +77,7 @@ class Model:
         return found
 
     def halo(self, home, ranks):
-        """places go, reactions return; at lists places of near chunks, at orders the particles themselves"""
+        """places go, reactions return; at lists places of what is near, at orders the particles themselves"""
         skin, partners = surface(min(ranks, MANY))
         visit, at_list, at_order = self.traffic["messages"]
         bytes_ = skin * home ** (2 / 3) * (visit + BED["lists"] * at_list) + home * BED["orders"] * at_order
