@@ -239,6 +239,7 @@ tdm_status dem_engine_save(dem_engine *e, int slot, tdm_error *err) {
     *kept = dem_data_allocate(e->model);
   if (!*kept || dem_data_copy(*kept, e->data))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to save %d particles", e->data->state.nparticle);
+  e->turned[slot] = dem_proxy_turned(e->proxy);
   return dem_orders_done(err);
 }
 
@@ -249,6 +250,7 @@ tdm_status dem_engine_restore(dem_engine *e, int slot, tdm_error *err) {
   dem_orders_give(DEM_ORDER_RESTORE, slot);
   if (dem_data_copy(e->data, e->slot[slot]))
     tdm_fail(err, TDM_ERR_MEMORY, NULL, "no memory to restore %d particles", e->slot[slot]->state.nparticle);
+  dem_proxy_turn(e->proxy, e->turned[slot]);
   dem_homes_restored(e->data);
   return dem_orders_done(err);
 }

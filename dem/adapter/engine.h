@@ -24,6 +24,7 @@ struct dem_engine {
   dem_view view;                 /* what is remembered for those who look */
   double time;                   /* end of the last window [s] */
   dem_data *slot[TDM_SLOTS_MAX]; /* states that were saved; NULL: none */
+  bool turned[TDM_SLOTS_MAX];    /* with them: dem_proxy_turned */
 };
 
 /* Refuse integrators that cannot carry a mechanism. */

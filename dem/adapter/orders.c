@@ -5,6 +5,7 @@
 #include "dem/state/data.h"
 #include "protocol/version.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,9 +29,24 @@ static bool leads(void) {
 /* ---- are the ranks alike? ---- */
 
 dem_rank_build dem_rank_build_here(void) {
-  dem_rank_build here = {.number = 1.0 / 3, .order = 0x01020304, .size = sizeof(dem_state)};
+  dem_rank_build here = {.order = 0x01020304, .size = sizeof(dem_state)};
+  for (int k = 1; k <= 100; k++) /* by which the bodies move that each rank moves */
+    here.number += sin(k) + cos(3.1 * k) + exp(0.01 * k) + pow(k, 0.3) + atan2(k, 7);
   snprintf(here.version, sizeof here.version, "%s", TDM_VERSION);
   return here;
+}
+
+uint64_t dem_rank_build_program(void) {
+  uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a */
+  unsigned char bytes[65536];
+  FILE *f = fopen("/proc/self/exe", "rb");
+  if (!f)
+    return 0;
+  for (size_t n; (n = fread(bytes, 1, sizeof bytes, f)) > 0;)
+    for (size_t k = 0; k < n; k++)
+      hash = (hash ^ bytes[k]) * 0x100000001b3u;
+  fclose(f);
+  return hash;
 }
 
 const char *dem_ranks_differ(const dem_ranks *all, const dem_rank_build *own) {
@@ -38,8 +54,8 @@ const char *dem_ranks_differ(const dem_ranks *all, const dem_rank_build *own) {
   all->broadcast(&first, sizeof first);
   double other = memcmp(&first, own, sizeof first) != 0;
   all->largest(&other, 1);
-  return other > 0 ? "the ranks run different versions of tandem, or on machines of different kinds; install one "
-                     "version on machines of one kind"
+  return other > 0 ? "the ranks run different builds of tandem, or on machines of different kinds; install the same "
+                     "program on machines of one kind"
                    : NULL; /* bytes of a 1 in another order are more than 0, too */
 }
 
@@ -350,20 +366,35 @@ static void follow_write(order *o, dem_engine *engine, const tdm_snapshot *share
 
 /* ---- both sides ---- */
 
+/* All ranks get the error of the first one that has any. */
+static void share_error(tdm_error *err) {
+  double failed = err->status ? ranks->size - ranks->rank : 0;
+  ranks->largest(&failed, 1);
+  const int first = ranks->size - (int)failed;
+  int *place = malloc(((size_t)ranks->size + 1) * sizeof *place);
+  tdm_error its = *err;
+  if (!place)
+    no_memory();
+  for (int r = 0; r <= ranks->size; r++)
+    place[r] = r > first;
+  ranks->gather(&its, sizeof its, place);
+  free(place);
+  tdm_fail(err, its.status, NULL, "rank %d of %d: %s%s%s", first, ranks->size, its.path, its.path[0] ? ": " : "",
+           its.message);
+}
+
 /* patience: of a rank that failed, with those that did not [s]; < 0: it waits for ever */
 static tdm_status meet(tdm_error *err, double patience) {
   if (!ranks)
     return err->status;
-  int worst = !err->status ? 0 : ranks->rank > 0 ? 1 : 2; /* 2: rank 0 says it */
+  int worst = err->status ? 1 : 0;
   char message[TDM_PATH_MAX + TDM_MESSAGE_MAX + 64];
   snprintf(message, sizeof message, "rank %d of %d: %s%s%s", ranks->rank, ranks->size, err->path,
            err->path[0] ? ": " : "", err->message);
   if (!ranks->meet(&worst, worst ? patience : -1))
     ranks->abandon(message);
-  if (worst && !err->status)
-    tdm_fail(err, TDM_ERR_SYSTEM, NULL, "another rank failed; standard error has its message");
-  else if (worst == 1)
-    fprintf(stderr, "tandem-dem: %s\n", message);
+  if (worst)
+    share_error(err);
   return err->status;
 }
 

@@ -31,12 +31,16 @@ typedef enum {
 /* What must be the same on all ranks, which send each other records as they lie in memory; no gaps. */
 typedef struct {
   char version[32];
-  double number;
+  uint64_t program;     /* of the bytes of the executable (dem_rank_build_program); 0: not known */
+  double number;        /* that the functions of mathematics give here: processors may have others */
   uint32_t order, size; /* of bytes; of dem_state [bytes] */
 } dem_rank_build;
 
-/* Of this program. */
+/* Of this program, but for `program`. */
 dem_rank_build dem_rank_build_here(void);
+
+/* A number of the bytes of the executable that this process runs, which another build does not have. */
+uint64_t dem_rank_build_program(void);
 
 /* NULL: all ranks were built like rank 0. Else why they cannot work together, the same on all. `own`: of this one. */
 const char *dem_ranks_differ(const dem_ranks *all, const dem_rank_build *own);

@@ -85,10 +85,14 @@ tdm_status dem_launch_become(tdm_error *err) {
 }
 
 /* What a user of mpirun must ask for, and here has asked for; who has set something else keeps it. Cores are not given
- * to ranks: other programs have the same ones, and a rank may have several threads. Ranks that are told to end get the
- * time to keep what was computed [s]. */
+ * to ranks: other programs have the same ones, and a rank may have several threads. Ranks that are told to end get some
+ * seconds to keep what was computed; under a server, which ends a run by messages, mpirun ends ranks only where one was
+ * lost, and the server is to know soon. */
 static void allow(int ranks) {
   const bool root = geteuid() == 0;
+  bool server = false;
+  for (int k = 1; words && words[k]; k++)
+    server = server || strcmp(words[k], "--connect") == 0;
   const long cores = sysconf(_SC_NPROCESSORS_ONLN);
   if (root) {
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
@@ -96,7 +100,7 @@ static void allow(int ranks) {
   }
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
   setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
-  setenv("OMPI_MCA_odls_base_sigkill_timeout", "5", 0);
+  setenv("OMPI_MCA_odls_base_sigkill_timeout", server ? "1" : "5", 0);
   if (root || ranks > cores)
     fprintf(stderr, "tandem-dem: notice: mpirun -n %d%s%s\n", ranks, root ? ", as root" : "",
             ranks > cores ? ", on fewer cores: ranks take turns, and wait for each other" : "");

@@ -177,6 +177,14 @@ static void gather(const dem_proxy *x, const dem_data *d) {
 /* ---- the window's start ---- */
 
 /* Is `rate` (6 rows, n columns, row by row) that of vectors that turn with omega? */
+bool dem_proxy_turned(const dem_proxy *x) {
+  return x->turned_so;
+}
+
+void dem_proxy_turn(dem_proxy *x, bool turned) {
+  x->turned_so = turned;
+}
+
 static bool turns_with(tdm_vec3 omega, const double *a, const double *rate, int n) {
   double off = 0, all = 0;
   for (int half = 0; half < 2; half++)

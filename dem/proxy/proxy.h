@@ -37,6 +37,11 @@ typedef struct dem_proxy dem_proxy;
 dem_proxy *dem_proxy_create(const dem_model *model, const tdm_assignment *assignment);
 void dem_proxy_destroy(dem_proxy **proxy);
 
+/* What a window learns from those before it, for states that are saved: whether the (one) body's freedoms turn with it.
+ */
+bool dem_proxy_turned(const dem_proxy *proxy);
+void dem_proxy_turn(dem_proxy *proxy, bool turned);
+
 /* The window through which the mechanism is carried. */
 typedef struct {
   double t0;           /* [s] */

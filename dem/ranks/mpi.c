@@ -183,7 +183,8 @@ const dem_ranks *dem_mpi_begin(int *argc, char ***argv) {
     abandon("more than 4096 ranks; take fewer, with more dem.threads each");
   if (level < MPI_THREAD_FUNNELED)
     abandon("this MPI cannot live with threads");
-  const dem_rank_build here = dem_rank_build_here();
+  dem_rank_build here = dem_rank_build_here();
+  here.program = dem_rank_build_program();
   const char *differ = dem_ranks_differ(&own, &here);
   if (differ)
     abandon(differ);

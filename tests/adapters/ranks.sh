@@ -183,7 +183,7 @@ errors() {
   # a rank that does not see the result directory, as on another machine
   refused 1 'rank 1 of 2: refused/particles_000000.vtp.part: cannot be written: No such file.*on other machines' \
     "${mpi[@]}" 1 tandem-dem-mpi "${alone[@]:1}" : -n 1 --wdir / tandem-dem-mpi
-  grep -q '"status": "TDM_ERR_SYSTEM"' refused/summary.json
+  grep -q '"error": "rank 1 of 2: .*No such file' refused/summary.json
   [ ! -e refused/particles_000000.vtp ]
   [ ! -e refused/particles_000000.vtp.part ]
   mkdir bin
@@ -192,6 +192,9 @@ errors() {
     --set dem.ranks=2
   cp "$(command -v tandem-dem-mpi)" bin
   refused 1 'dem.ranks: .*mpirun.* install openmpi-bin' env PATH=/nowhere bin/"${alone[@]}" --set dem.ranks=2
+  printf 'another build' >>bin/tandem-dem-mpi
+  refused 1 'the ranks run different builds of tandem' "${mpi[@]}" 1 tandem-dem-mpi "${alone[@]:1}" : \
+    -n 1 bin/tandem-dem-mpi "${alone[@]:1}"
   echo "  errors: named"
 }
 
@@ -231,9 +234,9 @@ faults() {
   hit KILL 1 137 'rank 1 .* signal 9' hit/channels.csv "${mpi[@]}" 3 "${alone[@]}"
   hit KILL 0 137 'rank 0 .* signal 9' hit/channels.csv "${alone[@]}" --set dem.ranks=2
   hit KILL mpirun 137 'unfinished\|INTERRUPTED' hit/channels.csv "${alone[@]}" --set dem.ranks=2
-  hit KILL 1 1 'dem.* ended before the run did\|dem: ' hit/body_box.csv "${together[@]}" \
+  hit KILL 1 1 'dem.* ended before the run did (exit status 137)' hit/body_box.csv "${together[@]}" \
     --set "coupling.solvers.dem=${mpi[*]} 2 tandem-dem"
-  hit KILL 0 1 'dem.* ended before the run did\|dem: ' hit/body_box.csv "${together[@]}" --set dem.ranks=2
+  hit KILL 0 1 'dem.* ended before the run did (exit status 137)' hit/body_box.csv "${together[@]}" --set dem.ranks=2
   hit KILL mpirun 1 'dem.* ended before the run did.*signal 9' hit/body_box.csv "${together[@]}" --set dem.ranks=2
   hit INT all 130 '"status": "TDM_ERR_INTERRUPTED"' hit/body_box.csv setsid "${together[@]}" --set dem.ranks=2
   hit STOP 1 1 'dem.* no answer for 5 s' hit/body_box.csv "${together[@]}" --set dem.ranks=2

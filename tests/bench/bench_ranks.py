@@ -17,9 +17,10 @@ rank: tandem-dem without MPI. Times are medians. Draws time.svg, speedup.svg, ef
 core and on two: one process, the MPI build on 1 rank, 2 threads, 2 ranks, LIGGGHTS on 1 and 2 ranks, one after the
 other in each of K rounds, with what is compared in the words of the goals. Of 1e6 particles: ten beds of 100 000.
 
---memory N [--frames] [--ranks P,P,...] [--steps K]: instead, the peak memory of each rank with N particles that fall, beside the
-share: what one process takes, divided by P. What a program takes with a thousand particles is subtracted first. More
-than 1000 steps have a renewal of the order in them. --frames: with frames of the start, the middle and the end.
+--memory N [--frames] [--ranks P,P,...] [--steps K]: instead, the peak memory of each rank with N particles that fall,
+beside the share: what one process takes, divided by P. What a program takes with a thousand particles is subtracted
+first. More than 1000 steps have a renewal of the order in them. --frames: with frames of the start, the middle and the
+end.
 """
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
