@@ -242,8 +242,20 @@ faults() {
   hit STOP 1 1 'dem.* no answer for 5 s' hit/body_box.csv "${together[@]}" --set dem.ranks=2
 }
 
+# a rank has memory for its share, and for what is near to it: bench_ranks.py prints how many shares that are
+memory() {
+  local shares
+  python3 @PROJECT_SOURCE_DIR@/tests/bench/bench_ranks.py --bin @CMAKE_RUNTIME_OUTPUT_DIRECTORY@ --out memory \
+    --memory 200000 --ranks 4 --steps 20 >memory.txt || { cat memory.txt; return 1; }
+  shares=$(sed -n 's/^4 ranks: .*: //p' memory.txt)
+  awk '{for (k = 1; k <= NF; k++) most = $k > most ? $k : most} END {exit !(NF == 4 && most > 0.5 && most < 1.3)}' \
+    <<<"$shares" || { cat memory.txt; return 1; }
+  echo "  memory of 4 ranks, in shares of one process: $shares"
+}
+
 alone
 asked
 coupled
+memory
 errors
 faults
