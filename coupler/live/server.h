@@ -44,9 +44,8 @@ void cpl_server_frame(cpl_server *server, tdm_view_bytes *roster, tdm_view_bytes
 /* Whether a viewer has asked for frames within the last seconds. */
 bool cpl_server_watched(const cpl_server *server);
 
-/* Wait until a viewer that asks for states has seen the end, three seconds at most; then end all connections. *server is
- * NULL.
- */
+/* Wait until a viewer that asks for states has seen the end, three seconds at most; then end all connections. *server
+ * is NULL. */
 void cpl_server_close(cpl_server **server);
 
 #endif
