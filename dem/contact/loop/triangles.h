@@ -11,12 +11,12 @@ _Static_assert(sizeof(dem_triangle) == 24 * sizeof(double), "three records of ei
 
 /* Where the point of a triangle lies that is nearest to a sphere's centre. EDGE + k, CORNER + k: on that one. */
 enum {
-  APART,
+  APART, /* not within the radius */
   INSIDE,
-  UNCLEAR,
+  UNCLEAR, /* on a border of two */
   EDGE,
   CORNER = EDGE + 3
-}; /* APART: not within the radius; UNCLEAR: on a border of two */
+};
 
 typedef struct {
   vd at;        /* APART ... */
